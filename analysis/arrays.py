@@ -44,7 +44,9 @@ class Rows:
     def replaced(self, places: Indices, other: Self) -> Self:
         """With the rows of the other at some places."""
 
-        def merged(ours: Array, theirs: Array) -> Array:
+        def merged(ours: Any, theirs: Any) -> Any:
+            if isinstance(ours, Rows):
+                return ours.replaced(places, theirs)
             changed = ours.copy()
             changed[places] = theirs
             return changed

@@ -155,7 +155,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         unit=unit,
         estimates=tuple(estimates),
         outcomes=tuple(_outcomes(table, direct, factors, forces, plan)),
-        hierarchical=tuple(_hierarchical(estimates, factors, unit, judged)) if plan.hierarchical else (),
+        hierarchical=tuple(_hierarchical(estimates, factors, unit)) if plan.hierarchical else (),
         forms=forms,
         plan=plan,
         tables={},
@@ -216,13 +216,10 @@ def _outcomes(
             yield outcome(compared, conditions, task, dependent, forces=applied, bounds=bounds, primary=plan.primary)
 
 
-def _hierarchical(
-    estimates: Sequence[Estimate], factors: Sequence[str], unit: str, judged: pd.DataFrame
-) -> Iterator[HierarchicalOutcome]:
-    tracked = set(tracks(judged, factors).get("task", ()))
+def _hierarchical(estimates: Sequence[Estimate], factors: Sequence[str], unit: str) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
         fits = {estimate.cell: estimate.fit for estimate in estimates if estimate.cell.task == task}
-        fit = group_fit(list(fits), factors, unit, fits, is_adaptive=task in tracked) if fits else None
+        fit = group_fit(list(fits), factors, unit, fits) if fits else None
         if fit is not None:
             yield fit
 

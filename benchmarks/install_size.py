@@ -27,6 +27,7 @@ REASONS = {
     "matplotlib": "figures, and the report",
     "pillow": "images on pages, height maps of textures",
     "msgspec": "journals and study files, read strictly",
+    "annotated-types": "constraints of arguments and keys, as annotations",
     "tomlkit": "a bench file that is changed keeps its comments (`calibrate --write`)",
     "click": "the command line",
     "rich": "tables and progress in the terminal",

@@ -29,6 +29,7 @@ RESULTS, PAGE = "results.json", "README.md"
 LONGEST_S = 3600.0
 ELSEWHERE = {
     "census": "docs/reference/analysis.md, statuses",
+    "census_groups": "docs/reference/analysis.md, coverage of the hierarchical intervals",
     "census_comparisons": "docs/reference/analysis.md, comparisons",
     "census_lapses": "docs/explanation/statistics.md, lapses",
     "install_size": "docs/how_to/install.md",

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tactometry.arguments.require import excerpt, expect, of_kind, some
+from tactometry.arguments.constraints import excerpt
+from tactometry.arguments.require import expect, of_kind, some
 from tactometry.errors import count_of
 from tactometry.session.answer import Touched
 from tactometry.session.intervention import Intervention

@@ -10,9 +10,8 @@ from functools import cache
 from typing import Any, Final
 
 from .arguments.require import expect, first_repeat, one_of, some
-from .config.shipped import load_shipped, shipped_in
 from .config.strict import build
-from .config.toml import errors_in, table_of
+from .config.toml import errors_in, load_shipped, shipped_in, table_of
 from .errors import InvalidParameter
 
 KIND: Final = "choices"
@@ -33,12 +32,8 @@ FOLDER: Final = "tactometry.questionnaires.choices"
 class Option:
     """A category: the `code` that the table holds, from 1 to 9, and its words by language.
 
-    Parameters
-    ----------
-    code : int
-        What the table holds, from 1 to 9.
-    words : mapping of str to str
-        What participants read, by language.
+    - `code`: What the table holds, from 1 to 9.
+    - `words`: What participants read, by language.
     """
 
     code: int
@@ -82,7 +77,6 @@ class ChoiceItem:
 
     @property
     def languages(self) -> set[str]:
-        """Those in which all of it can be read."""
         return set.intersection(set(self.prompt), *(set(option.words) for option in self.options))
 
     def category(self, code: int, language: str = "en") -> str:
@@ -99,23 +93,13 @@ class ChoiceItem:
 class ChoiceForm:
     """Questions that are asked one page each, about a person.
 
-    Parameters
-    ----------
-    name : str
-        What studies and tables call it.
-    title : str
-        What reports call it.
-    reference : str
-        Where it was published, or that the words are one's own.
-    kind : str
-        ``choices``.
-    items : tuple of ChoiceItem
-        The questions, in their order.
+    Raises `InvalidParameter` if a question has no options, an id or a code stands twice, or no language has all words.
 
-    Raises
-    ------
-    InvalidParameter
-        If a question has no options, an id or a code stands twice, or no language has all words.
+    - `name`: What studies and tables call it.
+    - `title`: What reports call it.
+    - `reference`: Where it was published, or that the words are one's own.
+    - `kind`: ``choices``.
+    - `items`: The questions, in their order.
 
     >>> demographics = load("demographics")
     >>> [item.id for item in demographics.items], demographics.languages
@@ -140,7 +124,6 @@ class ChoiceForm:
 
     @property
     def languages(self) -> tuple[str, ...]:
-        """The languages in which every question can be put."""
         return tuple(sorted(set.intersection(*(item.languages for item in self.items))))
 
     @property
@@ -149,7 +132,6 @@ class ChoiceForm:
         return tuple(item.id for item in self.items if item.bounds is not None)
 
     def item(self, name: str) -> ChoiceItem | None:
-        """The question of this id, if there is one."""
         return next((item for item in self.items if item.id == name), None)
 
 
@@ -174,29 +156,19 @@ def _check_item(item: ChoiceItem, path: str) -> None:
 
 
 def is_choices(table: object) -> bool:
-    """Whether a table `[forms.NAME]` is such a form."""
     return isinstance(table, Mapping) and table.get("kind") == KIND
 
 
 def choice_form_of(table: Mapping[str, Any], path: str) -> ChoiceForm:
     """A form from the table of a file; `path` opens each key path.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key is unknown, missing or of another type, or the form is impossible.
+    Raises `InvalidParameter` if a key is unknown, missing or of another type, or the form is impossible.
     """
     return build(ChoiceForm, table, path)
 
 
 def choice_forms_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, ChoiceForm]:
-    """Those of a study's own, by name, from its `[forms.NAME]`.
-
-    Raises
-    ------
-    InvalidParameter
-        As `choice_form_of`.
-    """
+    """Those of a study's own, by name, from its `[forms.NAME]`."""
     own = {name: table for name, table in tables.items() if is_choices(table)}
     return {name: choice_form_of({"name": name, **table}, f"forms.{name}") for name, table in own.items()}
 
@@ -213,13 +185,7 @@ def shipped_choices() -> tuple[str, ...]:
 
 @cache
 def load(name: str) -> ChoiceForm:
-    """A form that is shipped.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is none of that name.
-    """
+    """A form that is shipped."""
     return load_shipped(FOLDER, name, "form", _parse)
 
 

@@ -60,8 +60,6 @@ def each_of(error: TactometryError) -> tuple[TactometryError, ...]:
 class Gathered:
     """Mistakes of the parts of a file, raised together.
 
-    Examples
-    --------
     >>> found = Gathered()
     >>> for key in ("a", "b"):
     ...     with found.part():
@@ -101,10 +99,7 @@ class Gathered:
     def end(self) -> None:
         """Raise what was kept.
 
-        Raises
-        ------
-        TactometryError
-            The one mistake, or `Mistakes`.
+        Raises `TactometryError` the one mistake, or `Mistakes`.
         """
         if self.errors:
             raise self.errors[0] if len(self.errors) == 1 else Mistakes(self.errors)
@@ -169,13 +164,8 @@ def ended_by_signal(error: BaseException) -> bool:
 def library_needed(refusal: str) -> Iterator[None]:
     """The import of a library of an extra: `refusal`, with the reason for ``{error}``, where it cannot be loaded.
 
-    Raises
-    ------
-    DeviceFailed
-        If there is none, or a library of the system is missing.
+    Raises `DeviceFailed` if there is none, or a library of the system is missing.
 
-    Examples
-    --------
     >>> with library_needed("lamp: found no lamps ({error}); pip install 'tactometry[lamp]'"):
     ...     import lamps
     Traceback (most recent call last):
@@ -193,13 +183,8 @@ def attempt(
 ) -> Iterator[None]:
     """A call of the system: where it fails, one sentence says where, what could not be done and why.
 
-    Raises
-    ------
-    DeviceFailed
-        If the body raises one of the `errors`.
+    Raises `DeviceFailed` if the body raises one of the `errors`.
 
-    Examples
-    --------
     >>> with attempt("/nowhere/f", "cannot write", "a place to write to"):
     ...     open("/nowhere/f", "xb")
     Traceback (most recent call last):
@@ -224,13 +209,8 @@ def reason(error: BaseException) -> str:
 def rewording(tell: Callable[[str], str]) -> Iterator[None]:
     """A refusal in the words of whoever asked: what `tell` makes of the sentence.
 
-    Raises
-    ------
-    InvalidParameter
-        If the body raises an error that a person can mend.
+    Raises `InvalidParameter` if the body raises an error that a person can mend.
 
-    Examples
-    --------
     >>> with rewording(lambda words: f"procedure.{words}"):
     ...     raise LimitExceeded("level: found 90, expected at most 40")
     Traceback (most recent call last):

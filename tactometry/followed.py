@@ -40,8 +40,6 @@ class FollowsFinger(Stimulus, Protocol):
 class FingerPath:
     """The last of a finger's path along its first axis: told by a sensor's thread, asked for by that of an output.
 
-    Examples
-    --------
     >>> path = FingerPath()
     >>> path.hear(np.array([0.0, 0.1]), np.array([[0.0, 5.0], [0.01, 5.0]]))
     >>> path.at(np.array([-0.1, 0.05, 0.15, 0.3])).tolist()
@@ -58,16 +56,13 @@ class FingerPath:
         """Samples with stamps (s); those that are lost, or not later than the last one, are left out."""
         for time_s, place_m in zip(times_s.tolist(), positions_m[:, 0].tolist(), strict=True):
             if time_s > self.last_s and math.isfinite(place_m):
-                self._add(time_s, place_m)
-
-    def _add(self, time_s: float, place_m: float) -> None:
-        kept_s, kept_m, n = self._kept
-        if n == N_KEPT:  # half of it in new arrays
-            old_s, old_m, n = kept_s, kept_m, N_KEPT // 2
-            kept_s, kept_m = np.empty(N_KEPT), np.empty(N_KEPT)
-            kept_s[:n], kept_m[:n] = old_s[-n:], old_m[-n:]
-        kept_s[n], kept_m[n] = time_s, place_m
-        self._kept, self.last_s = (kept_s, kept_m, n + 1), time_s
+                kept_s, kept_m, n = self._kept
+                if n == N_KEPT:  # half of it in new arrays
+                    old_s, old_m, n = kept_s, kept_m, N_KEPT // 2
+                    kept_s, kept_m = np.empty(N_KEPT), np.empty(N_KEPT)
+                    kept_s[:n], kept_m[:n] = old_s[-n:], old_m[-n:]
+                kept_s[n], kept_m[n] = time_s, place_m
+                self._kept, self.last_s = (kept_s, kept_m, n + 1), time_s
 
     def at(self, times_s: FloatArray) -> FloatArray:
         """Places (m) at times (s): on lines between samples, the last one for `HELD_S`; NaN where not known."""
@@ -101,15 +96,10 @@ class FollowedSignal(Signal):
 class Course:
     """What a signal became under a finger.
 
-    Parameters
-    ----------
-    signal : Signal
-        What was emitted.
-    latency_s : float
-        From a place of the finger to the voltage that answers it.
-    late, unknown : float
-        Parts (0..1) of the samples whose place was not there in time, so that the last one stood for it, and of those
-        of which nobody knew the place.
+    - `signal`: What was emitted.
+    - `latency_s`: From a place of the finger to the voltage that answers it.
+    - `late`, `unknown`: Parts (0..1) of the samples whose place was not there in time, so that the last one stood for
+      it, and of those of which nobody knew the place.
     """
 
     signal: Signal

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arguments.require import expect, not_negative, positive
+from .arguments.constraints import NotNegative, Positive, constrained
+from .arguments.require import expect, positive
 from .errors import InvalidParameter
 
 VALID_PART = 0.8
@@ -26,30 +27,18 @@ def _then(gate: G, **state: Any) -> G:
 
 
 @dataclass(frozen=True)
+@constrained
 class ForceGate:
     """Opens once `target_n` was held within `tolerance` for `hold_s`, with no gap between the samples.
 
     Each sample makes a new gate. The hold starts again after a sample outside the band, a lost sample (NaN),
     a gap above `max_gap_s` and a stamp that goes back: the gate may open late, never early.
 
-    Parameters
-    ----------
-    target_n : float
-        The force to hold, N, above 0.
-    tolerance : float
-        Half width of the band relative to `target_n`, above 0; the band holds its edges.
-    hold_s : float
-        How long the force must be held, s, at least 0.
-    max_gap_s : float
-        The longest interval between samples that is still one hold, s, above 0.
+    - `target_n`: The force to hold, N, above 0.
+    - `tolerance`: Half width of the band relative to `target_n`, above 0; the band holds its edges.
+    - `hold_s`: How long the force must be held, s, at least 0.
+    - `max_gap_s`: The longest interval between samples that is still one hold, s, above 0.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is not as stated.
-
-    Examples
-    --------
     >>> gate = ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.015)
     >>> for time_s, force_n in [(0.0, 0.5), (0.01, 0.9), (0.02, 1.1), (0.03, 1.0)]:
     ...     gate = gate.after(time_s, force_n)
@@ -57,16 +46,12 @@ class ForceGate:
     (True, False)
     """
 
-    target_n: float
-    tolerance: float
-    hold_s: float
-    max_gap_s: float = 0.02
+    target_n: Positive
+    tolerance: Positive
+    hold_s: NotNegative
+    max_gap_s: Positive = 0.02
     since_s: float | None = None
     last_s: float | None = None
-
-    def __post_init__(self) -> None:
-        positive("ForceGate", target_n=self.target_n, tolerance=self.tolerance, max_gap_s=self.max_gap_s)
-        not_negative("ForceGate", hold_s=self.hold_s)
 
     @property
     def open(self) -> bool:
@@ -81,11 +66,9 @@ class ForceGate:
         """The gate after a sample of `force_n` (N) stamped `sample_time_s` (s)."""
         if not (math.isfinite(sample_time_s) and self.holds(force_n)):
             return _then(self, since_s=None, last_s=None)
-        since_s = self.since_s if self._follows(sample_time_s) else sample_time_s
+        follows = self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
+        since_s = self.since_s if follows else sample_time_s
         return _then(self, since_s=since_s, last_s=sample_time_s)
-
-    def _follows(self, sample_time_s: float) -> bool:
-        return self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
 
 
 class Compliance(NamedTuple):
@@ -101,31 +84,15 @@ def compliance(
 ) -> Compliance:
     """How well a force was kept.
 
-    Parameters
-    ----------
-    times_s : (n_samples,) array_like
-        Stamps, s, never going back.
-    forces_n : (n_samples,) array_like
-        Finite forces, N; at least one.
-    target_n, tolerance : float
-        The band, as in `ForceGate`.
-    window_s : float
-        Length of the running mean, s: at each sample the mean of the samples of the last `window_s`, or of as
-        many as there are.
+    - `times_s`: Stamps, s, never going back.
+    - `forces_n`: Finite forces, N; at least one.
+    - `target_n`, `tolerance`: The band, as in `ForceGate`.
+    - `window_s`: Length of the running mean, s: at each sample the mean of the samples of the last `window_s`, or of as
+      many as there are.
 
-    Returns
-    -------
-    Compliance
-        `sd_n` is that of the trace (division by n_samples). `in_band` (0..1) is the part of the samples whose
-        running mean lies in the band.
+    Returns: `sd_n` is that of the trace (division by n_samples). `in_band` (0..1) is the part of the samples whose
+    running mean lies in the band.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value or a shape is not as stated.
-
-    Examples
-    --------
     >>> compliance([0.0, 0.1, 0.2, 0.3], [1.0, 1.0, 2.0, 2.0], target_n=1.0, tolerance=0.25, window_s=0.1)
     Compliance(mean_n=1.5, sd_n=0.5, in_band=0.5)
     """
@@ -143,12 +110,6 @@ def compliances(
     window_s: float = 0.25,
 ) -> list[Compliance]:
     """`compliance` of each of several touches with the same stamps: (n_touches, n_samples) forces, unchecked."""
-    off_target_n = np.abs(_running_means(times_s, forces_n, window_s) - target_n)
-    in_band = (off_target_n <= tolerance * target_n).mean(axis=1)
-    return list(map(Compliance, forces_n.mean(axis=1).tolist(), forces_n.std(axis=1).tolist(), in_band.tolist()))
-
-
-def _running_means(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], window_s: float) -> NDArray[np.float64]:
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
     first = np.minimum(first, behind - 1)  # a window that rounding makes shorter than any step holds its own sample
@@ -156,7 +117,10 @@ def _running_means(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], 
     edges = np.column_stack([first, behind]).ravel()
     ended = np.pad(forces_n, ((0, 0), (0, 1)))
     sums = np.add.reduceat(ended, edges, axis=1)[:, ::2]
-    return np.asarray(sums / (behind - first), dtype=np.float64)
+    running_means = np.asarray(sums / (behind - first), dtype=np.float64)
+    off_target_n = np.abs(running_means - target_n)
+    in_band = (off_target_n <= tolerance * target_n).mean(axis=1)
+    return list(map(Compliance, forces_n.mean(axis=1).tolist(), forces_n.std(axis=1).tolist(), in_band.tolist()))
 
 
 def stamped_samples(
@@ -164,10 +128,7 @@ def stamped_samples(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Finite values with their stamps (s): at least two that rise, or at least one with none that goes back.
 
-    Raises
-    ------
-    InvalidParameter
-        If they are none; `owner` opens the sentence, which calls the values by their `name`.
+    Raises `InvalidParameter` if they are none; `owner` opens the sentence, which calls the values by their `name`.
     """
     times, samples = np.asarray(times_s, dtype=np.float64), np.asarray(values, dtype=np.float64)
     paired = times.ndim == 1 and times.shape == samples.shape and times.size >= 1 + rising
@@ -189,6 +150,7 @@ def stamped_samples(
 
 
 @dataclass(frozen=True)
+@constrained
 class SpeedGate:
     """Open while the finger has moved at `target_m_per_s` within `tolerance` for `hold_s`, without a gap.
 
@@ -196,24 +158,11 @@ class SpeedGate:
     a lost sample (NaN), a gap above `max_gap_s` and a stamp that does not advance begin anew: the gate may open late,
     never early.
 
-    Parameters
-    ----------
-    target_m_per_s : float
-        The speed, m/s, above 0; its sign does not count.
-    tolerance : float
-        Half width of the band relative to the target, above 0; the band holds its edges.
-    hold_s : float
-        How long the speed must be kept, s, at least 0.
-    window_s, max_gap_s : float
-        Window of the speed and longest interval between samples, s, above 0.
+    - `target_m_per_s`: The speed, m/s, above 0; its sign does not count.
+    - `tolerance`: Half width of the band relative to the target, above 0; the band holds its edges.
+    - `hold_s`: How long the speed must be kept, s, at least 0.
+    - `window_s`, `max_gap_s`: Window of the speed and longest interval between samples, s, above 0.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is not as stated.
-
-    Examples
-    --------
     >>> gate = SpeedGate(target_m_per_s=0.05, tolerance=0.2, hold_s=0.01, window_s=0.02)
     >>> for n in range(4):
     ...     gate = gate.after(sample_time_s=0.01 * n, position_m=0.0005 * n)
@@ -221,18 +170,13 @@ class SpeedGate:
     (True, False)
     """
 
-    target_m_per_s: float
-    tolerance: float
-    hold_s: float = 0.0
-    window_s: float = WINDOW_S
-    max_gap_s: float = 0.02
+    target_m_per_s: Positive
+    tolerance: Positive
+    hold_s: NotNegative = 0.0
+    window_s: Positive = WINDOW_S
+    max_gap_s: Positive = 0.02
     samples: tuple[tuple[float, float], ...] = ()
     since_s: float | None = None
-
-    def __post_init__(self) -> None:
-        positive("SpeedGate", target_m_per_s=self.target_m_per_s, tolerance=self.tolerance)
-        positive("SpeedGate", window_s=self.window_s, max_gap_s=self.max_gap_s)
-        not_negative("SpeedGate", hold_s=self.hold_s)
 
     @property
     def speed_m_per_s(self) -> float | None:
@@ -246,7 +190,6 @@ class SpeedGate:
 
     @property
     def moving(self) -> bool:
-        """Whether the present speed is known and in the band."""
         return self.since_s is not None
 
     @property
@@ -289,29 +232,14 @@ def motion(
 ) -> SpeedCompliance:
     """How well a speed was kept.
 
-    Parameters
-    ----------
-    times_s : (n_samples,) array_like
-        Stamps, s, each later than the one before; at least two.
-    positions_m : (n_samples,) array_like
-        Finite places along the path, m.
-    target_m_per_s, tolerance : float
-        The band, as in `SpeedGate`.
-    window_s : float
-        The speed at a sample is the way between the ends of a window of this length around it, over its duration.
+    - `times_s`: Stamps, s, each later than the one before; at least two.
+    - `positions_m`: Finite places along the path, m.
+    - `target_m_per_s`, `tolerance`: The band, as in `SpeedGate`.
+    - `window_s`: The speed at a sample is the way between the ends of a window of this length around it, over its
+      duration.
 
-    Returns
-    -------
-    SpeedCompliance
-        The mean is the length of the path over its duration.
+    Returns: The mean is the length of the path over its duration.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value or a shape is not as stated.
-
-    Examples
-    --------
     >>> motion([0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.02, 0.02], 0.1, tolerance=0.2, window_s=0.2).in_band
     0.5
     """

@@ -27,8 +27,6 @@ def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[],
     checkers and editors take for a re-export; those lines are read here. ``__all__`` is set from them, and ``dir``
     lists them alone.
 
-    Examples
-    --------
     >>> import tactometry.analysis.threshold
     >>> tactometry.analysis.threshold.__all__
     ['Status', 'ThresholdFit', 'fit', 'fit_many']
@@ -51,8 +49,6 @@ def named(package: str) -> Callable[[], list[str]]:
     """The `__dir__` of a `package` that has imported its public names, and sets its ``__all__``: what stands there but
     modules, and this function.
 
-    Examples
-    --------
     >>> import tactometry.protocols
     >>> dir(tactometry.protocols)[:3]
     ['AdjustmentTask', 'Block', 'BlockOptions']

@@ -51,10 +51,8 @@ def not_allowed(where: str, target: str, what: str) -> InvalidParameter:
 def class_beside(target: str, folder: Path, where: str) -> type:
     """The dataclass that ``module:Class`` names, from the file of the module in `folder`.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such file, its import fails, or it holds no such dataclass; `where` opens the sentence.
+    Raises `InvalidParameter` if there is no such file, its import fails, or it holds no such dataclass; `where` opens
+    the sentence.
     """
     module, _, name = target.partition(":")
     file = folder.joinpath(*module.split(".")).with_suffix(".py")
@@ -72,7 +70,6 @@ def class_beside(target: str, folder: Path, where: str) -> type:
 
 
 def state_of(folder: Path) -> str:
-    """Of the code in a folder: another one if any file of it is."""
     return sha256(b"".join(str(file).encode() + file.read_bytes() for file in sorted(folder.glob("*.py"))))
 
 
@@ -117,10 +114,7 @@ def _beside(folder: Path) -> Iterator[None]:
 def guarded(kind: type, expected: Mapping[str, Expected | None]) -> type:
     """A class as it stands, each of whose calls that are named ends with a plain answer or one sentence.
 
-    Raises
-    ------
-    InvalidParameter
-        By its calls: with file and line, what was raised or answered, and what was expected.
+    Raises `InvalidParameter` by its calls: with file and line, what was raised or answered, and what was expected.
     """
     made = type(kind.__name__, (kind,), {"__module__": kind.__module__, "__slots__": (), MARK: True})
     for name, answer in expected.items():

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arguments.require import expect, lookup, positive, within
+from .arguments.constraints import Positive, Share, constrained
+from .arguments.require import expect, lookup
 from .errors import InvalidParameter
 
 Array = NDArray[np.float64]
@@ -154,6 +155,7 @@ def shape_named(name: str) -> Shape:
 
 
 @dataclass(frozen=True)
+@constrained
 class PsychometricFunction:
     """The chance of a correct (or "yes") answer against the level.
 
@@ -186,17 +188,15 @@ class PsychometricFunction:
 
     shape: str
     threshold: float
-    width: float
-    guess_rate: float
-    lapse_rate: float
+    width: Positive
+    guess_rate: Share
+    lapse_rate: Share
 
     def __post_init__(self) -> None:
         standard = shape_named(self.shape)
         is_level = isfinite(self.threshold) and (self.threshold > 0 or not standard.on_log_levels)
         above = f" above 0 for the shape {self.shape!r}" if standard.on_log_levels else ""
         expect(is_level, "threshold", self.threshold, f"a finite level{above}")
-        positive("PsychometricFunction", width=self.width)
-        within("PsychometricFunction", 0, 1, guess_rate=self.guess_rate, lapse_rate=self.lapse_rate)
         rates = f"{self.guess_rate} and {self.lapse_rate}"
         expect(self.guess_rate + self.lapse_rate < 1, "guess_rate, lapse_rate", rates, "a sum below 1")
 

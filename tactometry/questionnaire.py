@@ -9,13 +9,15 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, Final, Self
+from typing import Annotated, Any, Final, Self
 
-from .arguments.require import expect, first_repeat, lookup, one_of, some, whole
+from annotated_types import Ge
+
+from .arguments.constraints import constrained
+from .arguments.require import expect, first_repeat, lookup, one_of, some
 from .choice_form import is_choices
-from .config.shipped import load_shipped, shipped_in
 from .config.strict import build
-from .config.toml import errors_in, table_of
+from .config.toml import errors_in, load_shipped, shipped_in, table_of
 from .errors import InvalidParameter
 
 FOLDER: Final = "tactometry.questionnaires"
@@ -50,25 +52,13 @@ class Item:
 
 
 @dataclass(frozen=True)
+@constrained
 class Dimension:
-    """A score: the mean of its items, or of those of its `parts`, if at least `min_answered` of them are answered.
+    """A score: the mean of its items, or of those of its `parts`, if at least `min_answered` of them are answered."""
 
-    Parameters
-    ----------
-    min_answered : int
-        How many of its items must be answered for a score.
-    title : mapping of str to str
-        What reports call it, by language.
-    parts : tuple of str
-        Dimensions whose items it takes.
-    """
-
-    min_answered: int
+    min_answered: Annotated[int, Ge(1)]
     title: dict[str, str] = field(default_factory=dict)
     parts: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        whole("Dimension", lowest=1, min_answered=self.min_answered)
 
 
 @dataclass(frozen=True)
@@ -102,11 +92,6 @@ class Questionnaire:
     dimensions : mapping of str to Dimension
         The scores, by name.
 
-    Raises
-    ------
-    InvalidParameter
-        If an item has no pole, an id or an order stands twice, or a scale or a dimension is impossible.
-
     >>> attrakdiff = load("attrakdiff")
     >>> attrakdiff.items[0].id, attrakdiff.words("PQ1", "en"), attrakdiff.score("PQ1", 1)
     ('PQ1', ('', 'Human', 'Technical'), 3.0)
@@ -128,11 +113,23 @@ class Questionnaire:
     def __post_init__(self) -> None:
         _check_scale(self)
         for index, item in enumerate(self.items):
-            _check_item(self, item, f"items[{index}]")
+            path = f"items[{index}]"
+            one_of(f"{path}.dimension", item.dimension, self.dimensions)
+            for language, poles in item.poles.items():
+                _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
+            two = "two poles, or ends for all items"
+            expect(bool(item.poles or self.ends), f"{path}.poles", f"none for {item.id!r}", two)
+
         _check_order(self)
         expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
+
         for name, dimension in self.dimensions.items():
-            _check_dimension(self, name, dimension)
+            for part in dimension.parts:
+                is_other = part in self.dimensions and part != name
+                expect(is_other, f"dimensions.{name}.parts", repr(part), "the name of another dimension")
+            n_items, least = len(self.items_of(name)), dimension.min_answered
+            to_all = f"from 1 to the number of its items ({n_items})"
+            expect(1 <= least <= n_items, f"dimensions.{name}.min_answered", least, to_all)
         object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
 
     def __deepcopy__(self, memo: dict[int, object]) -> Self:
@@ -147,22 +144,13 @@ class Questionnaire:
         return tuple(sorted(set.intersection(*sides, *statements)))
 
     def item(self, name: str) -> Item:
-        """The item of this id.
-
-        Raises
-        ------
-        InvalidParameter
-            If there is none.
-        """
+        """The item of this id."""
         return lookup(f"item of {self.name}", name, {item.id: item for item in self.items})
 
     def words(self, name: str, language: str) -> tuple[str, str, str]:
         """The statement (empty if there is none), the left word and the right word of an item, as presented.
 
-        Raises
-        ------
-        InvalidParameter
-            If the item or the language is not there.
+        Raises `InvalidParameter` if the item or the language is not there.
         """
         item = self.item(name)
         one_of(f"language of {self.name}", language, self.languages)
@@ -184,10 +172,7 @@ class Questionnaire:
     def score(self, name: str, raw: float) -> float:
         """The score of a raw answer to an item.
 
-        Raises
-        ------
-        InvalidParameter
-            If the item is unknown, or `raw` is no answer that the scale takes.
+        Raises `InvalidParameter` if the item is unknown, or `raw` is no answer that the scale takes.
         """
         item = self.item(name)
         scale = f"{self.low:g} to {self.high:g}{'' if self.steps is None else f' in {self.steps} steps'}"
@@ -200,10 +185,7 @@ class Questionnaire:
 
         Items that are missing, or None, are not answered.
 
-        Raises
-        ------
-        InvalidParameter
-            If an item is unknown or an answer is not on the scale.
+        Raises `InvalidParameter` if an item is unknown or an answer is not on the scale.
 
         >>> scores = load("attrakdiff").scores({item.id: 7.0 for item in load("attrakdiff").items})
         >>> {name: round(7 * score) for name, score in scores.items()}
@@ -231,13 +213,6 @@ def _check_scale(form: Questionnaire) -> None:
         _check_pair(ends, f"ends.{language}", "the left and the right end")
 
 
-def _check_item(form: Questionnaire, item: Item, path: str) -> None:
-    one_of(f"{path}.dimension", item.dimension, form.dimensions)
-    for language, poles in item.poles.items():
-        _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
-    expect(bool(item.poles or form.ends), f"{path}.poles", f"none for {item.id!r}", "two poles, or ends for all items")
-
-
 def _check_pair(words: Sequence[str], path: str, what: str) -> None:
     are_two = len(words) == 2 and all(word.strip() for word in words)
     expect(are_two, path, list(words), f"two words, {what}")
@@ -251,22 +226,10 @@ def _check_order(form: Questionnaire) -> None:
             raise InvalidParameter(f"items[{index}].{key}: found {values[index]!r} twice, expected each {key} once")
 
 
-def _check_dimension(form: Questionnaire, name: str, dimension: Dimension) -> None:
-    for part in dimension.parts:
-        is_other = part in form.dimensions and part != name
-        expect(is_other, f"dimensions.{name}.parts", repr(part), "the name of another dimension")
-    n_items, least = len(form.items_of(name)), dimension.min_answered
-    to_all = f"from 1 to the number of its items ({n_items})"
-    expect(1 <= least <= n_items, f"dimensions.{name}.min_answered", least, to_all)
-
-
 def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:
     """A questionnaire from the table of a file; `path` opens each key path. Without ``steps`` its scale is a line.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key is unknown, missing or of another type, or the questionnaire is impossible.
+    Raises `InvalidParameter` if a key is unknown, missing or of another type, or the questionnaire is impossible.
     """
     return build(Questionnaire, table, path)
 
@@ -274,10 +237,7 @@ def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:
 def parse(content: bytes, where: str) -> Questionnaire:
     """A questionnaire from the bytes of its file; `where` opens every sentence.
 
-    Raises
-    ------
-    InvalidFile
-        If the bytes are no TOML, or the questionnaire holds anything unknown, missing or impossible.
+    Raises `InvalidFile` if the bytes are no TOML, or the questionnaire holds anything unknown, missing or impossible.
     """
     table = table_of(content, where, "a questionnaire")
     with errors_in(where):
@@ -285,13 +245,7 @@ def parse(content: bytes, where: str) -> Questionnaire:
 
 
 def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
-    """The questionnaires of a study's own, by name, from its `[forms.NAME]`; forms of choices are none.
-
-    Raises
-    ------
-    InvalidParameter
-        As `questionnaire_of`.
-    """
+    """The questionnaires of a study's own, by name, from its `[forms.NAME]`; forms of choices are none."""
     scales = {name: table for name, table in tables.items() if not is_choices(table)}
     return {name: questionnaire_of({"name": name, **table}, f"forms.{name}") for name, table in scales.items()}
 
@@ -308,11 +262,5 @@ def shipped_names() -> tuple[str, ...]:
 
 @cache
 def load(name: str) -> Questionnaire:
-    """A questionnaire that is shipped.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is none of that name.
-    """
+    """A questionnaire that is shipped."""
     return load_shipped(FOLDER, name, "questionnaire", parse)

@@ -1,9 +1,9 @@
 """Thresholds of all participants and conditions at once: a hierarchical psychometric model.
 
-The threshold of a participant in a condition is the condition's mean, plus the participant's effect, plus the
-cell's own deviation; the logarithm of the width likewise. The effects are normal, those of threshold and width
-correlated, and integrated over by Laplace's approximation (`laplace`). A participant with few or extreme answers is
-drawn to the group as far as the answers leave it open; nothing is put in place of a threshold outside of the levels.
+Thresholds, log widths and lapse rates of participants are normal about those of the group (`model`). Means and effects
+are integrated over by Laplace's approximation (`inner`), all else by importance sampling (`posterior`). A participant
+with few or extreme answers is drawn to the group as far as the answers leave it open; nothing is put in place of a
+threshold outside of the levels.
 """
 
 from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
@@ -20,29 +20,19 @@ from tactometry.arguments.require import between, expect
 from tactometry.psychometric import shape_named
 
 from ..arrays import Array
-from ..mixed_models.laplace import ClusteredModel, MixedFit, maximise
 from ..threshold.counts import count_arrays
 from ..threshold.fitting import check_rates
-from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
-from .model import CORRELATED_FROM, mixed_model, rate_of, start
+from .model import GroupModel, rate_of
+from .posterior import N_POINTS, Integrated, Laplace, integrate
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
 from .starts import Alone, Known, single_fits
 from .study import StudyCounts
-from .tables import CONDITION_COLUMNS, ParameterPlace, cells, condition_table, means, participant_table, reaches
+from .tables import CONDITION_COLUMNS, ParameterPlace, cell_place, condition_table, group_place, participant_table
 
-ZERO_SD = 1e-3
-"""A standard deviation below this part of the range of the levels (below this, for the log width) is none."""
-LARGEST_GRADIENT = 1e-2
-START_FACTORS = (1.0, 0.3, 3.0)
-ONE_WIDTH = "widths are taken to be the same in all participants: the answers do not tell how they vary"
-HIGH_LAPSES = 0.1
-OPEN_LAPSES = (
-    "a lapse rate of {:.0%} for all: where levels lie about the threshold alone, the answers leave open whether it is "
-    "that or lower thresholds; state the lapse rate, or ask far above the threshold too"
-)
+ENOUGH_EFFECTIVE = 25.0
+COARSE = "the integral over the variances rests on {:.0f} effective points: its intervals are approximate"
 OPEN_MEAN = "the mean threshold of a condition is known to no better than the range of its levels"
-COMPONENTS = ("threshold", "log_width", "threshold_cell", "log_width_cell")
 
 
 def fit_hierarchical(
@@ -62,6 +52,7 @@ def fit_hierarchical(
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
     known: Known | None = None,
+    n_points: int = N_POINTS,
 ) -> HierarchicalFit:
     """Fit the thresholds of all participants and conditions at once.
 
@@ -74,8 +65,8 @@ def fit_hierarchical(
     shape : str
         As for `threshold.fit`.
     guess_rate, lapse_rate : float or None
-        Known, or (None) estimated, the same for all, under the prior of `threshold.fit`; a free guess rate with the
-        catch trials of all participants together.
+        Known, or (None) estimated under the prior of `threshold.fit`: a lapse rate for each participant, one guess rate
+        for all, with the catch trials of all participants together.
     n_false_alarms, n_catch : int or (n_rows,)
         "Yes" answers to catch trials, and catch trials: those of all participants together, or (better) of each row's
         cell, the same in all rows of a cell: then they bear on the verdict of each cell too.
@@ -88,6 +79,8 @@ def fit_hierarchical(
     known : mapping of (participant, values of the factors) to ThresholdFit, optional
         What `threshold.fit` said of single cells with the same shape, rates and priors; others are fitted here. Not for
         the shape ``weibull``.
+    n_points : int
+        Points of a round of the integral over the hyperparameters; the first round has half as many.
 
     Returns
     -------
@@ -100,10 +93,13 @@ def fit_hierarchical(
 
     Notes
     -----
-    Maximum likelihood by Laplace's approximation, but for psignifit's priors on the mean threshold and width of each
-    condition: flat within its levels, they keep means finite that the answers leave open. Standard errors of
-    means and contrasts are multiplied by sqrt(n / (n - 1)), which makes the variances of a balanced design those of
-    restricted maximum likelihood, and intervals are t with n - 1 degrees of freedom.
+    The posterior of variances, correlation, mean width and rates is integrated over by importance sampling at
+    quasi-random points, where Laplace's approximation integrates over all thresholds. Values of the group are mixtures
+    of normals, those of participants weighted draws. Points and draws are fixed: the same answers give the same result.
+
+    Priors, in ranges of the levels (of logarithms for widths): mean thresholds normal about the middle of their levels,
+    mean log widths normal about half of the range, standard deviations half-normal, the correlation LKJ(2). The lapse
+    rates of participants are normal on the logit scale, and their centre has the prior Beta(1, `rate_beta`).
 
     Examples
     --------
@@ -133,7 +129,7 @@ def fit_hierarchical(
     study = StudyCounts.of(names[used], factors, width_by, answers, of_cells, **stated)
     # By now the levels are logarithms, over which a Weibull function is a Gumbel function.
     alone = single_fits(study, "gumbel" if shape == "weibull" else shape, {} if curve.on_log_levels else known or {})
-    return _fit(alone, interval, width_varies=not alone.separated)
+    return _fit(alone, interval, n_points)
 
 
 def _check(
@@ -151,89 +147,72 @@ def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
     return HierarchicalFit(conditions=empty, participants=empty, factors=factors, interval=interval)
 
 
-def _fit(alone: Alone, interval: float, *, width_varies: bool) -> HierarchicalFit:
-    study = alone.study
-    kept = replace(study.only(alone.with_threshold), width_varies=width_varies)
+def _fit(alone: Alone, interval: float, n_points: int) -> HierarchicalFit:
+    study, chosen = alone.study, alone.with_threshold
+    kept, n = study.only(chosen), study.n_participants
     if not kept.n_conditions:
         return _without_model(alone, GroupStatus.NO_THRESHOLD, interval)
-    model = mixed_model(kept)
-    mixed_fit = _maximum(model, start(kept, model, *alone.start()))
-    if width_varies and not _has_converged(mixed_fit):
-        return _fit(alone, interval, width_varies=False)
-    status = _status(kept, model, mixed_fit)
-    if status == GroupStatus.NOT_CONVERGED:
-        return _without_model(alone, status, interval)
-    n = study.n_participants
-    group_reach, participant_reach = reaches(n, interval)
-    inflation = float(np.sqrt(n / (n - 1))) if n > 1 else 1.0  # to the restricted likelihood's
-    chosen = alone.with_threshold
-    of_group = ParameterPlace.unknown(study.n_conditions).replaced(chosen, means(kept, mixed_fit, inflation))
-    of_cells = ParameterPlace.unknown(study.n_conditions, n).replaced(chosen, cells(model, mixed_fit))
-    angles = zip(study.shared, model.parts(mixed_fit.parameters)[1], strict=True)
-    rates = {place: float(rate_of(np.array(angle))[0]) for place, angle in angles}
-    note = "; ".join(filter(None, (status.note, "" if width_varies else ONE_WIDTH, *_open(kept, mixed_fit, rates))))
-    components, correlation = _components(kept, model, mixed_fit)
-    all_means, covariance, width_group = _means_of_all(alone, kept, mixed_fit, inflation)
+    model = GroupModel(kept)
+    hyper, means = model.start(*alone.start())
+    try:
+        found = integrate(Laplace(model, hyper, means), hyper, n_points)
+        of_group, (of_cells, rates) = group_place(model, found, interval), cell_place(model, found, interval)
+    except np.linalg.LinAlgError:
+        return _without_model(alone, GroupStatus.NOT_CONVERGED, interval)
+    group = ParameterPlace.unknown(study.n_conditions).replaced(chosen, of_group)
+    each = ParameterPlace.unknown(study.n_conditions, n).replaced(chosen, of_cells)
+    status = GroupStatus.ONE_PARTICIPANT if n == 1 else GroupStatus.OK
+    all_means, covariance, width_group = _means_of_all(alone, model, found)
+    sds = zip(model.sds, found.mean(np.exp(found.at.hyper[:, : len(model.sds)])), strict=True)
+    guess = study.guess_rate if study.guess_rate is not None else _mean_rate(model, found, "guess_rate")
     return HierarchicalFit(
-        conditions=condition_table(alone, of_group, group_reach),
-        participants=participant_table(alone, of_cells, participant_reach),
-        components=components,
-        correlation=correlation,
-        lapse_rate=rates.get(LAPSE, study.lapse_rate),
-        guess_rate=rates.get(GUESS, study.guess_rate),
-        log_likelihood=mixed_fit.log_marginal,
+        conditions=condition_table(alone, group),
+        participants=participant_table(alone, each, rates),
+        components=MappingProxyType({k: float(v) * (study.spread if "threshold" in k else 1.0) for k, v in sds}),
+        correlation=float(found.mean(np.tanh(model.at(found.at.hyper, "correlation")))) if n > 1 else None,
+        lapse_rate=float(rates.mean()),
+        guess_rate=guess,
+        n_effective=found.n_effective,
         status=status,
-        note=note,
+        note="; ".join(filter(None, (status.note, *_open(kept, of_group, found.n_effective)))),
         factors=tuple(study.conditions.columns),
         n_participants=n,
         interval=interval,
+        weights=found.weights,
         means=all_means,
         covariance=covariance,
         width_group=width_group,
     )
 
 
-def _open(study: StudyCounts, mixed_fit: MixedFit, rates: Mapping[int, float]) -> Iterator[str]:
-    """What the answers leave open although the likelihood has a maximum."""
+def _mean_rate(model: GroupModel, found: Integrated, name: str) -> float:
+    return float(found.mean(rate_of(model.at(found.at.hyper, name))[0]))
+
+
+def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iterator[str]:
+    """What the answers leave open although there is a posterior."""
     low, high, _ = study.ranges()
-    errors = np.sqrt(np.diagonal(mixed_fit.covariance)[: study.n_conditions])
-    if np.any((high > low) & ~(errors <= high - low)):
+    if np.any((high > low) & ~(group.threshold_se <= high - low)):
         yield OPEN_MEAN
-    if rates.get(LAPSE, 0.0) > HIGH_LAPSES:
-        yield OPEN_LAPSES.format(rates[LAPSE])
+    if n_effective < ENOUGH_EFFECTIVE:
+        yield COARSE.format(n_effective)
 
 
-def _maximum(model: ClusteredModel, at: Array) -> MixedFit:
-    """From scales as they are, then smaller and larger ones, until one start converges."""
-    n = len(model.basis)
-    for factor in START_FACTORS:
-        means, scales = at[: len(at) - n], at[len(at) - n :]
-        mixed_fit = maximise(model, np.concatenate([means, factor * scales]))
-        if _has_converged(mixed_fit):
-            break
-    return mixed_fit
-
-
-def _has_converged(mixed_fit: MixedFit) -> bool:
-    return bool(np.isfinite(mixed_fit.log_marginal) and mixed_fit.gradient <= LARGEST_GRADIENT)
-
-
-def _means_of_all(
-    alone: Alone, kept: StudyCounts, mixed_fit: MixedFit, inflation: float
-) -> tuple[Array, Array, tuple[int, ...]]:
-    """Means and covariance in the unit of the levels, with zeros for the conditions without a threshold."""
-    study = alone.study
+def _means_of_all(alone: Alone, model: GroupModel, found: Integrated) -> tuple[Array, Array, tuple[int, ...]]:
+    """Means and covariances in the unit of the levels, with zeros for the conditions without a threshold."""
+    study, kept, n_points = alone.study, model.study, len(found.weights)
     group = np.zeros(study.n_conditions, dtype=np.int64)
     group[alone.with_threshold] = kept.width_group
     places = np.concatenate([alone.with_threshold, study.n_conditions + np.arange(kept.n_groups)])
-    n, free = study.n_conditions + kept.n_groups, len(places)
+    n = study.n_conditions + kept.n_groups
     # Thresholds are stretched to the unit of the levels; logarithms of widths are shifted to it.
     is_threshold = np.arange(n) < study.n_conditions
     scale = np.where(is_threshold, study.spread, 1.0)
     offset = np.where(is_threshold, study.centre, np.log(study.spread))
-    means, covariance = np.zeros(n), np.zeros((n, n))
-    means[places] = mixed_fit.parameters[:free]
-    covariance[np.ix_(places, places)] = inflation**2 * mixed_fit.covariance[:free, :free]
+    means, covariance = np.zeros((n_points, n)), np.zeros((n_points, n, n))
+    means[:, places] = model.every_mean(found.at.hyper, found.at.means)
+    free = places[: found.at.means.shape[1]]
+    covariance[:, free[:, None], free] = found.at.covariance
     return offset + scale * means, np.outer(scale, scale) * covariance, tuple(group.tolist())
 
 
@@ -242,47 +221,12 @@ def _without_model(alone: Alone, status: GroupStatus, interval: float) -> Hierar
     n_conditions, n_participants = alone.study.n_conditions, alone.study.n_participants
     return replace(
         _no_data(tuple(alone.study.conditions.columns), interval),
-        conditions=condition_table(alone, ParameterPlace.unknown(n_conditions), 0.0),
-        participants=participant_table(alone, ParameterPlace.unknown(n_conditions, n_participants), 0.0),
+        conditions=condition_table(alone, ParameterPlace.unknown(n_conditions)),
+        participants=participant_table(alone, ParameterPlace.unknown(n_conditions, n_participants), None),
         status=status,
         note=status.note,
         n_participants=n_participants,
     )
-
-
-def _status(study: StudyCounts, model: ClusteredModel, mixed_fit: MixedFit) -> GroupStatus:
-    if not _has_converged(mixed_fit):
-        return GroupStatus.NOT_CONVERGED
-    if study.n_participants == 1:
-        return GroupStatus.ONE_PARTICIPANT
-    scale = model.scale(model.parts(mixed_fit.parameters)[2])
-    kept = 2 if study.width_varies else 1
-    between = np.linalg.svd(scale[:kept, :kept], compute_uv=False)
-    deviations = np.abs(np.diagonal(scale)[2:])
-    smallest = min(between.min(), deviations.min(initial=np.inf))
-    return GroupStatus.SINGULAR if smallest < ZERO_SD else GroupStatus.OK
-
-
-def _components(
-    study: StudyCounts, model: ClusteredModel, mixed_fit: MixedFit
-) -> tuple[Mapping[str, float], float | None]:
-    """Standard deviations in the unit of the levels (of logarithms for widths), and the correlation."""
-    theta = model.parts(mixed_fit.parameters)[2]
-    if not len(theta):
-        return MappingProxyType({}), None
-    covariance = model.scale(theta) @ model.scale(theta).T
-    sd = np.sqrt(np.diagonal(covariance))
-    kinds = [0, 1, *range(2, len(sd), study.n_conditions)]
-    units = (study.spread, 1.0, study.spread, 1.0)
-    sd_or_0 = np.where(sd > ZERO_SD, sd, 0.0)
-    # Not strict: one condition has no deviations of cells, and one group of widths none of their widths.
-    columns = zip(COMPONENTS, units, kinds, strict=False)
-    named = {name: float(unit * sd_or_0[place]) for name, unit, place in columns}
-    if not study.width_varies:
-        named.pop("log_width")
-    is_correlated = study.n_participants >= CORRELATED_FROM and min(sd[:2]) > ZERO_SD
-    correlation = float(covariance[0, 1] / (sd[0] * sd[1])) if is_correlated else None
-    return MappingProxyType(named), correlation
 
 
 __all__ = ["Contrast", "FactorEffect", "GroupStatus", "HierarchicalFit", "fit_hierarchical"]

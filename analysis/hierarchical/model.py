@@ -1,150 +1,242 @@
-"""The mixed model of thresholds behind `hierarchical`: cells of participants by conditions, each with a threshold and a
-log width of its own, on the scale of the whole study's levels."""
+"""The hierarchical model: cells of participants by conditions, each with a threshold, a log width and a lapse rate.
 
-from collections.abc import Callable
+The threshold of participant p in condition c is the mean of c, plus the effect of p, plus the deviation of the cell.
+The log width is the mean of its group plus the effect of p (plus a deviation of the cell if there are several groups),
+and the logit of the lapse rate a mean plus the effect of p. All are on the scale of the whole study's levels.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from scipy.special import expit, log_expit
 
 from ..arrays import Array, Expansion
-from ..mixed_models.laplace import ClusteredModel
 from ..threshold.counts import Counts
-from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, chance_information, expansion
-from ..threshold.prior import LARGEST_RATE, log_rate, log_threshold, log_width
+from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, chance_slopes, expansion
+from ..threshold.prior import LARGEST_RATE
 from .study import StudyCounts
 
-START_SD = (0.1, 0.2, 0.05, 0.1)
-"""Standard deviations at the start: threshold (in ranges of the levels), log width, and their cells' deviations."""
-CORRELATED_FROM = 5
-"""Participants from which the correlation of threshold and width is estimated."""
+SCALES = {"threshold": 0.25, "log_width": 0.5, "lapse": 1.0, "threshold_cell": 0.125, "log_width_cell": 0.25}
+"""Scales of the half-normal priors of standard deviations: of thresholds in ranges of the levels, of logarithms of the
+width, and of logits of the lapse rate."""
+LOG_WIDTH_PRIOR = (float(np.log(0.5)), 1.0)
+"""Mean and standard deviation of the normal prior of a mean log width, in ranges of the levels."""
+LKJ = 2.0
+"""Concentration of the prior of the correlation (Lewandowski, Kurowicka and Joe 2009)."""
+START = {"threshold": 0.1, "log_width": 0.2, "lapse": 0.5, "threshold_cell": 0.05, "log_width_cell": 0.1}
 START_RATE = 0.03
 
 
-def rate_of(angle: Array) -> tuple[Array, Array, Array]:
-    """A rate in [0, 0.5] by an angle without bounds, and its two derivatives: even about 0, as a scale's is."""
-    half = LARGEST_RATE / 2
-    rate = half * (1 - np.cos(2 * angle))
-    slope, bent = 2 * half * np.sin(2 * angle), 4 * half * np.cos(2 * angle)
-    return rate, slope, bent
+def rate_of(logit: Array) -> tuple[Array, Array, Array]:
+    """Return rates between 0 and 0.5 and their two derivatives along a logit."""
+    share = expit(logit)
+    rate = LARGEST_RATE * share
+    slope = rate * (1 - share)
+    return rate, slope, slope * (1 - 2 * share)
 
 
-def angle_rad(probability: float) -> float:
-    """The angle of a rate."""
-    return float(np.arcsin(np.sqrt(probability / LARGEST_RATE)))
+def logit_of(probability: float) -> float:
+    """Return the logit of a rate between 0 and 0.5."""
+    return float(np.log(probability / (LARGEST_RATE - probability)))
 
 
-def mixed_model(study: StudyCounts) -> ClusteredModel:
-    """Threshold of participant p in condition c: mean of c + effect of p + deviation of the cell; the log width:
-    mean of its group + effect of p (+ deviation of the cell where there are several groups)."""
-    several = study.n_participants > 1 and study.n_conditions > 1
-    varied = study.n_groups > 1 and study.width_varies
-    n, c = study.n_participants, study.n_conditions
-    present = (study.n_trials.sum(axis=2) > 0)[:, :, None, None]  # a missing cell is an unused slot, with X = Z = 0
-    fixed = np.zeros((n, c, 2, c + study.n_groups))
-    fixed[:, :, 0, :c] = np.eye(c)
-    fixed[:, :, 1, c:] = np.eye(study.n_groups)[study.width_group]
-    columns = [np.broadcast_to(np.eye(2), (n, c, 2, 2))]
-    for place in range(several * (1 + varied)):
-        deviations = np.zeros((n, c, 2, c))
-        deviations[:, :, place] = np.eye(c)
-        columns.append(deviations)
-    random = np.concatenate(columns, axis=3) * present
-    basis, prior = _basis(study, random.shape[3]), _prior(study)
-    log_likelihood, information = _answers(study)
-    return ClusteredModel(log_likelihood, fixed * present, random, basis, len(study.shared), prior, information)
+def log_rate_prior(logit: Array, beta: float, n_yes: float = 0.0, n_no: float = 0.0) -> Array:
+    """Return the log density along the logit of a rate with a Beta(1, beta) prior and some answers."""
+    rate = rate_of(logit)[0]
+    counted = n_yes * (np.log(LARGEST_RATE) + log_expit(logit)) + (beta - 1 + n_no) * np.log1p(-rate)
+    return np.asarray(counted + log_expit(logit) + log_expit(-logit))
 
 
-def _basis(study: StudyCounts, size: int) -> Array:
-    """Of Lambda: lower triangle of threshold and width (without their correlation for few participants), then a
-    multiple of the unit matrix for each kind of deviation."""
-    if study.n_participants == 1:
-        return np.zeros((0, size, size))
-    places = [(0, 0), (1, 0), (1, 1)] if study.n_participants >= CORRELATED_FROM else [(0, 0), (1, 1)]
-    places = places if study.width_varies else [(0, 0)]
-    basis = np.zeros((len(places), size, size))
-    for matrix, place in zip(basis, places, strict=True):
-        matrix[place] = 1.0
-    kinds = (np.arange(size) - 2) // study.n_conditions  # after threshold and width a block for each kind of deviation
-    blocks = [np.diag((kinds == kind).astype(float)) for kind in range(kinds[-1] + 1)]
-    return np.concatenate([basis, np.reshape(blocks, (-1, size, size))])
+@dataclass(frozen=True)
+class GroupModel:
+    """The model of a study, at many hyperparameters (n_points, n_hyper) at once.
 
+    `hyper` names the columns: logarithms of standard deviations, the inverse hyperbolic tangent of the correlation,
+    logits of rates, and the mean log width if it is one for all.
+    """
 
-def start_scales(model: ClusteredModel) -> Array:
-    """theta at the start."""
-    diagonals = np.diagonal(model.basis, axis1=1, axis2=2)
-    n_deviations, n_conditions = model.basis.shape[1] - 2, max(1, model.fixed.shape[1])
-    kinds = [0, 1, *(2 + k // n_conditions for k in range(n_deviations))]
-    # A scale beside the diagonal is a covariance, which begins at 0.
-    return np.array([START_SD[kinds[diagonal.argmax()]] if diagonal.any() else 0.0 for diagonal in diagonals])
+    study: StudyCounts
 
+    @cached_property
+    def sds(self) -> list[str]:
+        """Names of the standard deviations, in the order of the effects of a participant."""
+        study = self.study
+        if study.n_participants == 1:
+            return []
+        several = study.n_conditions > 1
+        lapse = ["lapse"] if study.lapse_rate is None else []
+        cells = ["threshold_cell"] * several + ["log_width_cell"] * (several and study.n_groups > 1)
+        return ["threshold", "log_width", *lapse, *cells]
 
-def _answers(study: StudyCounts) -> tuple[Callable[[Array], Expansion], Callable[[Array], Array]]:
-    """Log-likelihood with derivatives, and Fisher's information, of all cells at their threshold, log width and angles
-    of rates."""
-    n_units, kept = study.n_participants * study.n_conditions, [THRESHOLD, LOG_WIDTH, *study.shared]
-    u, k, n = (counts.reshape(n_units, -1) for counts in (study.u, study.n_yes, study.n_trials))
-    nothing, n_levels = np.zeros(n_units), np.zeros(n_units, dtype=np.int64)
-    counts = Counts(u, k, n, nothing, nothing, nothing, n_levels).by_level()
+    @cached_property
+    def hyper(self) -> list[str]:
+        rates = [name for name, rate in zip(("lapse_rate", "guess_rate"), self._rates, strict=True) if rate is None]
+        correlation = ["correlation"] if self.sds else []
+        return [*self.sds, *correlation, *rates, *(["width"] if self.has_one_width else [])]
 
-    def theta_at(points: Array) -> Array:
-        theta = np.empty((n_units, N_PARAMETERS))
-        theta[:, LAPSE], theta[:, GUESS] = study.lapse_rate or 0.0, study.guess_rate or 0.0
-        theta[:, kept] = points.reshape(n_units, -1)
-        theta[:, study.shared] = rate_of(theta[:, study.shared])[0]
-        return theta
+    @property
+    def has_one_width(self) -> bool:
+        return self.study.n_groups == 1
 
-    def log_likelihood(points: Array) -> Expansion:
-        whole, angles = expansion(study.shape, counts, theta_at(points)), points.reshape(n_units, -1)
-        gradient, hessian = whole.gradient[:, kept], whole.hessian[:, kept][:, :, kept]
-        for place in range(2, len(kept)):
-            _, slope, bent = rate_of(angles[:, place])
-            hessian[:, place] *= slope[:, None]
-            hessian[:, :, place] *= slope[:, None]
-            hessian[:, place, place] += gradient[:, place] * bent  # still the gradient along the rate itself
-            gradient[:, place] *= slope
-        value = whole.value.reshape(points.shape[:2])
-        return Expansion(value, gradient.reshape(points.shape), hessian.reshape(*points.shape, len(kept)))
+    @property
+    def _rates(self) -> tuple[float | None, float | None]:
+        return self.study.lapse_rate, self.study.guess_rate
 
-    def information(points: Array) -> Array:
-        # Unlike the observed it is never negative, which keeps the determinant of Laplace's approximation away from 0.
-        return chance_information(study.shape, counts, theta_at(points)).reshape(*points.shape[:2], 2, 2)
+    @cached_property
+    def kept(self) -> list[int]:
+        """The parameters of a cell's function that its predictors move."""
+        return [THRESHOLD, LOG_WIDTH, *([LAPSE] if self.study.lapse_rate is None else [])]
 
-    return log_likelihood, information
+    @cached_property
+    def fixed(self) -> Array:
+        """X (n_conditions, n_predictors, n_fixed) of the means."""
+        c, n_groups = self.study.n_conditions, self.study.n_groups
+        matrix = np.zeros((c, len(self.kept), c + n_groups))
+        matrix[:, 0, :c] = np.eye(c)
+        matrix[:, 1, c:] = np.eye(n_groups)[self.study.width_group]
+        return matrix[..., :c] if self.has_one_width else matrix
 
+    @cached_property
+    def random(self) -> Array:
+        """Z (n_conditions, n_predictors, n_random) of a participant's effects and deviations."""
+        c, d = self.study.n_conditions, len(self.kept)
+        columns = [np.zeros((c, d, 0))]
+        for name in self.sds:
+            kind = {"threshold": 0, "log_width": 1, "lapse": 2}[name.removesuffix("_cell")]
+            block = np.zeros((c, d, c if name.endswith("_cell") else 1))
+            block[:, kind] = np.eye(c) if name.endswith("_cell") else 1.0
+            columns.append(block)
+        return np.concatenate(columns, axis=2)
 
-def _prior(study: StudyCounts) -> Callable[[Array], tuple[float, Array]]:
-    """psignifit's priors, on the means of the conditions and the shared rates; the width's is flat in its logarithm."""
-    low, high, gap = study.ranges()
-    reach = np.where(high > low, high - low, 1.0)
-    groups = range(study.n_groups)
-    wide = np.array([reach[study.width_group == g].max() for g in groups])
-    narrow = np.array([gap[study.width_group == g].min() for g in groups]) / wide
-    answers = {LAPSE: (0, 0), GUESS: (study.n_false_alarms, study.n_catch - study.n_false_alarms)}
+    @cached_property
+    def counts(self) -> Counts:
+        n_units = self.study.n_participants * self.study.n_conditions
+        u, k, n = (part.reshape(n_units, -1) for part in (self.study.u, self.study.n_yes, self.study.n_trials))
+        nothing, n_levels = np.zeros(n_units), np.zeros(n_units, dtype=np.int64)
+        return Counts(u, k, n, nothing, nothing, nothing, n_levels)
 
-    def log_prior(parameters: Array) -> tuple[float, Array]:
-        m, v, angles = np.split(parameters, [study.n_conditions, study.n_conditions + study.n_groups])
+    def at(self, hyper: Array, name: str) -> Array:
+        """Return a column of the hyperparameters."""
+        return hyper[:, self.hyper.index(name)]
+
+    def offsets(self, hyper: Array) -> Array:
+        """Return what the hyperparameters add to the predictors (n_points, n_predictors)."""
+        offsets = np.zeros((len(hyper), len(self.kept)))
+        if self.has_one_width:
+            offsets[:, 1] = self.at(hyper, "width")
+        if self.study.lapse_rate is None:
+            offsets[:, 2] = self.at(hyper, "lapse_rate")
+        return offsets
+
+    def every_mean(self, hyper: Array, means: Array) -> Array:
+        """Return thresholds of the conditions and log widths of the groups (n_points, n_conditions + n_groups)."""
+        widths = [self.at(hyper, "width")[:, None]] if self.has_one_width else []
+        return np.concatenate([means, *widths], axis=1)
+
+    def lapses(self, hyper: Array, effects: Array) -> Array:
+        """Return the lapse rates of the participants (n_points, n_participants)."""
+        if self.study.lapse_rate is not None:
+            return np.full(effects.shape[:2], self.study.lapse_rate)
+        own = effects[..., self.sds.index("lapse")] if "lapse" in self.sds else 0.0
+        return rate_of(self.at(hyper, "lapse_rate")[:, None] + own)[0]
+
+    def precision(self, hyper: Array) -> tuple[Array, Array]:
+        """Return the precision of a participant's effects (n_points, n_random, n_random) and half its log
+        determinant."""
+        size = self.random.shape[2]
+        precision, half = np.zeros((len(hyper), size, size)), np.zeros(len(hyper))
+        place = 0
+        for column, name in enumerate(self.sds):
+            n = self.study.n_conditions if name.endswith("_cell") else 1
+            diagonal = np.arange(place, place + n)
+            precision[:, diagonal, diagonal] = np.exp(-2 * hyper[:, column])[:, None]
+            half -= n * hyper[:, column]
+            place += n
+        if self.sds:
+            r = np.tanh(self.at(hyper, "correlation"))
+            rest = 1 - r * r
+            precision[:, [0, 1], [0, 1]] /= rest[:, None]
+            precision[:, 0, 1] = precision[:, 1, 0] = -r * np.exp(-hyper[:, 0] - hyper[:, 1]) / rest
+            half -= 0.5 * np.log(rest)
+        return precision, half
+
+    def log_prior(self, hyper: Array) -> Array:
+        """Return the log density of the hyperparameters (n_points,)."""
+        study, total = self.study, np.zeros(len(hyper))
+        for column, name in enumerate(self.sds):
+            total += hyper[:, column] - 0.5 * np.square(np.exp(hyper[:, column]) / SCALES[name])
+        if self.sds:
+            total += 2 * LKJ * -np.log(np.cosh(self.at(hyper, "correlation")))
+        if study.lapse_rate is None:
+            total += log_rate_prior(self.at(hyper, "lapse_rate"), study.rate_beta)
+        if study.guess_rate is None:
+            alarms = study.n_false_alarms
+            total += log_rate_prior(self.at(hyper, "guess_rate"), study.rate_beta, alarms, study.n_catch - alarms)
+        if self.has_one_width:
+            mean, precision = self.means_prior
+            total -= 0.5 * precision[-1] * np.square(self.at(hyper, "width") - mean[-1])
+        return total
+
+    @cached_property
+    def means_prior(self) -> tuple[Array, Array]:
+        """Mean and precision (n_conditions + n_groups,) of the normal priors of thresholds and log widths."""
+        study = self.study
+        low, high, _ = study.ranges()
+        reach = np.where(high > low, high - low, 1.0)
+        wide = np.array([reach[study.width_group == g].max() for g in range(study.n_groups)])
+        mean, sd = LOG_WIDTH_PRIOR
+        middles = np.concatenate([(low + high) / 2, np.log(wide) + mean])
+        return middles, np.concatenate([reach**-2, np.full(study.n_groups, sd**-2)])
+
+    def _theta(self, points: Array, hyper: Array) -> tuple[Array, Array | None]:
+        """Return the parameters of each cell's function, and the slopes of its lapse rate along the logit."""
+        theta, slope = np.empty((len(points), len(self.counts), N_PARAMETERS)), None
+        theta[..., LAPSE], theta[..., GUESS] = self.study.lapse_rate or 0.0, self.study.guess_rate or 0.0
+        theta[..., self.kept] = points.reshape(*theta.shape[:2], -1)
+        if self.study.guess_rate is None:
+            theta[..., GUESS] = rate_of(self.at(hyper, "guess_rate"))[0][:, None]
+        if self.study.lapse_rate is None:
+            theta[..., LAPSE], slope, _ = rate_of(theta[..., LAPSE])
+        return theta, slope
+
+    def log_likelihood(self, points: Array, hyper: Array) -> Expansion:
+        """Return it for cells at predictors (n_points, n_participants, n_conditions, n_predictors)."""
+        study, shape = self.study, points.shape
+        theta, slope = self._theta(points, hyper)
+        whole = expansion(study.shape, self.counts, theta)
+        gradient, hessian = whole.gradient[..., self.kept], whole.hessian[..., self.kept, :][..., self.kept]
+        if slope is not None:
+            hessian[..., 2, :] *= slope[..., None]
+            hessian[..., :, 2] *= slope[..., None]
+            hessian[..., 2, 2] += gradient[..., 2] * slope * (1 - 2 * theta[..., LAPSE] / LARGEST_RATE)
+            gradient[..., 2] *= slope
+        value = whole.value.reshape(shape[:3])
+        return Expansion(value, gradient.reshape(shape), hessian.reshape(*shape, len(self.kept)))
+
+    def information(self, points: Array, hyper: Array) -> Array:
+        """Return Fisher's information of the cells (n_points, n_participants, n_conditions, d, d).
+
+        Unlike the negative Hessian it is never negative.
+        """
+        theta, slope = self._theta(points, hyper)
+        by_threshold, by_width, by_lapse, variance = chance_slopes(self.study.shape, self.counts.u, theta)
+        slopes = [by_threshold, by_width, *([by_lapse * slope[..., None]] if slope is not None else [])]
         with np.errstate(all="ignore"):
-            at_m, by_m, _ = log_threshold((m - low) / reach - 0.5)
-            at_v, by_v, _ = log_width(v - np.log(wide), narrow, scale_free=True)
-        at_v, by_v = at_v + v, by_v + 1.0  # a density of the log width, flat in it
-        total = float(at_m.sum() + at_v.sum())
-        slopes = [by_m / reach, by_v]
-        for angle, place in zip(angles, study.shared, strict=True):
-            rate, slope, _ = rate_of(angle)
-            n_yes, n_no = (np.array(float(n)) for n in answers[place])
-            value, by_rate, _ = log_rate(rate, n_yes, n_no, study.rate_beta)
-            total += float(value)
-            slopes.append(np.atleast_1d(by_rate * slope))
-        return total, np.concatenate(slopes)
+            share = np.where(variance > 0, self.counts.n_trials / variance, 0.0)
+        rows = [[(share * one * other).sum(axis=-1) for other in slopes] for one in slopes]
+        return np.moveaxis(np.array(rows), (0, 1), (-2, -1)).reshape(*points.shape, len(slopes))
 
-    return log_prior
-
-
-def start(study: StudyCounts, model: ClusteredModel, thresholds: Array, log_widths: Array) -> Array:
-    """Parameters (n_parameters,) from a threshold and a log width of each condition."""
-    low, high, gap = study.ranges()
-    reach = 0.2 * (high - low)
-    inside = np.clip(thresholds, low - reach, high + reach)
-    wide = np.maximum(log_widths, np.log(1.5 * gap))  # off the smallest spacing, where the width's prior ends
-    groups = [wide[study.width_group == g].mean() for g in range(study.n_groups)]
-    angles = [angle_rad(START_RATE)] * len(study.shared)
-    return np.concatenate([inside, groups, angles, start_scales(model)])
+    def start(self, thresholds: Array, log_widths: Array) -> tuple[Array, Array]:
+        """Return hyperparameters and means at which a search begins."""
+        study = self.study
+        low, high, gap = study.ranges()
+        reach = 0.2 * (high - low)
+        inside = np.clip(thresholds, low - reach, high + reach)
+        wide = np.maximum(log_widths, np.log(1.5 * gap))
+        groups = np.array([wide[study.width_group == g].mean() for g in range(study.n_groups)])
+        known = {"correlation": 0.0, "width": groups[0]}
+        known |= dict.fromkeys(("lapse_rate", "guess_rate"), logit_of(START_RATE))
+        known |= {name: float(np.log(sd)) for name, sd in START.items()}
+        means = inside if self.has_one_width else np.concatenate([inside, groups])
+        return np.array([known[name] for name in self.hyper]), means

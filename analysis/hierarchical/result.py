@@ -12,43 +12,43 @@ from tactometry.arguments.require import expect
 
 from ..anova.contrasts import epsilons
 from ..arrays import Array
-from ..distributions import ChiSquare, Fisher, Student
+from ..distributions import Fisher
 from ..noted_status import NotedStatus
+from .posterior import normal_chances, quantiles
 
 
 class GroupStatus(NotedStatus):
     OK = "ok", ""
-    SINGULAR = "singular", "a variance between participants is 0, or threshold and width vary together"
     ONE_PARTICIPANT = (
         "one_participant",
         "one participant: no variance between participants; the intervals are this one's",
     )
     NO_THRESHOLD = "no_threshold", "no participant tells a threshold in any condition: bounds at most"
-    NOT_CONVERGED = "not_converged", "the likelihood still rises: no estimate"
+    NOT_CONVERGED = "not_converged", "the integral over the variances did not converge: no estimate"
     NO_DATA = "no_data", "no trial was given"
 
 
 @dataclass(frozen=True)
 class Contrast:
-    """A weighted sum of the conditions' mean thresholds (or log widths): estimate, standard error, t interval and p."""
+    """A weighted sum of the conditions' mean thresholds (or log widths).
+
+    Posterior mean and standard deviation, interval, and `p`, twice the smaller posterior probability of either sign.
+    """
 
     estimate: float
     standard_error: float
     interval_low: float
     interval_high: float
-    t: float
-    df: int
     p: float
 
 
 @dataclass(frozen=True)
 class FactorEffect:
-    """Wald's F of an effect with its degrees of freedom and p; both degrees are multiplied by `epsilon` for it. With
-    infinite `df_error` it is no F but a chi-square over its degrees of freedom."""
+    """Wald's F of an effect with its degrees of freedom and p; both degrees are multiplied by `epsilon` for it."""
 
     f: float
     df: int
-    df_error: float
+    df_error: int
     p: float
     epsilon: float = 1.0
 
@@ -64,20 +64,23 @@ class HierarchicalFit:
         `width_low`, `width_high`, `status`; a threshold outside of the levels is missing, with one end of its
         interval where the model holds it. For ``weibull`` widths and standard errors are of logarithms of the level.
     participants : DataFrame
-        The same per participant and condition, with `n_trials`: shrunken estimates with intervals that count the
-        uncertainty of the group's means, not that of the variances.
+        The same per participant and condition, with `n_trials` and the participant's own `lapse_rate`: shrunken
+        estimates with intervals that count the uncertainty of the group's means, variances and rates.
     components : mapping
         Standard deviations between participants of ``threshold`` and ``log_width``, and of the cells' deviations from
-        condition plus participant, ``threshold_cell`` and ``log_width_cell``; those that cannot be told are absent.
+        condition plus participant, ``threshold_cell`` and ``log_width_cell``, and of the logits of ``lapse`` rates:
+        posterior means.
     correlation : float or None
-        Of threshold and log width between participants (from 5 participants on).
+        Of threshold and log width between participants.
     lapse_rate, guess_rate : float or None
-        Shared by all.
-    log_likelihood : float or None
-        Laplace's log marginal likelihood plus the log prior of the means.
-    means, covariance : ndarray
-        Of the conditions' thresholds and then the width groups' log widths (for ``weibull`` of log thresholds);
-        `width_group` says which group each condition belongs to.
+        The mean lapse rate of participants, and the guess rate of all.
+    n_effective : float or None
+        Effective number of points of the integral over the hyperparameters: the relative error of a standard error
+        is about 1 / sqrt(2 `n_effective`).
+    weights, means, covariance : ndarray
+        Points of that integral: their weights, and at each the means and covariance of the conditions' thresholds and
+        then of the width groups' log widths (for ``weibull`` of log thresholds); `width_group` says which group each
+        condition belongs to.
     """
 
     conditions: pd.DataFrame
@@ -86,18 +89,19 @@ class HierarchicalFit:
     correlation: float | None = None
     lapse_rate: float | None = None
     guess_rate: float | None = None
-    log_likelihood: float | None = None
+    n_effective: float | None = None
     status: GroupStatus = GroupStatus.NO_DATA
     note: str = GroupStatus.NO_DATA.note
     factors: tuple[str, ...]
     n_participants: int = 0
     interval: float
-    means: Array = field(default_factory=lambda: np.zeros(0))
-    covariance: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    weights: Array = field(default_factory=lambda: np.zeros(0))
+    means: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    covariance: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
     width_group: tuple[int, ...] = ()
 
     def contrast(self, weights: Mapping[tuple[float | str, ...], float], *, of: str = "threshold") -> Contrast:
-        """The weighted sum of conditions, named by their values of the factors; t with n - 1 degrees of freedom.
+        """The weighted sum of conditions, named by their values of the factors.
 
         Raises
         ------
@@ -109,21 +113,20 @@ class HierarchicalFit:
         for key in weights:
             expect(key in keys, "weights", repr(key), f"conditions, such as {keys[0]!r}")
         row = self._rows(np.array([[weights.get(key, 0.0) for key in keys]]), of)[0]
-        estimate, df = float(row @ self.means), self.n_participants - 1
-        error = float(np.sqrt(row @ self.covariance @ row))
-        reach = float(Student.ppf((1 + self.interval) / 2, df)) * error
-        t = estimate / error
-        p = 2 * float(Student.sf(abs(t), df))
-        return Contrast(estimate, error, estimate - reach, estimate + reach, t, df, p)
+        at, sds = self.means @ row, np.sqrt(np.einsum("i,nij,j->n", row, self.covariance, row))
+        estimate = float(self.weights @ at)
+        error = float(np.sqrt(self.weights @ (np.square(sds) + np.square(at - estimate))))
+        low, high = (float(quantiles(self.weights, at, sds, (1 + side * self.interval) / 2)) for side in (-1, 1))
+        below = float(self.weights @ normal_chances(at, sds))
+        return Contrast(estimate, error, low, high, 2 * min(below, 1 - below))
 
     def effect(self, *factors: str, of: str = "threshold") -> FactorEffect:
         """Wald's test of a main effect, or of the interaction of several factors, in a complete factorial.
 
-        The error has df (n - 1) degrees of freedom, as in the repeated-measures analysis: the model has one variance
-        for the deviations of all cells. Where participants' thresholds (or widths) show that they are not alike, both
-        degrees are corrected by Chi and Muller's epsilon (`contrasts.epsilons`). Where that variance is 0, nothing but
-        the answers makes an error, which their number and no variance of participants tells: it has no degrees of
-        freedom, and p is that of Wald's chi-square, df f.
+        F is the posterior mean of Wald's statistic. The error has df (n - 1) degrees of freedom, as in the
+        repeated-measures analysis: the model has one variance for the deviations of all cells. Where participants'
+        thresholds (or widths) show that they are not alike, both degrees are corrected by Chi and Muller's epsilon
+        (`contrasts.epsilons`).
 
         Raises
         ------
@@ -136,11 +139,9 @@ class HierarchicalFit:
         has_own_widths = np.linalg.matrix_rank(rows) == len(rows)
         asked = f"{of!r} over {', '.join(factors)}"
         expect(has_own_widths, "of", asked, "conditions whose widths are their own (width_by)")
-        differences, df = rows @ self.means, len(rows)
-        covariance = rows @ self.covariance @ rows.T
-        f = float(differences @ np.linalg.solve(covariance, differences)) / df
-        if not self.components.get(f"{of}_cell"):
-            return FactorEffect(f, df, np.inf, float(ChiSquare.sf(df * f, df)))
+        differences, df = self.means @ rows.T, len(rows)
+        scaled = np.linalg.solve(rows @ self.covariance @ rows.T, differences[..., None])[..., 0]
+        f = float(self.weights @ (differences * scaled).sum(axis=1)) / df
         df_error, epsilon = df * (self.n_participants - 1), self._epsilon(weights, of)
         p = float(Fisher.sf(f, epsilon * df, epsilon * df_error))
         return FactorEffect(f, df, df_error, p, epsilon)
@@ -173,7 +174,7 @@ class HierarchicalFit:
         expect(not names, "conditions", f"no mean threshold for {names}", "conditions with one")
         is_bounded = of == "log_width" and bool(self.conditions["width"].isna().all())
         expect(not is_bounded, "of", repr(of), "'threshold': the widths have an upper bound only")
-        n, rows = len(self.conditions), np.zeros((len(weights), len(self.means)))
+        n, rows = len(self.conditions), np.zeros((len(weights), self.means.shape[1]))
         if of == "threshold":
             rows[:, :n] = weights
         else:  # conditions that share a width add up at its place

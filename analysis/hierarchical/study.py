@@ -13,7 +13,6 @@ from tactometry.psychometric import Shape
 
 from ..arrays import Array, Indices, lay_out
 from ..threshold.counts import POOLED_BELOW, normalise
-from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
 
 
@@ -24,7 +23,7 @@ class StudyCounts:
     `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
     `own_catch` (2, n_participants, n_conditions) are false alarms and catch trials of each cell, `n_false_alarms` and
     `n_catch` of all. `rate_beta` and `scale_free_width` are those of `threshold.fit`. `conditions` has a row for each,
-    `width_group` (n_conditions,) says which of them share a mean width; without `width_varies` all participants do.
+    `width_group` (n_conditions,) says which of them share a mean width.
     """
 
     participants: tuple[str, ...]
@@ -43,7 +42,6 @@ class StudyCounts:
     n_catch: float = 0
     rate_beta: float = BETA_B
     scale_free_width: bool = True
-    width_varies: bool = True
 
     @classmethod
     def of(
@@ -86,12 +84,6 @@ class StudyCounts:
     @property
     def n_groups(self) -> int:
         return int(self.width_group.max()) + 1
-
-    @property
-    def shared(self) -> list[int]:
-        """The rates that are estimated, as places of a parameter vector."""
-        rates = ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate))
-        return [place for place, rate in rates if rate is None]
 
     def level(self, u: Array) -> Array:
         """In the unit of the levels."""

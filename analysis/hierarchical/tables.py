@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.special import ndtri
 
 from ..arrays import Array, Bools, Rows
-from ..distributions import Student
-from ..mixed_models.laplace import ClusteredModel, MixedFit, inner_mode, precision_of
-from ..threshold.likelihood import LOG_WIDTH, THRESHOLD
 from ..threshold.status import Status
+from .draws import CellDraws, draw_cells, weighted_quantiles
+from .model import GroupModel
+from .posterior import Integrated, quantiles
 from .starts import Alone
 from .study import StudyCounts
 
@@ -25,92 +24,91 @@ CONDITION_COLUMNS = (
     "status",
 )
 CENSORED = (Status.BELOW, Status.ABOVE)
-SCALE_STEP = 0.01
-"""Of a difference along a standard deviation, in parts of it."""
+FEWEST_DRAWS = 100.0
+"""Effective draws of a participant; with fewer the mixture of normals is used."""
+MOST_EFFECTS = 40
+"""With more effects of a participant, draws of all at once take too much memory."""
 WITHOUT_NUMBER = (*CENSORED, Status.FLAT, Status.NO_DATA)
 
 
 @dataclass(frozen=True)
 class ParameterPlace(Rows):
-    """Thresholds (in ranges of the levels) and log widths with standard errors, each (n_conditions, ...); NaN for a
-    condition without a threshold."""
+    """Thresholds (in ranges of the levels) with standard errors and intervals, and log widths with intervals, each
+    (n_conditions, ...); NaN for a condition without a threshold. Intervals have a last axis of two ends."""
 
     threshold: Array
     threshold_se: Array
+    ends: Array
     log_width: Array
-    log_width_se: Array
+    log_width_ends: Array
 
     @classmethod
     def unknown(cls, *size: int) -> "ParameterPlace":
-        return cls(*(np.full(size, np.nan) for _ in range(4)))
+        of_each, two = np.full(size, np.nan), np.full((*size, 2), np.nan)
+        return cls(of_each, of_each, two, of_each, two)
+
+    @classmethod
+    def of(cls, found: Integrated, values: Array, variances: Array, interval: float) -> "ParameterPlace":
+        """From values (n_points, n_conditions, ..., 2) and their variances at each point."""
+        mean = found.mean(values)
+        se = np.sqrt(found.mean(variances + np.square(values - mean)))
+        shares = ((1 - interval) / 2, (1 + interval) / 2)
+        ends = np.stack([quantiles(found.weights, values, np.sqrt(variances), p) for p in shares], axis=-1)
+        return cls(mean[..., 0], se[..., 0], ends[..., 0, :], mean[..., 1], ends[..., 1, :])
+
+    def turned(self) -> "ParameterPlace":
+        """With the first two axes in the other order."""
+        return self._of_each(lambda values: np.swapaxes(values, 0, 1))
 
     def by_participant(self) -> "ParameterPlace":
         """Of cells (n_conditions, n_participants), in one row after the other of each participant."""
-        return self._of_each(lambda values: values.T.ravel())
-
-    def ends(self, reach: float) -> Array:
-        """Of the intervals of the thresholds (..., 2)."""
-        half = reach * self.threshold_se[..., None]
-        return np.asarray(self.threshold[..., None] + half * np.array([-1.0, 1.0]))
+        return self.turned()._of_each(lambda values: values.reshape(-1, *values.shape[2:]))
 
 
-def means(study: StudyCounts, mixed_fit: MixedFit, inflation: float) -> ParameterPlace:
-    """Of the conditions: thresholds and log widths, each with standard errors."""
-    c, group = study.n_conditions, study.n_conditions + study.width_group
-    se = inflation * np.sqrt(np.diagonal(mixed_fit.covariance))
-    return ParameterPlace(mixed_fit.parameters[:c], se[:c], mixed_fit.parameters[group], se[group])
+def group_place(model: GroupModel, found: Integrated, interval: float) -> ParameterPlace:
+    """Of the conditions."""
+    c, n_free = model.study.n_conditions, found.at.means.shape[1]
+    every = model.every_mean(found.at.hyper, found.at.means)
+    variances = np.zeros(every.shape)
+    variances[:, :n_free] = np.diagonal(found.at.covariance, axis1=1, axis2=2)
+    places = np.stack([np.arange(c), c + model.study.width_group], axis=-1)
+    return ParameterPlace.of(found, every[:, places], variances[:, places], interval)
 
 
-def cells(model: ClusteredModel, mixed_fit: MixedFit) -> ParameterPlace:
-    """Of the cells, shrunken: the variance is that of the effects at all parameters of the group, plus that which these
-    bring: means, rates and variances (Kass and Steffey 1989, J. Am. Stat. Assoc. 84, 717-726).
-    """
-    inner, n_free = mixed_fit.inner, model.n_fixed + model.n_shared
-    d, hessian = 2, inner.at.hessian  # two predictors of a cell: its threshold and its log width
-    precision = precision_of(inner.loads, model.curvature(inner.points))
-    spread = np.linalg.solve(precision[:, None], np.swapaxes(inner.loads, 2, 3))
-    inside = np.einsum("csaq,csqa->csa", inner.loads, spread)
-    # A parameter moves a cell's predictors directly, and by the mode of the effects, which follows it.
-    nothing = np.zeros((*model.fixed.shape[:3], model.n_shared))
-    direct = np.concatenate([model.fixed, nothing], axis=3)
-    pushed = np.einsum("csab,csbp->csap", hessian[..., :d, :d], direct)
-    pushed[..., model.n_fixed :] += hessian[..., :d, d:]
-    by_effects = np.einsum("csaq,csap->cqp", inner.loads, pushed)
-    pull = np.linalg.solve(precision, by_effects)
-    along = direct + np.einsum("csaq,cqp->csap", inner.loads, pull)
-    along = np.concatenate([along, _along_scales(model, mixed_fit, n_free)], axis=3)
-    brought = np.einsum("csap,pr,csar->csa", along, mixed_fit.covariance, along, optimize=True)
-    eta = np.swapaxes(inner.points[..., :d], 0, 1)
-    se = np.swapaxes(np.sqrt(inside + brought), 0, 1)
-    return ParameterPlace(eta[..., THRESHOLD], se[..., THRESHOLD], eta[..., LOG_WIDTH], se[..., LOG_WIDTH])
+def cell_place(model: GroupModel, found: Integrated, interval: float) -> tuple[ParameterPlace, Array]:
+    """Of the cells, shrunken, with the lapse rates of the participants."""
+    normal = ParameterPlace.of(found, found.at.cells, found.at.variances, interval)
+    rates = found.mean(model.lapses(found.at.hyper, found.at.effects))
+    if not 0 < model.random.shape[2] <= MOST_EFFECTS:
+        return normal.turned(), rates
+    draws = draw_cells(model, found)
+    is_known = draws.n_effective >= FEWEST_DRAWS
+    rates = np.where(is_known, (draws.weights * draws.lapse_rates).sum(axis=0), rates)
+    return _place_of_draws(draws, interval).where(is_known, normal).turned(), rates
 
 
-def _along_scales(model: ClusteredModel, mixed_fit: MixedFit, n_free: int) -> Array:
-    """How the points of the cells move with each scale, (n_clusters, n_slots, 2, n_theta), by central differences."""
-    parameters, effects = mixed_fit.parameters, mixed_fit.inner.effects
-    moved = np.zeros((*mixed_fit.inner.points.shape[:2], 2, len(parameters) - n_free))
-    for j in range(moved.shape[-1]):
-        step = SCALE_STEP * max(abs(parameters[n_free + j]), SCALE_STEP)  # a scale may be 0, a step may not
-        change = step * (np.arange(len(parameters)) == n_free + j)
-        ahead = inner_mode(model, parameters + change, effects).points[..., :2]
-        behind = inner_mode(model, parameters - change, effects).points[..., :2]
-        moved[..., j] = (ahead - behind) / (2 * step)
-    return moved
+def _place_of_draws(draws: CellDraws, interval: float) -> ParameterPlace:
+    weights = np.broadcast_to(draws.weights[..., None, None], draws.points.shape)
+    mean = (weights * draws.points).sum(axis=0)
+    se = np.sqrt((weights * np.square(draws.points - mean)).sum(axis=0))
+    shares = ((1 - interval) / 2, (1 + interval) / 2)
+    ends = np.stack([weighted_quantiles(draws.points, weights, share) for share in shares], axis=-1)
+    return ParameterPlace(mean[..., 0], se[..., 0], ends[..., 0, :], mean[..., 1], ends[..., 1, :])
 
 
-def condition_table(alone: Alone, place: ParameterPlace, reach: float) -> pd.DataFrame:
+def condition_table(alone: Alone, place: ParameterPlace) -> pd.DataFrame:
     """Of the means; where no participant tells a threshold, its status alone: bounds of participants bound no mean."""
     study = alone.study
     low, high, _ = study.ranges()
     status = [_status_of_mean(*one) for one in zip(alone.statuses(), place.threshold, low, high, strict=True)]
-    table = _table(study, place, status, place.ends(reach), reach)
+    table = _table(study, place, status, place.ends)
     if alone.separated:
         widest = np.where(table["width"].isna(), np.nan, study.spread * alone.width_bounds())
         table = table.assign(width=np.nan, width_low=np.nan, width_high=widest)
     return pd.concat([study.conditions, table], axis=1)
 
 
-def participant_table(alone: Alone, place: ParameterPlace, reach: float) -> pd.DataFrame:
+def participant_table(alone: Alone, place: ParameterPlace, lapse_rates: Array | None) -> pd.DataFrame:
     """Of the cells, by participant, with the verdict that the cell's own answers have: where they hold no threshold
     there is none, but their own bound; others are drawn to the group."""
     study, rows = alone.study, place.by_participant()
@@ -120,13 +118,14 @@ def participant_table(alone: Alone, place: ParameterPlace, reach: float) -> pd.D
     status[(status == Status.SEPARATED) & ~np.isnan(rows.threshold)] = Status.OK
     cell_bounds = alone.cell_bounds().swapaxes(0, 1).reshape(-1, 2)  # participant by participant, as the rows are
     is_censored = np.isin(status, CENSORED)
-    ends = np.where(is_censored[:, None], cell_bounds, rows.ends(reach))
-    table = _table(study, rows, status.tolist(), ends, reach)
+    ends = np.where(is_censored[:, None], cell_bounds, rows.ends)
+    table = _table(study, rows, status.tolist(), ends)
     n_trials = study.n_trials.sum(axis=2).ravel().astype(int)
     conditions = np.tile(np.arange(study.n_conditions), study.n_participants)
     keys = study.conditions.loc[conditions].reset_index(drop=True)
     keys.insert(0, "participant", np.repeat(study.participants, study.n_conditions))
-    return pd.concat([keys, table.assign(n_trials=n_trials)], axis=1)
+    lapses = np.nan if lapse_rates is None else np.repeat(lapse_rates, study.n_conditions)
+    return pd.concat([keys, table.assign(n_trials=n_trials, lapse_rate=lapses)], axis=1)
 
 
 def _status_of_mean(status: Status, threshold: float, low: float, high: float) -> Status:
@@ -137,15 +136,13 @@ def _status_of_mean(status: Status, threshold: float, low: float, high: float) -
     return Status.ABOVE if threshold > high else status
 
 
-def _table(study: StudyCounts, place: ParameterPlace, status: list[Status], ends: Array, reach: float) -> pd.DataFrame:
+def _table(study: StudyCounts, place: ParameterPlace, status: list[Status], ends: Array) -> pd.DataFrame:
     has_number = np.array([one not in WITHOUT_NUMBER for one in status]) & ~np.isnan(place.threshold)
     # Of a threshold above the levels the lower end is a bound, of one below them the upper end.
     has_low = has_number | np.array([one == Status.ABOVE for one in status])
     has_high = has_number | np.array([one == Status.BELOW for one in status])
-    steps = reach * place.log_width_se[:, None] * np.array([-1.0, 0.0, 1.0])
     with np.errstate(over="ignore"):
-        widths = study.spread * np.exp(place.log_width[:, None] + steps)
-    narrow, width, wide = widths.T
+        width, narrow, wide = study.spread * np.exp([place.log_width, *place.log_width_ends.T])
     columns = {
         "threshold": _where(has_number, study.level(place.threshold)),
         "standard_error": _where(has_number, study.spread * place.threshold_se),
@@ -162,12 +159,3 @@ def _table(study: StudyCounts, place: ParameterPlace, status: list[Status], ends
 def _where(is_known: Bools, values: Array) -> Array:
     """The values that are known, NaN in place of the others."""
     return np.where(is_known, values, np.nan)
-
-
-def reaches(n_participants: int, interval: float) -> tuple[float, float]:
-    """Standard errors to an interval's end: of the group's means (t, n - 1 degrees of freedom), of a participant."""
-    share = (1 + interval) / 2
-    normal = float(ndtri(share))
-    if n_participants == 1:
-        return normal, normal
-    return float(Student.ppf(share, n_participants - 1)), normal

@@ -24,13 +24,12 @@ MOST_CELLS = 500
 ALL = "condition"
 WITHOUT_LAPSES = {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0, "scale_free_width": False}
 """Comparisons have the probit model as published (Moscatelli, Mezzetti and Lacquaniti 2012): a check without lapses."""
-APPROXIMATE = (
-    "the intervals are approximate after an adaptive procedure: in simulations, 95 % intervals contained the true "
-    "thresholds of 64 to 95 % of the participants"
+OTHER_MODEL = (
+    "no test of effects: this model of comparisons has asymptotes of 0 and 1, the fits of single participants "
+    "have free ones, so that points of equality and just noticeable differences differ where a level is not always felt"
 )
 COLUMNS = ("participant", "level", "n_yes", "n_trials", "n_false_alarms", "n_catch")
-QUANTITIES = {"threshold": "threshold", "log_width": "width"}
-HAS_FIT = (GroupStatus.OK, GroupStatus.SINGULAR)
+HAS_FIT = (GroupStatus.OK,)
 
 
 @dataclass(frozen=True)
@@ -56,13 +55,10 @@ def group_fit(
     factors: Sequence[str],
     unit: str,
     fits: Mapping[Cell, ThresholdFit] = MappingProxyType({}),
-    *,
-    is_adaptive: bool = False,
 ) -> HierarchicalOutcome | None:
     """The hierarchical fit of the cells of one task; None for fewer than two participants.
 
-    `fits` of `cells.estimates` are not made again where the model has the same curve. `is_adaptive`: levels followed
-    the answers.
+    `fits` of `cells.estimates` are not made again where the model has the same curve.
     """
     task = cells[0].task
     if len({cell.participant for cell in cells}) < 2:
@@ -96,7 +92,7 @@ def group_fit(
         known={} if curve.has_difference else _known(fits, [factors.index(name) for name in varied]),
         **options,
     )
-    return _outcome(task, fit, varied, table, APPROXIMATE if is_adaptive else "")
+    return _outcome(task, fit, varied, table)
 
 
 def _known(fits: Mapping[Cell, ThresholdFit], places: Sequence[int]) -> Known:
@@ -109,19 +105,17 @@ def _no_outcome(task: str, why: str) -> HierarchicalOutcome:
     return HierarchicalOutcome(task, None, f"no hierarchical fit: {why}", pd.DataFrame(), pd.DataFrame())
 
 
-def _outcome(
-    task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame, caution: str
-) -> HierarchicalOutcome:
+def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> HierarchicalOutcome:
     if fit.status not in HAS_FIT:
         return _no_outcome(task, fit.note)
-    has_difference = CURVES[task].has_difference
-    tables = (fit.conditions, fit.participants)
-    conditions, participants = map(_with_difference, tables) if has_difference else tables
-    has_widths = has_difference and fit.conditions["width"].notna().any()
-    quantities = ("threshold", "log_width") if has_widths else ("threshold",)
-    effects, notes = _effects(fit, varied, table, quantities)
+    if CURVES[task].has_difference:
+        conditions, participants = map(_with_difference, (fit.conditions, fit.participants))
+        effects, notes = dict[str, FactorEffect](), OTHER_MODEL
+    else:
+        conditions, participants = fit.conditions, fit.participants
+        effects, notes = _effects(fit, varied, table)
     conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])
-    note = "; ".join(filter(None, (fit.note, notes, caution)))
+    note = "; ".join(filter(None, (fit.note, notes)))
     return HierarchicalOutcome(task, fit, note, conditions, participants, effects)
 
 
@@ -131,9 +125,7 @@ def _with_difference(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(**{ours: table[width] * DIFFERENCE_PER_WIDTH for ours, width in names.items()})
 
 
-def _effects(
-    fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame, quantities: Sequence[str]
-) -> tuple[dict[str, FactorEffect], str]:
+def _effects(fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> tuple[dict[str, FactorEffect], str]:
     """Main effects and interactions within participants, and why there are none."""
     between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
     if between:
@@ -143,16 +135,10 @@ def _effects(
         names = [condition_name(varied, values) for values in lost[list(varied)].itertuples(index=False, name=None)]
         return {}, f"no test of effects: no mean threshold of {'; '.join(names)}"
     factors_of = [factors for r in range(1, len(varied) + 1) for factors in combinations(varied, r)]
-    several, notes = len(quantities) > 1, []
-    effects: dict[str, FactorEffect] = {}
-    for of in quantities:
-        where = f" on the {QUANTITIES[of]}" if several else ""
-        try:
-            effects |= {" * ".join(factors) + where: fit.effect(*factors, of=of) for factors in factors_of}
-        except InvalidParameter:  # widths may lack a test that thresholds have
-            why = "conditions share a width" if of == "log_width" else "the conditions are no complete factorial"
-            notes.append(f"no test of effects{where}: {why}")
-    return effects, "; ".join(notes)
+    try:
+        return {" * ".join(factors): fit.effect(*factors) for factors in factors_of}, ""
+    except InvalidParameter:
+        return {}, "no test of effects: the conditions are no complete factorial"
 
 
 def _text(row: "pd.Series[Any]") -> str:

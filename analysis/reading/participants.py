@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from tactometry.errors import InvalidFile
-from tactometry.trials.cell_rules import PARTICIPANT
+from tactometry.trials.cells import PARTICIPANT
 
 from ..wording import first_named
 

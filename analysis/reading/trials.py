@@ -16,7 +16,7 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, count_of, nearest
 from tactometry.records.data_set import keys_of
 from tactometry.records.head import ADDED
-from tactometry.trials.cell_rules import PARTICIPANT, CellRule
+from tactometry.trials.cells import PARTICIPANT, CellRule
 from tactometry.trials.columns import ALWAYS, FIRST, FOREIGN, MAY_BE_FACTORS, OPTIONAL, RESERVED, stated_factors
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level

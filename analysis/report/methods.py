@@ -29,13 +29,15 @@ SHAPES = {
     "gumbel": "Gumbel function of the level (a Weibull function of the amplitude)",
 }
 HIERARCHICAL = (
-    "As a check, all participants were also fitted at once by a hierarchical psychometric model (thresholds and "
-    "logarithms of the width with normal effects of participants, rates the same for all; maximum likelihood by "
-    "Laplace's approximation; compare Moscatelli, Mezzetti & Lacquaniti 2012)."
+    "As a check, all participants were also fitted at once by a hierarchical psychometric model (thresholds, "
+    "logarithms of the width and logits of the lapse rate with normal effects of participants). Its posterior under "
+    "weakly informative priors was integrated by Laplace's approximation and importance sampling (compare Moscatelli, "
+    "Mezzetti & Lacquaniti 2012; Rue, Martino & Chopin 2009)."
 )
 WITHOUT_LAPSES = (
-    "For comparisons this model has no lapse rate, unlike the fits of single participants, so that its just noticeable "
-    "differences are larger where participants lapse."
+    "For comparisons this model has no lapse rate and no free asymptotes, unlike the fits of single participants: its "
+    "points of equality are the middles of its curves, and its just noticeable differences are larger where "
+    "participants lapse. Its effects were not tested."
 )
 GOODNESS = (
     "Goodness of fit was tested by the deviance, by the residuals' bend with the level and trend with time, and by "

@@ -16,8 +16,7 @@ import pandas as pd
 
 from tactometry.arguments.require import expect
 from tactometry.errors import DeviceFailed, attempt, count_of
-from tactometry.files.rows import spreadsheet_text
-from tactometry.files.safe_text import file_text
+from tactometry.files.rows import file_text, spreadsheet_text
 
 from ..reading.quality import tally_of
 from ..result import Analysis

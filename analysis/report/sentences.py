@@ -4,7 +4,6 @@ American Psychological Association."""
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from ..anova.post_hoc import evidence
@@ -63,14 +62,11 @@ def hierarchical_sentences(outcome: HierarchicalOutcome, unit: str) -> list[str]
     """Effects, variances and rates, and what a reader must know."""
     if outcome.fit is None:
         return [outcome.note]
-    tested = [f"{name}: Wald's {_wald(effect)}, {p_text(effect.p)}" for name, effect in outcome.effects.items()]
+    tested = [f"{name}: Wald's {_f_text(effect)}, {p_text(effect.p)}" for name, effect in outcome.effects.items()]
     return [*tested, *_variance_sentences(outcome.fit, unit), *([outcome.note] if outcome.note else [])]
 
 
-def _wald(effect: FactorEffect) -> str:
-    if np.isinf(effect.df_error):
-        chi_square = f"chi-square({effect.df}) = {effect.df * effect.f:.2f}"
-        return f"{chi_square} (participants' deviations by condition have no variance)"
+def _f_text(effect: FactorEffect) -> str:
     return f_text(effect.f, effect.df, effect.df_error, effect.epsilon)
 
 
@@ -83,8 +79,8 @@ def _variance_sentences(fit: HierarchicalFit, unit: str) -> list[str]:
         "log_width_cell": "their deviations by condition {}",
     }
     sds = [text.format(number_text(fit.components[name])) for name, text in names.items() if name in fit.components]
-    rates = {"lapse": fit.lapse_rate, "guess": fit.guess_rate}
-    rate_texts = [f"{name} rate of all {rate:.3f}" for name, rate in rates.items() if rate]
+    rates = {"mean lapse rate": fit.lapse_rate, "guess rate of all": fit.guess_rate}
+    rate_texts = [f"{name} {rate:.3f}" for name, rate in rates.items() if rate]
     spread = f"standard deviations between {fit.n_participants} participants: {', '.join(sds)}" if sds else ""
     return [text for text in (spread, ", ".join(rate_texts)) if text]
 

@@ -128,16 +128,6 @@ def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[A
     return by, np.minimum(yes, no)
 
 
-def expected_information(shape: Shape, z: Array, guess: Array, lapse: Array, n_trials: Array) -> Array:
-    """Fisher's information along z of `n_trials` answers, elementwise; 0 where a chance has vanished."""
-    cdf, sf, pdf = linear(shape, z)
-    span = 1 - guess - lapse
-    variance = (guess + span * cdf) * (lapse + span * sf)
-    with np.errstate(all="ignore"):
-        information = n_trials * np.square(span * pdf) / variance
-        return np.asarray(np.where(variance > 0, information, 0.0))
-
-
 def _logarithmic(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Array, n_no: Array) -> ByPoint:
     yes, no = (_one_answer(shape, z, guess, lapse, answer) for answer in (1, 0))
     value = weighted(n_yes, yes[0]) + weighted(n_no, no[0])

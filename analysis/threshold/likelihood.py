@@ -17,7 +17,7 @@ from scipy.special import gammaln, polygamma, psi
 from tactometry.psychometric import Shape, log_mixture
 
 from ..arrays import Array, Expansion
-from .chances import ByPoint, bend, by_point, expected_information, linear, weighted
+from .chances import ByPoint, bend, by_point, linear, weighted
 from .counts import Counts
 
 N_PARAMETERS = 4
@@ -122,14 +122,14 @@ def _sums(*terms: Array) -> list[Array]:
     return [term.sum(axis=-1) for term in terms]
 
 
-def chance_information(shape: Shape, counts: Counts, theta: Array) -> Array:
-    """Fisher's information (n, 2, 2) of threshold and log width."""
-    z, to_m, to_v = _z(shape, counts.u, theta)
-    info = expected_information(shape, z, *_rates(theta), counts.n_trials)
-    one, by_v, vv = _sums(info, info * to_v, info * to_v * to_v)
-    to_m = to_m[..., 0]
-    mm, mv = one * to_m * to_m, by_v * to_m
-    return _matrix(((mm, mv), (mv, vv)))
+def chance_slopes(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
+    """Return slopes of psi along threshold, log width and lapse rate, and psi (1 - psi), at each level."""
+    z, to_m, to_v = _z(shape, u, theta)
+    guess, lapse = _rates(theta)
+    cdf, sf, pdf = linear(shape, z)
+    span = 1 - guess - lapse
+    steep = span * pdf
+    return steep * to_m, np.where(pdf > 0, steep * to_v, 0.0), -cdf, (guess + span * cdf) * (lapse + span * sf)
 
 
 def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:

@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.rigs.displays import ConnectedScreen
 from tactometry.rigs.frame_timing import timing_of
+from tactometry.rigs.keyboard import ConnectedScreen
 from tactometry.rigs.pages.layout import marker_page, message_page
 from tactometry.rigs.pages.page import Display, KeyDown, Page
 from tactometry.rigs.texts import texts_in

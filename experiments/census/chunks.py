@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from tactometry.arguments.require import whole
-from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, write_atomically
+from tactometry.files.json_file import prepare
 from tactometry.protocols.batch.answers import LevelTable
 from tactometry.protocols.procedures.procedure import Rule
 

@@ -12,8 +12,7 @@ from tactometry import __version__
 from tactometry.analysis.attrakdiff.scoring import scores
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
-from tactometry.files.rows import spreadsheet_text
-from tactometry.files.safe_text import markdown_text
+from tactometry.files.rows import markdown_text, spreadsheet_text
 from tactometry.questionnaire import Questionnaire
 from tactometry.records.description import KEYWORD
 from tactometry.trials.cells import cell

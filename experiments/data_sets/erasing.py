@@ -20,7 +20,7 @@ from tactometry.records.data_set import PARTS, keys_of, refuse_links, sessions
 from tactometry.records.description import NAME
 from tactometry.records.erasures import LOCK, RECORD, Erasure, read_erasures, unfinished, write_erasures
 from tactometry.records.open_journal import alone, held
-from tactometry.trials.cell_rules import PARTICIPANT
+from tactometry.trials.cells import PARTICIPANT
 
 from .erasure_plan import ErasurePlan, plan
 

@@ -10,8 +10,7 @@ from itertools import chain
 from pathlib import Path
 
 from tactometry.arguments.require import one_of
-from tactometry.files.rows import spreadsheet_text
-from tactometry.files.safe_text import cell_text
+from tactometry.files.rows import cell_text, spreadsheet_text
 from tactometry.records.description import KEYWORD
 
 from .bids import bids_files, task_label

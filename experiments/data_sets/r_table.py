@@ -10,8 +10,7 @@ import pandas as pd
 from tactometry.analysis.tasks.cells import alternatives
 from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.analysis.tasks.task_analysis import R_OF_FORM
-from tactometry.files.rows import spreadsheet_text
-from tactometry.files.safe_text import cell_text
+from tactometry.files.rows import cell_text, spreadsheet_text
 from tactometry.questionnaire import Questionnaire
 from tactometry.trials.cells import cell
 from tactometry.trials.columns import ALWAYS, FIRST, OPTIONAL

@@ -9,8 +9,7 @@ from typing import Any
 from tactometry.errors import InvalidFile, TactometryError, count_of
 from tactometry.files.durable import read_file
 from tactometry.files.json_file import json_object
-from tactometry.records.agreement import REBUILD, disagreement
-from tactometry.records.data_set import Session, trials_csv
+from tactometry.records.data_set import REBUILD, Session, disagreement, trials_csv
 from tactometry.records.head import Head, columns_in
 from tactometry.records.journal import Recording, read
 from tactometry.trials.columns import Column

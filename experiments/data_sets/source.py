@@ -18,7 +18,7 @@ from tactometry.analysis.reading.trials import Trials, read_trials, used_rows
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidFile, InvalidParameter, count_of
 from tactometry.files.durable import files_in, make_folder, write_atomically
-from tactometry.files.safe_text import cell_text, markdown_text
+from tactometry.files.rows import cell_text, markdown_text
 from tactometry.questionnaire import Questionnaire
 from tactometry.records.description import NAME
 from tactometry.records.traces import FOLDER, read_sidecar, sidecar_of

@@ -122,7 +122,7 @@ def read_traces(
     ...     recorded = record(experiment, study_toml, Path(folder), who, simulated(experiment, who))
     ...     (touch,) = read_traces(Path(folder), 2)
     >>> touch.trial.level, touch.emitted, touch.force  # a simulated finger has no samples
-    (34.0, Signal(1 channel x 10000 samples at 20000 Hz (0.5 s), peak 47.6655 V), None)
+    (38.0, Signal(1 channel x 10000 samples at 20000 Hz (0.5 s), peak 75.5447 V), None)
     """
     journal = _journal(path, participant, session)
     recording, root = read(journal), journal.parent.parent

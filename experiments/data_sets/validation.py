@@ -14,8 +14,7 @@ from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, co
 from tactometry.files.durable import drafts, files_in, read_file
 from tactometry.files.json_file import json_object
 from tactometry.provenance import sha256
-from tactometry.records.agreement import REBUILD
-from tactometry.records.data_set import keys_of, participants, sessions
+from tactometry.records.data_set import REBUILD, keys_of, participants, sessions
 from tactometry.records.description import NAME, SIMULATED, read_description, variable_names
 from tactometry.records.erasures import RECORD, read_erasures
 from tactometry.records.head import ADDED, changes, columns_in, heads

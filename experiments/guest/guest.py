@@ -16,7 +16,7 @@ from tactometry.protocols.tasks.rating import fill_in
 from tactometry.protocols.tasks.task import Presentation, Reply, TrialOutcome
 from tactometry.questionnaire import Questionnaire, shipped_names
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
-from tactometry.rigs.touch.beside import Beside
+from tactometry.rigs.touch.touch import Beside
 from tactometry.session.answer import Played, Touched
 from tactometry.session.request import Play, Press, Slide
 from tactometry.session.run import Course

@@ -7,7 +7,7 @@ from typing import Any
 
 from tactometry.errors import Stopped
 from tactometry.protocols.tasks.task import TrialOutcome
-from tactometry.rigs.touch.beside import Beside
+from tactometry.rigs.touch.touch import Beside
 
 from .columns import Values, of_stimulus, of_touch, of_trial
 from .guest import Guest

@@ -70,8 +70,8 @@ class StatedEffect:
     def ratios(self, levels: Sequence[float | str]) -> dict[str, float]:
         """The factor of each level, of an effect in per cent: equal ratios from the first level to the last.
 
-        >>> StatedEffect("force_n", "% JND", 21.0).ratios((0.5, 1.5, 3.0))["3"] ** 2
-        1.21
+        >>> StatedEffect("force_n", "% JND", 21.0).ratios((0.5, 1.5, 3.0))["3"]
+        1.1
         """
         changes = self.of_levels(levels)
         if self.change is None:

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from tactometry.errors import InvalidFile
-from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, read_file, write_atomically
+from tactometry.files.json_file import prepare
 from tactometry.files.rows import write_records
 from tactometry.provenance import sha256
 

@@ -38,7 +38,7 @@ DECIMALS: Final = 9
 class LevelMap:
     """From levels that are played to those that are stated.
 
-    >>> LevelMap(40.0, shift=1.0, factor=2.0).stated(39.0), LevelMap(40.0, shift=1.0, factor=2.0).played(39.0)
+    >>> float(LevelMap(40.0, shift=1.0, factor=2.0).stated(39.0)), LevelMap(40.0, shift=1.0, factor=2.0).played(39.0)
     (39.0, 39.0)
     """
 

@@ -1,4 +1,4 @@
-"""What a class says of itself and of its keys: the first paragraph and the `Parameters` of its docstring."""
+"""Meaning of a class and its keys: the first paragraph of its docstring, and its `Parameters` or list of keys."""
 
 import inspect
 import re
@@ -11,6 +11,7 @@ from tactometry.config.strict import fields_of
 
 _SECTION: Final = re.compile(r"^Parameters\n-+\n(.*?)(?=^\w[\w ]*\n-{3,}$|^>>> |\Z)", re.MULTILINE | re.DOTALL)
 _ENTRY: Final = re.compile(r"^(\w[\w, ]*?)(?: :[^\n]*)?\n((?:[ ]{4}[^\n]*\n|\n)*)", re.MULTILINE)
+_ITEM: Final = re.compile(r"^- ((?:`\w+`(?:, )?)+): ([^\n]*\n(?:[ ]{2}[^\n]*\n)*)", re.MULTILINE)
 _AS_IN: Final = re.compile(r"^As in `(?:([\w.]+)\.)?(\w+)`")
 
 
@@ -19,7 +20,7 @@ def meanings(kind: type) -> Mapping[str, str]:
     """What each key of a class means, where its docstring or that of a base says so. A class with one key says it in
     its first paragraph.
 
-    >>> from tactometry.observers.changes.learning import SlowLearning
+    >>> from tactometry.observers.changes import SlowLearning
     >>> meanings(SlowLearning)["gain_db"]
     'By how much less is felt at the first trial.'
     """
@@ -43,14 +44,10 @@ def summary(kind: type) -> str:
 
 
 def _parameters(kind: type) -> dict[str, str]:
-    section = _SECTION.search(inspect.cleandoc(vars(kind).get("__doc__") or ""))
-    if section is None:
-        return {}
-    return {
-        name.strip(): " ".join(text.split())
-        for names, text in _ENTRY.findall(section[1] + "\n")
-        for name in names.split(",")
-    }
+    text = inspect.cleandoc(vars(kind).get("__doc__") or "") + "\n"
+    section = _SECTION.search(text)
+    entries = [*_ITEM.findall(text), *(_ENTRY.findall(section[1] + "\n") if section else ())]
+    return {name.strip(" `"): " ".join(meaning.split()) for names, meaning in entries for name in names.split(",")}
 
 
 def _followed(kind: type, name: str, text: str) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from tactometry.observers.changes.kinds import CHANGES
+from tactometry.observers.changes import CHANGES
 from tactometry.observers.kinds import OBSERVERS, USUAL
 
 from ..study.stimulus_kinds import ELECTROVIBRATION, STIMULI

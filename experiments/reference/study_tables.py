@@ -110,7 +110,7 @@ def study_tables() -> Iterator[KeyTable]:
     practice = "tactometry.protocols.procedures.practice:Practice"
     yield KeyTable("practice", "[practice]", practice, example={"levels": [40.0]}, in_levels=IN_LEVELS)
     yield KeyTable("plan", "[plan]", f"{read}.study:PlanTable", samples=_OF_PLAN)
-    image, of_image = "tactometry.rigs.images:ImageTable", {"path": "setup.png"}
+    image, of_image = "tactometry.rigs.texts:ImageTable", {"path": "setup.png"}
     yield KeyTable("images", "[images.MESSAGE]", image, example=of_image, samples={"sha256": DIGEST})
     yield limits("limits", "[limits]")
     yield KeyTable("study.scene", "[scene]", f"{read}.scene_table:SceneTable", samples=_OF_SCENE)

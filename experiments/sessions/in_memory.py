@@ -15,10 +15,10 @@ from tactometry.records.description import SIMULATED
 from tactometry.session.replay import Replay
 from tactometry.session.request import Record, Request
 from tactometry.session.run import run
-from tactometry.trials.cells import cell
+from tactometry.trials.cells import Value, cell
 from tactometry.trials.columns import Column
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
-from tactometry.trials.trial import Trial, Value
+from tactometry.trials.trial import Trial
 
 from ..study.experiment import Experiment
 from ..workers import workers
@@ -53,7 +53,7 @@ def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
     >>> from ..study.study_file import load
     >>> experiment = wire(load("tutorial")[0], "tutorial")
     >>> [trial.level for trial in simulated_session(experiment, Who("P01", seed=1))[:3]]
-    [22.0, 34.0, 28.0]
+    [46.0, 38.0, 42.0]
     """
     collector, seed = Collector(), who.seed or 0
     rig = experiment.simulated_rig(who.participant, who.session, seed)

@@ -13,10 +13,9 @@ from tactometry.protocols.procedures.practice import PracticeRun
 from tactometry.provenance import sha256, versions
 from tactometry.records.data_set import LARGEST_NUMBER, Session
 from tactometry.records.description import SIMULATED, StudyDescription
-from tactometry.records.erasures import refuse_erased
+from tactometry.records.erasures import Withdrawal, refuse_erased
 from tactometry.records.head import Head, differences
 from tactometry.records.open_session import OpenSession
-from tactometry.records.withdrawal import Withdrawal
 from tactometry.session.event import EventLog
 from tactometry.session.request import Fact, Rig
 from tactometry.session.run import run

@@ -73,7 +73,7 @@ def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | Non
 def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "RigKind":
     from tactometry.rigs.bench import Bench
     from tactometry.rigs.experimenter.live import experimenter_terminal
-    from tactometry.rigs.experimenter.status import StatusLine
+    from tactometry.rigs.experimenter.terminal import StatusLine
     from tactometry.rigs.texts import texts_in
 
     from ..study.dry_run import parts_ahead

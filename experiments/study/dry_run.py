@@ -98,7 +98,7 @@ def parts_ahead(experiment: Experiment, number: int, n_session: int = 1, seed: i
     >>> from .experiment import wire
     >>> from .study_file import load
     >>> [part.n_trials for part in parts_ahead(wire(load("tutorial")[0], "tutorial"), number=1)]
-    [20, 20]
+    [35, 35]
     """
     n_attempts = experiment.table.options.n_attempts
     return tuple(

@@ -17,7 +17,7 @@ from tactometry.choice_form import ChoiceForm, choice_forms_of
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import Gathered, rewording
 from tactometry.followed import FollowsFinger
-from tactometry.observers.changes.change import Answer, Shift
+from tactometry.observers.changes import Answer, Shift
 from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
 from tactometry.observers.people import Feeling, SimulatedPerson

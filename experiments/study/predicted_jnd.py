@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import sqrt
-
-from scipy.special import ndtri
+from statistics import NormalDist
 
 from tactometry.observers.psychometric import OF_WIDTH, PsychometricObserver
 from tactometry.observers.signal_detection import SignalDetectionObserver
@@ -16,7 +15,7 @@ from .experiment import Experiment
 from .felt_levels import contact_of, felt_db
 from .own_parts import Unseen
 
-JND_PER_SD = float(ndtri(0.75))
+JND_PER_SD = NormalDist().inv_cdf(0.75)
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,7 @@ from tactometry.choice_form import ChoiceForm
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.protocols.session import pages
 from tactometry.questionnaire import Questionnaire
-from tactometry.rigs.images import PageImage, image_of
-from tactometry.rigs.texts import LIST, N_NEAREST, Texts, languages, texts_in
+from tactometry.rigs.texts import LIST, N_NEAREST, PageImage, Texts, image_of, languages, texts_in
 from tactometry.session.request import Show
 
 from .experiment import Experiment

@@ -11,10 +11,9 @@ from tactometry.arguments.unlimited import warning_of
 from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.observers.finger import SimulatedFinger
-from tactometry.rigs.images import ImageTable
+from tactometry.rigs.texts import ImageTable
 from tactometry.safety.limits import Limits
-from tactometry.trials.cell_rules import STUDY
-from tactometry.trials.cells import cell
+from tactometry.trials.cells import STUDY, cell
 from tactometry.trials.columns import RESERVED
 
 from .prompts import Prompt, check_prompt

@@ -11,8 +11,8 @@ from zlib import crc32
 import pandas as pd
 
 from tactometry.arguments.require import one_of, whole
-from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, write_atomically
+from tactometry.files.json_file import prepare
 from tactometry.protocols.batch.streams import stream
 
 from ..workers import Spread, here

@@ -6,8 +6,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from tactometry.arguments.constraints import excerpt
 from tactometry.arguments.magnitudes import is_number
-from tactometry.arguments.require import below, below_1, excerpt, expect, finite, numbers, one_of, whole, without_none
+from tactometry.arguments.require import below, below_1, expect, finite, numbers, one_of, whole, without_none
 
 from .parameter_grid import ParameterGrid
 from .quest_plus import Aim, Criterion, QuestPlus

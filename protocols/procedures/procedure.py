@@ -8,8 +8,9 @@ from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar, run
 
 import numpy as np
 
+from tactometry.arguments.constraints import excerpt
 from tactometry.arguments.magnitudes import is_number
-from tactometry.arguments.require import excerpt, expect
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 MOST_TRIALS = 1_000_000

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.arguments.require import excerpt, expect
+from tactometry.arguments.constraints import excerpt
+from tactometry.arguments.require import expect
 from tactometry.observers.decisions import Decision, strongest
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose

@@ -1,13 +1,12 @@
-"""What an argument must be, and the sentence that refuses it: one vocabulary, each word in one place.
+"""Checks of arguments, and the error message for each: one vocabulary, each term in one place.
 
-- `config.strict` reads what people write into files: unknown keys, missing keys, the `kind` of a table, types, units.
-  Then it builds the class, which checks itself as below, so that a value is refused alike in a file and in a call.
-- `checked` (a decorator) reads what annotations and names of arguments say already: the kind, finiteness, the domain of
-  the unit. It belongs on what others call with arrays and numbers: the functions and classes of `stimuli`.
-- `require` has a word for what a type cannot say: `positive`, `within`, `below_1` (0 to below 1: a rate), `not_zero`,
-  `whole`, `one_of`, `lookup`, `some`, `ascending`, ... A class that is not `checked` says all of it so.
-- `require.expect` is the word for a rule of one place (an interval of its own, `low < high`): whether it holds, and the
-  three parts of the sentence. What two places ask for alike becomes a word of its own.
-- A `raise` is written by hand only where its sentence has another form: one that says more than what was found and what
-  was expected on a line, or that is told as it is computed.
+- `constraints` names constraints as data: `Positive`, `NotNegative`, `Share`, `Rate`, or any `Annotated` with the
+  classes of `annotated_types`.
+- `constrained` (a decorator under `dataclass`) checks the fields of a class against them. `config.strict` builds such a
+  class from a file, after it has checked keys and types, so that a file and a call get the same error.
+- `checked` (a decorator) checks the arguments of functions and classes by their annotations: kind, finiteness, the
+  domain of the unit, and the constraint. Use it for the public API of `stimuli`, called with arrays and numbers.
+- `require` has a function for each rule that no annotation states: `one_of`, `lookup`, `some`, `ascending`, ...
+  `require.expect` checks a rule of one place, such as `low < high`; write a rule of two places as a new function.
+- Raise an error by hand only if its message has another form.
 """

@@ -8,10 +8,13 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import numpy as np
+from annotated_types import Ge, Gt
 from numpy.typing import ArrayLike, NDArray
 
+from . import constraints
+from .constraints import check_of
 from .magnitudes import LARGEST_COUNT, is_number
-from .require import not_negative, not_negative_array, positive, positive_array
+from .require import not_negative_array, positive_array
 
 Vector = Annotated[NDArray[np.float64], 1]
 Matrix = Annotated[NDArray[np.float64], 2]
@@ -19,12 +22,11 @@ Unbounded = Annotated[float, inf]
 """A number that may be infinite."""
 UnboundedArray = Annotated[ArrayLike, inf]
 UnboundedComplex = Annotated[NDArray[np.complex128], inf]
-Positive = Annotated[float, positive]
-PositiveWhole = Annotated[int, positive]
-NotNegative = Annotated[float, not_negative]
-PositiveArray = Annotated[ArrayLike, positive_array]
-NotNegativeArray = Annotated[ArrayLike, not_negative_array]
-"""Annotated with the word of `require` that says what such a number must be."""
+Positive = constraints.Positive
+PositiveWhole = constraints.PositiveWhole
+NotNegative = constraints.NotNegative
+PositiveArray = Annotated[ArrayLike, Gt(0)]
+NotNegativeArray = Annotated[ArrayLike, Ge(0)]
 
 Test = Callable[[Any], bool]
 Demand = Callable[[str, Any], object]
@@ -61,7 +63,7 @@ def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
     if hint in (float, complex, ArrayLike) or origin is np.ndarray:
         return _of_numbers(hint, high, unbounded)
     if origin is Annotated:
-        return _annotated(inner[0], inner[1], high)
+        return _annotated(hint, high)
     if origin in (Union, UnionType):
         return _either([rule_of(part, high, unbounded) for part in inner])
     if origin is Literal:
@@ -100,7 +102,9 @@ def _of_numbers(hint: Any, high: float, unbounded: bool) -> AnnotationRule:
         return AnnotationRule(number, f"a {numbers.removesuffix('s')}", good=good)
     if hint is complex:
         return AnnotationRule(
-            lambda value: number(value) or (_is_complex(value) and bool(good(value))), "a number", good=good
+            lambda value: number(value) or (isinstance(value, complex | np.complexfloating) and bool(good(value))),
+            "a number",
+            good=good,
         )
     if hint == ArrayLike:
         array = _array("iuf", high, good)
@@ -149,25 +153,17 @@ def _all_within(found: NDArray[Any], high: float) -> bool:
     return bool(found.min() >= -high and found.max() <= high)
 
 
-def _annotated(hint: Any, note: Any, high: float) -> AnnotationRule:
-    if callable(note):
-        return replace(rule_of(hint, high), demand=note if hint == ArrayLike else _of_place(note))
+def _annotated(hint: Any, high: float) -> AnnotationRule:
+    base, note = hint.__origin__, hint.__metadata__[0]
+    if hint in _OF_ARRAYS or check_of(hint):
+        return replace(rule_of(base, high), demand=_OF_ARRAYS.get(hint) or check_of(hint))
     if note == inf:
-        return rule_of(hint, high, unbounded=True)
-    rule, least = rule_of(hint, high), 1 if note == 1 else 0
+        return rule_of(base, high, unbounded=True)
+
+    rule, least = rule_of(base, high), 1 if note == 1 else 0
     words = f"an array in {note} dimension{'s' * (note > 1)} of finite numbers{', at least one' * least}"
     fits = rule.fits
     return replace(rule, fits=lambda v: fits(v) and np.ndim(v) == note and np.size(v) >= least, words=words)
-
-
-def _of_place(word: Callable[..., None]) -> Demand:
-    """A word of `require` that takes numbers by their names, told where one stands: ``owner.name``."""
-
-    def demand(where: str, value: Any) -> None:
-        owner, _, name = where.rpartition(".")
-        word(owner, **{name: value})
-
-    return demand
 
 
 def _either(rules: Sequence[AnnotationRule]) -> AnnotationRule:
@@ -231,14 +227,11 @@ def _is_listed(value: Any) -> bool:
     return isinstance(value, Sequence) and not isinstance(value, str)
 
 
-def _is_complex(value: Any) -> bool:
-    return isinstance(value, complex | np.complexfloating)
-
-
 def _is_whole(value: Any) -> bool:
     return isinstance(value, int | np.integer) and is_number(value) and abs(value) <= LARGEST_COUNT
 
 
+_OF_ARRAYS: Mapping[Any, Demand] = {PositiveArray: positive_array, NotNegativeArray: not_negative_array}
 _PLAIN: Mapping[Any, AnnotationRule] = {
     int: AnnotationRule(_is_whole, "a whole number"),
     bool: AnnotationRule(lambda value: isinstance(value, bool | np.bool_), "True or False"),

@@ -6,16 +6,15 @@ What else must hold (ascending, not longer than) each function and constructor s
 import functools
 import inspect
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, TypeVar, cast
+from typing import Annotated, Any, TypeVar, cast, get_origin
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InvalidParameter, nearest
 from .annotations import AnnotationRule, Demand, as_array, parts_of, rule_of
+from .constraints import excerpt
 from .magnitudes import domain
-from .require import excerpt
-from .signatures import in_short
 
 T = TypeVar("T", bound=Callable[..., Any])
 
@@ -27,8 +26,6 @@ def checked(thing: T) -> T:
     is `Unbounded`, infinity is a number too, and a `Positive` number is above 0. A list where an array belongs is made
     one. An array may have any dimensions, a `Vector` one and at least one number, a `Matrix` two.
 
-    Examples
-    --------
     >>> @checked
     ... def twice(length_m: float) -> float:
     ...     return 2 * length_m
@@ -120,3 +117,29 @@ def _refusal_of_numbers(
     kind = "a finite number" if "finite" in rule.words else "a number"
     expected = f"a number of at most {high:g}" if np.isfinite(number) else kind
     return InvalidParameter(f"{where}{list(place) if place else ''}: found {number}, expected {expected}")
+
+
+def in_short(signature: inspect.Signature) -> inspect.Signature:
+    """Return a signature with short names of its annotations, as `help` shows it.
+
+    >>> from annotated_types import Gt
+    >>> def force_n(voltage_v: ArrayLike, area_m2: Annotated[float, Gt(0)] = 1e-4) -> NDArray[np.float64]: ...
+    >>> str(in_short(inspect.signature(force_n)))
+    "(voltage_v: 'ArrayLike', area_m2: 'float' = 0.0001) -> 'NDArray[float64]'"
+    """
+    named = [each.replace(annotation=_name(each.annotation)) for each in signature.parameters.values()]
+    return signature.replace(parameters=named, return_annotation=_name(signature.return_annotation))
+
+
+def _name(annotation: Any) -> Any:
+    if get_origin(annotation) is Annotated:
+        base = annotation.__origin__
+        return _SHORT.get(base) or base.__name__
+    return _SHORT.get(annotation, annotation)
+
+
+_SHORT: Mapping[Any, str] = {
+    ArrayLike: "ArrayLike",
+    NDArray[np.float64]: "NDArray[float64]",
+    NDArray[np.complex128]: "NDArray[complex128]",
+}

@@ -5,6 +5,8 @@ Numbers are given by their names, after their owner; each has the domain of magn
 """
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from math import inf, isfinite
 from numbers import Real
@@ -12,12 +14,16 @@ from types import NoneType
 from typing import Any, TypeVar
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InvalidParameter, TactometryError, nearest
-from .magnitudes import LARGEST_COUNT, TINY, domain, is_number
+from .constraints import NumberRange, excerpt, number_range, ranges, size_words
+from .magnitudes import LARGEST_COUNT, domain, is_number
 
 V = TypeVar("V")
+_FINITE, _POSITIVE, _NOT_NEGATIVE = ranges(Interval()), ranges(Interval(gt=0)), ranges(Interval(ge=0))
+_RATE = ranges(Interval(ge=0, lt=1))
 
 
 def expect(
@@ -25,10 +31,7 @@ def expect(
 ) -> None:
     """What a value must be where no other word says it; `found` stands in the sentence as it is to be read.
 
-    Raises
-    ------
-    InvalidParameter
-        Unless it `holds`; of a file an `InvalidFile`, where `error` says so.
+    Raises `InvalidParameter` unless it `holds`; of a file an `InvalidFile`, where `error` says so.
 
     >>> expect(0 < 0.5 <= 1, "Scene.accuracy", 0.5, "above 0 and at most 1")
     >>> expect(0 < 2.0 <= 1, "Scene.accuracy", 2.0, "above 0 and at most 1")
@@ -40,28 +43,15 @@ def expect(
 
 
 def finite(owner: str, /, **values: object) -> None:
-    """Each is a finite number; a sign or a place may be as near to 0 as it likes.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is not, or is larger than its unit allows; the sentence names `owner` and the value's name.
+    """Require finite numbers, none larger than its unit allows.
 
     >>> finite("Staircase", low=0.0, high=40.0)
     """
-    for name, value in values.items():
-        high = domain(name)[1]
-        if not (is_number(value) and -high <= value <= high):
-            raise _refusal(owner, name, value, _size_words(0.0, high) if is_number(value) else "a finite number")
+    _within(_FINITE, owner, values)
 
 
 def positive(owner: str, /, **values: object) -> None:
-    """Each is a finite number above 0.
-
-    Raises
-    ------
-    InvalidParameter
-        As `finite`, and if a value is smaller than its unit allows.
+    """Require finite numbers above 0 of a magnitude that their units allow.
 
     >>> positive("Sine", frequency_hz=-3)
     Traceback (most recent call last):
@@ -70,39 +60,25 @@ def positive(owner: str, /, **values: object) -> None:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Grating.period_m: found 1e-320, expected a number from 1e-20 to 1e+09
     """
-    for name, value in values.items():
-        low, high = domain(name)
-        if not (is_number(value) and value > 0 and low <= value <= high):
-            above = is_number(value) and value > 0
-            raise _refusal(owner, name, value, _size_words(low, high) if above else "a finite number above 0")
+    _within(_POSITIVE, owner, values)
 
 
 def not_negative(owner: str, /, **values: object) -> None:
-    """Each is a finite number, at least 0.
-
-    Raises
-    ------
-    InvalidParameter
-        As `positive`.
+    """Require 0 or numbers as `positive` does.
 
     >>> not_negative("ForceGate", hold_s=0.0)
     """
-    for name, value in values.items():
-        low, high = domain(name)
-        if not (is_number(value) and (value == 0 or low <= value <= high)):
-            above = is_number(value) and value > 0
-            sized = f"{'0 or ' if low else ''}{_size_words(low, high)}"
-            raise _refusal(owner, name, value, sized if above else "a finite number, at least 0")
+    _within(_NOT_NEGATIVE, owner, values)
 
 
 def within(owner: str, low: float, high: float, /, **values: object) -> None:
-    """Each is a number from `low` to `high`.
+    """Require numbers from `low` to `high`.
 
     >>> within("Grating", 0, 1, duty=1.5)
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Grating.duty: found 1.5, expected a number from 0 to 1
     """
-    _each(owner, values, lambda value: is_number(value) and low <= value <= high, f"a number from {low:g} to {high:g}")
+    _within(partial(number_range, Interval(ge=low, le=high)), owner, values)
 
 
 def below(owner: str, /, **values: float) -> None:
@@ -128,37 +104,31 @@ def not_zero(owner: str, /, **values: object) -> None:
 
 
 def between(owner: str, low: float, high: float, /, **values: object) -> None:
-    """Each is a number above `low` and below `high`."""
-    expected = f"a number above {low:g} and below {high:g}"
-    _each(owner, values, lambda value: is_number(value) and low < value < high, expected)
+    _within(partial(number_range, Interval(gt=low, lt=high)), owner, values)
 
 
 def below_1(owner: str, /, **values: object) -> None:
-    """Each is a number from 0 to below 1: a rate, or a coefficient of variation.
+    """Require numbers from 0 to below 1: a rate, or a coefficient of variation.
 
     >>> below_1("Observer", lapse_rate=1.0)
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Observer.lapse_rate: found 1.0, expected a number from 0 to below 1
     """
-    _each(owner, values, lambda value: is_number(value) and 0 <= value < 1, "a number from 0 to below 1")
+    _within(_RATE, owner, values)
 
 
 def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST_COUNT, **values: Any) -> None:
-    """Each is a whole number from `lowest` to `highest`.
+    """Require whole numbers from `lowest` to `highest`.
 
     >>> whole("Staircase", lowest=1, n_trials=0)
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Staircase.n_trials: found 0, expected a whole number, at least 1
     """
-    for name, value in values.items():
-        known = isinstance(value, int | np.integer) and not isinstance(value, bool)
-        if not known or not lowest <= value <= highest:
-            limit = f"at most {highest}" if known and value > lowest else f"at least {lowest}"
-            raise _refusal(owner, name, value, f"a whole number, {limit}")
+    _within(partial(number_range, Interval(ge=lowest, le=highest), whole=True), owner, values)
 
 
 def truth(owner: str, /, **values: object) -> None:
-    """Each is True or False."""
+    """Require True or False."""
     _each(owner, values, lambda value: isinstance(value, bool | np.bool_), "True or False")
 
 
@@ -201,11 +171,6 @@ def one_of(where: str, found: object, choices: Iterable[object]) -> None:
 def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
     """What `name` stands for among `choices`.
 
-    Raises
-    ------
-    InvalidParameter
-        As `one_of`, with the nearest name.
-
     >>> lookup("sensor", "hand", {"hand": 1}), lookup("sensor", "hnad", {"hand": 1})
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: sensor: found 'hnad', expected one of hand; did you mean 'hand'?
@@ -216,7 +181,6 @@ def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
 
 
 def some(where: str, found: Sequence[object] | Mapping[Any, object]) -> None:
-    """`found` holds something."""
     expect(len(found) > 0, where, "none", "at least one")
 
 
@@ -272,31 +236,29 @@ def array(where: str, values: ArrayLike) -> NDArray[np.float64]:
 
 
 def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
-    """`values` as an array of finite numbers, none larger than the name in `where` allows.
+    """Return an array of finite numbers, none larger than the name in `where` allows.
 
     >>> finite_array("straight.values_v", [0.0, 1e200])
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: straight.values_v[1]: found 1e+200, expected a number of at most 1e+12
     """
-    high = domain(where)[1]
-    return _in_bounds(where, values, (-high, high), "a finite number", _size_words(0.0, high))
+    return _array_within(where, values, _FINITE(where))
 
 
 def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
-    """`values` as an array of numbers above 0, none smaller or larger than the name in `where` allows.
+    """Return an array of numbers above 0 of a magnitude that the name in `where` allows.
 
     With `infinite`, infinity is a number too.
     """
-    low, high = domain(where)
-    ends = (low or TINY, inf if infinite else high)
-    return _in_bounds(where, values, ends, "a finite number above 0", _size_words(low, high))
+    allowed = _POSITIVE(where)
+    return _array_within(where, values, replace(allowed, high=inf) if infinite else allowed)
 
 
 def not_negative_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
-    """As `positive_array`, of numbers of at least 0, as small as they like."""
+    """Return an array of numbers of at least 0, however small, as `positive_array` does."""
     high = domain(where)[1]
-    ends = (0.0, inf if infinite else high)
-    return _in_bounds(where, values, ends, "a finite number, at least 0", _size_words(0.0, high))
+    allowed = replace(_NOT_NEGATIVE(where), low=0.0, sized=size_words(0.0, high))
+    return _array_within(where, values, replace(allowed, high=inf) if infinite else allowed)
 
 
 def samples(where: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -334,11 +296,6 @@ def in_range(where: str, result: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def excerpt(value: object) -> str:
-    """What was found, on one line and not too long."""
-    return f"{' '.join(repr(value).split()):.60}"
-
-
 def class_names(kinds: Iterable[type]) -> str:
     """What an instance of one of some classes is called: "a Plate", "a Layer or None"."""
     return " or ".join("None" if kind is NoneType else f"a {kind.__name__}" for kind in kinds)
@@ -347,37 +304,27 @@ def class_names(kinds: Iterable[type]) -> str:
 def _each(owner: str, values: Mapping[str, object], fits: Callable[[Any], bool], expected: str) -> None:
     for name, value in values.items():
         if not fits(value):
-            raise _refusal(owner, name, value, expected)
+            raise InvalidParameter(f"{owner}.{name}: found {excerpt(value)}, expected {expected}")
 
 
-def _in_bounds(
-    where: str, values: ArrayLike, ends: tuple[float, float], expected: str, sized: str
-) -> NDArray[np.float64]:
-    found, (low, high) = array(where, values), ends
-    if found.size and not (found.min() >= low and found.max() <= high):
-        raise _first_wrong(where, found, (found >= low) & (found <= high), expected, sized)
-    return found
+def _within(range_of: Callable[[str], NumberRange], owner: str, values: Mapping[str, object]) -> None:
+    for name, value in values.items():
+        where = f"{owner}.{name}"
+        range_of(where).check(where, value)
 
 
-def _first_wrong(
-    where: str, found: NDArray[np.float64], good: NDArray[np.bool_], expected: str, sized: str
-) -> InvalidParameter:
-    place = tuple(int(i) for i in np.argwhere(~good)[0])
+def _array_within(where: str, values: ArrayLike, allowed: NumberRange) -> NDArray[np.float64]:
+    found = array(where, values)
+    if not found.size or (found.min() >= allowed.low and found.max() <= allowed.high):
+        return found
+
+    place = tuple(int(i) for i in np.argwhere(~((found >= allowed.low) & (found <= allowed.high)))[0])
     number = found[place]
-    oversized = isfinite(number) and (number > 0 or expected == "a finite number")
-    at = f"{where}{list(place) if place else ''}"
-    return InvalidParameter(f"{at}: found {number}, expected {sized if oversized else expected}")
+    words = allowed.sized if isfinite(number) and number > allowed.floor else allowed.expected
+    raise InvalidParameter(f"{where}{list(place) if place else ''}: found {number}, expected {words}")
 
 
 def _no_choice(where: str, found: object, choices: Iterable[object]) -> InvalidParameter:
     names = [str(choice) for choice in choices]
     hint = nearest(str(found), names)
     return InvalidParameter(f"{where}: found {excerpt(found)}, expected one of {', '.join(names)}{hint}")
-
-
-def _refusal(owner: str, name: str, value: object, expected: str) -> InvalidParameter:
-    return InvalidParameter(f"{owner}.{name}: found {excerpt(value)}, expected {expected}")
-
-
-def _size_words(low: float, high: float) -> str:
-    return f"a number from {low:g} to {high:g}" if low else f"a number of at most {high:g}"

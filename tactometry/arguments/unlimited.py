@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from math import inf
 from typing import Final
 
-from .require import expect
+from ..errors import InvalidParameter
 
 WORD: Final = "unlimited"
 
@@ -45,18 +45,16 @@ UNLIMITED: Final = Unlimited()
 def check_highest(path: str, value: float) -> None:
     """Refuse a limit of a file that is above its plausible upper bound.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is; `path` ends with its key. NaN is left to the class that gets it.
+    Raises `InvalidParameter` if it is; `path` ends with its key. NaN is left to the class that gets it.
 
     >>> check_highest("limits.force_peak_n", 1e9)
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: limits.force_peak_n: found 1e+09, expected at most 50, or "unlimited"
     """
     highest = HIGHEST[path.rpartition(".")[2]]
-    found = value if isinstance(value, int) else f"{value:.6g}"
-    expect(not value > highest, path, found, f'at most {highest:g}, or "{WORD}"')
+    if value > highest:
+        found = value if isinstance(value, int) else f"{value:.6g}"
+        raise InvalidParameter(f'{path}: found {found}, expected at most {highest:g}, or "{WORD}"')
 
 
 def warning_of(key: str) -> str:

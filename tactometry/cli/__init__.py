@@ -31,7 +31,7 @@ COMMANDS = {
     "calibrate": ("tactometry.cli.calibrate:command", "Output gain, force sensor, display, impulse responses."),
     "check": ("tactometry.cli.check:command", "Before a session: display, devices, limits, disk, threads."),
     "export": ("tactometry.cli.data_sets:export", "The data set for other programs: BIDS, PsychoPy, R."),
-    "erase": ("tactometry.cli.erase:command", "Erase one participant, with a record that it was done."),
+    "erase": ("tactometry.cli.data_sets:erase", "Erase one participant, with a record that it was done."),
     "scene": ("tactometry.cli.scene:command", "The physics of a scene: only what is called for, as finely as asked."),
     "cost": ("tactometry.cli.cost:command", "What accuracy costs in time, emission and trials."),
     "reproduce": ("tactometry.cli.reproduce:command", "The thesis's tables, figures and findings, made anew."),

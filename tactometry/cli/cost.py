@@ -61,5 +61,4 @@ def _record(climbs: list[Climb]) -> dict[str, object]:
 
 
 def _plain(point: dict[str, object]) -> dict[str, object]:
-    """JSON has no infinity: an unstable point has no error."""
     return {**point, "error": None} if point["unstable"] else point

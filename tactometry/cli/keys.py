@@ -99,7 +99,9 @@ def _text(table: "KeyTable") -> str:
     )
     shown = Table(*columns, Column("meaning", ratio=7), box=None, padding=(0, 1), expand=True)
     for key in keys:
-        shown.add_row(key.name, _holds(key), key.otherwise or "required", _means(key))
+        more = f" See: tactometry keys {key.see}" if key.see else ""
+        means = f"{key.means}{more}".replace("``", '"').replace("`", "")
+        shown.add_row(key.name, _holds(key), key.otherwise or "required", means)
     console = Console()
     with console.capture() as capture:
         console.print(shown, markup=False, highlight=False)
@@ -112,8 +114,3 @@ def _holds(key: "Key") -> str:
     from tactometry.experiments.reference.block import holds
 
     return holds(key).replace("`", "")
-
-
-def _means(key: "Key") -> str:
-    more = f" See: tactometry keys {key.see}" if key.see else ""
-    return f"{key.means}{more}".replace("``", '"').replace("`", "")

@@ -26,10 +26,7 @@ _AS_JSON: Final = f"{__name__}.as_json"
 class NamedFile(click.Path):
     """The name of a built-in file, or the path of another; both are completed.
 
-    Parameters
-    ----------
-    names : str
-        Target string of what gives the names.
+    - `names`: Target string of what gives the names.
     """
 
     def __init__(self, names: str) -> None:
@@ -117,10 +114,7 @@ def _finite(value: object) -> object:
 def drawn_seed(seed: int | None, *, resume: bool = False) -> int:
     """Return the seed, or draw one and print it on standard error.
 
-    Raises
-    ------
-    InvalidParameter
-        If what is resumed has another seed than one that is drawn.
+    Raises `InvalidParameter` if what is resumed has another seed than one that is drawn.
     """
     if seed is not None:
         return seed

@@ -66,11 +66,17 @@ def command(
         from tactometry.experiments.power.page import write_page
 
         write_page(found, out)
-    say(_text(found, out), _record(found, out))
+    record = {
+        "asked": asked(found.design),
+        "points": [asdict(point) for point in found.points],
+        "recommendation": found.recommendation,
+        "cautions": list(found.cautions),
+        "out": None if out is None else str(out),
+    }
+    say(_text(found, out), record)
 
 
 def _tell(batch: Batch) -> None:
-    """Where a person waits at a terminal, how far it is."""
     if sys.stderr.isatty():
         click.echo(f"\r{batch.case.name}: {batch.end} studies ", nl=False, err=True)
 
@@ -84,13 +90,3 @@ def _text(found: Power, out: Path | None) -> str:
         *([f"page: {out / 'power.html'}"] if out is not None else []),
     ]
     return "\n".join(lines)
-
-
-def _record(found: Power, out: Path | None) -> dict[str, Any]:
-    return {
-        "asked": asked(found.design),
-        "points": [asdict(point) for point in found.points],
-        "recommendation": found.recommendation,
-        "cautions": list(found.cautions),
-        "out": None if out is None else str(out),
-    }

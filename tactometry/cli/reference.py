@@ -59,7 +59,6 @@ def _is_told(parameter: click.Parameter) -> bool:
 
 
 def _record(parameter: click.Parameter, context: click.Context) -> tuple[str, str] | None:
-    """An option as its line of the help has it, in cells of a table."""
     record = parameter.get_help_record(context)
     return record and (_cell(record[0]), _cell(record[1]))
 

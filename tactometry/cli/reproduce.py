@@ -29,7 +29,12 @@ def command(*, name: str, out: Path | None, page: Path | None) -> None:
     made = [reproduce(item) for item in progress(items, len(items), "reproducing")]
     if out is not None:
         for reproduced in progress(made, len(made), "writing"):
-            _write(reproduced, out)
+            if reproduced.numbers:
+                write_numbers(reproduced, out / f"{reproduced.item.name}.csv")
+            if reproduced.item.drawing is not None:
+                from tactometry.experiments.thesis.figures.writing import write_drawing
+
+                write_drawing(reproduced.item.drawing(), out, reproduced.item.name)
     if page is not None:
         with writing(page):
             page.write_text(page_of(made), encoding="utf-8")
@@ -42,15 +47,6 @@ def _item_of(name: str) -> str:
     expect(reason is None, "NAME", name, f"what can be made anew: this is {reason}")
     one_of("NAME", item_of(name), ("all", *REPRODUCTIONS))
     return item_of(name)
-
-
-def _write(reproduced: Reproduced, out: Path) -> None:
-    if reproduced.numbers:
-        write_numbers(reproduced, out / f"{reproduced.item.name}.csv")
-    if reproduced.item.drawing is not None:
-        from tactometry.experiments.thesis.figures.writing import write_drawing
-
-        write_drawing(reproduced.item.drawing(), out, reproduced.item.name)
 
 
 def _text(made: list[Reproduced]) -> str:

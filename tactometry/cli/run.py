@@ -22,15 +22,7 @@ from ..records.data_set import Session
 from ..records.erasures import refuse_erased
 from ..trials.cells import cell
 from ..trials.columns import RIGS
-from .output import (
-    STUDY,
-    allow_code_option,
-    allow_erased_option,
-    bench_option,
-    path_option,
-    say,
-    subcommand,
-)
+from .output import STUDY, allow_code_option, allow_erased_option, bench_option, path_option, say, subcommand
 from .watch import watching
 
 

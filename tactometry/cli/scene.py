@@ -43,7 +43,13 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         with errors_in(file):
             plan = scene_file.scene.resolve()
             given = plans.values_for(plan, scene_file.given)
-        _tell_if_long(plan)
+        # before the work begins, on standard error
+        if plan.predicted_s > LONG_S:
+            longest = max(plan.stages, key=predicted_s)
+            click.echo(
+                f"this takes about {plan.predicted_s:.0f} s, most of it {longest.name!r}; a looser accuracy takes less",
+                err=True,
+            )
         result = _result(file, plan, given, cache)
     if figure is not None:
         with writing(figure):
@@ -54,16 +60,6 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         pulled = pulled_fingers(result) or plans.pulled_by(scene_file.scene, plan, given)
         record = _record(result, pulled) | {"rests_on": scene_file.scene.rests_on()}
         say(_text(scene_file, record, result, pulled), record)
-
-
-def _tell_if_long(plan: Plan) -> None:
-    """That it takes a while, before it does; to the side of what is printed."""
-    if plan.predicted_s > LONG_S:
-        longest = max(plan.stages, key=predicted_s)
-        click.echo(
-            f"this takes about {plan.predicted_s:.0f} s, most of it {longest.name!r}; a looser accuracy takes less",
-            err=True,
-        )
 
 
 def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) -> Result:

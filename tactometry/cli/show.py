@@ -9,7 +9,6 @@ import click
 from .output import bench_option, data_argument, figure_option, say, subcommand, writing
 
 if TYPE_CHECKING:
-    from tactometry.analysis.figures.style import Drawing
     from tactometry.experiments.data_sets.traces import TouchTrace
 
 
@@ -34,7 +33,15 @@ def command(
     drawn = (figure or Path(f"trial-{trial}.png")) if touches else None
     if drawn is not None:
         with writing(drawn):
-            _write(touch_figure(touches), drawn)
+            drawing = touch_figure(touches)
+            drawn.parent.mkdir(parents=True, exist_ok=True)
+            match drawn.suffix:
+                case ".svg":
+                    drawn.write_text(drawing.svg, encoding="utf-8")
+                case ".png":
+                    drawn.write_bytes(drawing.png())
+                case _:
+                    drawing.figure.savefig(drawn, metadata={"CreationDate": None, "Subject": drawing.about})
     records = [{"touch": heading(touch), **_record(touch)} for touch in touches]
     told = f"figure: {drawn}" if drawn else f"trial {trial}: nothing was felt in it"
     whose = _whose(touches)
@@ -49,19 +56,7 @@ def command(
 
 
 def _whose(touches: "Sequence[TouchTrace]") -> dict[str, Any]:
-    """By this an erasure finds what was kept of it."""
     return {name: getattr(touch.head, name) for touch in touches[:1] for name in ("participant", "session")}
-
-
-def _write(drawing: "Drawing", path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    match path.suffix:
-        case ".svg":
-            path.write_text(drawing.svg, encoding="utf-8")
-        case ".png":
-            path.write_bytes(drawing.png())
-        case _:
-            drawing.figure.savefig(path, metadata={"CreationDate": None, "Subject": drawing.about})
 
 
 def _record(touch: "TouchTrace") -> dict[str, Any]:

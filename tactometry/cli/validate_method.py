@@ -45,7 +45,12 @@ def command(
     _write(found, out / PAGE, as_pixels=True)
     if page is not None:
         _write(found, page, as_pixels=False)
-    say(_text(found, out), _record(found))
+    record = {
+        "asked": found.validation.asked | {"rounds": found.validation.n_rounds},
+        "tables": {name: table.to_dict("records") for name, table in found.tables.items()},
+        "processor_s": dict(found.seconds),
+    }
+    say(_text(found, out), record)
 
 
 def _told(chunks: Iterator[Chunk], n: int) -> Iterator[Chunk]:
@@ -70,11 +75,3 @@ def _text(found: Validated, out: Path) -> str:
             for row in off.to_dict("records")
         ]
     return "\n".join([*lines, f"page: {out / PAGE}"])
-
-
-def _record(found: Validated) -> dict[str, Any]:
-    return {
-        "asked": found.validation.asked | {"rounds": found.validation.n_rounds},
-        "tables": {name: table.to_dict("records") for name, table in found.tables.items()},
-        "processor_s": dict(found.seconds),
-    }

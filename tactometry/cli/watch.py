@@ -52,10 +52,7 @@ def _tell(url: str) -> None:
 def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
     """The address of a page that follows a session, from a process of its own; it ends with the body, or with us.
 
-    Raises
-    ------
-    DeviceFailed
-        If there is none, with what that process says.
+    Raises `DeviceFailed` if there is none, with what that process says.
     """
     session = ["--participant", participant, "--session", str(n_session)]
     command = [sys.executable, "-m", "tactometry", "watch", str(root), *session, "--wait", "--until-input-ends"]

@@ -92,11 +92,6 @@ def units(suffix: str) -> tuple[str, Mapping[str, float]]:
 def si_unit(unit: str, where: str) -> tuple[str, float]:
     """The SI unit of a unit's dimension, and what one of `unit` is in it.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such unit; `where` opens the sentence.
-
     >>> si_unit("ms", "units"), si_unit("mV", "units"), si_unit("cm/s", "units")
     (('s', 0.001), ('V', 0.001), ('m/s', 0.01))
     """
@@ -110,10 +105,7 @@ def si_unit(unit: str, where: str) -> tuple[str, float]:
 def si(text: str, suffix: str, where: str) -> float:
     """A quantity in SI units.
 
-    Raises
-    ------
-    InvalidParameter
-        If `text` is not a number with a unit of the right dimension; `where` opens the sentence.
+    Raises `InvalidParameter` if `text` is not a number with a unit of the right dimension; `where` opens the sentence.
 
     >>> si("50 mm/s", "m_per_s", "speed_m_per_s")
     0.05

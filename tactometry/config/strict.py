@@ -32,27 +32,22 @@ _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
 def build(kind: type[T], table: object, path: str, **given: object) -> T:
     """A `kind` from a table of a file, which must not hold the `given` fields.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key is unknown (with the nearest name), missing or of another type, or `kind` refuses a value; each
-        sentence opens with the key path.
+    Raises `InvalidParameter` if a key is unknown (with the nearest name), missing or of another type, or `kind` refuses
+    a value; each sentence opens with the key path.
     """
     values = values_of(kind, table, path, given)
     try:
         return kind(**values, **given)
     except InvalidParameter as error:
-        raise InvalidParameter(_relocate(str(error), kind.__name__, path)) from None
+        message = str(error)
+        relocate = (
+            path + message.removeprefix(kind.__name__) if message.startswith(kind.__name__) else f"{path}: {message}"
+        )
+        raise InvalidParameter(relocate) from None
 
 
 def values_of(kind: type, table: object, path: str, given: Collection[str] = ()) -> dict[str, Any]:
-    """Convert the keys of a table of a file that set fields of `kind`, without the `given` ones.
-
-    Raises
-    ------
-    InvalidParameter
-        As `build`, but for what `kind` refuses.
-    """
+    """Convert the keys of a table of a file that set fields of `kind`, without the `given` ones."""
     table = as_table(table, path)
     hints = typing.get_type_hints(kind)
     fields = fields_of(kind)
@@ -73,13 +68,7 @@ def values_of(kind: type, table: object, path: str, given: Collection[str] = ())
 
 
 def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) -> Any:
-    """What a table describes whose key ``kind`` names one of `targets`, each the target string of a class.
-
-    Raises
-    ------
-    InvalidParameter
-        As `kind_of` and `build`.
-    """
+    """What a table describes whose key ``kind`` names one of `targets`, each the target string of a class."""
     target = kind_of(table, path, targets)
     return build(resolve(target), {key: value for key, value in table.items() if key != "kind"}, path)
 
@@ -87,13 +76,6 @@ def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) 
 def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
     """What the key ``kind`` of a table names.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is missing, or names nothing that is known.
-
-    Examples
-    --------
     >>> kind_of({"kind": "sine"}, "stimulus", {"sine": 1})
     1
     """
@@ -106,13 +88,7 @@ def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
 
 
 def as_table(value: object, path: str) -> Mapping[str, Any]:
-    """A value of a file, if it is a table.
-
-    Raises
-    ------
-    InvalidParameter
-        If it is none.
-    """
+    """A value of a file, if it is a table."""
     if isinstance(value, Mapping):
         return value
     raise InvalidParameter(f"{path}: found {value!r}, expected a table")
@@ -139,11 +115,6 @@ def check_keys(
 ) -> None:
     """Refuse a key that is none of `names`, with the nearest of them; `what` says what the names are, `cure` what else
     may be done, `read_by` the class whose keys they are.
-
-    Raises
-    ------
-    InvalidKey
-        For each.
     """
     found = Gathered()
     for key in table:
@@ -155,13 +126,7 @@ def check_keys(
 
 
 def read_toml(kind: type[T], path: Path, what: str) -> T:
-    """A `kind` from a TOML file; `what` says in an error what was expected.
-
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, is no TOML, or `build` refuses it.
-    """
+    """A `kind` from a TOML file; `what` says in an error what was expected."""
     table = read_table(path, what)
     with errors_in(path):
         return build(kind, table, "")
@@ -170,10 +135,7 @@ def read_toml(kind: type[T], path: Path, what: str) -> T:
 def convert(kind: Any, value: object, path: str) -> Any:
     """`value` as `kind`, a plain type, a dataclass or a container of such.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is of another type; the sentence opens with the key path.
+    Raises `InvalidParameter` if it is of another type; the sentence opens with the key path.
     """
     of_optional = [choice for choice in typing.get_args(kind) if dataclasses.is_dataclass(choice)]
     table_class = of_optional[0] if typing.get_origin(kind) is types.UnionType and of_optional else kind
@@ -229,7 +191,6 @@ def fields_of(kind: type) -> dict[str, dataclasses.Field[Any]]:
 
 
 def is_required(field: dataclasses.Field[Any]) -> bool:
-    """Whether a table must hold this field."""
     return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 
 
@@ -269,8 +230,3 @@ def words_of(kind: Any) -> str:
     if origin is tuple:
         return f"a list of {' or '.join(word.removeprefix('a ') + 's' for word in words_of(inner[0]).split(' or '))}"
     return "a table"
-
-
-def _relocate(message: str, name: str, path: str) -> str:
-    """A refusal of a class, said in terms of the file."""
-    return path + message.removeprefix(name) if message.startswith(name) else f"{path}: {message}"

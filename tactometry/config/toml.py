@@ -1,12 +1,14 @@
-"""Files in TOML as tables: every way in which one cannot be read is one sentence that names it."""
+"""TOML files as tables, on disk or in a package; each reading error is one sentence that names the file."""
 
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.resources import files
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
+from ..arguments.require import one_of
 from ..errors import InvalidFile, TactometryError, reworded
 from ..files.durable import read_file
 
@@ -16,26 +18,16 @@ LONGEST_LIST, DEEPEST = 10_000, 30
 
 
 def read_table(path: Path, what: str) -> dict[str, Any]:
-    """The table of a file; `what` says in an error what was expected.
-
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, or as `table_of`.
-    """
+    """The table of a file; `what` says in an error what was expected."""
     return table_of(read_file(path, what, LARGEST_FILE), str(path), what)
 
 
 def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
     """The table of the bytes of a file; `where` opens every sentence.
 
-    Raises
-    ------
-    InvalidFile
-        If the bytes are no UTF-8 or no TOML, or more than `LARGEST_FILE`, `LONGEST_LIST` and `DEEPEST` allow.
+    Raises `InvalidFile` if the bytes are no UTF-8 or no TOML, or more than `LARGEST_FILE`, `LONGEST_LIST` and `DEEPEST`
+    allow.
 
-    Examples
-    --------
     >>> table_of(b"accuracy = 0.01", "s.toml", "a scene file")
     {'accuracy': 0.01}
     """
@@ -87,13 +79,8 @@ def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
 def errors_in(where: str | Path) -> Iterator[None]:
     """What is wrong with the content of a file, with its place: `where` before the key path.
 
-    Raises
-    ------
-    InvalidFile
-        If the body raises an error that a person can mend.
+    Raises `InvalidFile` if the body raises an error that a person can mend.
 
-    Examples
-    --------
     >>> with errors_in("s.toml"):
     ...     raise InvalidFile("accuracy: found 2, expected at most 1")
     Traceback (most recent call last):
@@ -103,3 +90,23 @@ def errors_in(where: str | Path) -> Iterator[None]:
         yield
     except TactometryError as wrong:
         raise reworded(wrong, InvalidFile, lambda words: f"{where}, {words.removeprefix(': ')}") from None
+
+
+T = TypeVar("T")
+SUFFIX: Final = ".toml"
+
+
+def shipped_in(package: str) -> tuple[str, ...]:
+    """The names of the TOML files of a package.
+
+    >>> "attrakdiff" in shipped_in("tactometry.questionnaires")
+    True
+    """
+    names = (entry.name for entry in files(package).iterdir())
+    return tuple(sorted(name.removesuffix(SUFFIX) for name in names if name.endswith(SUFFIX)))
+
+
+def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str], T]) -> T:
+    """One of them, as `parse` makes it of its bytes and of what opens each sentence."""
+    one_of(what, name, shipped_in(package))
+    return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")

@@ -1,12 +1,15 @@
-"""A device's clock on ours: the least delayed of the recent samples tells the difference."""
+"""Clocks: a device's clock on ours by the least delayed recent samples, and the clock since boot."""
 
+import functools
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from pathlib import Path
 from statistics import median
+from typing import Final
 
 from ..errors import DeviceFailed, InvalidParameter
 
@@ -31,15 +34,9 @@ class ClockMap:
     clocks plus a delay; its smallest recent value is taken for the difference. What is left is the smallest delay of
     the way, which only a second clock could tell.
 
-    Parameters
-    ----------
-    smallest_s : tuple of (bin, difference)
-        The smallest difference in each of the last bins of `BIN_S` of our time.
-    floor_s : float
-        The smallest of the bins before, raised by `DRIFT` since then.
+    - `smallest_s`: The smallest difference in each of the last bins of `BIN_S` of our time.
+    - `floor_s`: The smallest of the bins before, raised by `DRIFT` since then.
 
-    Examples
-    --------
     >>> clocks = ClockMap()
     >>> for device_s, arrival_s in [(0.0, 10.25), (0.25, 10.375), (0.5, 10.75)]:
     ...     clocks = clocks.after(device_s, arrival_s)
@@ -53,10 +50,7 @@ class ClockMap:
     def after(self, device_s: float, arrival_s: float) -> "ClockMap":
         """With a sample that was taken at `device_s` and arrived at `arrival_s`.
 
-        Raises
-        ------
-        InvalidParameter
-            If a time is not finite.
+        Raises `InvalidParameter` if a time is not finite.
         """
         if not (math.isfinite(device_s) and math.isfinite(arrival_s)):
             raise InvalidParameter(f"ClockMap: found times {device_s} and {arrival_s}, expected finite numbers")
@@ -76,10 +70,7 @@ class ClockMap:
     def ours_s(self, device_s: float) -> float:
         """A device time on our clock.
 
-        Raises
-        ------
-        InvalidParameter
-            Before the first sample.
+        Raises `InvalidParameter` before the first sample.
         """
         if self.offset_s is None:
             raise InvalidParameter("ClockMap: found no sample yet, expected one to relate the clocks")
@@ -91,13 +82,8 @@ class ClockMap:
         One of the bins may do something else. A difference that rises less is one of samples that are late; one that
         falls back to what it was, of late ones that catch up.
 
-        Raises
-        ------
-        DeviceFailed
-            In one sentence that opens with `name`.
+        Raises `DeviceFailed` in one sentence that opens with `name`.
 
-        Examples
-        --------
         >>> clocks = ClockMap()
         >>> for n in range(50):
         ...     clocks = clocks.after(device_s=0.13 * n, arrival_s=0.1 * n)
@@ -144,3 +130,17 @@ def clock_offset_s(theirs_s: Callable[[], float], n_readings: int = 5) -> float:
         before_s, read_s, after_s = time.perf_counter(), float(theirs_s()), time.perf_counter()
         readings.append((after_s - before_s, (before_s + after_s) / 2 - read_s))
     return min(readings)[1]
+
+
+_BOOT_ID: Final = Path("/proc/sys/kernel/random/boot_id")
+
+
+def boot_clock_s() -> float:
+    """Seconds since the computer started, with its sleep where the system has such a clock."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME) if hasattr(time, "CLOCK_BOOTTIME") else time.perf_counter()
+
+
+@functools.cache
+def boot_id() -> str:
+    """Name of this start of the computer; empty where the system has none."""
+    return _BOOT_ID.read_text("ascii").strip() if _BOOT_ID.exists() else ""

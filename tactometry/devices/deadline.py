@@ -16,13 +16,8 @@ CLOSE_WITHIN_S: Final = 2.0
 def within(longest_s: float, what: str, call: Callable[[], None], cure: str = "switch its amplifier off") -> None:
     """Wait for `call`, in a thread of its own, no longer than this; what hangs there keeps no process from its end.
 
-    Raises
-    ------
-    DeviceFailed
-        If it takes longer; the sentence opens with `what`. Whatever it raises.
+    Raises `DeviceFailed` if it takes longer; the sentence opens with `what`. Whatever it raises.
 
-    Examples
-    --------
     >>> import time
     >>> within(1.0, "output 'x'", lambda: None)
     >>> within(0.01, "output 'x'", lambda: time.sleep(1))

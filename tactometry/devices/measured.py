@@ -1,41 +1,35 @@
 """When a calibration was measured, by whom, and how long it holds."""
 
 from datetime import date
+from typing import Annotated
 
-from ..arguments.require import whole
+from annotated_types import Ge
+
+from ..arguments.constraints import constrained
 from ..arguments.unlimited import Unlimited
 from ..errors import DeviceFailed
 
+MaxAge = Annotated[int, Ge(0)] | Unlimited
 
+
+@constrained
 class Measured:
     """What a calibration states of its date and author, and of the age (days) up to which it is used.
 
     None and "unlimited" are no limit.
 
-    Raises
-    ------
-    InvalidParameter
-        If the age is a number, but not a whole number of at least 0.
+    Raises `InvalidParameter` if the age is a number, but not a whole number of at least 0.
     """
 
     measured_on: date | None
     measured_by: str | None
-    max_age_days: int | Unlimited | None
-
-    def __post_init__(self) -> None:
-        if self.max_age_days is not None and not isinstance(self.max_age_days, Unlimited):
-            whole(type(self).__name__, lowest=0, max_age_days=self.max_age_days)
+    max_age_days: MaxAge | None
 
     def check_age(self, what: str, today: date) -> None:
         """Refuse a calibration that is older than allowed, or of unknown age where one is asked for.
 
-        Raises
-        ------
-        DeviceFailed
-            In one sentence that opens with `what`.
+        Raises `DeviceFailed` in one sentence that opens with `what`.
 
-        Examples
-        --------
         >>> from .outputs.gain import Gain
         >>> Gain(1.0, 1.0, date(2026, 1, 2), "ZG", max_age_days=90).check_age("output.gain", date(2026, 3, 1))
         >>> Gain(1.0, 1.0, date(2026, 1, 2), "ZG", max_age_days=30).check_age("output.gain", date(2026, 3, 1))

@@ -34,10 +34,7 @@ def private() -> Iterator[None]:
 def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
     """The bytes of a file; `what` says in an error what was expected. A pipe is not waited for.
 
-    Raises
-    ------
-    InvalidFile
-        If there is none, it may not be read, it is no file, or has more than `largest` bytes.
+    Raises `InvalidFile` if there is none, it may not be read, it is no file, or has more than `largest` bytes.
     """
     with _opened(path, what) as file:
         size = os.fstat(file.fileno()).st_size
@@ -79,13 +76,7 @@ def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
 
 
 def files_in(folder: Path, pattern: str = "*") -> list[Path]:
-    """What a folder holds of this pattern, sorted, without hidden names; nothing where there is no folder.
-
-    Raises
-    ------
-    InvalidFile
-        If it may not be read.
-    """
+    """What a folder holds of this pattern, sorted, without hidden names; nothing where there is no folder."""
     try:
         names = os.listdir(folder)  # noqa: PTH208 - a glob keeps silent about a folder that may not be read
     except (FileNotFoundError, NotADirectoryError):
@@ -98,12 +89,8 @@ def files_in(folder: Path, pattern: str = "*") -> list[Path]:
 def open_private(path: Path, flags: int) -> int:
     """A file that is open for writing, made for its owner alone where there was none.
 
-    Raises
-    ------
-    DeviceFailed
-        If it cannot be opened.
-    InvalidFile
-        If it is no file, or a link and the flags hold `NO_LINK`.
+    Raises `DeviceFailed` if it cannot be opened. Raises `InvalidFile` if it is no file, or a link and the flags hold
+    `NO_LINK`.
     """
     if flags & NO_LINK and path.is_symlink():
         raise InvalidFile(f"{path}: found a link, expected a file; put what the link leads to in its place")
@@ -125,12 +112,7 @@ def _refuse_others(file: int, path: Path, what: str) -> None:
 def make_folder(path: Path) -> None:
     """Make a folder with those above it, each for its owner alone; what is there stays as it is.
 
-    Raises
-    ------
-    InvalidFile
-        If there is a file in its place.
-    DeviceFailed
-        If it cannot be made.
+    Raises `InvalidFile` if there is a file in its place. Raises `DeviceFailed` if it cannot be made.
     """
     for folder in (*reversed(path.parents), path):
         try:
@@ -148,10 +130,7 @@ def make_folder(path: Path) -> None:
 def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
     """Write all of `line` at the end of the file, or nothing of it.
 
-    Raises
-    ------
-    DeviceFailed
-        If the disk is full or fails; the file then ends with its last whole line.
+    Raises `DeviceFailed` if the disk is full or fails; the file then ends with its last whole line.
     """
     start = os.lseek(file, 0, os.SEEK_CUR)
     try:
@@ -180,10 +159,7 @@ def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
 
     What the body leaves of the draft is removed.
 
-    Raises
-    ------
-    DeviceFailed
-        If the disk is full or fails; the file itself stands.
+    Raises `DeviceFailed` if the disk is full or fails; the file itself stands.
     """
     beside = path.with_name(f".{path.name}.{os.getpid()}")
     with suppress(OSError):
@@ -211,10 +187,7 @@ def put_in_place(beside: Path, path: Path) -> None:
 def replace_file(path: Path, content: bytes) -> int:
     """A file in the place of another, open at its end: a reader sees the old content or the new.
 
-    Raises
-    ------
-    DeviceFailed
-        If the disk is full or fails; the old file stands.
+    Raises `DeviceFailed` if the disk is full or fails; the old file stands.
     """
     with draft(path, content) as (file, beside):
         put_in_place(beside, path)
@@ -222,18 +195,11 @@ def replace_file(path: Path, content: bytes) -> int:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """As `replace_file`, and the file is closed."""
     os.close(replace_file(path, content))
 
 
 def write_first(path: Path, content: bytes) -> None:
-    """Make a file unless there is one, whoever else tries to at the same time: one of them makes it, whole.
-
-    Raises
-    ------
-    DeviceFailed
-        If the disk is full or fails.
-    """
+    """Make a file unless there is one, whoever else tries to at the same time: one of them makes it, whole."""
     if path.exists():
         return
     with draft(path, content) as (file, beside):

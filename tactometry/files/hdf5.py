@@ -21,12 +21,8 @@ READ_WITHIN_S: Final = 30.0
 def as_npz(path: Path, largest_bytes: int) -> bytes:
     """The arrays ``samples``, ``rate_hz`` and, where the file says it, ``quantity`` as the bytes of an NPZ file.
 
-    Raises
-    ------
-    ImportError
-        If there is no h5py.
-    ValueError
-        If the file is none, is damaged, or holds links, parts of other files, or more than `largest_bytes`.
+    Raises `ImportError` if there is no h5py. Raises `ValueError` if the file is none, is damaged, or holds links, parts
+    of other files, or more than `largest_bytes`.
     """
     if find_spec("h5py") is None:
         raise ImportError("h5py")

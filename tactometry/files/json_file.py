@@ -2,12 +2,13 @@
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
 from ..errors import InvalidFile
-from .durable import read_file
+from ..provenance import versions
+from .durable import make_folder, read_file, write_atomically
 
 LARGEST_OBJECT: Final = 2**24
 """Bytes of a file with one object (unverified default)."""
@@ -20,10 +21,7 @@ _VERBATIM: Final = json.JSONDecoder(parse_float=str, parse_int=str, parse_consta
 def json_value(text: str | bytes) -> Any:
     """Parse JSON.
 
-    Raises
-    ------
-    ValueError
-        If it is no JSON, has half of a character, or is nested deeper than `DEEPEST`.
+    Raises `ValueError` if it is no JSON, has half of a character, or is nested deeper than `DEEPEST`.
 
     >>> json_value('{"a": [1]}')
     {'a': [1]}
@@ -38,10 +36,7 @@ def json_value(text: str | bytes) -> Any:
 def json_object(path: Path, what: str) -> dict[str, Any]:
     """Read a file with one JSON object; `what` says in an error what was expected.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, has more than `LARGEST_OBJECT` bytes, or is no JSON object.
+    Raises `InvalidFile` if it cannot be read, has more than `LARGEST_OBJECT` bytes, or is no JSON object.
     """
     content = read_file(path, what, LARGEST_OBJECT)
     try:
@@ -56,10 +51,8 @@ def json_object(path: Path, what: str) -> dict[str, Any]:
 def json_items(text: str) -> Iterator[Any]:
     """Parse the items of JSON lists, one list after the other, item by item; numbers stay as they were written.
 
-    Raises
-    ------
-    ValueError
-        If the text is no list in JSON, or an item has half of a character or is nested deeper than `DEEPEST`.
+    Raises `ValueError` if the text is no list in JSON, or an item has half of a character or is nested deeper than
+    `DEEPEST`.
 
     >>> list(json_items("[1, [0.10]] [null]"))
     ['1', ['0.10'], None]
@@ -90,7 +83,6 @@ def _item(text: str, place: int) -> tuple[Any, int]:
 
 
 def _skip(text: str, place: int) -> int:
-    """Return the place of the next sign that is no space."""
     space = _SPACE.match(text, place)
     return space.end() if space else place
 
@@ -114,3 +106,29 @@ def _checked(value: Any) -> Any:
 
 def _too_deep() -> ValueError:
     return ValueError(f"nested deeper than {DEEPEST} levels")
+
+
+ASKED = "asked.json"
+
+
+def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -> None:
+    """Make a folder that holds what is asked, or (`resume`) go on with one that an earlier run of the same left.
+
+    The versions stand beside what is asked: they may be others when it goes on.
+
+    Raises `InvalidFile` if it holds this question already and `resume` is not given, or another one.
+
+    - `wanted`: All that the results follow from, as JSON reads it again: numbers, texts, lists.
+    - `work`: What is asked, in words: ``power analysis``.
+    """
+    path = root / ASKED
+    if path.exists():
+        held = json_object(path, f"what a {work} was asked; give another --out")
+        other = next((name for name, value in wanted.items() if held.get(name) != value), None)
+        if other is not None:
+            found, asked = held.get(other), wanted[other]
+            raise InvalidFile(f"{path}: found {other} {found!r}, expected {asked!r} as asked; give another --out")
+        if not resume:
+            raise InvalidFile(f"{root}: found this {work}, expected none; go on with --resume")
+    make_folder(root)
+    write_atomically(path, json.dumps({**wanted, "versions": versions()}, indent=2).encode() + b"\n")

@@ -1,4 +1,4 @@
-"""Rows as text for spreadsheets and other programs."""
+"""Rows of a data file as text, safe for spreadsheets, a README and file names."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -7,31 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import attempt
-from .safe_text import cell_text
 
 _QUOTED_SIGNS = '"\r\n'
 """The csv module leaves a carriage return unquoted in rows that end in a line feed, up to Python 3.12."""
 
 
 def write_records(kind: type[Any], records: Iterable[Any], path: Path) -> None:
-    """A row for each record of a dataclass, a column for each of its fields; a cell is empty where one is None.
-
-    Raises
-    ------
-    DeviceFailed
-        If the file cannot be written.
-    """
+    """A row for each record of a dataclass, a column for each of its fields; a cell is empty where one is None."""
     write_rows([field.name for field in fields(kind)], map(astuple, records), path)
 
 
 def write_rows(head: Sequence[str], rows: Iterable[Sequence[Any]], path: Path) -> None:
-    """A CSV in a folder that is made.
-
-    Raises
-    ------
-    DeviceFailed
-        If the file cannot be written.
-    """
+    """A CSV in a folder that is made."""
     with attempt(path, "cannot write", "a place to write to"):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(spreadsheet_text((head, *rows)))
@@ -58,3 +45,42 @@ def delimited_text(rows: Iterable[Sequence[Any]], separator: str = ",") -> bytes
 
     lines = (separator.join(map(quoted, row)) or '""' for row in rows)  # an empty line would be no row
     return "".join(f"{line}\n" for line in lines).encode()
+
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20")
+"""A spreadsheet computes text that begins with one of these (OWASP, "CSV injection"); the last four are full-width."""
+BYTE_ORDER_MARK = "\ufeff"
+_MARKUP = re.compile(r"[\\<\[]")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+def cell_text(text: str) -> str:
+    """Escape a text that a spreadsheet would compute with an apostrophe; a number stays a number.
+
+    A byte-order mark before it is removed, which programs skip at the beginning of a file.
+
+    >>> cell_text("=1+1"), cell_text("\\ufeff=1+1"), cell_text("-0.5"), cell_text("P01")
+    ("'=1+1", "'=1+1", '-0.5', 'P01')
+    """
+    text = text.lstrip(BYTE_ORDER_MARK)
+    return f"'{text}" if text.startswith(FORMULA) and not _NUMBER.fullmatch(text) else text
+
+
+def markdown_text(text: str) -> str:
+    r"""Escape the signs of a text that begin HTML or a link in Markdown, and remove a byte-order mark before it.
+
+    >>> print(markdown_text("<script> [a](b)"))
+    \<script> \[a](b)
+    """
+    return _MARKUP.sub(r"\\\g<0>", text.lstrip(BYTE_ORDER_MARK))
+
+
+def file_text(text: str) -> str:
+    """`text` as part of a file's name: letters, digits, `_`, `-` and `.` stay, others become their number in Unicode.
+
+    Different texts give different names, and none holds a separator of paths.
+
+    >>> file_text("force_n"), file_text("x/../y")
+    ('force_n', 'x%2F..%2Fy')
+    """
+    return "".join(sign if sign.isalnum() or sign in "_-." else f"%{ord(sign):02X}" for sign in text)

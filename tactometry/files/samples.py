@@ -50,10 +50,7 @@ class Wav(NamedTuple):
 def wav_of(content: bytes) -> Wav:
     """The samples of a WAV file.
 
-    Raises
-    ------
-    ValueError
-        If it is none, is torn, or holds no sample.
+    Raises `ValueError` if it is none, is torn, or holds no sample.
     """
     from scipy.io import wavfile
 
@@ -81,7 +78,16 @@ def _check_wav(content: bytes) -> None:
         if name == b"fmt ":
             frame_bytes = _frame_bytes(content[at : at + size])
         if name == b"data":
-            _check_data(len(content) - at, long_bytes or size if size == _ENDLESS else size, frame_bytes)
+            n_there = len(content) - at
+            n_said = long_bytes or size if size == _ENDLESS else size
+            if not frame_bytes:
+                raise ValueError("found samples before their form, expected a chunk 'fmt ' first")
+            if n_said == 0:
+                raise ValueError("found no samples, expected at least one")
+            if n_said > n_there:
+                raise ValueError(f"found {n_there} of {n_said} bytes of samples, expected all: the file is torn")
+            if n_said % frame_bytes:
+                raise ValueError(f"found {n_said} bytes of samples, expected whole frames of {frame_bytes} bytes")
             return
         at += size + size % 2
     raise ValueError("found no samples, expected a chunk 'data': the file is torn")
@@ -99,27 +105,11 @@ def _frame_bytes(form: bytes) -> int:
     return int(frame_bytes)
 
 
-def _check_data(n_there: int, n_said: int, frame_bytes: int) -> None:
-    if not frame_bytes:
-        raise ValueError("found samples before their form, expected a chunk 'fmt ' first")
-    if n_said == 0:
-        raise ValueError("found no samples, expected at least one")
-    if n_said > n_there:
-        raise ValueError(f"found {n_there} of {n_said} bytes of samples, expected all: the file is torn")
-    if n_said % frame_bytes:
-        raise ValueError(f"found {n_said} bytes of samples, expected whole frames of {frame_bytes} bytes")
-
-
 def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.float64]:
     """The rows (n_rows, n_columns) of numbers between commas.
 
-    Raises
-    ------
-    ValueError
-        If there is none, or they have not so many columns.
+    Raises `ValueError` if there is none, or they have not so many columns.
 
-    Examples
-    --------
     >>> table_of_numbers(io.StringIO("1,2\\n3,4"), n_columns=2).tolist()
     [[1.0, 2.0], [3.0, 4.0]]
     """
@@ -139,13 +129,6 @@ def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.
 class Npz:
     """The arrays of an NPZ file by their names, each read when it is asked for.
 
-    Raises
-    ------
-    ValueError
-        If it is none, or damaged.
-
-    Examples
-    --------
     >>> file = io.BytesIO()
     >>> np.savez(file, samples=np.arange(3.0))
     >>> Npz(file.getvalue())["samples"].tolist(), "rate_hz" in Npz(file.getvalue())
@@ -168,20 +151,14 @@ class Npz:
     def words(self, name: str) -> str:
         """A text.
 
-        Raises
-        ------
-        ValueError
-            As for an array, and if it is not one text.
+        Raises `ValueError` as for an array, and if it is not one text.
         """
         return str(self._single(name, "U", "text"))
 
     def number(self, name: str) -> float:
         """A number.
 
-        Raises
-        ------
-        ValueError
-            As for an array, and if it is not one number.
+        Raises `ValueError` as for an array, and if it is not one number.
         """
         return float(self._single(name, "iuf", "number"))
 

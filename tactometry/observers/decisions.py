@@ -62,22 +62,18 @@ class Decision:
 
 
 def detect(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """The second option if anything was felt."""
     return request.options[int(observer.detect(felt[0].level_db, rng))]
 
 
 def differ(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """The second option if two stimuli felt different."""
     return request.options[int(observer.differ([each.level_db for each in felt], rng))]
 
 
 def strongest(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """The option of what was felt most."""
     return request.options[observer.compare([each.level_db for each in felt], rng)]
 
 
 def most_liked(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """The option of what felt best."""
     return request.options[int(np.argmax([observer.liking(each.level_db, rng) for each in felt]))]
 
 

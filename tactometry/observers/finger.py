@@ -1,13 +1,15 @@
-"""A simulated finger that holds a force and a speed as well as a person does."""
+"""A simulated finger that holds a force and a speed as well as a person does, and its touches by trial."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arguments.require import below_1, positive
-from ..gates import triangle
+from ..arguments.constraints import Positive, Rate, constrained
+from ..gates import Compliance, SpeedCompliance, compliances, motions, triangle
 from ..session.request import Press, Slide
 
 Array = NDArray[np.float64]
@@ -35,11 +37,11 @@ class Grips:
     speeds_m_per_s: Array
 
     def of(self, i: int) -> Grip:
-        """One of them."""
         return Grip(self.times_s, self.forces_n[i], self.positions_m[i], float(self.speeds_m_per_s[i]))
 
 
 @dataclass(frozen=True)
+@constrained
 class SimulatedFinger:
     """A finger whose mean force and speed differ from trial to trial, and whose force wavers within a trial.
 
@@ -68,20 +70,14 @@ class SimulatedFinger:
         Ratio of the speed of the finger to the requested speed.
     """
 
-    force_cv: float = 0.15
-    waver_cv: float = 0.04
-    waver_s: float = 0.2
-    speed_cv: float = 0.10
-    speed_waver_cv: float = 0.05
-    rate_hz: float = 100.0
-    force_factor: float = 1.0
-    speed_factor: float = 1.0
-
-    def __post_init__(self) -> None:
-        below_1("SimulatedFinger", force_cv=self.force_cv, waver_cv=self.waver_cv)
-        below_1("SimulatedFinger", speed_cv=self.speed_cv, speed_waver_cv=self.speed_waver_cv)
-        positive("SimulatedFinger", waver_s=self.waver_s, rate_hz=self.rate_hz)
-        positive("SimulatedFinger", force_factor=self.force_factor, speed_factor=self.speed_factor)
+    force_cv: Rate = 0.15
+    waver_cv: Rate = 0.04
+    waver_s: Positive = 0.2
+    speed_cv: Rate = 0.10
+    speed_waver_cv: Rate = 0.05
+    rate_hz: Positive = 100.0
+    force_factor: Positive = 1.0
+    speed_factor: Positive = 1.0
 
     def hold(self, request: Press | Slide, rng: np.random.Generator) -> Grip:
         """One touch as `request` asks for it, at `rate_hz` for its duration."""
@@ -100,29 +96,25 @@ class SimulatedFinger:
         n_samples = self._n_samples(request)
         times_s = np.arange(n_samples) / self.rate_hz
         tries, waver, path = np.split(drawn, (N_TRIES, N_TRIES + n_samples), axis=1)
-        means_n = request.target_n * self._in_band(request.tolerance, tries)
-        forces_n = np.maximum(means_n[:, None] * (1 + self.waver_cv * self._waver(waver)), 0.0)
-        if isinstance(request, Press):
-            return Grips(times_s, forces_n, np.zeros_like(forces_n), np.zeros(len(drawn)))
-        return Grips(times_s, forces_n, *self._paths(request, path))
 
-    def _paths(self, request: Slide, drawn: Array) -> tuple[Array, Array]:
-        """Places along the path, (n_touches, n_samples), and mean speeds, (n_touches,)."""
-        asked_m_per_s = request.speed_m_per_s * self.speed_factor
-        means_m_per_s = np.array([asked_m_per_s * math.exp(self.speed_cv * z) for z in drawn[:, 0].tolist()])
-        speeds = means_m_per_s[:, None] * np.maximum(1 + self.speed_waver_cv * self._waver(drawn[:, 1:]), 0.0)
-        # a speed is that of the step behind its sample: nothing follows the last
-        steps = speeds[:, :-1]
-        paths_m = np.pad(np.cumsum(steps, axis=1) / self.rate_hz, ((0, 0), (1, 0)))
-        return triangle(paths_m, request.length_m), steps.mean(axis=1)
-
-    def _in_band(self, tolerance: float, tries: Array) -> Array:
-        """The first of the tries of each touch that falls into the band."""
+        tolerance = request.tolerance
         ratios = self.force_factor * np.exp(self.force_cv * tries)
         inside = np.abs(ratios - 1) <= tolerance
         first = np.take_along_axis(ratios, inside.argmax(axis=1)[:, None], axis=1)[:, 0]
         # none of a hundred falls into the band: it is narrow, or the habit is far from it
-        return np.where(inside.any(axis=1), first, np.clip(self.force_factor, 1 - tolerance, 1 + tolerance))
+        ratios_in_band = np.where(inside.any(axis=1), first, np.clip(self.force_factor, 1 - tolerance, 1 + tolerance))
+        means_n = request.target_n * ratios_in_band
+        forces_n = np.maximum(means_n[:, None] * (1 + self.waver_cv * self._waver(waver)), 0.0)
+        if isinstance(request, Press):
+            return Grips(times_s, forces_n, np.zeros_like(forces_n), np.zeros(len(drawn)))
+
+        asked_m_per_s = request.speed_m_per_s * self.speed_factor
+        means_m_per_s = np.array([asked_m_per_s * math.exp(self.speed_cv * z) for z in path[:, 0].tolist()])
+        speeds = means_m_per_s[:, None] * np.maximum(1 + self.speed_waver_cv * self._waver(path[:, 1:]), 0.0)
+        # a speed is that of the step behind its sample: nothing follows the last
+        steps = speeds[:, :-1]
+        paths_m = np.pad(np.cumsum(steps, axis=1) / self.rate_hz, ((0, 0), (1, 0)))
+        return Grips(times_s, forces_n, triangle(paths_m, request.length_m), steps.mean(axis=1))
 
     def _waver(self, drawn: Array) -> Array:
         """A stationary first-order process of unit variance from each row."""
@@ -132,3 +124,98 @@ class SimulatedFinger:
         for n in range(1, len(steps)):
             steps[n] += keep * steps[n - 1]
         return np.ascontiguousarray(steps.T)
+
+
+N_AHEAD = 32
+"""Trials whose touches are computed together: a block of a session has about as many."""
+
+
+class KeptTouch(NamedTuple):
+    """A touch, how its force was kept, and its speed where that is gated."""
+
+    grip: Grip
+    force: Compliance
+    speed: SpeedCompliance | None
+
+
+def kept_touches(finger: SimulatedFinger, request: Press | Slide, drawn: Array) -> list[KeptTouch]:
+    """A touch for each row of (n_touches, `finger.n_draws`) standard normal numbers."""
+    grips = finger.holds(request, drawn)
+    forces = compliances(grips.times_s, grips.forces_n, request.target_n, request.tolerance)
+    speeds: list[SpeedCompliance] | list[None] = [None] * len(drawn)
+    if isinstance(request, Slide) and request.speed_tolerance is not None:
+        speeds = motions(grips.times_s, grips.positions_m, request.speed_m_per_s, request.speed_tolerance)
+    each = enumerate(zip(forces, speeds, strict=True))
+    return [KeptTouch(grips.of(i), force, speed) for i, (force, speed) in each]
+
+
+class Touches:
+    """What is random in each trial of a session: its touches first, then whatever `rng` is asked for.
+
+    Trial n draws from `rng_of(n)` alone. The numbers of touches are drawn, and touches computed, for the trials that
+    follow too, as if they asked alike: a trial that does not has its stream made anew, so that nothing depends on it.
+    """
+
+    def __init__(self, finger: SimulatedFinger, rng_of: Callable[[int], np.random.Generator]) -> None:
+        self._finger, self._rng_of = finger, rng_of
+        self._ahead: dict[int, _Ahead] = {}
+        self._computed: dict[tuple[int, int], KeptTouch] = {}
+        self._asked: Press | Slide | None = None
+        self._per_trial = 1
+        self.begin(0)
+
+    def begin(self, n_trials: int) -> None:
+        self._n, self._n_touches, self._n_drawn = n_trials, 0, 0
+        self._rng: np.random.Generator | None = None
+
+    @property
+    def rng(self) -> np.random.Generator:
+        """The stream of this trial, behind its touches."""
+        if self._rng is None:
+            ahead = self._ahead.pop(self._n, None)
+            self._rng = ahead.rng if ahead is not None and ahead.drawn.size == self._n_drawn else self._anew()
+        return self._rng
+
+    def _anew(self) -> np.random.Generator:
+        rng = self._rng_of(self._n)
+        rng.standard_normal(self._n_drawn)
+        return rng
+
+    def touch(self, request: Press | Slide) -> KeptTouch:
+        """The next touch of this trial."""
+        asked = replace(request, stimulus="", level=None, interval=None)
+        if self._rng is None and (self._n_touches == 0 or asked == self._asked):
+            return self._next(asked)
+        (one,) = kept_touches(self._finger, request, self.rng.standard_normal((1, self._finger.n_draws(request))))
+        return one
+
+    def _next(self, asked: Press | Slide) -> KeptTouch:
+        if asked != self._asked:
+            self._asked = asked
+            self._computed.clear()
+        self._per_trial = max(self._per_trial, self._n_touches + 1)
+        place = self._n, self._n_touches
+        if place not in self._computed:
+            size, numbers = self._per_trial * self._finger.n_draws(asked), range(self._n, self._n + N_AHEAD)
+            self._ahead = {n: self._drawn(n, size) for n in numbers}
+            drawn = np.stack([ahead.drawn for ahead in self._ahead.values()])
+            touches = iter(kept_touches(self._finger, asked, drawn.reshape(N_AHEAD * self._per_trial, -1)))
+            self._computed = {(n, i): next(touches) for n in numbers for i in range(self._per_trial)}
+        self._n_touches += 1
+        self._n_drawn += self._finger.n_draws(asked)
+        return self._computed.pop(place)
+
+    def _drawn(self, n: int, size: int) -> "_Ahead":
+        known = self._ahead.get(n)
+        if known is not None and known.drawn.size == size:
+            return known
+        rng = self._rng_of(n)
+        return _Ahead(rng, rng.standard_normal(size))
+
+
+@dataclass(frozen=True, eq=False)
+class _Ahead:
+    """The stream of a trial, behind the numbers that were drawn from it."""
+
+    rng: np.random.Generator
+    drawn: Array

@@ -6,13 +6,14 @@ from typing import Self
 
 import numpy as np
 
-from ..arguments.require import finite, not_negative, positive
+from ..arguments.constraints import Finite, NotNegative, Positive, constrained
 from ..session.request import Facts
 from . import responses
 from .people import ObserverWithTraits, Traits
 
 
 @dataclass(frozen=True)
+@constrained
 class IdealObserver(ObserverWithTraits):
     """Feels whatever is above its threshold, and tells apart whatever differs; guesses only between what is felt alike.
 
@@ -31,14 +32,9 @@ class IdealObserver(ObserverWithTraits):
         If a value is outside of its range.
     """
 
-    sensitivity_db: float = 0.0
-    between_sd_db: float = 0.0
-    latency_s: float = 0.8
-
-    def __post_init__(self) -> None:
-        finite("IdealObserver", sensitivity_db=self.sensitivity_db)
-        not_negative("IdealObserver", between_sd_db=self.between_sd_db)
-        positive("IdealObserver", latency_s=self.latency_s)
+    sensitivity_db: Finite = 0.0
+    between_sd_db: NotNegative = 0.0
+    latency_s: Positive = 0.8
 
     def person(self, traits: Traits) -> Self:
         """The participant with these traits; an ideal one has no other than its sensitivity and its time."""
@@ -46,12 +42,10 @@ class IdealObserver(ObserverWithTraits):
         return replace(self, sensitivity_db=sensitivity_db, latency_s=self.latency_s * traits.latency_factor)
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
-        """Whether it is above the threshold."""
         del rng
         return sensation_db + self.sensitivity_db > 0
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
-        """The index of the strongest."""
         best = np.flatnonzero(np.asarray(sensations_db) == max(sensations_db))
         return int(rng.choice(best))
 
@@ -68,7 +62,6 @@ class IdealObserver(ObserverWithTraits):
         return first != second
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """The amplitude in units of the threshold."""
         del rng
         return responses.magnitude(sensation_db + self.sensitivity_db)
 

@@ -10,7 +10,8 @@ from typing import Final, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arguments.require import expect, finite, not_negative, one_of
+from ..arguments.constraints import Finite, NotNegative, constrained
+from ..arguments.require import expect, one_of
 from ..config.strict import LOST_LEVEL, check_keys
 from ..session.request import Facts
 from ..trials.cells import cell as cell_text
@@ -104,12 +105,10 @@ class SimulatedPerson:
     speed_factor: float = 1.0
 
     def finger(self, usual: SimulatedFinger) -> SimulatedFinger:
-        """This person's finger, beside the usual one."""
         force_factor, speed_factor = usual.force_factor * self.force_factor, usual.speed_factor * self.speed_factor
         return replace(usual, force_factor=force_factor, speed_factor=speed_factor)
 
     def facts(self) -> Facts:
-        """What a journal says of a simulated participant: the truth."""
         habits = {"force_factor": self.force_factor, "speed_factor": self.speed_factor}
         return {**self.observer.facts(), **{name: value for name, value in habits.items() if value != 1.0}}
 
@@ -119,6 +118,7 @@ Draws = Callable[..., np.random.Generator]
 
 
 @dataclass(frozen=True)
+@constrained
 class People:
     """How the people of a population differ: the keys of `[observer.people]`; 0 where they do not.
 
@@ -127,62 +127,39 @@ class People:
     cell, so that the order and the number of cells change none. The other traits are jointly normal, those whose name
     ends in ``_cv`` on a logarithmic scale.
 
-    Parameters
-    ----------
-    modality_sd_db : float
-        Standard deviation between people of the sensitivity to one modality (electrovibration, time reversal).
-    condition_sd_db : float
-        Standard deviation between people of the sensitivity in one cell of the design.
-    factor_sd_db : mapping of str to float
-        The same for the levels of a factor, by its name.
-    effects_db : mapping of str to mapping of str to float
-        What everybody feels more at a level of a factor than the skin model says, by factor and level.
-    criterion_sd : float
-        Of the criterion, in units of the internal noise.
-    exponent_cv : float
-        Coefficient of variation of the transducer's exponent, which sets the width of the psychometric function.
-    lapse_cv : float
-        Coefficient of variation of the lapse rate.
-    latency_cv : float
-        Coefficient of variation of the median time to answer.
-    number_cv : float
-        Coefficient of variation of the numbers given for one magnitude.
-    force_bias_cv : float
-        Coefficient of variation of the pressing force relative to the target force.
-    speed_bias_cv : float
-        Coefficient of variation of the sliding speed relative to the target speed.
-    correlations : mapping of str to mapping of str to float
-        Of two of ``sensitivity``, ``criterion``, ``exponent``, ``lapse``, ``latency``, ``number``, ``force`` and
-        ``speed``.
+    Raises `InvalidParameter` if a spread is negative, a trait unknown, or the correlations belong to no covariance.
 
-    Raises
-    ------
-    InvalidParameter
-        If a spread is negative, a trait unknown, or the correlations belong to no covariance.
+    - `modality_sd_db`: Standard deviation between people of the sensitivity to one modality (electrovibration, time
+      reversal).
+    - `condition_sd_db`: Standard deviation between people of the sensitivity in one cell of the design.
+    - `factor_sd_db`: The same for the levels of a factor, by its name.
+    - `effects_db`: What everybody feels more at a level of a factor than the skin model says, by factor and level.
+    - `criterion_sd`: Of the criterion, in units of the internal noise.
+    - `exponent_cv`: Coefficient of variation of the transducer's exponent, which sets the width of the psychometric
+      function.
+    - `lapse_cv`: Coefficient of variation of the lapse rate.
+    - `latency_cv`: Coefficient of variation of the median time to answer.
+    - `number_cv`: Coefficient of variation of the numbers given for one magnitude.
+    - `force_bias_cv`: Coefficient of variation of the pressing force relative to the target force.
+    - `speed_bias_cv`: Coefficient of variation of the sliding speed relative to the target speed.
+    - `correlations`: Of two of ``sensitivity``, ``criterion``, ``exponent``, ``lapse``, ``latency``, ``number``,
+      ``force`` and ``speed``.
     """
 
-    modality_sd_db: float = 0.0
-    condition_sd_db: float = 0.0
-    factor_sd_db: dict[str, float] = field(default_factory=dict)
-    effects_db: dict[str, dict[str, float]] = field(default_factory=dict)
-    criterion_sd: float = 0.0
-    exponent_cv: float = 0.0
-    lapse_cv: float = 0.0
-    latency_cv: float = 0.0
-    number_cv: float = 0.0
-    force_bias_cv: float = 0.0
-    speed_bias_cv: float = 0.0
+    modality_sd_db: NotNegative = 0.0
+    condition_sd_db: NotNegative = 0.0
+    factor_sd_db: dict[str, NotNegative] = field(default_factory=dict)
+    effects_db: dict[str, dict[str, Finite]] = field(default_factory=dict)
+    criterion_sd: NotNegative = 0.0
+    exponent_cv: NotNegative = 0.0
+    lapse_cv: NotNegative = 0.0
+    latency_cv: NotNegative = 0.0
+    number_cv: NotNegative = 0.0
+    force_bias_cv: NotNegative = 0.0
+    speed_bias_cv: NotNegative = 0.0
     correlations: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        owner = "People"
-        not_negative(owner, modality_sd_db=self.modality_sd_db, condition_sd_db=self.condition_sd_db)
-        not_negative(owner, criterion_sd=self.criterion_sd, exponent_cv=self.exponent_cv, lapse_cv=self.lapse_cv)
-        not_negative(owner, latency_cv=self.latency_cv, number_cv=self.number_cv)
-        not_negative(owner, force_bias_cv=self.force_bias_cv, speed_bias_cv=self.speed_bias_cv)
-        not_negative(f"{owner}.factor_sd_db", **self.factor_sd_db)
-        for factor, of_level in self.effects_db.items():
-            finite(f"{owner}.effects_db.{factor}", **of_level)
         _check_correlations(self.correlations)
 
     @property
@@ -205,16 +182,12 @@ class People:
         )
 
     def _root(self) -> NDArray[np.float64]:
-        """A square root of the correlations, whose first row is that of the identity."""
         return np.eye(len(TRAITS)) if not self.correlations else _cholesky(correlation_matrix(self.correlations))
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
         """Refuse what names no factor or level of a study.
 
-        Raises
-        ------
-        InvalidParameter
-            At the first; `path` opens the sentence.
+        Raises `InvalidParameter` at the first; `path` opens the sentence.
         """
         check_keys(self.factor_sd_db, factors, f"{path}.factor_sd_db", "factor")
         check_keys(self.effects_db, factors, f"{path}.effects_db", "factor")

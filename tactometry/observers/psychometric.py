@@ -8,13 +8,14 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..arguments.require import below, finite, not_negative, one_of, positive, within
+from ..arguments.constraints import Finite, NotNegative, Positive, constrained
+from ..arguments.require import below, finite, one_of, positive, within
 from ..config.strict import check_keys, convert
 from ..psychometric import SHAPES, PsychometricFunction
 from ..session.request import Facts
 from ..trials.cells import cell as cell_text
 from . import responses
-from .changes.change import Shift
+from .changes import Shift
 from .people import Feeling, ObserverWithTraits, Traits
 from .responses import ALMOST_ALL, HIGHEST_DB, MOST_LAPSES
 
@@ -23,6 +24,7 @@ OF_WIDTH = 2 * 1.6448536269514722
 
 
 @dataclass(frozen=True)
+@constrained
 class PsychometricObserver(ObserverWithTraits):
     """Says yes with the chance ``psi(level)``, whose threshold and width are stated in the unit of the level.
 
@@ -50,32 +52,24 @@ class PsychometricObserver(ObserverWithTraits):
         Standard deviation of it between people.
     latency_s : float
         Median time to answer.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its range, or a condition holds what is none.
     """
 
-    threshold: float
-    width: float = 6.0
+    threshold: Finite
+    width: Positive = 6.0
     conditions: tuple[dict[str, Any], ...] = ()
     shape: str = "normal"
     false_alarm_rate: float = 0.05
     lapse_rate: float = 0.02
-    sensitivity_db: float = 0.0
-    between_sd_db: float = 2.5
-    latency_s: float = 0.8
+    sensitivity_db: Finite = 0.0
+    between_sd_db: NotNegative = 2.5
+    latency_s: Positive = 0.8
 
     def __post_init__(self) -> None:
         owner = "PsychometricObserver"
-        finite(owner, threshold=self.threshold, sensitivity_db=self.sensitivity_db)
-        positive(owner, width=self.width, latency_s=self.latency_s)
         one_of(f"{owner}.shape", self.shape, [name for name, shape in SHAPES.items() if not shape.on_log_levels])
         within(owner, 0, MOST_LAPSES, false_alarm_rate=self.false_alarm_rate)
         within(owner, 0, ALMOST_ALL, lapse_rate=self.lapse_rate)
         below(owner, false_alarm_rate=self.false_alarm_rate, one_less_lapses=1 - self.lapse_rate)
-        not_negative(owner, between_sd_db=self.between_sd_db)
         for n, of in enumerate(self.conditions):
             where = f"{owner}.conditions[{n}]"
             finite(where, threshold=convert(float, of.get("threshold", self.threshold), f"{where}.threshold"))
@@ -84,10 +78,7 @@ class PsychometricObserver(ObserverWithTraits):
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
         """Refuse a condition that names no factor or level of a study.
 
-        Raises
-        ------
-        InvalidParameter
-            At the first; `path` opens the sentence.
+        Raises `InvalidParameter` at the first; `path` opens the sentence.
         """
         for n, of in enumerate(self.conditions):
             where = f"{path}.conditions[{n}]"
@@ -126,7 +117,6 @@ class PsychometricObserver(ObserverWithTraits):
         return _rate(self.shape, self.width, guess_rate, lapse_rate, sensation_db)
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
-        """Whether a stimulus is reported as felt."""
         return bool(rng.random() < self.chance(sensation_db, self.false_alarm_rate))
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
@@ -185,5 +175,4 @@ def _rate(shape: str, width: float, guess_rate: float, lapse_rate: float, level:
 
 
 def _narrower(of: Mapping[str, Any], factor: float) -> dict[str, Any]:
-    """A condition with its width divided."""
     return {name: value / factor if name == "width" else value for name, value in of.items()}

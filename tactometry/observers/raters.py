@@ -3,19 +3,23 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import exp
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval
 
-from ..arguments.require import finite, not_negative, within
+from ..arguments.constraints import Finite, NotNegative, constrained
 from ..config.strict import LOST_LEVEL, check_keys
 from ..session.request import Fill
 from ..trials.cells import cell as cell_text
 from .people import Draws
 
 Factors = Mapping[str, float | str]
+Loading = Annotated[float, Interval(ge=-1, le=1)]
 
 
 @dataclass(frozen=True)
+@constrained
 class Raters:
     """How people rate: the keys of `[observer.raters]`. An attitude is a number from -1 (the bad end) to 1 (the good).
 
@@ -47,45 +51,25 @@ class Raters:
         Standard deviation between people of the shift of all their answers to the right.
     effects : mapping of str to mapping of str to mapping of str to float
         What a level of a factor adds to everybody's attitude, by factor, level and dimension.
-
-    Raises
-    ------
-    InvalidParameter
-        If a spread is negative, a loading not from -1 to 1, or a number not finite.
     """
 
-    loading: float = 0.8
-    loadings: dict[str, float] = field(default_factory=dict)
-    noise: float = 0.3
-    liking: float = 0.3
-    attitude_sd: float = 0.15
-    dimension_sd: float = 0.15
-    stimulus_sd: float = 0.2
-    extremity_cv: float = 0.2
-    acquiescence_sd: float = 0.1
-    effects: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        owner = "Raters"
-        within(owner, -1, 1, loading=self.loading)
-        within(f"{owner}.loadings", -1, 1, **self.loadings)
-        finite(owner, liking=self.liking)
-        not_negative(owner, noise=self.noise, attitude_sd=self.attitude_sd, dimension_sd=self.dimension_sd)
-        not_negative(owner, stimulus_sd=self.stimulus_sd, extremity_cv=self.extremity_cv)
-        not_negative(owner, acquiescence_sd=self.acquiescence_sd)
-        for factor, of_factor in self.effects.items():
-            for level, of_level in of_factor.items():
-                finite(f"{owner}.effects.{factor}.{level}", **of_level)
+    loading: Loading = 0.8
+    loadings: dict[str, Loading] = field(default_factory=dict)
+    noise: NotNegative = 0.3
+    liking: Finite = 0.3
+    attitude_sd: NotNegative = 0.15
+    dimension_sd: NotNegative = 0.15
+    stimulus_sd: NotNegative = 0.2
+    extremity_cv: NotNegative = 0.2
+    acquiescence_sd: NotNegative = 0.1
+    effects: dict[str, dict[str, dict[str, Finite]]] = field(default_factory=dict)
 
     def check(
         self, factors: Mapping[str, Sequence[float | str]], dimension_of: Mapping[str, Mapping[str, str]], path: str
     ) -> None:
         """Refuse what names no factor, level, item or dimension of a study.
 
-        Raises
-        ------
-        InvalidParameter
-            At the first; `path` opens the sentence.
+        Raises `InvalidParameter` at the first; `path` opens the sentence.
         """
         items = {item: name for of_form in dimension_of.values() for item, name in of_form.items()}
         check_keys(self.loadings, items, f"{path}.loadings", "item")

@@ -46,7 +46,6 @@ def in_words(number: float) -> float:
 
 
 def answer_time_s(median_s: float, rng: np.random.Generator) -> float:
-    """A log-normal time."""
     return float(median_s * math.exp(LATENCY_CV * float(rng.standard_normal())))
 
 

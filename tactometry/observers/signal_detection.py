@@ -7,16 +7,17 @@ from typing import Self
 
 import numpy as np
 
-from ..arguments.require import below_1, finite, not_negative, positive
+from ..arguments.constraints import Finite, NotNegative, Positive, Rate, constrained
 from ..session.request import Facts
 from . import responses
-from .changes.change import Shift
+from .changes import Shift
 from .people import ObserverWithTraits, Traits
 
 LIKING_NOISE = 0.3
 
 
 @dataclass(frozen=True)
+@constrained
 class SignalDetectionObserver(ObserverWithTraits):
     """Equal-variance signal detection on a sensation level in decibels.
 
@@ -24,47 +25,25 @@ class SignalDetectionObserver(ObserverWithTraits):
     the trials of a yes/no task; Green and Swets, Signal Detection Theory and Psychophysics (1966), with a power
     transducer. The defaults are unverified choices: the criterion gives 5 % false alarms.
 
-    Parameters
-    ----------
-    criterion : float
-        In units of the internal noise, above 0.
-    exponent : float
-        Of the transducer, above 0.
-    lapse_rate : float
-        Part of the trials that are answered at random, in [0, 1).
-    sensitivity_db : float
-        How much more sensitive than the reference this participant is, in dB of sensation level.
-    between_sd_db : float
-        Standard deviation of `sensitivity_db` between participants (see `participant`).
-    bias : float
-        Added to the criterion in yes/no tasks, in units of the internal noise: above 0, fewer false alarms and hits.
-    number_factor : float
-        By which a number given for a magnitude is larger than d'.
-    latency_s : float
-        Median time to answer; answer times are log-normal with a coefficient of variation near 0.3.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its range.
+    - `criterion`: In units of the internal noise, above 0.
+    - `exponent`: Of the transducer, above 0.
+    - `lapse_rate`: Part of the trials that are answered at random, in [0, 1).
+    - `sensitivity_db`: How much more sensitive than the reference this participant is, in dB of sensation level.
+    - `between_sd_db`: Standard deviation of `sensitivity_db` between participants (see `participant`).
+    - `bias`: Added to the criterion in yes/no tasks, in units of the internal noise: above 0, fewer false alarms and
+      hits.
+    - `number_factor`: By which a number given for a magnitude is larger than d'.
+    - `latency_s`: Median time to answer; answer times are log-normal with a coefficient of variation near 0.3.
     """
 
-    criterion: float = 1.645
-    exponent: float = 1.0
-    lapse_rate: float = 0.02
-    sensitivity_db: float = 0.0
-    between_sd_db: float = 5.0
-    latency_s: float = 0.8
-    bias: float = 0.0
-    number_factor: float = 1.0
-
-    def __post_init__(self) -> None:
-        owner = "SignalDetectionObserver"
-        positive(owner, criterion=self.criterion, exponent=self.exponent, latency_s=self.latency_s)
-        positive(owner, number_factor=self.number_factor)
-        finite(owner, sensitivity_db=self.sensitivity_db, bias=self.bias)
-        not_negative(owner, between_sd_db=self.between_sd_db)
-        below_1(owner, lapse_rate=self.lapse_rate)
+    criterion: Positive = 1.645
+    exponent: Positive = 1.0
+    lapse_rate: Rate = 0.02
+    sensitivity_db: Finite = 0.0
+    between_sd_db: NotNegative = 5.0
+    latency_s: Positive = 0.8
+    bias: Finite = 0.0
+    number_factor: Positive = 1.0
 
     def person(self, traits: Traits) -> Self:
         """The participant with these traits."""
@@ -93,7 +72,6 @@ class SignalDetectionObserver(ObserverWithTraits):
         return float(min(self.criterion * 10.0 ** min(exponent, 300.0), 1e6))
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
-        """Whether a stimulus is reported as felt."""
         # all draws, used or not: the generator stands at the same place behind any answer
         noise, lapses, guess = rng.standard_normal(), rng.random() < self.lapse_rate, rng.random() < 0.5
         return bool(guess) if lapses else bool(self.d_prime(sensation_db) + noise > self.criterion + self.bias)

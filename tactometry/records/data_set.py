@@ -10,13 +10,12 @@ from pathlib import Path
 from typing import Final
 
 from ..arguments.require import expect
-from ..errors import InvalidFile
+from ..errors import InvalidFile, count_of
 from ..files.durable import files_in, make_folder, read_file, write_first
 from ..files.rows import delimited_text
-from ..trials.cell_rules import PARTICIPANT
-from ..trials.cells import cell
+from ..trials.cells import PARTICIPANT, Value, cell
 from ..trials.columns import Column
-from ..trials.trial import Trial, Value
+from ..trials.trial import Trial
 from .description import NAME, StudyDescription
 
 TRACES: Final = "traces"
@@ -30,10 +29,7 @@ LARGEST_NUMBER = 999_999_999
 class Session:
     """One session of one participant.
 
-    Raises
-    ------
-    InvalidParameter
-        If the code is not 1 to 32 letters and digits, or the session number is below 1.
+    Raises `InvalidParameter` if the code is not 1 to 32 letters and digits, or the session number is below 1.
 
     >>> Session("P01", 1, "electrovibration-threshold").stem
     'participant-P01_session-1_study-electrovibrationthreshold'
@@ -84,25 +80,17 @@ def values_of(trial: Trial, session: Session, rig: str) -> dict[str, Value]:
 
 
 def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> list[str]:
-    """The cells of a trial."""
     known = values_of(trial, session, rig)
     return [cell(known.get(column.name)) for column in columns]
 
 
 def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Sequence[Column]) -> bytes:
-    """The trials file of a session."""
     header = [column.name for column in columns]
     return delimited_text([header, *(row(trial, session, rig, columns) for trial in trials)])
 
 
 def refuse_links(root: Path) -> None:
-    """Refuse a data set one of whose folders is a link: nothing is written or erased through it.
-
-    Raises
-    ------
-    InvalidFile
-        If there is such a folder.
-    """
+    """Refuse a data set one of whose folders is a link: nothing is written or erased through it."""
     for part in PARTS:
         it = "the folder itself; put what the link leads to in its place"
         expect(not (root / part).is_symlink(), root / part, "a link", it, InvalidFile)
@@ -111,10 +99,8 @@ def refuse_links(root: Path) -> None:
 def prepare(root: Path, design: StudyDescription) -> None:
     """Make the folders and the files that all sessions share.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder holds another study, or other numbers of this one, or something else, or a folder in it is a link.
+    Raises `InvalidFile` if the folder holds another study, or other numbers of this one, or something else, or a folder
+    in it is a link.
     """
     refuse_links(root)
     for folder in (root, root / "data", root / "journals"):
@@ -141,17 +127,49 @@ def keys_of(stem: str) -> dict[str, str]:
 
 
 def participants(root: Path) -> list[str]:
-    """The codes of all who have a journal in a data set, sorted."""
     return sorted({code for path in sessions(root) if (code := keys_of(path.stem).get("participant"))})
 
 
 def sessions(root: Path) -> list[Path]:
-    """The journals of a data set, sorted.
-
-    Raises
-    ------
-    InvalidFile
-        If their folder may not be read.
-    """
+    """The journals of a data set, sorted."""
     files = (path for path in files_in(root / "journals", "*.jsonl") if path.is_file())
     return [path for path in files if not path.name.endswith("_interruptions.jsonl")]
+
+
+REBUILD = "write it anew with tactometry rebuild"
+
+
+def is_beginning(existing: bytes, expected: bytes) -> bool:
+    """Whether a file is what a crash may leave of the expected one: its beginning, with zero bytes behind it.
+
+    >>> is_beginning(b"a\\n1", b"a\\n12\\n"), is_beginning(b"a\\n2\\n", b"a\\n1\\n2\\n")
+    (True, False)
+    """
+    return expected.startswith(existing.rstrip(b"\0"))
+
+
+def first_difference(existing: bytes, expected: bytes) -> int | None:
+    """The first line, from 1, in which two files differ; None if they are equal."""
+    if existing == expected:
+        return None
+    pairs = zip(existing.split(b"\n"), expected.split(b"\n"), strict=False)
+    differing = next((n for n, (a, b) in enumerate(pairs, 1) if a != b), None)
+    # the lines of the shorter one are all equal: the first that it lacks
+    return differing if differing is not None else min(existing.count(b"\n"), expected.count(b"\n")) + 1
+
+
+def disagreement(existing: bytes, expected: bytes) -> tuple[int, str] | None:
+    """The first line, from 1, in which a derived file differs from what its journal holds, and how; None if equal.
+
+    >>> disagreement(b"a\\n1\\n", b"a\\n1\\n2\\n3\\n")
+    (3, 'lacks the last 2 rows of the journal, expected all of them; write it anew with tactometry rebuild')
+    """
+    row = first_difference(existing, expected)
+    if row is None:
+        return None
+    if not is_beginning(existing, expected):
+        return row, f"found another row than the journal holds, expected the same; move the file away, then {REBUILD}"
+    n_lacking = expected.count(b"\n") - existing.count(b"\n")
+    if n_lacking == 0:
+        return row, f"found zero bytes behind the last row, expected none; {REBUILD}"
+    return row, f"lacks the last {count_of(n_lacking, 'row')} of the journal, expected all of them; {REBUILD}"

@@ -46,27 +46,27 @@ def description(design: StudyDescription) -> dict[str, object]:
 def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> None:
     """Write the description of a data set; one that is there gets what it lacks, and keeps what a person added.
 
-    Raises
-    ------
-    InvalidFile
-        If there is something else in its place.
+    Raises `InvalidFile` if there is something else in its place.
     """
     path = root / NAME
     there = read_description(path) if path.exists() else None
-    complete = with_columns(description(design) if there is None else there, design.columns)
+    described: Mapping[str, Any] = description(design) if there is None else there
+    # what a person added stays; columns that are missing follow
+    variables = described["variableMeasured"]
+    known = [variable.get("name") for variable in variables if isinstance(variable, Mapping)]
+    new = [
+        {"@type": "PropertyValue", "name": c.name, "description": c.description, "unitText": c.unit}
+        for c in design.columns
+        if c.name not in known
+    ]
+    complete = {**described, "variableMeasured": [*variables, *new]}
     wanted = as_simulated(complete) if is_simulated else complete
     if wanted != there:  # a file that says all already keeps its bytes
         write_atomically(path, pretty(wanted))
 
 
 def read_description(path: Path) -> dict[str, object]:
-    """The description of a data set.
-
-    Raises
-    ------
-    InvalidFile
-        If it is none.
-    """
+    """The description of a data set."""
     anew = "the description of Psych-DS; remove it, and it is made anew"
     described = json_object(path, anew)
     has_columns = isinstance(described.get("variableMeasured"), list)
@@ -77,10 +77,7 @@ def read_description(path: Path) -> dict[str, object]:
 def variable_names(described: Mapping[str, Any]) -> list[str]:
     """Return the names of the columns that a description explains.
 
-    Raises
-    ------
-    InvalidParameter
-        If an entry is no object with a name.
+    Raises `InvalidParameter` if an entry is no object with a name.
 
     >>> variable_names({"variableMeasured": [{"name": "level"}]})
     ['level']
@@ -92,18 +89,6 @@ def variable_names(described: Mapping[str, Any]) -> list[str]:
         expect(is_named, f"variableMeasured[{n}]", f"{variable!r:.60}", "an object with a text 'name'")
         names.append(str(name))
     return names
-
-
-def with_columns(described: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, object]:
-    """A description with the columns that it lacks."""
-    variables = described["variableMeasured"]
-    known = [variable.get("name") for variable in variables if isinstance(variable, Mapping)]
-    new = [
-        {"@type": "PropertyValue", "name": c.name, "description": c.description, "unitText": c.unit}
-        for c in columns
-        if c.name not in known
-    ]
-    return {**described, "variableMeasured": [*variables, *new]}
 
 
 def as_simulated(described: Mapping[str, object]) -> dict[str, object]:
@@ -131,13 +116,7 @@ def says_simulated(described: Mapping[str, object]) -> bool:
 
 
 def describe_columns(path: Path, columns: Sequence[Column]) -> None:
-    """Write the description of every column of a table; one of the same columns stays as another version wrote it.
-
-    Raises
-    ------
-    InvalidFile
-        If it can't be read or written.
-    """
+    """Write the description of every column of a table; one of the same columns stays as another version wrote it."""
     if not path.exists() or _column_names(read_file(path, "the description of a table")) != [c.name for c in columns]:
         table = {column.name: {"Description": column.description, "Units": column.unit} for column in columns}
         write_atomically(path, pretty(table))
@@ -152,5 +131,4 @@ def _column_names(content: bytes) -> list[str]:
 
 
 def pretty(value: object) -> bytes:
-    """JSON for people."""
     return msgspec.json.format(msgspec.json.encode(value), indent=2) + b"\n"

@@ -7,6 +7,7 @@ again for counterbalancing; a code alone says nothing once the list that links c
 
 import os
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -15,7 +16,9 @@ import msgspec
 
 from ..errors import InvalidFile, InvalidParameter
 from ..files.durable import read_file, write_atomically
-from ..trials.cell_rules import PARTICIPANT
+from ..trials.cells import PARTICIPANT
+from .data_set import Session
+from .description import NAME
 
 RECORD: Final = "erasures.jsonl"
 LOCK: Final = ".erasures.lock"
@@ -36,13 +39,7 @@ class Erasure:
 
 
 def read_erasures(root: Path) -> tuple[Erasure, ...]:
-    """The record of a data set; empty where nothing was erased.
-
-    Raises
-    ------
-    InvalidFile
-        If it is damaged.
-    """
+    """The record of a data set; empty where nothing was erased."""
     path = root / RECORD
     if not os.path.lexists(path):
         return ()
@@ -63,12 +60,10 @@ def _erasure(line: bytes, where: str) -> Erasure:
 
 
 def write_erasures(root: Path, erasures: Sequence[Erasure]) -> None:
-    """Write the record whole, and put it on the disk."""
     write_atomically(root / RECORD, b"".join(msgspec.json.encode(erasure) + b"\n" for erasure in erasures))
 
 
 def unfinished(erasures: Sequence[Erasure], participant: str) -> Erasure | None:
-    """The erasure of a participant that was interrupted."""
     return next((e for e in erasures if e.participant == participant and e.finished_utc is None), None)
 
 
@@ -77,12 +72,8 @@ def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) ->
 
     An erasure that is not finished is refused in any case, because it would go on with the files of the new session.
 
-    Raises
-    ------
-    InvalidParameter
-        If one of them was erased from the data set.
-    InvalidFile
-        If the record is damaged, so that nobody can be looked up in it.
+    Raises `InvalidParameter` if one of them was erased from the data set. Raises `InvalidFile` if the record is
+    damaged, so that nobody can be looked up in it.
     """
     lines = sorted(enumerate(read_erasures(root), 1), key=lambda line: line[1].finished_utc is None)
     erased = {erasure.participant.casefold(): (number, erasure) for number, erasure in lines}  # unfinished ones win
@@ -96,3 +87,37 @@ def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) ->
             found, expected = f"an unfinished erasure of {erasure.participant}", "a finished one"
             way = f"repeat tactometry erase {root} --participant {erasure.participant}"
         raise InvalidParameter(f"{root / RECORD}, line {number}: found {found}, expected {expected}; {way}")
+
+
+class Withdrawal:
+    """The files and folders of a session, and of its data set, that do not exist before it.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     root = Path(folder) / "data"
+    ...     withdrawal = Withdrawal(root, Session("P01", 1, "tutorial"))
+    ...     (root / "journals").mkdir(parents=True)
+    ...     withdrawal.undo()
+    ...     root.exists()
+    False
+    """
+
+    def __init__(self, root: Path, session: Session) -> None:
+        events = session.events(root)
+        files = (session.trials(root), session.sidecar(root), events, events.with_suffix(".json"))
+        self._journal = session.journal(root)
+        folders = (self._journal.parent, root / "data")
+        # A folder that another session has begun in is not empty: then what follows stays.
+        ordered = (*files, self._journal, *folders, root / "study.toml", root / NAME, root)
+        self._created = tuple(path for path in ordered if not path.exists())
+
+    def undo(self) -> None:
+        """Remove what was created since, unless the journal has a line."""
+        if self._journal.exists() and self._journal.stat().st_size:
+            return
+        with suppress(OSError):  # what is in use stays, and so does what contains it
+            for path in self._created:
+                if path.is_dir():
+                    path.rmdir()
+                else:
+                    path.unlink(missing_ok=True)

@@ -29,8 +29,6 @@ class News:
 class Follower:
     """Looks into a journal again and again.
 
-    Examples
-    --------
     >>> Follower(Path("nowhere.jsonl")).news()
     Traceback (most recent call last):
     ...
@@ -45,10 +43,7 @@ class Follower:
     def news(self) -> News | None:
         """What is new since the last call; None where nothing is. After an error the next call begins anew.
 
-        Raises
-        ------
-        InvalidFile
-            If the journal cannot be read, or a line is damaged, with its number.
+        Raises `InvalidFile` if the journal cannot be read, or a line is damaged, with its number.
         """
         try:
             return self._look()

@@ -20,7 +20,7 @@ from ..errors import InvalidFile
 from ..files.durable import read_file, whole_lines
 from ..safety.limits import ROUNDING
 from ..session.request import Fact, Record, Request
-from ..trials.cell_rules import PARTICIPANT, STUDY, is_time
+from ..trials.cells import PARTICIPANT, STUDY, is_time
 from ..trials.columns import RIGS, Column
 from .data_set import LARGEST_NUMBER
 
@@ -60,17 +60,13 @@ class Head:
 
     @property
     def whose(self) -> tuple[object, ...]:
-        """What all sittings of a session share."""
         return self.study, self.study_sha256, self.participant, self.session, self.number, self.seed, self.rig
 
 
 def head_of(value: object, first: Head | None = None) -> Head:
     """A head from its line; `first` is that of the first sitting, with which it must agree.
 
-    Raises
-    ------
-    msgspec.ValidationError
-        If it is none, or is of another session or of a later format.
+    Raises `msgspec.ValidationError` if it is none, or is of another session or of a later format.
     """
     head = msgspec.convert(value, Head)
     for name, holds in _conditions(head).items():
@@ -116,13 +112,7 @@ def columns_in(columns: Sequence[Column], journal_format: int) -> tuple[Column, 
 
 
 def heads(path: Path) -> tuple[Head, ...]:
-    """The heads of all sittings of a journal, by a quick look: damage elsewhere is not found; none without a line.
-
-    Raises
-    ------
-    InvalidFile
-        If one is damaged.
-    """
+    """The heads of all sittings of a journal, by a quick look: damage elsewhere is not found; none without a line."""
     content = read_file(path, "a journal")
     first = next(whole_lines(content), b"")
     others = [] if first.startswith(_SITTING) else [first]
@@ -137,8 +127,6 @@ def heads(path: Path) -> tuple[Head, ...]:
 def differences(before: Head, after: Head) -> list[str]:
     """What is not the same in two sittings, a phrase each.
 
-    Examples
-    --------
     >>> first = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 200.0})
     >>> second = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 400.0})
     >>> differences(first, second)

@@ -21,11 +21,10 @@ import msgspec
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file, whole_lines
 from ..session.answer import Done, Marked
-from ..session.answer_rules import flaw
 from ..session.event import Event, decode_event, intervention_of, trial_facts
 from ..session.intervention import Intervention, left
 from ..session.replay import Replay, rows
-from ..session.request import REQUESTS, Fact, Intervene, Record, Request
+from ..session.request import REQUESTS, Fact, Intervene, Record, Request, flaw
 from ..trials.trial import Trial
 from .head import FORMAT, Head, as_kept, head_of
 
@@ -65,7 +64,6 @@ class Recording:
 
     @property
     def sittings(self) -> tuple[Head, ...]:
-        """The heads of all sittings, in order."""
         return tuple(line for line in self.lines if isinstance(line, Head))
 
     @property
@@ -83,7 +81,6 @@ class Recording:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What happened unasked."""
         return tuple(line for line in self.lines if isinstance(line, Event))
 
     @property
@@ -112,7 +109,6 @@ class Recording:
 
     @property
     def rows_at_first(self) -> tuple[Trial, ...]:
-        """The rows as they were recorded."""
         return tuple(entry.request.trial for entry in self.entries if isinstance(entry.request, Record))
 
     @property
@@ -144,10 +140,8 @@ def encode(value: dict[str, object], before: int = 0) -> bytes:
 def encode_entry(request: Request[Any], answer: object, before: int = 0) -> bytes:
     """One line of a request and its answer.
 
-    Raises
-    ------
-    DeviceFailed
-        If it would not read back as it was (a number that is not finite), or is no answer to that request.
+    Raises `DeviceFailed` if it would not read back as it was (a number that is not finite), or is no answer to that
+    request.
     """
     line = encode({"request": type(request).__name__, "asked": request, "answer": answer}, before)
     try:
@@ -202,16 +196,13 @@ def checksum(line: bytes) -> int:
 def read(path: Path) -> Recording:
     """Read a journal without changing it.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, or a line but an unfinished last one is damaged or out of place, with its number.
+    Raises `InvalidFile` if it cannot be read, or a line but an unfinished last one is damaged or out of place, with its
+    number.
     """
     return decode_journal(read_file(path, "a journal"), path)
 
 
 def decode_journal(content: bytes, path: Path) -> Recording:
-    """As `read`, of the bytes of a journal."""
     lines, place = decode_on(content, path)
     return Recording(lines, place.complete, len(content) - place.n_bytes)
 
@@ -231,10 +222,7 @@ class Reached:
 def decode_on(content: bytes, path: Path, place: Reached = Reached()) -> tuple[tuple[Line, ...], Reached]:
     """The whole lines of what stands in a journal behind a place, and the place behind them.
 
-    Raises
-    ------
-    InvalidFile
-        If one of them is damaged or out of place, with its number.
+    Raises `InvalidFile` if one of them is damaged or out of place, with its number.
     """
     lines: list[Line] = []
     for whole in whole_lines(content):
@@ -284,10 +272,7 @@ def _decode_line(table: dict[str, Any], head: Head | None) -> Line | None:
 def decode_entry(value: dict[str, Any]) -> Entry:
     """A request and its answer, from their line.
 
-    Raises
-    ------
-    msgspec.ValidationError
-        If they are none, or the answer is none to that request.
+    Raises `msgspec.ValidationError` if they are none, or the answer is none to that request.
     """
     kind = REQUESTS.get(str(value.get("request")))
     if kind is None:

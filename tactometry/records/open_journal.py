@@ -48,7 +48,11 @@ class Journal:
         self.path, self._syncs_trials = path, syncs_trials
         self._file, self._unsynced = _open_locked(path), False
         try:
-            _refuse_recorded(path, resume=resume)
+            if not resume and path.stat().st_size > 0:
+                raise InvalidFile(
+                    f"{path}: this session has been recorded already, expected a new one; go on with --resume, or give "
+                    "another --session number"
+                )
             self.recording, self.cut = self._repair()
         except BaseException:
             os.close(self._file)
@@ -57,7 +61,6 @@ class Journal:
 
     @property
     def interruptions(self) -> Path:
-        """Where what interruptions cut off is kept."""
         return self.path.with_name(f"{self.path.stem}_interruptions.jsonl")
 
     def _repair(self) -> tuple[Recording, bytes]:
@@ -157,19 +160,12 @@ def _is_kept(kinds: tuple[type[Request[Any]], ...], line: Line) -> bool:
 
 
 def _is_consent(request: Request[Any]) -> bool:
-    """Whether it asks for what nobody is asked twice, though it is no trial."""
     return isinstance(request, Choose) and request.question == CONSENT
 
 
 @contextmanager
 def held(journals: Iterable[Path]) -> Iterator[None]:
-    """Journals that no other process writes meanwhile.
-
-    Raises
-    ------
-    SessionInUse
-        If another one does.
-    """
+    """Journals that no other process writes meanwhile."""
     with ExitStack() as stack:
         for path in journals:
             stack.callback(os.close, _open_locked(path))
@@ -198,10 +194,7 @@ def is_written(path: Path) -> bool:
 def alone(path: Path, in_use: str) -> Iterator[None]:
     """No other process is in here meanwhile: a file is made for it and locked, and goes at the end.
 
-    Raises
-    ------
-    SessionInUse
-        If another one is: `in_use` says of what.
+    Raises `SessionInUse` if another one is: `in_use` says of what.
     """
     file = _open_locked(path, in_use)
     try:
@@ -226,14 +219,6 @@ def _open_locked(path: Path, in_use: str = _IN_USE) -> int:
             os.close(file)
             raise
         os.close(file)  # the name leads to another file by now: that one
-
-
-def _refuse_recorded(path: Path, *, resume: bool) -> None:
-    if not resume and path.stat().st_size > 0:
-        raise InvalidFile(
-            f"{path}: this session has been recorded already, expected a new one; go on with --resume, or give "
-            "another --session number"
-        )
 
 
 def _lock(file: int, path: Path, in_use: str = _IN_USE) -> None:

@@ -22,9 +22,8 @@ from ..session.intervention import Intervention
 from ..session.replay import Replay
 from ..session.request import Intervene, Record, Request
 from ..signal import FloatArray
-from ..trials.trial import Trial, tally
-from .agreement import is_beginning
-from .data_set import Session, participants, prepare, row, sessions, trials_csv
+from ..trials.trial import tally
+from .data_set import Session, is_beginning, participants, prepare, row, sessions, trials_csv
 from .description import NAME, SIMULATED, StudyDescription, describe, describe_columns, read_description, says_simulated
 from .head import FORMAT, as_kept, columns_in, heads
 from .journal import Entry, consequence, read
@@ -40,10 +39,7 @@ _KINDS: Final = (_STIMULUS + b'"', _STIMULUS + b'_end"')
 def refuse_mixing(root: Path, rig: str) -> None:
     """Refuse simulated participants beside people, and people beside simulated participants.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder holds the other kind.
+    Raises `InvalidFile` if the folder holds the other kind.
     """
     path = root / NAME
     if path.exists() and says_simulated(read_description(path)):
@@ -67,14 +63,6 @@ def stimuli(journal: Path) -> Iterator[Event]:
                 continue
 
 
-def exposure_before(journal: Path, elapsed_s: float) -> Exposure:
-    """What counts when a session goes on, on `time.perf_counter`: its time so far, and the charge that it passed.
-
-    How often its output played is in the ledger of that output.
-    """
-    return Exposure(time.perf_counter() - elapsed_s, charge_c=charge_passed_c(stimuli(journal)))
-
-
 def charge_passed_c(events: Iterable[Event]) -> float:
     """Sum the charges of stimuli: what each passed, or the largest of any beginning if its end was not recorded."""
     charges_c: list[float] = []
@@ -96,12 +84,8 @@ class OpenSession:
     With `resume` an interrupted session goes on; what is lost by that is kept beside the journal, and said in
     `repaired`.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder holds another study, or the journal another session.
-    InvalidParameter
-        If a participant's code differs in capitals alone from one that is there.
+    Raises `InvalidFile` if the folder holds another study, or the journal another session. Raises `InvalidParameter` if
+    a participant's code differs in capitals alone from one that is there.
     """
 
     def __init__(self, root: Path, design: StudyDescription, session: Session, rig: str, *, resume: bool) -> None:
@@ -146,7 +130,9 @@ class OpenSession:
 
     def exposure(self) -> Exposure:
         """How long this session has lasted, and what charge it passed."""
-        return exposure_before(self.journal.path, self.replay.elapsed_s)
+        return Exposure(
+            time.perf_counter() - self.replay.elapsed_s, charge_c=charge_passed_c(stimuli(self.journal.path))
+        )
 
     def note(self, event: Event) -> None:
         """Keep what happened unasked, in the journal and in the events file; from any thread."""
@@ -199,26 +185,20 @@ class OpenSession:
         with self._writing:
             self.journal.append(request, answer)  # the truth first: a crash from here on leaves a table to rebuild
             if isinstance(request, Record):
-                self._append_row(request.trial)
+                self.recorded_s = time.perf_counter()
+                line = delimited_text([row(request.trial, self._session, self._rig, self._columns)])
+                write_whole(self._file, line, self.trials, durable=False)
+                self.tally = self.tally.after(request.trial)
             elif isinstance(request, Intervene) and request.retracted:
-                self._write_rows(read(self.journal.path).trials)
+                trials = read(self.journal.path).trials
+                before, content = self._file, trials_csv(trials, self._session, self._rig, self._columns)
+                self._file = replace_file(self.trials, content)
+                os.close(before)
+                self.tally = tally(trials)
             if (event := consequence(Entry(request, answer))) is not None:
                 self._tell(event)
             for hear, _ in self._followers:
                 hear(request, answer)
-
-    def _write_rows(self, trials: Sequence[Trial]) -> None:
-        """The trials file anew, where rows that stand in it count no more."""
-        before, content = self._file, trials_csv(trials, self._session, self._rig, self._columns)
-        self._file = replace_file(self.trials, content)
-        os.close(before)
-        self.tally = tally(trials)
-
-    def _append_row(self, trial: Trial) -> None:
-        self.recorded_s = time.perf_counter()
-        line = delimited_text([row(trial, self._session, self._rig, self._columns)])
-        write_whole(self._file, line, self.trials, durable=False)
-        self.tally = self.tally.after(trial)
 
     def finish(self) -> None:
         self.journal.finish()

@@ -89,10 +89,7 @@ def encode_rows(kind: TraceKind, table: FloatArray) -> bytes:
 def decode_rows(text: bytes) -> FloatArray:
     """The rows (n_rows, n_columns) of a text; NaN where a sample was lost.
 
-    Raises
-    ------
-    ValueError
-        If it is no table of numbers.
+    Raises `ValueError` if it is no table of numbers.
 
     >>> decode_rows(b"0.001000\\t1\\n0.002000\\tn/a\\n").tolist()
     [[0.001, 1.0], [0.002, nan]]
@@ -131,10 +128,7 @@ def whole_length(content: bytes) -> int:
 def read_text(root: Path, part: TracePart) -> bytes:
     """The rows of a part in the data set at `root`, as they stand.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is not there, or does not hold what was kept.
+    Raises `InvalidFile` if the file is not there, or does not hold what was kept.
     """
     held = _held(root, part)
     flaw = _flaw(held, part)
@@ -149,13 +143,7 @@ def read_part(root: Path, part: TracePart) -> FloatArray:
 
 
 def part_flaw(root: Path, part: TracePart) -> str | None:
-    """What is wrong with a part, in words; None where nothing is.
-
-    Raises
-    ------
-    InvalidFile
-        If its file cannot be read.
-    """
+    """What is wrong with a part, in words; None where nothing is."""
     return _flaw(_held(root, part), part)
 
 
@@ -182,11 +170,7 @@ def kind_of(part: TracePart) -> TraceKind | None:
 class TraceFiles:
     """The files of traces of a session, to which is added; a member that a crash tore is cut off before.
 
-    Parameters
-    ----------
-    root : Path
-        Of the data set.
-    session : Session
+    - `root`: Of the data set.
     """
 
     def __init__(self, root: Path, session: Session) -> None:
@@ -197,10 +181,7 @@ class TraceFiles:
     def keep(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
         """Add rows (n_rows, n_columns).
 
-        Raises
-        ------
-        DeviceFailed
-            If the disk is full or fails; nothing was added.
+        Raises `DeviceFailed` if the disk is full or fails; nothing was added.
         """
         path = trace_file(self._root, self._session, kind)
         if kind not in self._files:
@@ -239,7 +220,6 @@ def trace_file(root: Path, session: Session, kind: TraceKind) -> Path:
 
 
 def sidecar_of(path: Path) -> Path:
-    """The JSON file that explains a file of traces."""
     return path.with_name(path.name.removesuffix(".tsv.gz") + ".json")
 
 
@@ -258,10 +238,7 @@ class TraceDescription:
 def read_sidecar(path: Path) -> TraceDescription:
     """Read the JSON file that explains a file of traces.
 
-    Raises
-    ------
-    InvalidFile
-        If it does not state the sampling rate, or what each column is.
+    Raises `InvalidFile` if it does not state the sampling rate, or what each column is.
     """
     said = json_object(path, "the sampling rate and the columns of its samples")
     rate_hz: Any = said.get("SamplingFrequency")

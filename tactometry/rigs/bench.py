@@ -7,25 +7,38 @@ import functools
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from ..session.answer_rules import value_at
-from ..session.request import ABOUT, Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
+from ..session.answer import Adjusted, Chosen, Done, Filled, Marked, Played, Rated, Touched
+from ..session.request import (
+    ABOUT,
+    Adjust,
+    Choose,
+    Enter,
+    Facts,
+    Fill,
+    Play,
+    Press,
+    Rate,
+    Record,
+    Show,
+    Slide,
+    Wait,
+    value_at,
+)
 from ..trials.trial import REASON_WORDS, Reason, outcome
-from . import filling
 from .device_rig import DeviceRig
 from .experimenter.supervisor import CLOCK, TrialLog
 from .pages import entry, form, layout, touch_picture
 from .pages.page import Answer, Page
 from .pages.presenter import Dress, as_it_is
+from .texts import Texts
 from .touch.gated_samples import Trace
 from .touch.touch import TouchCourse, moving_cue
 from .touch.watchdog import RepeatedStimulus, play_to_end, watchdog
 
 S = TypeVar("S")
-
 ASSUMED_DISPLAY_HEIGHT_M = 0.3
 """Of a 24-inch display; taken for the moving cue of a slide where nobody measured it (unverified default)."""
 N_DRY_RUNS = 3
@@ -142,7 +155,6 @@ class Bench(DeviceRig):
         return touch_picture.picture_page(self._texts.message(words), meanings, hint, self._screen.aspect)
 
     def _leave(self, page: Page) -> None:
-        """Show a page until it is left."""
         self._presenter.converse(None, lambda state: page, lambda state, answer: (state, True))
 
     def _choose(self, request: Choose) -> Chosen:
@@ -162,7 +174,6 @@ class Bench(DeviceRig):
     def _ask(
         self, state: S, view: Callable[[S], Page], after: Callable[[S, Answer], tuple[S, bool]]
     ) -> tuple[S, tuple[float, float, str, bool]]:
-        """What a page was answered, and when."""
         state, onset_s, end_s = self._presenter.converse(state, view, after)
         return state, self._timing(onset_s, end_s)
 
@@ -174,7 +185,14 @@ class Bench(DeviceRig):
         return *self._times(onset_s, end_s), not self._supervisor.repeat
 
     def _rate(self, request: Rate) -> Rated:
-        scale = self._scale(request)
+        scale = layout.Scale(
+            words=self._texts.messages.get(request.item, self._texts.message("rate")),
+            low=self._texts.label(request.low_label),
+            high=self._texts.label(request.high_label),
+            hint=self._texts.message("hint_rate_continuous" if request.steps is None else "hint_rate"),
+            n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
+            rings=request.steps is not None,
+        )
         unmarked: int | None = None
         mark, timing = self._ask(
             unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
@@ -194,24 +212,14 @@ class Bench(DeviceRig):
         return Rated(entry.value_of(typed, low, high), *timing)
 
     def _fill(self, request: Fill) -> Filled:
-        page = filling.form_of(request, self._texts)
+        page = form_of(request, self._texts)
         marks, onset_s, end_s = self._presenter.converse(
-            filling.marks_of(request),
+            marks_of(request),
             lambda marks: form.form_page(page, marks, self._screen.aspect),
             functools.partial(form.after, page),
-            filling.Keeping(request, self._keep_marks, self._session_s),
+            Keeping(request, self._keep_marks, self._session_s),
         )
-        return Filled(filling.values_of(marks, request), *self._timing(onset_s, end_s), back=marks.back)
-
-    def _scale(self, request: Rate) -> layout.Scale:
-        return layout.Scale(
-            words=self._texts.messages.get(request.item, self._texts.message("rate")),
-            low=self._texts.label(request.low_label),
-            high=self._texts.label(request.high_label),
-            hint=self._texts.message("hint_rate_continuous" if request.steps is None else "hint_rate"),
-            n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
-            rings=request.steps is not None,
-        )
+        return Filled(values_of(marks, request), *self._timing(onset_s, end_s), back=marks.back)
 
     def _adjust(self, request: Adjust) -> Adjusted:
         page = layout.adjust_page(
@@ -269,3 +277,74 @@ class Bench(DeviceRig):
             self._terminal.tell(f"! {request.aborted}")
         self._trial_log.begin_trial(trial)
         return self._done_between()
+
+
+KEPT_EVERY_S = 0.2
+"""Marks that change faster, as those of a drag do, are kept so often."""
+Values = tuple[float | None, ...]
+
+
+def n_positions(request: Fill) -> int:
+    return layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps
+
+
+def form_of(request: Fill, texts: Texts) -> form.Form:
+    """The page in the participant's language."""
+    first, several = request.page == 1, request.n_pages > 1
+    words = form.FormWords(
+        hint=texts.message(form.hint_for(request.steps)),
+        gaps=texts.message("hint_gaps"),
+        stem=texts.in_language(request.stem),
+        count=texts.message("page_count", {"page": request.page, "n_pages": request.n_pages}) if several else "",
+        back="" if first else texts.message("page_back"),
+        leave_open=texts.message("leave_open"),
+    )
+    return form.Form(
+        rows=tuple(texts.question(question) for question in request.questions),
+        n_positions=n_positions(request),
+        rings=request.steps is not None,
+        words=words,
+    )
+
+
+def place_at(value: float | None, request: Fill) -> int | None:
+    """The place that is nearest to a value.
+
+    >>> place_at(3.0, Fill("f", (), low=1.0, high=7.0, steps=7))
+    2
+    """
+    if value is None:
+        return None
+    last = n_positions(request) - 1
+    return min(max(round((value - request.low) / (request.high - request.low) * last), 0), last)
+
+
+def marks_of(request: Fill) -> form.Marks:
+    given = request.given or (None,) * len(request.questions)
+    return form.begun(tuple(place_at(value, request) for value in given))
+
+
+def values_of(marks: form.Marks, request: Fill) -> Values:
+    """The value of each mark; None where there is none."""
+    n, low, high = n_positions(request), request.low, request.high
+    return tuple(None if place is None else value_at(place, n, low, high) for place in marks.places)
+
+
+@dataclass
+class Keeping:
+    """Keeps the marks of a page as they change, each frame that it is called in."""
+
+    request: Fill
+    keep: Callable[[Marked], None]
+    session_s: Callable[[float], float]
+    _kept: Values = ()
+    _kept_s: float = field(default=-float("inf"))
+
+    def __post_init__(self) -> None:
+        self._kept = values_of(marks_of(self.request), self.request)
+
+    def __call__(self, marks: form.Marks) -> None:
+        values, now_s = values_of(marks, self.request), time.perf_counter()
+        if values != self._kept and now_s - self._kept_s >= KEPT_EVERY_S:
+            self.keep(Marked(self.request.form, values, self.session_s(now_s)))
+            self._kept, self._kept_s = values, now_s

@@ -166,12 +166,9 @@ class Console(DeviceRig):
         question = self._texts.message(request.question)
         of_trial = "" if request.question == CONSENT else f"{self._next()} "
         prompt = f"{of_trial}{question} ({words}):"
-        expected = self._either(request.options)
+        *others, last = map(str, request.options)
+        expected = self._phrases.of("either", options=", ".join(others), last=last) if others else last
         return Chosen(*self._ask(prompt, lambda line: _option(line, request.options, labels), expected))
-
-    def _either(self, options: Sequence[int]) -> str:
-        *others, last = map(str, options)
-        return self._phrases.of("either", options=", ".join(others), last=last) if others else last
 
     def _number(self, low: float, high: float) -> str:
         return self._phrases.of("number_from" if high == math.inf else "number", low=low, high=high)
@@ -227,15 +224,12 @@ class Console(DeviceRig):
     def _show(self, request: Show) -> Done:
         self._tell_page(request)
         if self._source.isatty() and request.message != "end":
-            self._leave(request)
+            # somebody reads: a page stays for its time, or until they go on
+            if request.duration_s is None:
+                self._ask(self._phrases.of("go_on"), str)
+            else:
+                time.sleep(request.duration_s)
         return self._done_between()
-
-    def _leave(self, request: Show) -> None:
-        """Somebody reads: a page stays for its time, or until they go on."""
-        if request.duration_s is None:
-            self._ask(self._phrases.of("go_on"), str)
-        else:
-            time.sleep(request.duration_s)
 
     def _record(self, request: Record) -> Done:
         self._supervisor.end_trial(request.trial)

@@ -6,28 +6,29 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
+import numpy as np
+
 from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import RAMP_S
 from ..devices.sensors.streamed import StreamedSensor
 from ..errors import DeviceFailed, ended_by_signal
 from ..followed import FingerPath
 from ..safety.limits import FORCE_PEAK_N, Limits
-from ..session.answer import Done, Marked, Played, Touched
+from ..session.answer import Adjusted, Done, Marked, Played, Touched, TracePart
 from ..session.event import TRACE_KINDS, EventLog, TraceKind
 from ..session.request import A, Facts, Intervene, Play, Press, Request, Slide
-from ..signal import Signal, Stimulus
+from ..session.run import LiveRig
+from ..signal import FloatArray, Signal, Stimulus
 from ..trials.trial import Tally, Trial, tally
 from .emitter import Emitter
 from .experimenter.supervisor import Supervisor, utc_text
 from .experimenter.terminal import ExperimenterTerminal
-from .live_rig import LiveRig
 from .pages import layout
 from .pages.page import Display
 from .pages.presenter import Presenter
 from .texts import Texts
-from .touch.beside import Beside
 from .touch.gated_samples import Release
-from .touch.tracer import Tracer
+from .touch.touch import Beside
 from .touch.watchdog import TouchSetup
 
 Felt = TypeVar("Felt", Played, Touched)
@@ -37,29 +38,17 @@ Felt = TypeVar("Felt", Played, Touched)
 class Equipment:
     """The devices of a rig, with what plays through them.
 
-    Parameters
-    ----------
-    output : Guarded
-    bank : mapping of str to Stimulus
-        The stimuli by the names that requests use.
-    limits : Limits or None
-        What the study allows, checked beside the limits of the output.
-    sensor : StreamedSensor, optional
-        Without one, the force is not measured: its fields are None and every touch is valid.
-    position : StreamedSensor, optional
-        Without one, the finger's speed is not measured.
-    ramp_s : float
-        Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
-    release : bool
-        Whether the force must leave its band between touches.
-    facts : callable
-        What the head of the journal says of the devices, once they are open, and their clocks at any time.
-    display_height_m : float, optional
-        Measured height of the visible picture, m, for the moving cue of a slide.
-    dry_run : bool
-        Whether a participant at a screen sees what a touch shows and tries it without a stimulus before the first.
-    traces : collection of TraceKind
-        The samples of each touch that are kept, of those that there are.
+    - `bank`: The stimuli by the names that requests use.
+    - `limits`: What the study allows, checked beside the limits of the output.
+    - `sensor`: Without one, the force is not measured: its fields are None and every touch is valid.
+    - `position`: Without one, the finger's speed is not measured.
+    - `ramp_s`: Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
+    - `release`: Whether the force must leave its band between touches.
+    - `facts`: What the head of the journal says of the devices, once they are open, and their clocks at any time.
+    - `display_height_m`: Measured height of the visible picture, m, for the moving cue of a slide.
+    - `dry_run`: Whether a participant at a screen sees what a touch shows and tries it without a stimulus before the
+      first.
+    - `traces`: The samples of each touch that are kept, of those that there are.
     """
 
     output: Guarded
@@ -76,7 +65,6 @@ class Equipment:
 
     @property
     def traced(self) -> dict[TraceKind, StreamedSensor]:
-        """The sensors whose samples are kept."""
         sensors: dict[TraceKind, StreamedSensor | None] = {"force": self.sensor, "position": self.position}
         return {kind: sensor for kind, sensor in sensors.items() if sensor is not None and kind in self.traces}
 
@@ -84,21 +72,11 @@ class Equipment:
 class DeviceRig(LiveRig):
     """Opens the devices, and closes all of them, its output first, whatever goes wrong.
 
-    Parameters
-    ----------
-    screen : Display
-        The participant's.
-    equipment : Equipment
-    texts : Texts
-    terminal : ExperimenterTerminal, optional
-        The experimenter's.
-    log : EventLog, optional
-        Where pauses, remarks and stimuli are kept.
+    Raises `DeviceFailed` if a device does not open; all are closed then.
 
-    Raises
-    ------
-    DeviceFailed
-        If a device does not open; all are closed then.
+    - `screen`: The participant's.
+    - `terminal`: The experimenter's.
+    - `log`: Where pauses, remarks and stimuli are kept.
     """
 
     def __init__(
@@ -156,10 +134,7 @@ class DeviceRig(LiveRig):
     def _closed_on_failure(self) -> Iterator[None]:
         """Close the rig, output first, when the body ends by any exception.
 
-        Raises
-        ------
-        DeviceFailed
-            If it is closed already, or PsychoPy ends the program.
+        Raises `DeviceFailed` if it is closed already, or PsychoPy ends the program.
         """
         if self.closed:
             raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
@@ -217,10 +192,7 @@ class DeviceRig(LiveRig):
     def begin(self, request: Play) -> Beside:
         """Play while somebody else draws.
 
-        Raises
-        ------
-        DeviceFailed, InvalidParameter, LimitExceeded
-            If it cannot be played; the rig is closed then.
+        Raises `DeviceFailed` or `InvalidParameter` or `LimitExceeded` if it cannot be played; the rig is closed then.
         """
         with self._closed_on_failure():
             return Beside(self._setup, request, self._signal(request), self._screen.give_back)
@@ -236,7 +208,6 @@ class DeviceRig(LiveRig):
         return round(clock_s - self._supervisor.zero_s, 6)
 
     def _times(self, onset_s: float, end_s: float) -> tuple[float, float, str]:
-        """Onset in the session, latency and time of day of an answer."""
         return self._session_s(onset_s), round(end_s - onset_s, 6), utc_text(end_s)
 
     def _done(self) -> Done:
@@ -257,11 +228,9 @@ class DeviceRig(LiveRig):
         return self._emitter.for_interval(request.stimulus, request.level, request.duration_s)
 
     def _in_session(self, felt: Felt) -> Felt:
-        """An answer whose onset was on `time.perf_counter`, with that in the session."""
         return replace(felt, onset_s=self._session_s(felt.onset_s))
 
     def _touched_in_session(self, touched: Touched) -> Touched:
-        """As `_in_session`, and the stamp that opened the gate with it."""
         gate_s = None if touched.gate_s is None else self._session_s(touched.gate_s)
         return replace(self._in_session(touched), gate_s=gate_s)
 
@@ -272,3 +241,46 @@ def _nowhere(digest: str, lines: bytes) -> None:
 
 def _unkept(marked: Marked) -> None:
     """Where no log is kept, no marks are."""
+
+
+class Tracer:
+    """From one request that is felt to the end of its answer; the sensors' own listeners hold the last minute.
+
+    - `sensors`: Those that are there, and are to be kept.
+    - `emitter`: Whose output is to be kept where it followed the finger; None: it is not.
+    - `log`: Where the samples are kept; None: nowhere.
+    - `session_s`: The time of the session of a stamp on `time.perf_counter`, s.
+    """
+
+    def __init__(
+        self,
+        sensors: dict[TraceKind, StreamedSensor],
+        emitter: Emitter | None,
+        log: EventLog | None,
+        session_s: Callable[[float], float],
+    ) -> None:
+        self._sensors, self._emitter, self._log, self._session_s = sensors, emitter, log, session_s
+
+    def begin(self) -> None:
+        """What the sensors said before does not belong to what is felt now."""
+        for sensor in self._sensors.values():
+            sensor.read()
+
+    def kept(self, answer: A) -> A:
+        """An answer; of what was felt with the places where its samples are kept."""
+        if self._log is None or not isinstance(answer, Played | Touched | Adjusted):
+            return answer
+        tables = {kind: self._read(sensor) for kind, sensor in self._sensors.items()}  # all at once
+        parts = [self._measured(self._log, kind, table) for kind, table in tables.items() if len(table)]
+        if not isinstance(answer, Adjusted):  # a level that is set plays on and on: what was emitted is no one signal
+            signal = self._emitter.followed(answer.digest) if self._emitter and answer.digest else None
+            emitted = [] if signal is None else [self._log.keep_trace("emitted", signal.samples.T, signal.rate_hz)]
+            parts += emitted
+        return replace(answer, trace=tuple(parts))
+
+    def _read(self, sensor: StreamedSensor) -> FloatArray:
+        times_s, values = sensor.read()
+        return np.column_stack([times_s + self._session_s(0.0), values])
+
+    def _measured(self, log: EventLog, kind: TraceKind, table: FloatArray) -> TracePart:
+        return log.keep_trace(kind, table, self._sensors[kind].reader.source.rate_hz)

@@ -26,12 +26,8 @@ def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits
 
     Every rig makes its signals so.
 
-    Raises
-    ------
-    InvalidParameter
-        If the bank has no such stimulus (with the nearest name), or the stimulus no such level.
-    LimitExceeded
-        If a limit of the study is passed.
+    Raises `InvalidParameter` if the bank has no such stimulus (with the nearest name), or the stimulus no such level.
+    Raises `LimitExceeded` if a limit of the study is passed.
     """
     signal = with_ramps(lookup("stimulus", name, bank).at(level), ramp_s)
     if limits is not None:
@@ -60,12 +56,8 @@ class Emitter:
     def final(self, name: str, level: float) -> Signal:
         """The final samples of a stimulus.
 
-        Raises
-        ------
-        InvalidParameter
-            If the bank has no such stimulus.
-        LimitExceeded, DeviceFailed
-            If a limit is missing or passed, or the output cannot play it.
+        Raises `InvalidParameter` if the bank has no such stimulus. Raises `LimitExceeded` or `DeviceFailed` if a limit
+        is missing or passed, or the output cannot play it.
         """
         signal = self._followed(name, render(self._bank, name, level, self._limits, self._ramp_s))
         # the guard checks once more when it plays: here, so that nothing is refused with a finger already on the plate
@@ -93,10 +85,7 @@ class Emitter:
     def for_interval(self, name: str, level: float | None, duration_s: float) -> Signal | None:
         """As `final`, for an interval of `duration_s`; None for a blank.
 
-        Raises
-        ------
-        InvalidParameter
-            If the signal is longer than its interval.
+        Raises `InvalidParameter` if the signal is longer than its interval.
         """
         if level is None:
             return None
@@ -151,5 +140,4 @@ class Emitter:
         return None if signal is None else self._output.n_gaps(longest_wait_s)
 
     def stop(self) -> None:
-        """Zero now."""
         self._output.stop()

@@ -23,16 +23,11 @@ N_TOO_FAST: Final = 10
 class Rhythm:
     """What is known of the period of a screen, s.
 
-    Parameters
-    ----------
-    measured_s : float
-        The median interval of some frames.
-    nominal_s : float or None
-        By the mode of the screen; None where it does not tell.
-    trusted : bool
-        Whether the measured period is that of a screen: the intervals are steady, and it is like the nominal one.
-    in_software : bool
-        Whether frames do not wait for a vertical blank, so that they must be paced.
+    - `measured_s`: The median interval of some frames.
+    - `nominal_s`: By the mode of the screen; None where it does not tell.
+    - `trusted`: Whether the measured period is that of a screen: the intervals are steady, and it is like the nominal
+      one.
+    - `in_software`: Whether frames do not wait for a vertical blank, so that they must be paced.
     """
 
     measured_s: float

@@ -1,11 +1,13 @@
-"""PsychoPy's keyboard, opened or that of a script, and each press of it once; PsychoPy is handed in by the window."""
+"""PsychoPy's keyboard and the screens of the computer; the window passes PsychoPy in."""
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
+from ..arguments.require import expect
 from ..errors import DeviceFailed, ended_by_signal
 
 N_WAITING_PRESSES = 50_000
@@ -17,10 +19,7 @@ without Python's lock (found at PsychoPy's own 5 000)."""
 def failing_as(what: str, cure: str) -> Iterator[None]:
     """Whatever PsychoPy raises in the body as one sentence, with its cause between `what` and `cure`.
 
-    Raises
-    ------
-    DeviceFailed
-        If the body fails, or ends the program without a signal.
+    Raises `DeviceFailed` if the body fails, or ends the program without a signal.
     """
     try:
         yield
@@ -109,3 +108,35 @@ class HeldKeys:
         n_due = 1 + int((now_s - self._next_s) / REPEAT_EVERY_S)  # as fast, however long a frame takes
         self._next_s += n_due * REPEAT_EVERY_S
         return [self._name] * n_due
+
+
+@dataclass(frozen=True)
+class ConnectedScreen:
+    """One of them, from 0, with its size and its place among the others (pixels).
+
+    >>> str(ConnectedScreen(1, 1920, 1080, 1280, 0))
+    'screen 1: 1920 x 1080 px'
+    """
+
+    number: int
+    width_px: int
+    height_px: int
+    x_px: int = 0
+    y_px: int = 0
+
+    def __str__(self) -> str:
+        return f"screen {self.number}: {self.width_px} x {self.height_px} px"
+
+
+def connected_screens(pyglet: Any) -> tuple[ConnectedScreen, ...]:
+    """All screens of the desktop; pyglet is handed in, as one module alone imports PsychoPy and what comes with it."""
+    return tuple(
+        ConnectedScreen(number, int(screen.width), int(screen.height), int(screen.x), int(screen.y))
+        for number, screen in enumerate(pyglet.canvas.get_display().get_screens())
+    )
+
+
+def check_screen(number: int, there: Sequence[ConnectedScreen]) -> None:
+    """Whether there is a screen of this number."""
+    known = ", ".join(map(str, there))
+    expect(0 <= number < len(there), "[screen] screen", number, f"one that is connected ({known})")

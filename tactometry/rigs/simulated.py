@@ -11,14 +11,12 @@ import numpy as np
 from ..arguments.require import expect, lookup
 from ..contact import Contact
 from ..followed import FollowsFinger, felt_under, straight_way
-from ..observers.changes.change import Answer, Shift, Shifted
+from ..observers.changes import Answer, Shift, Shifted
 from ..observers.decisions import Decision, Felt, Observer
-from ..observers.finger import Grip, SimulatedFinger
+from ..observers.finger import Grip, SimulatedFinger, Touches
 from ..observers.people import Feeling
-from ..observers.touches import Touches
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from ..session.answer_rules import value_at
 from ..session.request import (
     ABOUT,
     CONSENT,
@@ -35,12 +33,13 @@ from ..session.request import (
     Show,
     Slide,
     Wait,
+    value_at,
 )
+from ..session.run import LiveRig
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
 from .emitter import render
 from .judgement import broken_condition, compliance_fields
-from .live_rig import LiveRig
 
 if TYPE_CHECKING:
     from ..observers.raters import Rater
@@ -242,7 +241,6 @@ class SimulatedRig(LiveRig):
         return Chosen(option, *self._timing(1))
 
     def _timing(self, n_questions: int) -> tuple[float, float]:
-        """Onset and latency of so many questions that are answered one after the other."""
         latency_s = round(sum(self._observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
         return self._pass(latency_s), latency_s
 

@@ -1,5 +1,6 @@
-"""What the participant reads: the texts of a study first, then those of the shipped language file."""
+"""Texts and images that the participant sees: those of a study first, then the shipped language file."""
 
+import io
 import re
 import string
 import tomllib
@@ -10,9 +11,10 @@ from pathlib import Path
 from typing import Final
 
 from ..arguments.require import expect, one_of
-from ..errors import InvalidParameter, nearest
+from ..errors import InvalidParameter, nearest, rewording
+from ..files.durable import read_file
+from ..provenance import sha256
 from ..session.request import Question, Show
-from .images import PageImage
 
 _WIDE = re.compile(r"\d{4}")
 FOLDER = Path(__file__).parent
@@ -20,6 +22,49 @@ PREFIX, SUFFIX = "messages_", ".toml"
 LIST: Final = "the list of [texts] in docs/reference/studies.md"
 N_NEAREST: Final = 3
 """So many names like one that is not known are told: there are a hundred."""
+LARGEST_IMAGE = 50_000_000
+"""Bytes of a file."""
+
+
+@dataclass(frozen=True)
+class ImageTable:
+    """An image of a page: its `path`, relative to the study file, and the `sha256` of the file.
+
+    - `path`: A PNG or JPEG file, relative to the study file.
+    - `sha256`: Of the file; a refusal tells it.
+    """
+
+    path: str
+    sha256: str = ""
+
+
+@dataclass(frozen=True)
+class PageImage:
+    """A file that can be drawn, and its width over its height."""
+
+    path: str
+    ratio: float
+
+
+def image_of(table: ImageTable, where: str) -> PageImage:
+    """The image of a table, looked at.
+
+    Raises `InvalidParameter` if the file cannot be read, is another than the study states, or no image.
+    """
+    from PIL import Image as Pillow, UnidentifiedImageError
+
+    path = Path(table.path)
+    with rewording(lambda words: f"{where}.path: {words}; it is relative to the study file"):
+        content = read_file(path, "an image", LARGEST_IMAGE)
+    digest = sha256(content)
+    is_this = f"that of {path}, {digest!r}; state it, so that another file is not shown in its place"
+    expect(table.sha256 == digest, f"{where}.sha256", repr(table.sha256) if table.sha256 else "no such key", is_this)
+    try:
+        width, height = Pillow.open(io.BytesIO(content)).size
+    except (UnidentifiedImageError, OSError, Pillow.DecompressionBombError):
+        width = height = 0
+    expect(width > 0, f"{where}.path", f"{table.path!r}, which is no image", "a PNG or a JPEG")
+    return PageImage(str(path.resolve()), width / height)
 
 
 @cache
@@ -36,20 +81,13 @@ def languages() -> tuple[str, ...]:
 class Texts:
     """Messages and labels by name.
 
-    Parameters
-    ----------
-    messages : mapping of str to str
-        Texts with ``{names}`` to be filled.
-    labels : mapping of str to str
-        What a label of an answer, or a level of a factor, is called in the participant's language.
-    language : str
-        Its two letters, for words that come in several languages.
-    stop : str
-        The label of what stops a session.
-    shipped : mapping of str to str
-        What is shown where a message cannot be filled, so that no text of a study stops a session that has begun.
-    images : mapping of str to PageImage
-        Those that stand on pages of text, by the message.
+    - `messages`: Texts with ``{names}`` to be filled.
+    - `labels`: What a label of an answer, or a level of a factor, is called in the participant's language.
+    - `language`: Its two letters, for words that come in several languages.
+    - `stop`: The label of what stops a session.
+    - `shipped`: What is shown where a message cannot be filled, so that no text of a study stops a session that has
+      begun.
+    - `images`: Those that stand on pages of text, by the message.
     """
 
     messages: Mapping[str, str]
@@ -62,10 +100,7 @@ class Texts:
     def question(self, question: Question) -> tuple[str, str, str]:
         """The statement, the left and the right word of a question in this language.
 
-        Raises
-        ------
-        InvalidParameter
-            If the questionnaire has no words in this language.
+        Raises `InvalidParameter` if the questionnaire has no words in this language.
         """
         cure = "choose that language on the bench, or add the words"
         expected = f"one of {', '.join(question.words)}; {cure}"
@@ -76,10 +111,8 @@ class Texts:
     def message(self, name: str, values: Mapping[str, str | int | float] | None = None) -> str:
         """The text of a message, filled with `values`.
 
-        Raises
-        ------
-        InvalidParameter
-            If there is no such message, or it asks for a value that is not given, and none is shipped either.
+        Raises `InvalidParameter` if there is no such message, or it asks for a value that is not given, and none is
+        shipped either.
         """
         if name not in self.messages:
             raise InvalidParameter(
@@ -96,11 +129,6 @@ class Texts:
     def page(self, request: Show, left_s: int = 0) -> str:
         """The text of a page that is shown, with the seconds that are left of it and what stops the session; with
         `x_mm` too of a length `x_m`.
-
-        Raises
-        ------
-        InvalidParameter
-            As `message`.
         """
         told = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
         people = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
@@ -146,19 +174,12 @@ class Phrases:
     words: Mapping[str, str]
 
     def of(self, name: str, /, **values: str | float) -> str:
-        """A phrase, filled with `values`."""
         return self.words[name].format(**values)
 
 
 @cache
 def _shipped(language: str) -> dict[str, dict[str, str]]:
-    """The tables of a language file.
-
-    Raises
-    ------
-    InvalidParameter
-        If the language is not shipped.
-    """
+    """The tables of a language file."""
     one_of("language", language, languages())
     tables = tomllib.loads((FOLDER / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
     return {name: tables[name] for name in ("messages", "labels", "console")}
@@ -167,13 +188,6 @@ def _shipped(language: str) -> dict[str, dict[str, str]]:
 def phrases_in(language: str) -> Phrases:
     """The shipped words of a terminal.
 
-    Raises
-    ------
-    InvalidParameter
-        If the language is not shipped.
-
-    Examples
-    --------
     >>> phrases_in("fr").of("press", force_n=1.0, duration_s=0.5)
     'appuyez avec 1 N pendant 0.5 s'
     """
@@ -183,13 +197,6 @@ def phrases_in(language: str) -> Phrases:
 def texts_in(language: str, study: Mapping[str, str]) -> Texts:
     """The shipped texts of a language, below the texts of a study, which may name messages, labels and levels.
 
-    Raises
-    ------
-    InvalidParameter
-        If the language is not shipped.
-
-    Examples
-    --------
     >>> texts_in("fr", {"welcome": "Bonjour {code}"}).message("welcome", {"code": "P01"})
     'Bonjour P01'
     >>> texts_in("fr", {}).label("yes")

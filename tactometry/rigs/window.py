@@ -20,11 +20,18 @@ from ..arguments.require import expect
 from ..devices.clock_map import clock_offset_s
 from ..errors import DeviceFailed
 from ..session.request import Facts
-from .displays import ConnectedScreen, check_screen, connected_screens
-from .drawing import Canvas
+from .drawing import Canvas, Loan
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
-from .keyboard import FreshPresses, HeldKeys, failing_as, keyboard_of_script, open_keyboard
-from .loan import Loan
+from .keyboard import (
+    ConnectedScreen,
+    FreshPresses,
+    HeldKeys,
+    check_screen,
+    connected_screens,
+    failing_as,
+    keyboard_of_script,
+    open_keyboard,
+)
 from .pages.page import PAPER, Click, Closed, Display, Input, KeyDown, Page
 
 N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3
@@ -41,29 +48,22 @@ def _psychopy() -> SimpleNamespace:
         logging.console.setLevel(logging.ERROR)
         import pyglet
 
-        _refuse_documented()
+        if getattr(sys, "is_pyglet_doc_run", False):
+            raise DeviceFailed(
+                "window: found sphinx in this process, beside which pyglet draws nothing, expected a process without it"
+                "; start the session in another, or import tactometry.rigs.window and call load_psychopy first"
+            )
         from psychopy import event, monitors, visual
         from psychopy.hardware import keyboard
     parts = {"pyglet": pyglet, "event": event, "monitors": monitors, "visual": visual, "keyboard": keyboard}
     return SimpleNamespace(logging=logging, **parts)
 
 
-def _refuse_documented() -> None:
-    """Where sphinx came first, pyglet makes no context of OpenGL, without which PsychoPy's import ends the process."""
-    if getattr(sys, "is_pyglet_doc_run", False):
-        raise DeviceFailed(
-            "window: found sphinx in this process, beside which pyglet draws nothing, expected a process without it; "
-            "start the session in another, or import tactometry.rigs.window and call load_psychopy first"
-        )
-
-
 def load_psychopy() -> SimpleNamespace:
     """PsychoPy, or one sentence that says what to install.
 
-    Raises
-    ------
-    DeviceFailed
-        If it is not installed, a library of the system is missing, there is no display, or sphinx is imported.
+    Raises `DeviceFailed` if it is not installed, a library of the system is missing, there is no display, or sphinx is
+    imported.
     """
     no_display = "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
     with failing_as(*no_display):
@@ -84,21 +84,12 @@ def load_psychopy() -> SimpleNamespace:
 class Window(Display):
     """A screen as `tactometry.rigs.pages.page.Display` says.
 
-    Parameters
-    ----------
-    fullscreen : bool
-        Take the whole screen; else `size`.
-    size : tuple of int, optional
-        Width and height in pixels.
-    screen : int
-        Which display, from 0, as PsychoPy counts them.
+    Raises `InvalidParameter` if there is no such display. Raises `DeviceFailed` if there is none at all, or no keyboard
+    that keeps all presses.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such display.
-    DeviceFailed
-        If there is none at all, or no keyboard that keeps all presses.
+    - `fullscreen`: Take the whole screen; else `size`.
+    - `size`: Width and height in pixels.
+    - `screen`: Which display, from 0, as PsychoPy counts them.
     """
 
     def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None, screen: int = 0) -> None:
@@ -121,16 +112,9 @@ class Window(Display):
         is drawn, and what is pressed is for the pages. Then it is as it was: units, colour, view, viewport, blending,
         stimuli with autoDraw, what waits for the next flip, mouse, keys that wait to be read. It is never closed here.
 
-        Parameters
-        ----------
-        window : psychopy.visual.Window
+        Raises `InvalidParameter` if it is no such window, or closed. Raises `DeviceFailed` if the script reads its keys
+        in a way that loses some.
 
-        Raises
-        ------
-        InvalidParameter
-            If it is no such window, or closed.
-        DeviceFailed
-            If the script reads its keys in a way that loses some.
         """
         psychopy = load_psychopy()
         is_window = isinstance(window, psychopy.visual.Window)
@@ -155,7 +139,13 @@ class Window(Display):
             }
             self._loan = Loan(self._psychopy, window, self._keyboard, heard)
             self._opened.callback(self._loan.give_back if adopted else self._keyboard.stop)
-            self._prepare_drawing()
+            self._canvas = Canvas(self._psychopy, self._window)
+            self._fresh, self._held = FreshPresses(), HeldKeys(self._keyboard.getState)
+            self._pressed: list[Input] = []
+            self._begun_y = 0.0
+            self._intervals_s: list[float] = []
+            self._offered_s = self._flipped_s = time.perf_counter()
+            self._pacer = Pacer(self._rhythm())
         except BaseException:
             self.close()
             raise
@@ -163,15 +153,6 @@ class Window(Display):
     def give_back(self) -> None:
         if self._adopted:
             self._loan.give_back()
-
-    def _prepare_drawing(self) -> None:
-        self._canvas = Canvas(self._psychopy, self._window)
-        self._fresh, self._held = FreshPresses(), HeldKeys(self._keyboard.getState)
-        self._pressed: list[Input] = []
-        self._begun_y = 0.0
-        self._intervals_s: list[float] = []
-        self._offered_s = self._flipped_s = time.perf_counter()
-        self._pacer = Pacer(self._rhythm())
 
     def _rhythm(self) -> Rhythm:
         """By the first frames that are believed, of `N_MEASUREMENTS` at most: opening a window is work."""
@@ -240,16 +221,14 @@ class Window(Display):
     def events(self) -> tuple[Input, ...]:
         self._window.winHandle.dispatch_events()
         clicks, self._pressed = self._pressed, []
-        return tuple(sorted([*clicks, *self._keys()], key=lambda event: event.at_s))
-
-    def _keys(self) -> list[KeyDown]:
         ask: Callable[..., list[Any]] = self._keyboard.getKeys
         reported = [(key.name, key.tDown) for released in (False, True) for key in ask(waitRelease=released)]
         now_s = time.perf_counter()
         ahead_s = self.clock_offset_s()
         fresh = [(name, min(down_s + ahead_s, now_s)) for name, down_s in self._fresh.of(reported)]
         again = self._held.repeats(fresh, now_s)
-        return [*(KeyDown(*press) for press in fresh), *(KeyDown(name, now_s, repeated=True) for name in again)]
+        keys = [*(KeyDown(*press) for press in fresh), *(KeyDown(name, now_s, repeated=True) for name in again)]
+        return tuple(sorted([*clicks, *keys], key=lambda event: event.at_s))
 
     def facts(self) -> Facts:
         width, height = (int(pixels) for pixels in self._window.size)
@@ -275,7 +254,6 @@ class Window(Display):
 
     @property
     def caution(self) -> str | None:
-        """What an experimenter should know of this screen."""
         return self._pacer.rhythm.caution
 
     def frame_intervals_s(self) -> list[float]:

@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
-from ..arguments.require import at_most, expect, positive, without_none
+from ..arguments.constraints import Positive, constrained
+from ..arguments.require import at_most, expect
 from ..arguments.unlimited import Unlimited
 from ..errors import LimitExceeded
 from ..signal import Signal
@@ -37,6 +38,7 @@ NEEDED = {
 
 
 @dataclass(frozen=True)
+@constrained
 class Limits:
     """The largest values that an output may emit. None means that nobody stated it.
 
@@ -76,22 +78,19 @@ class Limits:
         If a value is not as stated.
     """
 
-    voltage_peak_v: float | Unlimited
-    duration_s: float | Unlimited | None = None
-    current_peak_a: float | Unlimited | None = None
-    charge_peak_c: float | Unlimited | None = None
-    displacement_peak_m: float | Unlimited | None = None
-    duty: float | None = None
-    duty_window_s: float = 60.0
-    session_s: float | Unlimited | None = None
-    force_peak_n: float | Unlimited = FORCE_PEAK_N
-    charge_session_c: float | Unlimited | None = None
-    stop_within_s: float | Unlimited | None = None
+    voltage_peak_v: Positive | Unlimited
+    duration_s: Positive | Unlimited | None = None
+    current_peak_a: Positive | Unlimited | None = None
+    charge_peak_c: Positive | Unlimited | None = None
+    displacement_peak_m: Positive | Unlimited | None = None
+    duty: Positive | None = None
+    duty_window_s: Positive = 60.0
+    session_s: Positive | Unlimited | None = None
+    force_peak_n: Positive | Unlimited = FORCE_PEAK_N
+    charge_session_c: Positive | Unlimited | None = None
+    stop_within_s: Positive | Unlimited | None = None
 
     def __post_init__(self) -> None:
-        always = {name: getattr(self, name) for name in ("voltage_peak_v", "duty_window_s", "force_peak_n")}
-        stated = without_none(vars(self)) | always
-        positive("Limits", **{name: value for name, value in stated.items() if not isinstance(value, Unlimited)})
         expect(self.duty is None or self.duty <= 1, "Limits.duty", self.duty, "at most 1")
         at_most("Limits.duty_window_s", self.duty_window_s, LONGEST_WINDOW_S)
 
@@ -107,17 +106,13 @@ class Limits:
 
     @property
     def switched_off(self) -> tuple[str, ...]:
-        """The names of the limits that are "unlimited"."""
         return tuple(name for name, value in vars(self).items() if isinstance(value, Unlimited))
 
     def check(self, signal: Signal) -> None:
         """Refuse a signal that passes a limit which holds for any load.
 
-        Raises
-        ------
-        LimitExceeded
-            If the unit is not volt, or the peak or the duration is above its limit. Rounding in the last digits
-            (1e-12 relative) is not an excess.
+        Raises `LimitExceeded` if the unit is not volt, or the peak or the duration is above its limit. Rounding in the
+        last digits (1e-12 relative) is not an excess.
         """
         if signal.unit != "V":
             raise LimitExceeded(f"limits: found a signal in {signal.unit!r}, expected volt ('V'); nothing was played")
@@ -130,10 +125,7 @@ class Limits:
         A finite `rise_s` says that its samples are weakened as it plays, from all to nothing in `rise_s` at the
         fastest.
 
-        Raises
-        ------
-        LimitExceeded
-            If a limit is missing, cannot be computed from what is known of the load, or is passed.
+        Raises `LimitExceeded` if a limit is missing, cannot be computed from what is known of the load, or is passed.
         """
         self.check_stated(load)
         if self.current_peak_a is not None:
@@ -150,11 +142,6 @@ class Limits:
         """Refuse a signal that passes a limit between its samples, after the output's reconstruction filter.
 
         An excess of up to `TOLERANCE` is played.
-
-        Raises
-        ------
-        LimitExceeded
-            If a limit is passed.
         """
         peaks: dict[str, tuple[str, Callable[[float], float]]] = {
             "voltage_peak_v": ("V", lambda bound: filtered_peak_v(signal, bound))
@@ -173,10 +160,8 @@ class Limits:
     def check_stated(self, load: Load) -> None:
         """Refuse a load whose limits nobody stated.
 
-        Raises
-        ------
-        LimitExceeded
-            If a limit that this kind of load needs is missing, or one is stated that the load cannot tell.
+        Raises `LimitExceeded` if a limit that this kind of load needs is missing, or one is stated that the load cannot
+        tell.
         """
         missing = [name for name in NEEDED[load.kind] if getattr(self, name) is None]
         if self.current_peak_a is None and self.charge_peak_c is None:
@@ -195,20 +180,14 @@ class Limits:
     def check_force(self, target_n: float, tolerance: float) -> None:
         """Refuse a touch that asks for more than the limit of force.
 
-        Raises
-        ------
-        LimitExceeded
-            If the upper edge of its band is above.
+        Raises `LimitExceeded` if the upper edge of its band is above.
         """
         _check("force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less")
 
     def check_stop(self, delay_s: float) -> None:
         """Refuse an output whose stop may take longer than the limit.
 
-        Raises
-        ------
-        LimitExceeded
-            If `delay_s`, the worst case, is above it.
+        Raises `LimitExceeded` if `delay_s`, the worst case, is above it.
         """
         cure = "lower latency_s and block_s of the output, or state another limit in the bench file"
         _check("stop_within_s", "an output that may stop after", delay_s, self.longest_stop_s, "s", cure)
@@ -229,11 +208,6 @@ class Limits:
         """Refuse a signal from `begin_s` that would play too often, too late in the session, or pass too much charge.
 
         `charge_c` is the largest charge of any beginning of the signal, because it may be stopped at any time.
-
-        Raises
-        ------
-        LimitExceeded
-            If a limit is passed.
         """
         if self.duty is not None:
             duty = exposure.after(begin_s, duration_s, self.duty_window_s).played_s / self.duty_window_s
@@ -252,8 +226,6 @@ class Limits:
         Duties over windows of different lengths do not compare: the shorter playing time in the longer window keeps
         both.
 
-        Examples
-        --------
         >>> both = Limits(200.0, duration_s=1.0).tighter(Limits(100.0, current_peak_a=1e-3))
         >>> both.voltage_peak_v, both.duration_s, both.current_peak_a
         (100.0, 1.0, 0.001)
@@ -275,8 +247,6 @@ class Exposure:
     `opened_s` is when the session would have begun if it had had no breaks; `charge_c` the sum of the charges that
     passed in the signals that have ended, and `playing_c` the largest that the signal that plays may pass.
 
-    Examples
-    --------
     >>> exposure = Exposure(opened_s=0.0).after(1.0, 2.0, window_s=10.0).after(5.0, 2.0, window_s=10.0)
     >>> exposure.played_s, exposure.stopped(5.5).played_s, exposure.after(10.0, 2.0, window_s=10.0).played_s
     (4.0, 2.5, 5.0)
@@ -289,7 +259,6 @@ class Exposure:
 
     @property
     def played_s(self) -> float:
-        """How long signals played in the window that was kept."""
         return sum(end_s - begin_s for begin_s, end_s in self.intervals_s)
 
     def after(self, begin_s: float, duration_s: float, window_s: float, charge_c: float = 0.0) -> "Exposure":
@@ -302,7 +271,6 @@ class Exposure:
         return replace(self.passed(self.playing_c), intervals_s=kept_s, playing_c=charge_c)
 
     def beside(self, others_s: Iterable[tuple[float, float]]) -> "Exposure":
-        """With intervals in which others emitted."""
         return replace(self, intervals_s=tuple(sorted((*self.intervals_s, *others_s))))
 
     def passed(self, charge_c: float) -> "Exposure":
@@ -326,7 +294,6 @@ class Exposure:
         return "shorten the signal"
 
     def stopped(self, at_s: float) -> "Exposure":
-        """With what would play later than `at_s` taken away."""
         return replace(self, intervals_s=tuple((a, min(b, at_s)) for a, b in self.intervals_s if a < at_s))
 
 

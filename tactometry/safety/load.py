@@ -11,7 +11,8 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments.require import expect, positive
+from ..arguments.constraints import Positive, constrained
+from ..arguments.require import expect
 from ..signal import FloatArray, Signal
 from .reconstruction import course_peak
 
@@ -20,17 +21,11 @@ from .reconstruction import course_peak
 class PassedCharge:
     """Charge through the leak of a load in the course of one signal.
 
-    Parameters
-    ----------
-    passed_c, absolute_c : (n_channels, n_samples + 1) array
-        Integral of v/R and of abs(v)/R from the beginning to each sample, and to the end of the line that returns to
-        zero, C.
-    rate_hz : float
-    rise_s : float
-        Finite for a signal that the finger's position weakens as it plays: only `absolute_c` bounds its charge then.
+    - `passed_c`, `absolute_c`: Integral of v/R and of abs(v)/R from the beginning to each sample, and to the end of the
+      line that returns to zero, C.
+    - `rise_s`: Finite for a signal that the finger's position weakens as it plays: only `absolute_c` bounds its charge
+      then.
 
-    Examples
-    --------
     >>> balanced = Signal(np.array([[100.0] * 50 + [-100.0] * 50]), rate_hz=100.0, unit="V")
     >>> charge = Load("electrode", 1e-9, leak_resistance_ohm=1e6).passed_c(balanced)
     >>> [round(1e6 * c, 2) + 0.0 for c in (charge.largest_c, charge.net_c, charge.stopped_c(0.25, late_s=0.1))]
@@ -64,12 +59,8 @@ class PassedCharge:
     def stopped_c(self, after_s: float, late_s: float) -> float:
         """Upper bound of the charge of a signal that is stopped, C.
 
-        Parameters
-        ----------
-        after_s : float
-            From the first sample to the stop, s.
-        late_s : float
-            Longest time until the output is at zero after a stop, s.
+        - `after_s`: From the first sample to the stop, s.
+        - `late_s`: Longest time until the output is at zero after a stop, s.
         """
         last = self.passed_c.shape[1] - 1
         begin = min(max(math.floor(after_s * self.rate_hz), 0), last)
@@ -84,23 +75,16 @@ def _largest(values: FloatArray) -> float:
 
 
 @dataclass(frozen=True)
+@constrained
 class Load:
     """A capacitance with a leak in parallel, the same on every channel.
 
-    Parameters
-    ----------
-    kind : str
-        ``electrode`` (electrovibration: a finger on an insulated electrode) or ``piezo``.
-    capacitance_f : float
-        Largest capacitance that may be connected to a channel, above 0.
-    leak_resistance_ohm : float
-        Parallel to it, above 0; ``inf`` is no leak.
-    displacement_m_per_v : tuple of float, optional
-        Of each channel (or one value for all): the largest displacement per peak volt, above 0. For an impulse
-        response h (m per V) this is the sum of abs(h), reached by a one-bit drive.
+    - `kind`: ``electrode`` (electrovibration: a finger on an insulated electrode) or ``piezo``.
+    - `capacitance_f`: Largest capacitance that may be connected to a channel, above 0.
+    - `leak_resistance_ohm`: Parallel to it, above 0; ``inf`` is no leak.
+    - `displacement_m_per_v`: Of each channel (or one value for all): the largest displacement per peak volt, above 0.
+      For an impulse response h (m per V) this is the sum of abs(h), reached by a one-bit drive.
 
-    Examples
-    --------
     >>> finger = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e6)
     >>> ramp = Signal(np.array([[0.0, 50.0, 100.0, 50.0, 0.0]]), rate_hz=1e4, unit="V")
     >>> round(finger.current_peak_a(ramp), 9), round(finger.charge_peak_c(ramp), 12)
@@ -108,12 +92,11 @@ class Load:
     """
 
     kind: Literal["electrode", "piezo"]
-    capacitance_f: float
+    capacitance_f: Positive
     leak_resistance_ohm: float = math.inf
     displacement_m_per_v: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        positive("Load", capacitance_f=self.capacitance_f)
         leak_ohm, gains = self.leak_resistance_ohm, self.displacement_m_per_v
         expect(leak_ohm > 0, "Load.leak_resistance_ohm", leak_ohm, "above 0")
         sound = gains is None or all(0 < gain < math.inf for gain in gains)
@@ -164,13 +147,7 @@ class Load:
         return passed
 
     def displacement_peak_m(self, signal: Signal) -> float:
-        """A bound that no course of these channels passes: the sum of m per V times the peak of each, m.
-
-        Raises
-        ------
-        InvalidParameter
-            If the load does not say it for each channel.
-        """
+        """A bound that no course of these channels passes: the sum of m per V times the peak of each, m."""
         return float(np.sum(self._gains(signal) * _channel_peaks(signal)))
 
     def _gains(self, signal: Signal) -> FloatArray:
@@ -203,13 +180,7 @@ class Load:
         )
 
     def filtered_displacement_m(self, signal: Signal, bound_m: float) -> float:
-        """Return `displacement_peak_m` for peaks after a reconstruction filter, or some number up to `bound_m`.
-
-        Raises
-        ------
-        InvalidParameter
-            If the load does not say it for each channel.
-        """
+        """Return `displacement_peak_m` for peaks after a reconstruction filter, or some number up to `bound_m`."""
         gains, peaks_v, of_samples_m = self._gains(signal), _channel_peaks(signal), self.displacement_peak_m(signal)
         if of_samples_m == 0.0:
             return 0.0

@@ -37,14 +37,10 @@ _Floats = NDArray[np.float32]
 class _Kernel(NamedTuple):
     """The weights of the samples around a point, at each phase between two samples.
 
-    Parameters
-    ----------
-    spectra : (N_PHASES, BLOCK // 2 + 1) array
-    most : float
-        Largest sum of absolute weights: bounds a course by its largest sample.
-    curved, bent : (3,) array
-        Bound the distance of a course from straight lines between its samples, and the second derivative of a course:
-        the first number times the largest second difference, and the other two times the largest second and fourth.
+    - `most`: Largest sum of absolute weights: bounds a course by its largest sample.
+    - `curved`, `bent`: Bound the distance of a course from straight lines between its samples, and the second
+      derivative of a course: the first number times the largest second difference, and the other two times the largest
+      second and fourth.
     """
 
     spectra: NDArray[np.complex64]
@@ -60,17 +56,9 @@ def course_peak(
 
     Otherwise return some number from 0 to `bound`. The exact peak is at most 0.13 % above the result or the bound.
 
-    Parameters
-    ----------
-    samples : (n_samples,) array
-    bound : float
-    value, slope : float
-        Weights of the course y after the filter, and of its change y' in the time of one sample.
-    added : (n_samples,) array, optional
-        On straight lines between the samples: 0 before the first and constant after the last sample.
+    - `value`, `slope`: Weights of the course y after the filter, and of its change y' in the time of one sample.
+    - `added`: On straight lines between the samples: 0 before the first and constant after the last sample.
 
-    Examples
-    --------
     >>> quarter_rate = np.sin(np.pi / 2 * np.arange(4000) + np.pi / 4) * np.hanning(4000)
     >>> round(float(np.max(np.abs(quarter_rate))), 3), round(course_peak(quarter_rate, bound=0.9), 3)
     (0.707, 1.0)

@@ -78,13 +78,8 @@ COLUMNS: Final = (
 class Event:
     """A moment of a session, or a stimulus of `duration_s`, with what is known of it: `facts` by the names of `FACTS`.
 
-    Raises
-    ------
-    InvalidParameter
-        If a fact has another name, or a number is not finite.
+    Raises `InvalidParameter` if a fact has another name, or a number is not finite.
 
-    Examples
-    --------
     >>> Event("remark", 12.5, facts={"text": "coughed"}).cells()[:3]
     ['12.5', 'n/a', 'remark']
     """

@@ -17,11 +17,6 @@ class Intervention:
     """That a recorded trial does not count, that the rest of a block is skipped, a rest, or the end of the session.
 
     `trial` is that which does not count: its block, its number, its attempt.
-
-    Raises
-    ------
-    InvalidParameter
-        If it is another wish.
     """
 
     wanted: Wanted

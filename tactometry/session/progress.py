@@ -98,7 +98,6 @@ class TrackProgress:
 
     @property
     def n_attempts(self) -> int:
-        """How often the trial that was presented last was asked."""
         return self.presented[-1].attempt if self.presented else 0
 
     @property
@@ -131,44 +130,24 @@ class TrackProgress:
 class Progress:
     """Where a session stands.
 
-    Parameters
-    ----------
-    tally : Tally
-        Presentations, those that are not valid, answers to questionnaires.
-    n_parts, part : int
-        How many parts the session has, and the number of the present one, from 1; 0: not begun.
-    page : str or None
-        The message of the page that was shown last.
-    factors : mapping of str to float or str
-        The present condition.
-    tracks : mapping of (int, str or None) to TrackProgress
-        By block and name of the track, in their order.
-    last : Trial or None
-        The row that was recorded last.
-    at_s : float
-        The latest time that is known, s of the session.
-    trial_times_s : tuple of float
-        When the last trials were recorded, s.
-    n_catch, n_false_alarms : int
-        Valid catch trials, and those of them that were answered with yes.
-    n_touches : int
-        How many were asked for, those that were not held in time with them.
-    touches : tuple of AnsweredTouch
-        The last of them.
-    reasons : mapping of str to int
-        How many touches and answers did not count, by the reason.
-    n_frames, n_dropped_frames, n_gaps : int
-        Of the screen, and gaps in the output.
-    timing : mapping of str to (float, float)
-        Last and longest `gate_delay_s` and `key_to_record_s`, s.
-    clocks : mapping of str to mapping
-        What was last said of the clock of each device.
-    paused : str or None
-        Who or what has paused it.
-    stopped, aborted : tuple of str
-        Why it was stopped, and what ended unfinished.
-    interventions : tuple of str
-        What came of what the experimenter wanted.
+    - `tally`: Presentations, those that are not valid, answers to questionnaires.
+    - `n_parts`, `part`: How many parts the session has, and the number of the present one, from 1; 0: not begun.
+    - `page`: The message of the page that was shown last.
+    - `factors`: The present condition.
+    - `tracks`: By block and name of the track, in their order.
+    - `last`: The row that was recorded last.
+    - `at_s`: The latest time that is known, s of the session.
+    - `trial_times_s`: When the last trials were recorded, s.
+    - `n_catch`, `n_false_alarms`: Valid catch trials, and those of them that were answered with yes.
+    - `n_touches`: How many were asked for, those that were not held in time with them.
+    - `touches`: The last of them.
+    - `reasons`: How many touches and answers did not count, by the reason.
+    - `n_frames`, `n_dropped_frames`, `n_gaps`: Of the screen, and gaps in the output.
+    - `timing`: Last and longest `gate_delay_s` and `key_to_record_s`, s.
+    - `clocks`: What was last said of the clock of each device.
+    - `paused`: Who or what has paused it.
+    - `stopped`, `aborted`: Why it was stopped, and what ended unfinished.
+    - `interventions`: What came of what the experimenter wanted.
     """
 
     tally: Tally = field(default_factory=Tally)
@@ -205,7 +184,17 @@ class Progress:
             case Show(message, values), Done(at_s):
                 return self._shown(message, values, at_s)
             case ((Press() | Slide()), Touched()):
-                return self._touched(AnsweredTouch(request, answer))
+                touch = AnsweredTouch(request, answer)
+                reason: Reason | None = touch.answer.invalid_reason
+                reasons = self.reasons if reason is None else {**self.reasons, reason: self.reasons.get(reason, 0) + 1}
+                return replace(
+                    self,
+                    at_s=max(self.at_s, touch.answer.onset_s),
+                    n_touches=self.n_touches + 1,
+                    touches=(*self.touches, touch)[-MOST_SHOWN:],
+                    reasons=reasons,
+                    n_gaps=self.n_gaps + (touch.answer.n_gaps or 0),
+                )
             case _, Played() | Adjusted():
                 return replace(self, at_s=max(self.at_s, answer.onset_s), n_gaps=self.n_gaps + (answer.n_gaps or 0))
         return self
@@ -274,18 +263,6 @@ class Progress:
         factors = {name: level for name, level in values.items() if name not in COUNTS}
         return replace(state, n_parts=int(values["n_blocks"]), part=int(values.get("block", 0)), factors=factors)
 
-    def _touched(self, touch: AnsweredTouch) -> "Progress":
-        reason: Reason | None = touch.answer.invalid_reason
-        reasons = self.reasons if reason is None else {**self.reasons, reason: self.reasons.get(reason, 0) + 1}
-        return replace(
-            self,
-            at_s=max(self.at_s, touch.answer.onset_s),
-            n_touches=self.n_touches + 1,
-            touches=(*self.touches, touch)[-MOST_SHOWN:],
-            reasons=reasons,
-            n_gaps=self.n_gaps + (touch.answer.n_gaps or 0),
-        )
-
     def _timed(self, facts: Mapping[str, Fact]) -> "Progress":
         timing = dict(self.timing)
         for name in ("gate_delay_s", "key_to_record_s"):
@@ -301,12 +278,10 @@ class Progress:
 
     @property
     def track(self) -> TrackProgress | None:
-        """That of the trial that was recorded last."""
         return None if self.last is None else self.tracks.get((self.last.block, self.last.track))
 
     @property
     def over(self) -> bool:
-        """Whether its last page has been left."""
         return self.page in LAST_PAGES
 
     def n_valid(self, part: int | None = None) -> int:
@@ -339,10 +314,8 @@ class Progress:
         if not part.n_trials:
             return part.lasts_s
         n_left = max(part.n_trials - self.n_valid(number), 0) if number == self.part else part.n_trials
-        return n_left * self._trial_lasts_s(part.lasts_s / part.n_trials)
-
-    def _trial_lasts_s(self, planned_s: float) -> float:
-        """How long a trial takes: the median of the last ones, in which pauses do not count; what is planned before."""
+        planned_s = part.lasts_s / part.n_trials
         pairs = zip(self.trial_times_s, self.trial_times_s[1:], strict=False)
         intervals_s = [after - before for before, after in pairs if after - before < LONGEST_INTERVALS * planned_s]
-        return median(intervals_s) if len(intervals_s) >= LONGEST_INTERVALS else planned_s
+        trial_lasts_s = median(intervals_s) if len(intervals_s) >= LONGEST_INTERVALS else planned_s
+        return n_left * trial_lasts_s

@@ -53,7 +53,6 @@ class Replay:
 
     @property
     def trials(self) -> list[Trial]:
-        """The recorded rows."""
         return list(rows(request for request, _ in self._entries))
 
     @property
@@ -90,10 +89,7 @@ class Replay:
     def answer(self, request: Request[A]) -> A:
         """What was answered then.
 
-        Raises
-        ------
-        Diverged
-            If the request is not the recorded one, with its line and what differs.
+        Raises `Diverged` if the request is not the recorded one, with its line and what differs.
         """
         if not self.n_left:
             ended = f"the recording has ended, the protocol asks for {_name(request)}"
@@ -139,7 +135,6 @@ def _is_page(request: Request[Any]) -> bool:
 
 
 def _ended_s(answer: Any) -> float:
-    """When an answer was given."""
     return float(answer.onset_s + answer.latency_s if isinstance(answer, Answer) else getattr(answer, "at_s", 0.0))
 
 

@@ -1,10 +1,11 @@
 """The one loop that drives a protocol on any rig."""
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from typing import Any, Protocol, TypeVar
 
+from .answer import Done
 from .replay import Replay
-from .request import Request, Rig
+from .request import A, Intervene, Request, Rig
 
 T = TypeVar("T")
 Course = Generator[Request[Any], Any, T]
@@ -20,6 +21,21 @@ class Keeper(Protocol):
     def append(self, request: Request[Any], answer: object) -> None: ...
 
     def finish(self) -> None: ...
+
+
+class LiveRig:
+    """A rig with a method for each kind of request, which `answer` finds by the name of the kind: `_press` for `Press`.
+
+    The methods are private, so that there is one way in.
+    """
+
+    def answer(self, request: Request[A]) -> A:
+        method: Callable[[Request[A]], A] = getattr(self, f"_{type(request).__name__.lower()}")
+        return method(request)
+
+    def _intervene(self, request: Intervene) -> Done:
+        """Refuse an intervention: a rig in whose answers there is none is not asked."""
+        raise NotImplementedError(f"{type(self).__name__}: found {request}, and its answers hold no intervention")
 
 
 class _Ended(Exception):  # noqa: N818
@@ -39,10 +55,7 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
 
     Each answer is in the journal before the next request is put. The rig is closed whatever happens.
 
-    Raises
-    ------
-    Diverged
-        If the course does not ask what the journal recorded.
+    Raises `Diverged` if the course does not ask what the journal recorded.
     """
     recorded = journal.replay
     try:
@@ -71,10 +84,8 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
 def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T | None:
     """Drive `course` on a recording alone, to its end, or (not `complete`) as far as it goes.
 
-    Raises
-    ------
-    Diverged
-        At the first request that differs from the recording, or where one of the two ends before the other.
+    Raises `Diverged` at the first request that differs from the recording, or where one of the two ends before the
+    other.
     """
     try:
         request = _advance(course, None)

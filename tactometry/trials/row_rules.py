@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..errors import nearest
-from .cell_rules import PARTICIPANT, STUDY, CellRule, is_time, number_from, one_of_texts, whole_number
+from .cells import PARTICIPANT, STUDY, CellRule, is_time, number_from, one_of_texts, whole_number
 from .columns import ALWAYS, FIRST, RIGS
 from .tasks import TASKS
 from .trial import REASONS
@@ -145,7 +145,6 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
 
 
 def _response_rule(row: Mapping[str, str]) -> CellRule | None:
-    """That of the row's task; None of a task that is unknown."""
     task = TASKS.get(row.get("task", ""))
     return None if task is None else task.response
 

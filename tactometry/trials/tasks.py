@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from .cell_rules import LARGEST_ANSWER, CellRule, number_from, one_of_texts, whole_number
+from .cells import LARGEST_ANSWER, CellRule, number_from, one_of_texts, whole_number
 
 LevelUse = Literal["curve", "scale", "ratio"]
 """What an analysis does with the levels of a task.
@@ -37,20 +37,12 @@ ANYTHING: Final = CellRule("anything", lambda text: True)
 class TaskRows:
     """What the rows of a task hold.
 
-    Parameters
-    ----------
-    response : CellRule
-        What may stand in the column `response`, where it is not empty.
-    columns, of_places : tuple of str
-        Those of `columns.OPTIONAL` that it fills, always and where its stimuli have places.
-    level : LevelUse or None
-        What an analysis does with its levels; None: nothing.
-    sets_level : bool
-        The response is a level, which the participant sets while it plays.
-    is_read : bool
-        An analysis reads the responses: a table with others than the rule allows is refused.
-    answers : tuple of str
-        What the responses 0 and 1 mean, where these are the only ones.
+    - `response`: What may stand in the column `response`, where it is not empty.
+    - `columns`, `of_places`: Those of `columns.OPTIONAL` that it fills, always and where its stimuli have places.
+    - `level`: What an analysis does with its levels; None: nothing.
+    - `sets_level`: The response is a level, which the participant sets while it plays.
+    - `is_read`: An analysis reads the responses: a table with others than the rule allows is refused.
+    - `answers`: What the responses 0 and 1 mean, where these are the only ones.
     """
 
     response: CellRule

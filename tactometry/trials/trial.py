@@ -6,9 +6,9 @@ from functools import reduce
 from typing import Final, Literal, get_args
 
 from ..errors import count_of
+from .cells import Value
 from .tasks import FORM_TASK
 
-Value = str | int | float | bool | None
 Key = tuple[int, int, int]
 """What all rows of one trial share: block, trial and attempt."""
 Reason = Literal[
@@ -138,8 +138,6 @@ class Tally:
     """What was counted of rows: the rows of one presentation are one, those of one trial that was asked again are one
     trial, answers to questionnaires on their own are none.
 
-    Examples
-    --------
     >>> item = Trial(1, 1, {}, "sus", 20.0, "dB", "rating", 3.0, item="SUS1")
     >>> rows = [item, replace(item, item="SUS2"), replace(item, attempt=2, valid=False), replace(item, level=None)]
     >>> str(tally(rows))
@@ -154,7 +152,6 @@ class Tally:
 
     @property
     def n_trials(self) -> int:
-        """Trials, however often each was presented."""
         return self.n_presented - self.n_again
 
     def after(self, trial: Trial) -> "Tally":
@@ -174,5 +171,4 @@ class Tally:
 
 
 def tally(trials: Iterable[Trial]) -> Tally:
-    """The count of rows in their order."""
     return reduce(Tally.after, trials, Tally())

@@ -1,4 +1,4 @@
-"""All participants at once: derivatives, truths found again, real data, and the cases where the data say little."""
+"""All participants at once: truths found again, real data, and the cases where the data say little."""
 
 import numpy as np
 import pandas as pd
@@ -11,9 +11,6 @@ from scipy.stats import binom
 from soak import SOAK
 
 from tactometry.analysis.hierarchical.fitting import GroupStatus, fit_hierarchical
-from tactometry.analysis.hierarchical.model import mixed_model, start
-from tactometry.analysis.hierarchical.study import StudyCounts
-from tactometry.analysis.mixed_models.laplace import inner_mode, log_marginal
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES, PsychometricFunction
@@ -24,37 +21,16 @@ def study():
     return simulated(np.random.default_rng())
 
 
-@pytest.mark.parametrize("shape", ["normal", "logistic", "gumbel"])
-@pytest.mark.parametrize("rates", [(0.5, None), (None, None), (0.5, 0.02)], ids=str)
-def test_the_gradient_of_the_marginal_likelihood_is_its_derivative(study, shape, rates) -> None:
-    rows = study[0]
-    factors = {"force_n": rows["force_n"].to_numpy()}
-    answers = tuple(rows[name].to_numpy(float) for name in ("level", "k", "n"))
-    known = {"shape": SHAPES[shape], "guess_rate": rates[0], "lapse_rate": rates[1], "n_false_alarms": 2, "n_catch": 40}
-    part = StudyCounts.of(rows["participant"].to_numpy(str), factors, ("force_n",), answers, None, **known)
-    model = mixed_model(part)
-    at = start(part, model, np.zeros(2), np.full(2, -1.0)) + np.linspace(0.01, 0.08, model.n_parameters)
-    gradient = log_marginal(model, at, inner_mode(model, at))[1]
-
-    def difference(step):
-        up, down = (log_marginal(model, at + side * step, inner_mode(model, at + side * step))[0] for side in (1, -1))
-        return (up - down) / (2 * step.max())
-
-    steps = 2e-5 * np.eye(len(at))
-    slopes = np.array([(4 * difference(step / 2) - difference(step)) / 3 for step in steps])  # Richardson's
-    np.testing.assert_allclose(gradient, slopes, rtol=0, atol=1e-6 * np.abs(gradient).max())
-
-
-def test_one_participant_in_one_condition_is_a_posterior_mode() -> None:
-    """But for the width's prior, which is flat in its logarithm."""
+def test_one_participant_agrees_with_a_single_fit() -> None:
+    """The priors of the width and the lapse rate differ."""
     k = [10, 11, 11, 15, 18, 20, 20]
     rows = pd.DataFrame({"participant": "A", "force_n": 1.0, "level": LEVELS, "k": k, "n": 20})
     found = fitted(rows)
-    mode = fit(LEVELS, k, 20, shape="normal", guess_rate=0.5, method="map")
+    single = fit(LEVELS, k, 20, shape="normal", guess_rate=0.5)
     assert found.status == GroupStatus.ONE_PARTICIPANT
     assert found.components == {}
-    assert found.conditions["threshold"][0] == pytest.approx(mode.threshold, abs=0.1)
-    assert found.conditions["width"][0] == pytest.approx(mode.width, rel=0.1)
+    assert found.conditions["threshold"][0] == pytest.approx(single.threshold_median, abs=0.5)
+    assert found.conditions["width"][0] == pytest.approx(single.width, rel=0.25)
 
 
 N_STUDIES = 100 if SOAK else 10
@@ -136,9 +112,10 @@ def test_the_published_conclusion_on_real_data() -> None:
         width_by=("vibration_hz",),
     )
     assert found.conditions["threshold"].tolist() == pytest.approx([8.56, 8.41], abs=0.02)
-    assert found.conditions["standard_error"].tolist() == pytest.approx([0.142, 0.163], rel=0.05)
+    # A posterior standard deviation holds what nine participants leave open of the variances: a seventh more.
+    assert found.conditions["standard_error"].tolist() == pytest.approx([0.165, 0.180], rel=0.05)
     jnd = found.conditions["width"].to_numpy(float) / SHAPES["normal"].z_width * ndtri(0.75)
-    assert jnd.tolist() == pytest.approx([2.94, 3.58], rel=0.02)
+    assert jnd.tolist() == pytest.approx([2.94, 3.58], rel=0.04)  # these are exponentials of a mean logarithm
     masked, equality = (found.contrast({(32,): 1.0, (0,): -1.0}, of=of) for of in ("log_width", "threshold"))
     assert masked.interval_low > 0
     assert masked.p < 0.01
@@ -211,44 +188,44 @@ def test_participants_who_step_at_one_place_have_a_threshold_and_a_bound_of_the_
     assert (found.conditions["width_high"] < 28).all()
 
 
-def test_identical_participants_are_a_singular_fit(study) -> None:
+def test_identical_participants_have_a_small_standard_deviation(study) -> None:
+    """A tenth of the range is 2.8; the posterior mean cannot be 0."""
     one = study[0][study[0]["participant"] == "P0"]
     found = fitted(pd.concat([one.assign(participant=f"Q{i}") for i in range(5)]))
-    assert found.status == GroupStatus.SINGULAR
-    assert found.note
-    assert found.components["threshold"] < 0.05
+    assert found.status == GroupStatus.OK
+    assert 0 < found.components["threshold"] < 2.8
 
 
-def test_widths_that_cannot_be_told_to_vary_are_taken_as_one(study) -> None:
-    """Steps between levels: the likelihood of a varying width rises without end."""
+def test_widths_of_steps_stay_finite(study) -> None:
+    """The likelihood of a varying width rises without end where answers step between levels."""
     k = [10, 7, 10, 10, 17, 19, 20, 10, 10, 10, 9, 10, 20, 20]
     one = study[0][study[0]["participant"] == "P0"].assign(k=k)
     found = fitted(pd.concat([one.assign(participant=f"Q{i}") for i in range(5)]))
-    assert found.status == GroupStatus.SINGULAR
-    assert found.note.endswith(
-        "widths are taken to be the same in all participants: the answers do not tell how they vary"
-    )
-    assert "log_width" not in found.components
+    assert found.status == GroupStatus.OK
+    assert 0 < found.components["log_width"] < 1.5
 
 
-def test_many_lapses_which_may_be_low_thresholds_are_told() -> None:
-    """Four of five right wherever it was asked: thresholds of tracks came out 10 dB low, without a word."""
+def test_interval_holds_low_and_high_thresholds_when_lapses_are_open() -> None:
+    """Four of five right wherever it was asked: thresholds of tracks came out 10 dB low, with a short interval."""
     names = [f"P{person}" for person in range(6) for _ in range(5)]
     levels = [18.0 + person + step for person in range(6) for step in (0.0, 2.0, 4.0, 6.0, 8.0)]
     k = [31, 37, 41, 40, 41, 30, 38, 40, 42, 41, 32, 36, 41, 40, 40] * 2
     conditions = {"force_n": [0.5] * len(names)}
-    told = [
-        fit_hierarchical(levels, k, 50, names, conditions, shape="gumbel", guess_rate=0.5, lapse_rate=rate).note
+    free, known = (
+        fit_hierarchical(levels, k, 50, names, conditions, shape="gumbel", guess_rate=0.5, lapse_rate=rate).conditions
         for rate in (None, 0.02)
-    ]
-    assert "state the lapse rate, or ask far above the threshold too" in told[0]
-    assert "lapse rate" not in told[1]
+    )
+    lengths = [float((one["interval_high"] - one["interval_low"])[0]) for one in (free, known)]
+    assert lengths[0] > lengths[1]
 
 
 def test_two_participants_have_wide_intervals(study) -> None:
-    found = fitted(study[0][study[0]["participant"].isin(["P0", "P1"])])
-    first = found.conditions.iloc[0]
-    assert first["interval_high"] - first["interval_low"] > 10 * first["standard_error"]
+    """Wider than those of eight by more than the root of four."""
+    few, many = (
+        fitted(study[0][study[0]["participant"].isin(names)]) for names in (["P0", "P1"], study[0]["participant"])
+    )
+    lengths = [(one.conditions["interval_high"] - one.conditions["interval_low"])[0] for one in (few, many)]
+    assert lengths[0] > 2 * lengths[1]
 
 
 def test_one_level_and_no_trial_have_statuses(study) -> None:
@@ -306,3 +283,27 @@ def test_names_the_row_of_an_impossible_count(study) -> None:
     rows.loc[3, "k"] = 21
     with pytest.raises(InvalidParameter, match="^n_correct, row 3: found 21"):
         fitted(rows)
+
+
+def test_same_answers_give_the_same_bytes(study) -> None:
+    one, other = fitted(study[0]), fitted(study[0])
+    assert one.participants.to_csv() == other.participants.to_csv()
+    assert one.covariance.tobytes() == other.covariance.tobytes()
+
+
+def test_points_of_the_integral_hardly_move_intervals(study) -> None:
+    """Against four times as many; an error of 5 % of the length of an interval."""
+    few, many = (fitted(study[0], n_points=n).conditions for n in (256, 1024))
+    length = (many["interval_high"] - many["interval_low"]).mean()
+    for end in ("interval_low", "interval_high"):
+        assert few[end].to_numpy(float) == pytest.approx(many[end].to_numpy(float), abs=0.05 * length)
+
+
+def test_lapse_rates_of_participants_follow_their_answers(study) -> None:
+    """One of eight misses a quarter of the easiest trials."""
+    rows = study[0].copy()
+    is_easy = (rows["participant"] == "P0") & (rows["level"] == LEVELS[-1])
+    rows.loc[~is_easy & (rows["level"] == LEVELS[-1]), "k"] = 20
+    rows.loc[is_easy, "k"] = 15
+    rates = fitted(rows).participants.groupby("participant")["lapse_rate"].first()
+    assert rates["P0"] > 2 * rates.drop("P0").mean()

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
 
-from tactometry.analysis.threshold.chances import by_point, expected_information
+from tactometry.analysis.threshold.chances import by_point
 from tactometry.analysis.threshold.fitting import METHODS, Status, fit
 from tactometry.psychometric import SHAPES
 
@@ -64,15 +64,6 @@ def test_likelihood_and_derivatives_are_those_of_50_digits(shape, rates, answers
                 by_guess = float(mpmath.diff(lambda x, a=arguments: value(a[0], x, a[2]), arguments[1]))
                 assert found.lapse[i, 0] == pytest.approx(by_lapse, rel=1e-9, abs=1e-12)
                 assert found.guess[i, 0] == pytest.approx(by_guess, rel=1e-9, abs=1e-12)
-
-
-@pytest.mark.parametrize("shape", list(CDF))
-def test_the_expected_information_is_the_mean_of_the_observed(shape) -> None:
-    z, guess, lapse = np.array([[-2.0, 0.3, 1.5]]), np.full((1, 1), 0.1), np.full((1, 1), 0.05)
-    chance = 0.1 + 0.85 * np.exp(SHAPES[shape].log_cdf(z))
-    yes, no = (by_point(SHAPES[shape], z, guess, lapse, pair).zz for pair in ((1 + 0 * z, 0 * z), (0 * z, 1 + 0 * z)))
-    mean = -20 * (chance * yes + (1 - chance) * no)
-    assert expected_information(SHAPES[shape], z, guess, lapse, 20 + 0 * z) == pytest.approx(mean, rel=1e-10)
 
 
 def test_three_hundred_levels_with_one_trial_each() -> None:

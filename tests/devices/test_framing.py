@@ -13,7 +13,7 @@ from hypothesis import given, strategies as st
 
 from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.sensors.counted_samples import SLEW, STEP_S, CountedSamples
-from tactometry.devices.sensors.framing import Frame, Framing, frame_bytes
+from tactometry.devices.sensors.serial_line import Frame, Framing, frame_bytes
 from tactometry.devices.sensors.streamed import ForceCalibration, mean_speed_m_per_s
 from tactometry.devices.sensors.udp import RECORD, records
 from tactometry.errors import InvalidParameter

@@ -17,8 +17,7 @@ from patience import LONGEST_PROGRAM_S
 from tactometry.analysis.report.page import write_tables
 from tactometry.experiments.data_sets.export import export
 from tactometry.experiments.data_sets.r_table import name, r_string
-from tactometry.files.rows import delimited_text, write_rows
-from tactometry.files.safe_text import FORMULA, cell_text, file_text
+from tactometry.files.rows import FORMULA, cell_text, delimited_text, file_text, write_rows
 
 COLUMNS = "participant,session,study,block,trial,{},procedure,level,level_unit,task,response,valid"
 HOSTILE = "x; system('touch owned') #"

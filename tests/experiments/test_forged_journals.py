@@ -19,8 +19,7 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
 from tactometry.records.journal import checksum, encode, read
 from tactometry.session.answer import Adjusted, Filled, Rated
-from tactometry.session.answer_rules import flaw
-from tactometry.session.request import Adjust, Enter, Fill, Question, Rate
+from tactometry.session.request import Adjust, Enter, Fill, Question, Rate, flaw
 
 SETS = ("console", "inquiries", "preference", "adjustment")
 VALUES = [None, True, 0, -1, 2**62, 3.5, 1e308, -1e308, "", "x", "../../x", "=x", "a\nb", [], [1], {}, {"a": 1}]

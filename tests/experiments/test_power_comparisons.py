@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from scipy.special import ndtr, ndtri
-from study_texts import changed
+from study_texts import TUTORIAL, changed
 
 from tactometry.analysis.reading.trials import used_rows
 from tactometry.errors import InvalidParameter
@@ -37,7 +37,7 @@ def design(effect, text, **options):
 
 @pytest.fixture(scope="module")
 def exact():
-    return changed(load("tutorial")[1].decode(), EXACT)
+    return changed(TUTORIAL, EXACT)
 
 
 @pytest.mark.parametrize(

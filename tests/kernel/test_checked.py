@@ -1,12 +1,13 @@
 """Arguments are checked by their annotations, by the unit in their names and by one vocabulary."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf, nan
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pytest
+from annotated_types import Ge, Interval
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
@@ -22,6 +23,8 @@ from tactometry.arguments.annotations import (
     Vector,
 )
 from tactometry.arguments.checked import checked
+from tactometry.arguments.constraints import Finite, Rate, Share, constrained
+from tactometry.arguments.unlimited import UNLIMITED, Unlimited
 from tactometry.errors import InvalidParameter
 
 SENTENCES: Mapping[str, tuple[Any, Any, str]] = {
@@ -148,3 +151,51 @@ def test_the_vocabulary_refuses_in_one_sentence(call, sentence):
 def test_infinity_is_a_number_where_a_check_says_so():
     assert require.not_negative_array("reversal_s", [0.0, inf], infinite=True).tolist() == [0.0, inf]
     assert float(require.positive_array("repetition_s", inf, infinite=True)) == inf
+
+
+@dataclass(frozen=True)
+@constrained
+class Bar:
+    length_m: Positive = 1.0
+    mass_kg: NotNegative = 0.0
+    tilt: Finite = 0.0
+    duty: Share = 0.0
+    lapse_rate: Rate = 0.0
+    n_holes: Annotated[int, Interval(ge=1, le=9)] = 1
+    age_days: Annotated[int, Ge(0)] | Unlimited | None = None
+    part: Annotated[float, Interval(gt=0, le=1)] = 1.0
+    gains_db: dict[str, dict[str, Finite]] = field(default_factory=dict)
+    holes_m: tuple[Positive, ...] = ()
+
+    def __post_init__(self) -> None:
+        require.below("Bar", mass_kg=self.mass_kg, limit=10.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"length_m": -1}, "Bar.length_m: found -1, expected a finite number above 0"),
+        ({"length_m": None}, "Bar.length_m: found None, expected a finite number above 0"),
+        ({"length_m": 1e10}, "Bar.length_m: found 10000000000.0, expected a number from 1e-20 to 1e+09"),
+        ({"mass_kg": True}, "Bar.mass_kg: found True, expected a finite number, at least 0"),
+        ({"mass_kg": 11.0}, "Bar.mass_kg: found 11, expected less than limit (10)"),
+        ({"tilt": inf}, "Bar.tilt: found inf, expected a finite number"),
+        ({"duty": 1.5}, "Bar.duty: found 1.5, expected a number from 0 to 1"),
+        ({"lapse_rate": 1.0}, "Bar.lapse_rate: found 1.0, expected a number from 0 to below 1"),
+        ({"n_holes": 0}, "Bar.n_holes: found 0, expected a whole number, at least 1"),
+        ({"n_holes": 10}, "Bar.n_holes: found 10, expected a whole number, at most 9"),
+        ({"age_days": -1}, "Bar.age_days: found -1, expected a whole number, at least 0"),
+        ({"part": 0.0}, "Bar.part: found 0.0, expected a number above 0 and at most 1"),
+        ({"gains_db": {"a": {"b": nan}}}, "Bar.gains_db.a.b: found nan, expected a finite number"),
+        ({"holes_m": (1.0, 0.0)}, "Bar.holes_m[1]: found 0.0, expected a finite number above 0"),
+    ],
+)
+def test_dataclass_refuses_field_outside_its_constraint(values, sentence):
+    with pytest.raises(InvalidParameter) as caught:
+        Bar(**values)
+    assert str(caught.value) == sentence
+
+
+@pytest.mark.parametrize("age_days", [None, UNLIMITED, 3])
+def test_constraint_of_union_ignores_values_of_other_classes(age_days):
+    assert Bar(age_days=age_days, mass_kg=0).age_days is age_days

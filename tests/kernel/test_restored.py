@@ -15,8 +15,7 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.sessions.recording import Who
 from tactometry.files.durable import drafts
-from tactometry.records.agreement import disagreement
-from tactometry.records.data_set import prepare
+from tactometry.records.data_set import disagreement, prepare
 
 
 def trials_of(root):

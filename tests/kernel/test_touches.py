@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.gates import compliance, motion
-from tactometry.observers.finger import SimulatedFinger
-from tactometry.observers.touches import N_AHEAD, Touches
+from tactometry.observers.finger import N_AHEAD, SimulatedFinger, Touches
 from tactometry.session.request import Press, Slide
 
 FINGER = SimulatedFinger(force_factor=1.1, speed_factor=0.9)

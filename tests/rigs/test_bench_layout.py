@@ -9,7 +9,7 @@ from tactometry.rigs.keyboard import FreshPresses
 from tactometry.rigs.pages import layout
 from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page
 from tactometry.rigs.texts import texts_in
-from tactometry.session.answer_rules import value_at
+from tactometry.session.request import value_at
 
 ASPECTS = [4 / 3, 16 / 10, 16 / 9, 21 / 9]
 SEVEN = layout.Scale("warm?", "cold", "warm", "hint", n_positions=7, rings=True)

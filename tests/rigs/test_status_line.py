@@ -18,8 +18,7 @@ from tables import event_rows, trial_rows
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.rigs.experimenter.live import LiveTerminal, Typed, can_stand
-from tactometry.rigs.experimenter.status import StatusLine, status_words
-from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
+from tactometry.rigs.experimenter.terminal import ExperimenterTerminal, StatusLine, status_words
 from tactometry.session.answer import Done
 from tactometry.session.event import Event
 from tactometry.session.progress import PartAhead, Progress

@@ -22,7 +22,7 @@ from tactometry.experiments.data_sets.touch_courses import touch_courses
 from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.records.journal import checksum, encode
-from tactometry.rigs.touch.tracer import Tracer
+from tactometry.rigs.device_rig import Tracer
 from tactometry.session.answer import Adjusted, Done
 
 SHORT = {

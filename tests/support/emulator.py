@@ -22,7 +22,7 @@ import sys
 import time
 import zlib
 
-from tactometry.devices.sensors.framing import SYNC, Frame
+from tactometry.devices.sensors.serial_line import SYNC, Frame
 from tactometry.devices.sensors.udp import BEGIN, END, RECORD
 
 RATE_HZ = 1000.0
@@ -94,7 +94,7 @@ def profile_of(text):
 
 
 def encode_frame(frame):
-    """The bytes that a board sends for a sample, as `tactometry.devices.sensors.framing` states them."""
+    """The bytes that a board sends for a sample, as `tactometry.devices.sensors.serial_line` states them."""
     n = len(frame.values)
     body = struct.pack(f"<2sBBII{n}i", SYNC, n, 0, frame.counter % 2**32, frame.time_us % 2**32, *frame.values)
     return body + struct.pack("<I", zlib.crc32(body))

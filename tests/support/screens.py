@@ -7,7 +7,7 @@ from tactometry import choice_form
 from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
-from tactometry.rigs import filling
+from tactometry.rigs.bench import form_of
 from tactometry.rigs.pages import entry, form, layout, touch_picture
 from tactometry.rigs.texts import languages, texts_in
 
@@ -126,7 +126,7 @@ def form_pages(name, language, aspect):
     """The last page of a questionnaire with each of two answers; that of the SUS as where gaps were pointed out."""
     loaded = load(name)
     page = pages(loaded, loaded.items)[-1]
-    drawn = filling.form_of(page, texts_in(language, {}))
+    drawn = form_of(page, texts_in(language, {}))
     left = (None,) * (len(page.questions) - 1)
     marked = [form.Marks((place, *left), row=min(1, len(left)), warned=name == "sus") for place in (2, 3)]
     return [form.form_page(drawn, marks, aspect) for marks in marked]

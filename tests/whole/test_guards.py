@@ -24,7 +24,12 @@ numpy scipy pandas matplotlib numba llvmlite statsmodels pingouin sklearn seabor
 joblib dask distributed h5py psychopy psychtoolbox pyglet starlette uvicorn
 """
 HEAVY = frozenset((*WORDS.split(), *DRIVEN))
-IMPORTED_AS = {"pyserial": "serial", "imageio-ffmpeg": "imageio_ffmpeg", "pillow": "PIL"}
+IMPORTED_AS = {
+    "annotated-types": "annotated_types",
+    "pyserial": "serial",
+    "imageio-ffmpeg": "imageio_ffmpeg",
+    "pillow": "PIL",
+}
 
 
 def imports(tree: ast.Module) -> Iterator[str]:

@@ -16,7 +16,7 @@ from tactometry.experiments.reference.tables import name_of, tables
 from tactometry.experiments.study.procedure_kinds import PROCEDURES
 from tactometry.experiments.study.stimulus_kinds import STIMULI, TOUCHES
 from tactometry.loading import resolve
-from tactometry.observers.changes.kinds import CHANGES
+from tactometry.observers.changes import CHANGES
 from tactometry.observers.kinds import OBSERVERS
 from tactometry.stimuli.electrovibration.textures.kinds import TEXTURES
 from tactometry.stimuli.scenes.effects import EFFECTS

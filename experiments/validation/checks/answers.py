@@ -169,8 +169,7 @@ last the share is the power.""",
     settings=_settings(false_alarms),
     n_sets=5,
     reasons={
-        "hierarchical": "it has the variances as found, and where none is found its chi-square has no allowance "
-        "for few participants",
+        "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
     },
     reason_key="test",
     figure="tests-of-answers",
@@ -184,7 +183,7 @@ EFFECTS: Final = Check(
     settings=_settings(effects),
     n_sets=5,
     reasons={
-        "hierarchical": "it has the variances as found",
+        "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
     },
     reason_key="method",
     figure="effects-of-answers",

@@ -169,10 +169,8 @@ hierarchical fit has {N_GROUP} participants.""",
         "trials only",
         "bootstrap": "sets are drawn anew at the levels as presented, so that what the levels owe to the answers "
         "is not in them",
-        "hierarchical": "one lapse rate for all is estimated: where a rule puts its levels about the threshold, "
-        "a group "
-        "may have many lapses and low thresholds as well as few and high ones, and the fit takes one of them (its note "
-        "says so from 10 % on); the model has normal thresholds, where these participants have evenly spread ones",
+        "hierarchical": "a Bayesian interval is exact on average over its priors; the model has normal thresholds, "
+        "where these participants have evenly spread ones",
         "posterior, mode": "a Bayesian interval is exact on average over its priors, and these participants are "
         "not drawn "
         "from those: their lapses and widths leave less open than the priors do",

@@ -11,7 +11,8 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.require import at_most, expect, not_negative, positive, without_none
+from ...arguments.constraints import NotNegative, Positive, constrained
+from ...arguments.require import at_most, expect
 from ...errors import DeviceFailed
 from ...followed import Course, FollowedSignal
 from ...signal import Signal
@@ -39,51 +40,38 @@ ASKED_WITHIN_S: Final = 2.0
 
 
 @dataclass(frozen=True)
+@constrained
 class AudioSettings:
     """The sound card by name; `channels` are its outlets, from 0, in the order of the signal's.
 
-    `block_s` and `latency_s` trade a quick stop against gaps in the sound: a stop takes at most a block and the
-    latency. Both are unverified defaults. `shared` allows a device that other programs play to as well.
-    `position_latency_s` is from a place of the finger to the voltage of a texture there; None: the longest lead that
-    the device took of late, a block, and `POSITION_AGE_S`.
+    `block_s` and `latency_s` trade a quick stop against gaps in the sound. Both are unverified defaults. Without
+    `position_latency_s` it is the longest lead that the device took of late, a block, and `POSITION_AGE_S`.
 
-    Parameters
-    ----------
-    rate_hz : float
-        Of the card, and so of the stimulus.
-    device : str
-        The card, as the system calls it.
-    channels : tuple of int
-        Its outlets, from 0, in the order of the signal's channels.
-    sample_format : str
-        Of a sample on its way to the card.
-    block_s : float
-        What is written at once: a stop takes at most a block and the latency.
-    latency_s : float
-        How far the card is written ahead.
-    shared : bool
-        Allow a device that other programs play to as well.
-    position_latency_s : float, optional
-        From a place of the finger to the voltage of a texture there; by default as the device led of late.
+    - `rate_hz`: Of the card, and so of the stimulus.
+    - `device`: The card, as the system calls it.
+    - `channels`: Its outlets, from 0, in the order of the signal's channels.
+    - `sample_format`: Of a sample on its way to the card.
+    - `block_s`: What is written at once: a stop takes at most a block and the latency.
+    - `latency_s`: How far the card is written ahead.
+    - `shared`: Allow a device that other programs play to as well.
+    - `position_latency_s`: From a place of the finger to the voltage of a texture there; by default as the device led
+      of late.
     """
 
     connected: ClassVar[bool] = True
-    rate_hz: float
+    rate_hz: Positive
     device: str
     channels: tuple[int, ...] = (0,)
     sample_format: Literal["int16", "int32", "float32"] = "int32"
-    block_s: float = 0.005
-    latency_s: float = 0.05
+    block_s: Positive = 0.005
+    latency_s: NotNegative = 0.05
     shared: bool = False
-    position_latency_s: float | None = None
+    position_latency_s: NotNegative | None = None
 
     def __post_init__(self) -> None:
         refuse_default("AudioSettings", self.device)
-        positive("AudioSettings", rate_hz=self.rate_hz, block_s=self.block_s)
-        stated_s = without_none({name: getattr(self, name) for name in LONGEST_S})
-        not_negative("AudioSettings", **stated_s)
-        for name, value_s in stated_s.items():
-            at_most(f"AudioSettings.{name}", value_s, LONGEST_S[name])
+        for name, longest_s in LONGEST_S.items():
+            at_most(f"AudioSettings.{name}", getattr(self, name) or 0.0, longest_s)
         frames = self.block_s * self.rate_hz
         expect(frames >= 1, "AudioSettings.block_s", f"{frames:.3g} samples", "at least one at rate_hz")
         once = len(set(self.channels)) == len(self.channels) > 0 and min(self.channels) >= 0
@@ -141,11 +129,8 @@ class AudioOutput(AmplifiedDriver):
     def open(self) -> None:
         """Claim the card and play zeros.
 
-        Raises
-        ------
-        DeviceFailed
-            If there is no PortAudio or no such device, it does not take the channels or the rate, or other programs
-            share it and nobody said that they may.
+        Raises `DeviceFailed` if there is no PortAudio or no such device, it does not take the channels or the rate, or
+        other programs share it and nobody said that they may.
         """
         sounddevice, settings = library(), self._settings
         if not settings.shared:
@@ -194,7 +179,10 @@ class AudioOutput(AmplifiedDriver):
             course: FrameFeed = FollowingFeed(frames, n_fade, signal, self._position_latency_s())
         else:
             course = FrameFeed(frames, n_fade)
-        self._let_end()
+        if self._course is not None and not self._course.finished:
+            self._course.stop()
+            if not self._course.ended.wait(LONGEST_START_S):
+                raise self._silent()
         self._course = course
         if signal.samples.size and not course.begun.wait(LONGEST_START_S):
             course.stop()
@@ -216,13 +204,6 @@ class AudioOutput(AmplifiedDriver):
         full_scale = FULL_SCALE[self._settings.sample_format]
         volts = self._gain.to_volts(numbers.astype(np.float64) / full_scale, self.rate_hz)
         return Course(volts, feed.latency_s, feed.late, feed.unknown)
-
-    def _let_end(self) -> None:
-        """What plays falls to zero before another signal begins."""
-        if self._course is not None and not self._course.finished:
-            self._course.stop()
-            if not self._course.ended.wait(LONGEST_START_S):
-                raise self._silent()
 
     def _silent(self) -> DeviceFailed:
         return DeviceFailed(f"output {self.name!r}: the device asked for no samples in {LONGEST_START_S:g} s")

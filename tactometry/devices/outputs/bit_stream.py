@@ -57,13 +57,8 @@ def word_bytes(n_channels: int) -> int:
 def encode(signal: Signal) -> bytes:
     """A signal of +V, -V and 0 (off) as a stream; a signal of no samples is "stop".
 
-    Raises
-    ------
-    InvalidParameter
-        If a sample is neither +V, -V nor 0 for one V, the peak, or all of them are 0.
+    Raises `InvalidParameter` if a sample is neither +V, -V nor 0 for one V, the peak, or all of them are 0.
 
-    Examples
-    --------
     >>> stream = encode(Signal(np.array([[30.0, -30.0], [30.0, 30.0]]), 1e6, "V"))
     >>> len(stream), stream[48:].hex(), decode(stream).samples.tolist()
     (50, '0302', [[30.0, -30.0], [30.0, 30.0]])
@@ -76,17 +71,20 @@ def encode(signal: Signal) -> bytes:
     one_bit = "+V, -V and 0 (off) alone (one bit, in volt, no ramps; a bench makes foci and amplitude_modulated so)"
     expect(signal.unit == "V" and one_size and some, _STREAM, "samples of more than one size, or of none", one_bit)
     words = [signal.samples > 0] if is_on.all() else [signal.samples > 0, is_on]
-    payload = np.concatenate([_words(bits) for bits in words], axis=1).tobytes()
-    return _header(signal, voltage_v, len(words), zlib.crc32(payload)) + payload
+    payload = np.concatenate([np.packbits(bits.T, axis=1, bitorder="little") for bits in words], axis=1).tobytes()
+    n_channels, n_samples = signal.samples.shape
+    _check_channels(n_channels)
+    fields = _FIELDS.pack(
+        MAGIC, len(words), HEADER_BYTES, n_channels, signal.rate_hz, voltage_v, n_samples, zlib.crc32(payload)
+    )
+    header = fields + _CHECKSUM.pack(zlib.crc32(fields))
+    return header + payload
 
 
 def decode(stream: bytes) -> Signal:
     """The signal of a stream, bit by bit; 0 where a channel is off.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is no stream, or was damaged.
+    Raises `InvalidParameter` if it is no stream, or was damaged.
     """
     n_words, n_channels, rate_hz, voltage_v, n_samples, checksum = _read_header(stream)
     payload = stream[HEADER_BYTES:]
@@ -102,18 +100,6 @@ def decode(stream: bytes) -> Signal:
 def stop_stream(n_channels: int, rate_hz: float) -> bytes:
     """A stream of no samples: outputs off."""
     return encode(Signal(np.zeros((n_channels, 0)), rate_hz, "V"))
-
-
-def _words(bits: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """(n_samples, bytes of a word)."""
-    return np.packbits(bits.T, axis=1, bitorder="little")
-
-
-def _header(signal: Signal, voltage_v: float, version: int, checksum: int) -> bytes:
-    n_channels, n_samples = signal.samples.shape
-    _check_channels(n_channels)
-    fields = _FIELDS.pack(MAGIC, version, HEADER_BYTES, n_channels, signal.rate_hz, voltage_v, n_samples, checksum)
-    return fields + _CHECKSUM.pack(zlib.crc32(fields))
 
 
 def _check_channels(n_channels: int) -> None:

@@ -19,7 +19,7 @@ from typing import Final
 from ...errors import DeviceFailed
 from ...files.durable import make_folder, open_private
 from ...safety.limits import LONGEST_WINDOW_S
-from ..boot_clock import boot_clock_s, boot_id
+from ..clock_map import boot_clock_s, boot_id
 
 Emissions = tuple[tuple[float, float], ...]
 """How long ago signals began, s, and how long they play, s."""
@@ -43,8 +43,6 @@ def default_path() -> Path:
 class Moment:
     """A time on the clock since the start of the computer, and on the wall clock.
 
-    Examples
-    --------
     >>> played = Moment("monday", boot_s=100.0, utc_s=1000.0)
     >>> played.ago_s(Moment("monday", boot_s=103.0, utc_s=5000.0))  # the wall clock was set ahead
     3.0
@@ -76,10 +74,7 @@ class Moment:
 class Ledger:
     """The emissions of one output, from `open` on.
 
-    Parameters
-    ----------
-    path : Path
-        Of the database, which is made with its folder.
+    - `path`: Of the database, which is made with its folder.
     """
 
     def __init__(self, path: Path) -> None:
@@ -89,13 +84,7 @@ class Ledger:
         self._last: tuple[int, Moment, float] | None = None
 
     def open(self, output: str) -> None:
-        """Begin to count what `output` emits; rows that no window of a limit reaches are deleted.
-
-        Raises
-        ------
-        DeviceFailed
-            If the database cannot be written or is damaged.
-        """
+        """Begin to count what `output` emits; rows that no window of a limit reaches are deleted."""
         make_folder(self._path.parent)
         self._output, self._opened, self._last = output, uuid.uuid4().hex, None
         with self._turn, self._connected() as database:
@@ -115,10 +104,7 @@ class Ledger:
         `allow` is called with what was emitted before the ledger was opened, or by another process; nothing is
         counted if it raises.
 
-        Raises
-        ------
-        DeviceFailed
-            If the database cannot be written or is damaged; nothing was counted.
+        Raises `DeviceFailed` if the database cannot be written or is damaged; nothing was counted.
         """
         with self._turn:
             with self._connected() as database:
@@ -188,10 +174,7 @@ class Ledger:
 def _rows(database: sqlite3.Connection, where: str, *values: str) -> list[tuple[int, Moment, float]]:
     """Return id, begin and duration of each row that meets a condition.
 
-    Raises
-    ------
-    sqlite3.DatabaseError
-        If a row has something else than finite numbers, which SQLite keeps in any column.
+    Raises `sqlite3.DatabaseError` if a row has something else than finite numbers, which SQLite keeps in any column.
     """
     query = f"SELECT id, duration_s, boot_s, utc_s, boot_id FROM emissions WHERE {where}"
     rows = database.execute(query, values).fetchall()

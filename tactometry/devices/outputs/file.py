@@ -22,16 +22,10 @@ class FileSettings:
 
     A WAV file holds 64-bit numbers in volt, the same samples to the last bit; its rate is a whole number.
 
-    Parameters
-    ----------
-    folder : str
-        Where the files go, one for each signal.
-    format : {"npz", "wav"}
-        Arrays, or sound files of 64-bit numbers in volt.
-    n_channels : int, optional
-        Channels of each signal; by default any.
-    rate_hz : float, optional
-        Rate of each signal; by default any.
+    - `folder`: Where the files go, one for each signal.
+    - `format`: Arrays, or sound files of 64-bit numbers in volt.
+    - `n_channels`: Channels of each signal; by default any.
+    - `rate_hz`: Rate of each signal; by default any.
     """
 
     connected: ClassVar[bool] = False
@@ -88,12 +82,7 @@ class FileOutput(UnconnectedDriver):
 def read_signal(path: Path) -> Signal:
     """What a file output wrote.
 
-    Raises
-    ------
-    InvalidFile
-        If there is no such file.
-    InvalidParameter
-        If it is no NPZ or WAV of samples.
+    Raises `InvalidFile` if there is no such file. Raises `InvalidParameter` if it is no NPZ or WAV of samples.
     """
     content = read_file(path, "a signal as NPZ or WAV")
     try:

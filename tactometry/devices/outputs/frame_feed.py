@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...followed import FollowedSignal
 from ...signal import FloatArray
-from ..boot_clock import boot_clock_s
+from ..clock_map import boot_clock_s
 
 SCANT_S: Final = 0.01
 """A device that has less in hand as it asks has run dry (unverified default: of a sound server that was held up it was
@@ -40,12 +40,8 @@ class FrameFeed:
 
     `take` is called by the device's thread, all else by the one that plays.
 
-    Parameters
-    ----------
-    frames : (n_frames, n_channels) array
-        As the device takes them.
-    n_fade : int
-        Frames over which a stop falls to zero, in as many blocks as that takes.
+    - `frames`: As the device takes them.
+    - `n_fade`: Frames over which a stop falls to zero, in as many blocks as that takes.
     """
 
     def __init__(self, frames: NDArray[Any], n_fade: int) -> None:
@@ -95,14 +91,11 @@ class FrameFeed:
         self.ended.set()
 
     def stop(self) -> None:
-        """Fall to zero from the next block on."""
         self._stopping = True
 
     def take(self, n_frames: int) -> NDArray[Any]:
         """The next frames, at most `n_frames`.
 
-        Examples
-        --------
         >>> course = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
         >>> course.take(2).ravel().tolist()
         [8.0, 8.0]
@@ -119,7 +112,10 @@ class FrameFeed:
         begin, piece = self._at, self._frames[self._at : self._at + n_taken]
         self._at += n_taken
         if stopping:
-            piece = self._faded(piece)
+            envelope = 1 - (self._n_faded + np.arange(len(piece))) / self._n_fade
+            self._n_faded += len(piece)
+            falling: NDArray[Any] = piece * envelope[:, None]
+            piece = falling.astype(piece.dtype)  # whole numbers are cut towards zero
             if self._n_faded >= self._n_fade:
                 self._at = len(self._frames)
         emitted = self._emitted(piece, begin)
@@ -127,14 +123,7 @@ class FrameFeed:
             self.ended.set()
         return emitted
 
-    def _faded(self, piece: NDArray[Any]) -> NDArray[Any]:
-        envelope = 1 - (self._n_faded + np.arange(len(piece))) / self._n_fade
-        self._n_faded += len(piece)
-        falling: NDArray[Any] = piece * envelope[:, None]
-        return falling.astype(piece.dtype)  # whole numbers are cut towards zero
-
     def _emitted(self, piece: NDArray[Any], begin: int) -> NDArray[Any]:
-        """What becomes of a piece, whose first frame has the number `begin`."""
         del begin
         return piece
 
@@ -200,17 +189,10 @@ def was_held_up(left_s: float, leads_s: Sequence[float], latency_s: float) -> bo
     Blocks that were written lie in a sound server's line while it is held up: it may run dry long before what it says
     that it has is over, and says nothing. It has as a rule the median of `leads_s`, or `latency_s` if that is less.
 
-    Parameters
-    ----------
-    left_s : float
-        What the device has left as it asks, by the block before: s.
-    leads_s : sequence of float
-        What it said of late that it has in hand, block by block: s.
-    latency_s : float
-        What it was asked to have.
+    - `left_s`: What the device has left as it asks, by the block before: s.
+    - `leads_s`: What it said of late that it has in hand, block by block: s.
+    - `latency_s`: What it was asked to have.
 
-    Examples
-    --------
     >>> was_held_up(0.05, [0.1, 0.1, 0.11], latency_s=0.1), was_held_up(0.07, [0.1, 0.1, 0.11], latency_s=0.1)
     (True, False)
     >>> was_held_up(0.05, [0.06, 0.05, 0.05], latency_s=0.1)
@@ -229,8 +211,6 @@ class DryRuns:
     asked again. What it has in hand is believed of a device that once had half of `latency_s`; one that takes samples
     as fast as they come has not.
 
-    Examples
-    --------
     >>> dry = DryRuns(latency_s=0.04)
     >>> dry.after(now_s=1.0, lead_s=0.05, block_s=0.01, underflow=False)
     >>> dry.after(now_s=1.4, lead_s=0.0, block_s=0.01, underflow=False), dry.is_dry

@@ -6,11 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from ...arguments.require import positive
-from ...arguments.unlimited import Unlimited
+from ...arguments.constraints import Positive
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import FloatArray, Signal
-from ..measured import Measured
+from ..measured import MaxAge, Measured
 
 MAX_AGE_DAYS: Final = 365
 """Of a gain for which nobody stated another age (unverified default)."""
@@ -51,24 +50,18 @@ class Gain(Measured):
     system_volume : float, optional
         The sound server's volume at which it was measured, 1 is 100 %.
 
-    Examples
-    --------
     >>> gain = Gain(volts_per_unit=2.0, amplifier_gain=50.0)
     >>> gain.to_units(Signal(np.array([[-50.0, 25.0]]), 1e3, "V"))
     array([[-0.5 ,  0.25]])
     """
 
-    volts_per_unit: float
-    amplifier_gain: float
+    volts_per_unit: Positive
+    amplifier_gain: Positive
     measured_on: date | None = None
     measured_by: str | None = None
-    max_age_days: int | Unlimited = MAX_AGE_DAYS
+    max_age_days: MaxAge = MAX_AGE_DAYS
     measured_with: str | None = None
     system_volume: float | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        positive("Gain", volts_per_unit=self.volts_per_unit, amplifier_gain=self.amplifier_gain)
 
     @property
     def load_volts_per_unit(self) -> float:
@@ -77,13 +70,8 @@ class Gain(Measured):
     def check(self, what: str, chain: SignalChain, today: date) -> None:
         """Refuse a gain that nobody measured, that is too old, or that was measured with something else.
 
-        Raises
-        ------
-        DeviceFailed
-            In one sentence that opens with `what`.
+        Raises `DeviceFailed` in one sentence that opens with `what`.
 
-        Examples
-        --------
         >>> gain = Gain(2.0, 50.0, date(2026, 1, 2), "ZG", measured_with="audio Interface, int32")
         >>> gain.check("output.gain", SignalChain("audio Interface, int32"), date(2026, 3, 1))
         >>> gain.check("output.gain", SignalChain("audio Interface, int16"), date(2026, 3, 1))
@@ -99,10 +87,7 @@ class Gain(Measured):
                 f"{what}.measured_with: found {self.measured_with!r}, expected {chain.output!r}, which is to play; "
                 f"{MEASURE}"
             )
-        self._check_volume(what, chain.system_volume)
-        self.check_age(what, today)
-
-    def _check_volume(self, what: str, system_volume: float | None) -> None:
+        system_volume = chain.system_volume
         known = [volume for volume in (self.system_volume, system_volume) if volume is not None]
         apart = max(known, default=0.0) - min(known, default=0.0)
         # one volume alone tells nothing of the other: a server came or went since the gain was measured
@@ -111,14 +96,12 @@ class Gain(Measured):
                 f"{what}.system_volume: found a gain of {_volume(self.system_volume)}, expected one of "
                 f"{_volume(system_volume)}, as it is now; set it back, or {MEASURE}"
             )
+        self.check_age(what, today)
 
     def to_units(self, signal: Signal) -> FloatArray:
         """The samples as numbers for the device, (n_channels, n_samples).
 
-        Raises
-        ------
-        DeviceFailed
-            If one is beyond -1..1, where the device would clip.
+        Raises `DeviceFailed` if one is beyond -1..1, where the device would clip.
         """
         units = signal.samples / self.load_volts_per_unit
         # 1e-12: the last digits of the division are no excess, and are cut off below
@@ -130,7 +113,6 @@ class Gain(Measured):
         return np.asarray(np.clip(units, -1.0, 1.0))
 
     def to_volts(self, units: FloatArray, rate_hz: float) -> Signal:
-        """What such numbers become at the load."""
         return Signal(units * self.load_volts_per_unit, rate_hz, "V")
 
 
@@ -142,13 +124,7 @@ def measured_anew(gain: Gain, chain: SignalChain, today: date, by: str) -> Gain:
 
 
 def required_gain(gain: Gain | None, what: str) -> Gain:
-    """The gain of an output that leads to an amplifier, which nobody may leave out.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is none; the sentence opens with `what`.
-    """
+    """The gain of an output that leads to an amplifier, which nobody may leave out."""
     if gain is None:
         raise InvalidParameter(
             f"{what}: found none, expected volts_per_unit and amplifier_gain with date and author: without them the "

@@ -43,17 +43,10 @@ class _Playing:
 class Guarded:
     """An output that checks the final samples of its driver, and how often and how long it played.
 
-    Parameters
-    ----------
-    driver : Driver
-    limits : Limits or None
-        None: nothing is played.
-    load : Load or None
-        What is connected; None only for a driver that is not connected to anything.
-    clock : callable
-        Seconds; by default `time.perf_counter`.
-    ledger : Ledger or None
-        What the output emitted before it was opened, and in other processes; None counts from its opening on.
+    - `limits`: None: nothing is played.
+    - `load`: What is connected; None only for a driver that is not connected to anything.
+    - `clock`: Seconds; by default `time.perf_counter`.
+    - `ledger`: What the output emitted before it was opened, and in other processes; None counts from its opening on.
     """
 
     driver: Driver
@@ -92,12 +85,8 @@ class Guarded:
     def open(self) -> None:
         """Claim the device, if its limits are stated.
 
-        Raises
-        ------
-        LimitExceeded
-            If a limit that the load needs is missing, or a stop may take too long; the device is closed.
-        DeviceFailed
-            If the device or the ledger does not open; the device is closed.
+        Raises `LimitExceeded` if a limit that the load needs is missing, or a stop may take too long; the device is
+        closed. Raises `DeviceFailed` if the device or the ledger does not open; the device is closed.
         """
         limits = self._require_limits()
         self.driver.open()
@@ -114,10 +103,7 @@ class Guarded:
     def play(self, signal: Signal) -> float:
         """Check all limits on the final samples, then begin to emit.
 
-        Raises
-        ------
-        LimitExceeded, DeviceFailed
-            If the signal must not or cannot be played; nothing was.
+        Raises `LimitExceeded` or `DeviceFailed` if the signal must not or cannot be played; nothing was.
         """
         limits, final = self.check(signal)
         charge = None if self.load is None else self.load.passed_c(final, _rise_s(signal))
@@ -178,10 +164,7 @@ class Guarded:
     def check(self, signal: Signal) -> tuple[Limits, Signal]:
         """The limits and the final samples of a signal that keeps them; `play` does not compute them again.
 
-        Raises
-        ------
-        LimitExceeded, DeviceFailed
-            If the signal must not or cannot be played.
+        Raises `LimitExceeded` or `DeviceFailed` if the signal must not or cannot be played.
         """
         limits = self._require_limits()
         return limits, self._final(signal, limits)
@@ -203,7 +186,6 @@ class Guarded:
         return self.driver.course()
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Gaps of the last signal, as its driver tells them."""
         return self.driver.n_gaps(longest_wait_s)
 
     def stop(self) -> None:

@@ -14,7 +14,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...arguments.require import expect, positive
+from ...arguments.constraints import Positive, constrained
+from ...arguments.require import expect
 from ...errors import DeviceFailed, library_needed
 from ...safety.limits import STOP_WITHIN_S
 from ...signal import FloatArray, Signal
@@ -24,36 +25,29 @@ from .output import AmplifiedDriver
 
 
 @dataclass(frozen=True)
+@constrained
 class NiSettings:
     """Cards of National Instruments: `channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the
     device's, V, of either sign.
 
-    Parameters
-    ----------
-    channels : tuple of str
-        Physical names such as ``Dev1/ao0``, in the order of the signal's channels.
-    rate_hz : float
-        Of the cards, and so of the stimulus.
-    range_v : float
-        Of the device, of either sign.
-    idle_at_zero : bool
-        Tell devices that know an idle state to idle at 0 V.
-    onboard_memory : bool
-        Play from the memory on the card alone.
-    reconstruction_filter : bool
-        False for a card that holds each value until the next: peaks between samples are then not checked.
+    - `channels`: Physical names such as ``Dev1/ao0``, in the order of the signal's channels.
+    - `rate_hz`: Of the cards, and so of the stimulus.
+    - `range_v`: Of the device, of either sign.
+    - `idle_at_zero`: Tell devices that know an idle state to idle at 0 V.
+    - `onboard_memory`: Play from the memory on the card alone.
+    - `reconstruction_filter`: False for a card that holds each value until the next: peaks between samples are then not
+      checked.
     """
 
     connected: ClassVar[bool] = True
     channels: tuple[str, ...]
-    rate_hz: float
-    range_v: float = 10.0
+    rate_hz: Positive
+    range_v: Positive = 10.0
     idle_at_zero: bool = False
     onboard_memory: bool = False
     reconstruction_filter: bool = True
 
     def __post_init__(self) -> None:
-        positive("NiSettings", rate_hz=self.rate_hz, range_v=self.range_v)
         once = len(set(self.channels)) == len(self.channels) > 0
         expect(once, "NiSettings.channels", list(self.channels), "at least one, each named once")
 
@@ -69,13 +63,8 @@ class NiSettings:
 def connector_v(settings: NiSettings, gain: Gain, signal: Signal) -> FloatArray:
     """What a signal puts on each connector, V, (n_channels, n_samples + 1): it ends at zero.
 
-    Raises
-    ------
-    DeviceFailed
-        If the device cannot reach the voltage.
+    Raises `DeviceFailed` if the device cannot reach the voltage.
 
-    Examples
-    --------
     >>> signal = Signal(np.array([[100.0, -200.0]]), 1e3, "V")
     >>> connector_v(NiSettings(("Dev1/ao0",), 1e3), Gain(10.0, 20.0), signal).tolist()
     [[5.0, -10.0, 0.0]]
@@ -111,7 +100,6 @@ class NiOutput(AmplifiedDriver):
 
     @property
     def stop_delay_s(self) -> float:
-        """A stop that takes longer has failed."""
         return STOP_WITHIN_S
 
     def open(self) -> None:

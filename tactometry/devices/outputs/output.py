@@ -27,21 +27,12 @@ LONGEST_WORD_S = 0.1
 class Driver(ABC):
     """A driver of one output. It emits nothing but what `play` was given, and zero otherwise.
 
-    Parameters
-    ----------
-    name : str
-    connected : bool
-        Whether what it emits leaves the computer.
-    one_bit : bool
-        Whether it emits nothing but plus or minus one voltage, without ramps.
-    emits : bool
-        Whether anything comes of what is played.
-    full_scale_v : float
-        The largest voltage that it can put on the load.
-    n_channels, rate_hz : int, float, optional
-        None for a driver that takes any.
-    follows : bool
-        Whether it asks a signal that follows a finger where that is, sample by sample.
+    - `connected`: Whether what it emits leaves the computer.
+    - `one_bit`: Whether it emits nothing but plus or minus one voltage, without ramps.
+    - `emits`: Whether anything comes of what is played.
+    - `full_scale_v`: The largest voltage that it can put on the load.
+    - `n_channels`, `rate_hz`: None for a driver that takes any.
+    - `follows`: Whether it asks a signal that follows a finger where that is, sample by sample.
     """
 
     name: str
@@ -184,13 +175,7 @@ REMEDIES = {
 
 
 def check_format(signal: Signal, output: Driver) -> None:
-    """Refuse a signal that is not of the channels or the rate that `output` has.
-
-    Raises
-    ------
-    DeviceFailed
-        If it is not.
-    """
+    """Refuse a signal that is not of the channels or the rate that `output` has."""
     if isinstance(signal, FollowedSignal):
         expect_following(output)
     of_signal = {"n_channels": signal.samples.shape[0], "rate_hz": signal.rate_hz}
@@ -204,13 +189,7 @@ def check_format(signal: Signal, output: Driver) -> None:
 
 
 def expect_following(output: Driver) -> None:
-    """Refuse a texture where the output takes no signal that follows a finger.
-
-    Raises
-    ------
-    DeviceFailed
-        If it does not.
-    """
+    """Refuse a texture where the output takes no signal that follows a finger."""
     if output.emits and not output.follows:
         raise DeviceFailed(
             f"output {output.name!r}: found a texture, whose signal follows the finger, expected one that is known "
@@ -223,13 +202,8 @@ def with_ramps(signal: Signal, ramp_s: float) -> Signal:
 
     At rest is below 1 % of the signal's peak. A signal shorter than two ramps has ramps of half its length.
 
-    Raises
-    ------
-    InvalidParameter
-        If `ramp_s` is not a finite number of at least 0.
+    Raises `InvalidParameter` if `ramp_s` is not a finite number of at least 0.
 
-    Examples
-    --------
     >>> step = Signal(np.ones((1, 100)), rate_hz=1000.0, unit="V")
     >>> with_ramps(step, 0.01).samples[0, [0, 4, 50, 99]].round(3).tolist()
     [0.0, 0.345, 1.0, 0.0]

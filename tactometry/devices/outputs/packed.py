@@ -14,11 +14,13 @@ import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Annotated, ClassVar, Final
 
 import numpy as np
+from annotated_types import Interval
 
-from ...arguments.require import expect, positive, whole
+from ...arguments.constraints import Positive, constrained
+from ...arguments.require import expect, whole
 from ...errors import DeviceFailed, InvalidParameter
 from ...safety.limits import STOP_WITHIN_S
 from ...signal import Signal
@@ -51,10 +53,7 @@ class BoardLine:
     def write(self, stream: bytes, within_s: float, until: threading.Event = _NEVER) -> int:
         """How many bytes the line took in a time, or before `until` was set.
 
-        Raises
-        ------
-        DeviceFailed
-            If the board went away.
+        Raises `DeviceFailed` if the board went away.
         """
         end_s, sent = time.monotonic() + within_s, 0
         while sent < len(stream) and not until.is_set():
@@ -63,7 +62,10 @@ class BoardLine:
             if n_taken == 0:
                 if time.monotonic() > end_s:
                     break
-                self._wait()
+                if os.name == "posix":
+                    select.select([], [self._file], [], LOOK_S)
+                else:
+                    time.sleep(LOOK_S)
         return sent
 
     def _write_some(self, rest: memoryview) -> int:
@@ -73,12 +75,6 @@ class BoardLine:
             return 0
         except OSError as error:
             raise DeviceFailed(f"{self.path}: the board took no more ({error.strerror}); the output stopped") from None
-
-    def _wait(self) -> None:
-        if os.name == "posix":
-            select.select([], [self._file], [], LOOK_S)
-        else:
-            time.sleep(LOOK_S)
 
     def was_read(self, within_s: float) -> bool:
         """Whether a pipe is empty within a time: its reader has all that was written."""
@@ -128,17 +124,13 @@ class Sending:
             )
 
     def is_whole(self, within_s: float) -> bool:
-        """Whether the whole stream was sent within a time."""
         self._thread.join(within_s)
         return self.n_sent == len(self._stream)
 
     def end(self, within_s: float) -> bool:
         """Send no more: whether the whole stream was sent.
 
-        Raises
-        ------
-        DeviceFailed
-            If the driver of the board holds a write up.
+        Raises `DeviceFailed` if the driver of the board holds a write up.
         """
         self._ending.set()
         self._thread.join(within_s)
@@ -150,10 +142,7 @@ class Sending:
 def open_line(path: Path, within_s: float) -> BoardLine:
     """A line for appending; a pipe that nobody reads is waited for.
 
-    Raises
-    ------
-    DeviceFailed
-        If it cannot be written, or nobody reads it within `within_s`.
+    Raises `DeviceFailed` if it cannot be written, or nobody reads it within `within_s`.
     """
     # without O_NONBLOCK the opening of a pipe that nobody reads blocks; O_NOCTTY: a serial node does not become the
     # terminal whose hang-up ends this process; Windows knows neither
@@ -162,7 +151,13 @@ def open_line(path: Path, within_s: float) -> BoardLine:
     end_s = time.monotonic() + within_s
     while True:
         try:
-            return BoardLine(path, _raw(os.open(path, flags, 0o666)))
+            file = os.open(path, flags, 0o666)
+            # a terminal adds a carriage return to a line feed: a serial line is to pass on each byte as it is
+            if os.name == "posix" and os.isatty(file):
+                import tty
+
+                tty.setraw(file)
+            return BoardLine(path, file)
         except OSError as error:
             nobody_reads = error.errno == errno.ENXIO and path.is_fifo()
             if not nobody_reads:
@@ -178,15 +173,6 @@ def open_line(path: Path, within_s: float) -> BoardLine:
         time.sleep(LOOK_S)
 
 
-def _raw(file: int) -> int:
-    """The same file; a serial line passes on each byte as it is: a terminal adds a carriage return to a line feed."""
-    if os.name == "posix" and os.isatty(file):
-        import tty
-
-        tty.setraw(file)
-    return file
-
-
 def _n_unread(pipe: int) -> int:
     """Bytes of a pipe that its reader has not read."""
     import fcntl
@@ -196,40 +182,28 @@ def _n_unread(pipe: int) -> int:
 
 
 @dataclass(frozen=True)
+@constrained
 class PackedSettings:
     """A one-bit board: `path` is opened for appending; `rate_hz` and `n_channels` are the board's.
 
-    `electrode` is the channel (from 0) that leads to an electrode, where one does; the others lead to transducers.
     With ``gain`` a bit of 1 is 1 unit: ``volts_per_unit * amplifier_gain`` is what a board's supply puts on a load.
-    `lowest_supply_v` says that the board sets its supply to the ``voltage_v`` of each stream before it plays it, and
-    down to which; without it the supply stays as it is.
 
-    Parameters
-    ----------
-    path : str
-        A device node, a named pipe or a file, opened for appending.
-    n_channels : int
-        Channels of the board.
-    rate_hz : float
-        Clock of the board, and so of the stimulus.
-    electrode : int, optional
-        The channel, from 0, that leads to an electrode; the others lead to transducers.
-    lowest_supply_v : float, optional
-        Down to which the board sets its supply to what a stream says; without it the supply stays as it is.
+    - `path`: A device node, a named pipe or a file, opened for appending.
+    - `n_channels`: Channels of the board.
+    - `rate_hz`: Clock of the board, and so of the stimulus.
+    - `electrode`: The channel, from 0, that leads to an electrode; the others lead to transducers.
+    - `lowest_supply_v`: Down to which the board sets its supply to what a stream says; without it the supply stays as
+      it is.
     """
 
     connected: ClassVar[bool] = True
     path: str
-    n_channels: int
-    rate_hz: float
+    n_channels: Annotated[int, Interval(ge=1, le=MOST_CHANNELS)]
+    rate_hz: Positive
     electrode: int | None = None
-    lowest_supply_v: float | None = None
+    lowest_supply_v: Positive | None = None
 
     def __post_init__(self) -> None:
-        whole("PackedSettings", lowest=1, highest=MOST_CHANNELS, n_channels=self.n_channels)
-        positive("PackedSettings", rate_hz=self.rate_hz)
-        if self.lowest_supply_v is not None:
-            positive("PackedSettings", lowest_supply_v=self.lowest_supply_v)
         if self.electrode is not None:
             whole("PackedSettings", lowest=0, highest=self.n_channels - 1, electrode=self.electrode)
 
@@ -273,16 +247,12 @@ class PackedOutput(AmplifiedDriver):
 
     @property
     def stop_delay_s(self) -> float:
-        """A stop that takes longer has failed."""
         return STOP_WITHIN_S
 
     def open(self) -> None:
         """Wait for the board to read, and tell it to stop.
 
-        Raises
-        ------
-        DeviceFailed
-            If it cannot be opened, nobody reads within `OPEN_WITHIN_S`, or it does not take the stop.
+        Raises `DeviceFailed` if it cannot be opened, nobody reads within `OPEN_WITHIN_S`, or it does not take the stop.
         """
         self._line = open_line(self._path, OPEN_WITHIN_S)
         self._is_open = True
@@ -363,10 +333,7 @@ class PackedOutput(AmplifiedDriver):
     def stop(self) -> None:
         """Zero now, within `STOP_WITHIN_S`.
 
-        Raises
-        ------
-        DeviceFailed
-            If the board has not read the stop by then, or had not taken what was played before.
+        Raises `DeviceFailed` if the board has not read the stop by then, or had not taken what was played before.
         """
         end_s = time.monotonic() + READ_WITHIN_S
         with self._turn:

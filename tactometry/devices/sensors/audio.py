@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arguments.require import not_negative, positive
+from ...arguments.constraints import NotNegative, Positive, PositiveWhole, constrained
 from ...errors import DeviceFailed, attempt, reason
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
@@ -13,6 +13,7 @@ from .reader import SampleBlock, SensorSettings, Source
 
 
 @dataclass(frozen=True)
+@constrained
 class AudioInputSettings(SensorSettings):
     """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale.
 
@@ -30,16 +31,14 @@ class AudioInputSettings(SensorSettings):
         How much the card may keep.
     """
 
-    rate_hz: float
+    rate_hz: Positive
     device: str
-    n_channels: int = 1
-    block_s: float = 0.02
-    latency_s: float = 0.1
+    n_channels: PositiveWhole = 1
+    block_s: Positive = 0.02
+    latency_s: NotNegative = 0.1
 
     def __post_init__(self) -> None:
         refuse_default("AudioInputSettings", self.device)
-        positive("AudioInputSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, block_s=self.block_s)
-        not_negative("AudioInputSettings", latency_s=self.latency_s)
 
     def source(self) -> "AudioInput":
         return AudioInput(self)

@@ -51,10 +51,7 @@ class CountedSamples:
         A stamp is at most `STEP_S` later than the arrival. It goes back only where those before were further off than
         that, or the device started again. What came before, or after a later one, is counted and dropped.
 
-        Raises
-        ------
-        DeviceFailed
-            If the device's clock does not run as ours.
+        Raises `DeviceFailed` if the device's clock does not run as ours.
         """
         new = [(self._device_s(ticks), values) for counter, ticks, values in samples if self._is_new(counter, ticks)]
         # all of the block first, so that its least delayed sample stamps the others too
@@ -110,6 +107,5 @@ class CountedSamples:
         return True
 
     def _device_s(self, ticks: int) -> float:
-        """Unwrapped time."""
         self._ticks += (ticks - self._ticks) % 2**32
         return self._ticks * self._tick_s

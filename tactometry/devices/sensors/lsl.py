@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arguments.require import positive
+from ...arguments.constraints import Positive, PositiveWhole, constrained
 from ...errors import DeviceFailed, attempt, library_needed
 from ..clock_map import clock_offset_s
 from .reader import POLL_S, SampleBlock, SensorSettings, Source
@@ -25,30 +25,20 @@ SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.
 
 
 @dataclass(frozen=True)
+@constrained
 class LslSettings(SensorSettings):
     """A stream of Lab Streaming Layer: the outlet by its name; `rate_hz` is what its head must state.
 
-    `source_id` tells it from others of the same name; without it there may be no other.
-
-    Parameters
-    ----------
-    stream : str
-        The name of the outlet.
-    rate_hz : float
-        What the head of the stream must state.
-    n_channels : int
-        How many it has.
-    source_id : str, optional
-        Tells it from others of the same name; without it there may be no other.
+    - `stream`: The name of the outlet.
+    - `rate_hz`: What the head of the stream must state.
+    - `n_channels`: How many it has.
+    - `source_id`: Tells it from others of the same name; without it there may be no other.
     """
 
     stream: str
-    rate_hz: float
-    n_channels: int = 1
+    rate_hz: Positive
+    n_channels: PositiveWhole = 1
     source_id: str | None = None
-
-    def __post_init__(self) -> None:
-        positive("LslSettings", rate_hz=self.rate_hz, n_channels=self.n_channels)
 
     def source(self) -> "LslSource":
         return LslSource(self)
@@ -69,21 +59,24 @@ class LslSource(Source):
         self._searched = False
 
     def facts(self) -> dict[str, str | int | float | None]:
-        self._correct()
-        offset_s = None if self._correction_s is None else self._correction_s + self._offset_s
-        return {"source_id": self._source_id, "clock_offset_s": offset_s}
-
-    def _correct(self) -> None:
-        """LSL exchanges clocks in the background every few seconds; the last correction is at hand at once."""
+        # LSL exchanges clocks in the background every few seconds; the last correction is at hand at once
         inlet, pylsl = self._inlet, _library()
         if inlet is not None:
             with contextlib.suppress(pylsl.util.LostError, pylsl.util.TimeoutError, pylsl.util.InternalError):
                 self._correction_s = inlet.time_correction(timeout=POLL_S)
+        offset_s = None if self._correction_s is None else self._correction_s + self._offset_s
+        return {"source_id": self._source_id, "clock_offset_s": offset_s}
 
     def open(self) -> None:
         pylsl = _library()
         info = self._find_outlet(pylsl)
-        self._check(info)
+        of_outlet = {"n_channels": info.channel_count(), "rate_hz": info.nominal_srate()}
+        for name, value in of_outlet.items():
+            expected = getattr(self._settings, name)
+            if value != expected:
+                raise DeviceFailed(
+                    f"{self.name}: found a stream with {name} {value:g}, expected {expected:g}; correct the bench file"
+                )
         # recover=False: an outlet that dies is to raise, else liblsl waits for it in silence
         inlet = pylsl.StreamInlet(info, max_buflen=60, recover=False, processing_flags=pylsl.proc_clocksync)
         lost = pylsl.util.LostError, pylsl.util.TimeoutError
@@ -113,15 +106,6 @@ class LslSource(Source):
             )
         return wanted[0]
 
-    def _check(self, info: Any) -> None:
-        of_outlet = {"n_channels": info.channel_count(), "rate_hz": info.nominal_srate()}
-        for name, value in of_outlet.items():
-            expected = getattr(self._settings, name)
-            if value != expected:
-                raise DeviceFailed(
-                    f"{self.name}: found a stream with {name} {value:g}, expected {expected:g}; correct the bench file"
-                )
-
     def receive(self) -> SampleBlock | None:
         pylsl = _library()
         try:
@@ -137,12 +121,8 @@ class LslSource(Source):
 def _library() -> Any:
     with library_needed("lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'"):
         import pylsl
-    if not _has_settings_of_its_own():
+    # a settings file of the user stays in force
+    if "LSLAPICFG" not in os.environ and not any(Path(place).expanduser().is_file() for place in SETTINGS_FILES):
         with contextlib.suppress(NotImplementedError):
             pylsl.set_config_content(WARNINGS_ONLY)
     return pylsl
-
-
-def _has_settings_of_its_own() -> bool:
-    """Whether liblsl finds a file of the user's, which what is set here would replace."""
-    return "LSLAPICFG" in os.environ or any(Path(place).expanduser().is_file() for place in SETTINGS_FILES)

@@ -44,12 +44,7 @@ class SampleBlock:
 class Source(ABC):
     """What a reader reads. All but `name` and `rate_hz` is called from one thread at a time.
 
-    Parameters
-    ----------
-    name : str
-    rate_hz : float
-        The nominal rate.
-    n_channels : int
+    - `rate_hz`: The nominal rate.
     """
 
     def __init__(self, name: str, rate_hz: float, n_channels: int) -> None:
@@ -122,19 +117,11 @@ class Listener:
 class Arrivals:
     """What the stamps of a sensor were like up to now.
 
-    Parameters
-    ----------
-    last_s : float or None
-        The last stamp, s.
-    late_since_s : float or None
-        When the first of the blocks came that were all late, s.
-    n_steps_back : int
-        How often a stamp was before the one before it.
-    fault : str or None
-        Why the last block is not believed: a stamp that is no number, lies in the future, or late for a while.
+    - `last_s`: The last stamp, s.
+    - `late_since_s`: When the first of the blocks came that were all late, s.
+    - `n_steps_back`: How often a stamp was before the one before it.
+    - `fault`: Why the last block is not believed: a stamp that is no number, lies in the future, or late for a while.
 
-    Examples
-    --------
     >>> arrivals = Arrivals().after(np.array([1.0, 1.1]), arrival_s=1.11)
     >>> arrivals.fault, arrivals.after(np.array([1.05]), arrival_s=1.12).n_steps_back
     (None, 1)
@@ -204,10 +191,7 @@ class Reader:
     def check_channels(self, where: str, *channels: int) -> None:
         """Refuse a channel (from 0) that the source does not have.
 
-        Raises
-        ------
-        InvalidParameter
-            In one sentence that opens with `where`.
+        Raises `InvalidParameter` in one sentence that opens with `where`.
         """
         last = self.source.n_channels - 1
         for channel in channels:
@@ -234,10 +218,7 @@ class Reader:
     def open(self) -> None:
         """Begin to read; the second of two that share a reader changes nothing.
 
-        Raises
-        ------
-        DeviceFailed
-            If the device is not there.
+        Raises `DeviceFailed` if the device is not there.
         """
         if self._n_open == 0:
             self._open_source()
@@ -317,5 +298,4 @@ class Reader:
 
 
 def now_s() -> float:
-    """Our clock."""
     return time.perf_counter()

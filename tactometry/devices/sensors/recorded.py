@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.require import positive
+from ...arguments.constraints import Positive, PositiveWhole, constrained
 from ...errors import DeviceFailed, TactometryError
 from ...files.durable import read_file
 from ...files.samples import table_of_numbers
@@ -19,6 +19,7 @@ STEP_S = 0.005
 
 
 @dataclass(frozen=True)
+@constrained
 class RecordedSettings(SensorSettings):
     """A recording: a CSV file with a header, of which the first column is ``time_s`` and the others are channels, in
     counts.
@@ -35,11 +36,8 @@ class RecordedSettings(SensorSettings):
 
     live: ClassVar[bool] = False
     path: str
-    rate_hz: float
-    n_channels: int = 1
-
-    def __post_init__(self) -> None:
-        positive("RecordedSettings", rate_hz=self.rate_hz, n_channels=self.n_channels)
+    rate_hz: Positive
+    n_channels: PositiveWhole = 1
 
     def source(self) -> "RecordedSource":
         return RecordedSource(self)

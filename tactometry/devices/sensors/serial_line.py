@@ -1,20 +1,37 @@
-"""A sensor on a serial line, in the frames of `devices.framing` (extra: serial)."""
+"""A sensor on a serial line, in frames that each have a checksum (extra: serial).
+
+A frame, all little-endian:
+
+======  ====  ===========================================================
+offset  type  what
+======  ====  ===========================================================
+0       2s    ``A5 5A``
+2       u8    n_channels, 1 to 32
+3       u8    0
+4       u32   counter, one more for each frame, modulo 2**32
+8       u32   time of the sample on the device's clock, us, modulo 2**32
+12      i32   value of each channel, counts
+...     u32   CRC-32 (zlib's) of all bytes of the frame before it
+======  ====  ===========================================================
+"""
 
 import os
 import select
+import struct
+import zlib
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final, NamedTuple
 
-from ...arguments.require import positive
+from ...arguments.constraints import Positive, PositiveWhole, constrained
 from ...errors import DeviceFailed, library_needed
 from .counted_samples import CountedSamples
-from .framing import Framing
 from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
 
 LARGEST_READ = 65_536
 
 
 @dataclass(frozen=True)
+@constrained
 class SerialSettings(SensorSettings):
     """A serial line: `port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states.
 
@@ -31,12 +48,9 @@ class SerialSettings(SensorSettings):
     """
 
     port: str
-    rate_hz: float
-    n_channels: int = 1
-    baud: int = 921_600
-
-    def __post_init__(self) -> None:
-        positive("SerialSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, baud=self.baud)
+    rate_hz: Positive
+    n_channels: PositiveWhole = 1
+    baud: PositiveWhole = 921_600
 
     def source(self) -> "SerialSource":
         return SerialSource(self)
@@ -92,7 +106,6 @@ def _available(line: Any, n_missing: int) -> bytes:
 
 
 def _reason(error: Exception) -> str:
-    """What pyserial says of the system's own words, once."""
     number = getattr(error, "errno", None)
     return os.strerror(number) if number else " ".join(str(error).split())
 
@@ -101,3 +114,90 @@ def _library() -> Any:
     with library_needed("serial line: found no pyserial; pip install 'tactometry[serial]'"):
         import serial
     return serial
+
+
+SYNC: Final = b"\xa5\x5a"
+MOST_CHANNELS: Final = 32
+_HEAD: Final = struct.Struct("<2sBBII")
+_CHECKSUM: Final = struct.Struct("<I")
+
+
+class Frame(NamedTuple):
+    """One sample of all channels; `time_us` is the device's."""
+
+    counter: int
+    time_us: int
+    values: tuple[int, ...]
+
+
+def frame_bytes(n_channels: int) -> int:
+    """
+    >>> frame_bytes(1), frame_bytes(3)
+    (20, 28)
+    """
+    return _HEAD.size + 4 * n_channels + _CHECKSUM.size
+
+
+@dataclass(frozen=True)
+class Framing:
+    """What is left of a stream of bytes once its frames were taken out.
+
+    Whatever lies between, a frame that came whole is found; a frame with a wrong byte never is, but for one in 2**32.
+
+    - `n_channels`: Of every frame of this device.
+    - `rest`: Not yet a whole frame.
+    - `n_skipped`: Bytes that belonged to none.
+
+    >>> body = bytes.fromhex("a55a 0100 07000000 e8030000 fbffffff")
+    >>> sent = body + zlib.crc32(body).to_bytes(4, "little")
+    >>> framing, frames = Framing(n_channels=1).after(b"noise" + sent[:9])
+    >>> framing.after(sent[9:])[1]
+    [Frame(counter=7, time_us=1000, values=(-5,))]
+    """
+
+    n_channels: int
+    rest: bytes = b""
+    n_skipped: int = 0
+
+    @property
+    def n_missing(self) -> int:
+        """Bytes until the next frame can be whole, at least 1.
+
+        >>> Framing(n_channels=1).n_missing, Framing(n_channels=1, rest=SYNC).n_missing
+        (20, 18)
+        """
+        return frame_bytes(self.n_channels) - len(self.rest)
+
+    def after(self, data: bytes) -> tuple["Framing", list[Frame]]:
+        """Take in bytes: the new state, and the frames that are whole by now."""
+        stream = self.rest + data
+        at, n_skipped, frames = 0, self.n_skipped, []
+        n_frame = frame_bytes(self.n_channels)
+        while (begin := self._candidate(stream, at)) + n_frame <= len(stream):
+            n_skipped += begin - at
+            frame = _decode(stream[begin : begin + n_frame])
+            if frame is None:
+                # what looked like an opening may lie in another frame, or a frame in it: only its first byte is gone
+                at = begin + 1
+                n_skipped += 1
+            else:
+                at = begin + n_frame
+                frames.append(frame)
+        return Framing(self.n_channels, stream[begin:], n_skipped + begin - at), frames
+
+    def _candidate(self, stream: bytes, at: int) -> int:
+        """Where the next frame may begin: at its opening bytes, or at what is left of the stream of them."""
+        opening = SYNC + bytes([self.n_channels, 0])
+        begin = stream.find(opening, at)
+        if begin >= 0:
+            return begin
+        kept = next((n for n in (3, 2, 1) if stream.endswith(opening[:n])), 0)
+        return max(at, len(stream) - kept)
+
+
+def _decode(frame: bytes) -> Frame | None:
+    body = frame[: -_CHECKSUM.size]
+    if zlib.crc32(body) != _CHECKSUM.unpack(frame[-_CHECKSUM.size :])[0]:
+        return None
+    _, n, _, counter, time_us = _HEAD.unpack_from(body)
+    return Frame(counter, time_us, struct.unpack_from(f"<{n}i", body, _HEAD.size))

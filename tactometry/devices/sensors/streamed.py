@@ -7,11 +7,11 @@ from datetime import date
 
 import numpy as np
 
+from ...arguments.constraints import constrained
 from ...arguments.require import expect, finite, not_zero, without_none
-from ...arguments.unlimited import Unlimited
 from ...errors import InvalidParameter
 from ...signal import FloatArray
-from ..measured import Measured
+from ..measured import MaxAge, Measured
 from .reader import Reader, SampleBlock
 
 OnSamples = Callable[[FloatArray, FloatArray], None]
@@ -77,6 +77,7 @@ LARGEST_PLACE_M = 1e6
 
 
 @dataclass(frozen=True)
+@constrained
 class ForceCalibration(Measured):
     """One of three forms; what lies outside of a range that is known becomes NaN, a lost sample. So does a force above
     `LARGEST_FORCE_N`, as the value that an instrument sends at overload.
@@ -104,8 +105,6 @@ class ForceCalibration(Measured):
     max_age_days
         Age from which the calibration is refused.
 
-    Examples
-    --------
     >>> ForceCalibration(newtons_per_count=0.01, zero_count=100.0).force_n(np.array([100.0, 350.0])).tolist()
     [0.0, 2.5]
     >>> ForceCalibration(table_counts=(0.0, 10.0), table_forces_n=(0.0, 1.0)).force_n(np.array([5.0, 11.0])).tolist()
@@ -121,15 +120,15 @@ class ForceCalibration(Measured):
     count_high: float = math.inf
     measured_on: date | None = None
     measured_by: str | None = None
-    max_age_days: int | Unlimited | None = None
+    max_age_days: MaxAge | None = None
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         forms = without_none(
             {name: getattr(self, name) for name in ("newtons_per_count", "polynomial", "table_counts")}
         )
         several = "none or more than one of newtons_per_count, polynomial and table_counts"
         expect(len(forms) == 1, "ForceCalibration", several, "exactly one")
+
         if self.newtons_per_count is not None:
             not_zero("ForceCalibration", newtons_per_count=self.newtons_per_count)
             finite("ForceCalibration", zero_count=self.zero_count)
@@ -138,7 +137,17 @@ class ForceCalibration(Measured):
             expect(enough, "ForceCalibration.polynomial", self.polynomial, "at least two finite numbers")
             _check_turns(self.polynomial, self.count_low, self.count_high)
         if self.table_counts is not None:
-            _check_table(self.table_counts, self.table_forces_n or ())
+            counts, forces_n = self.table_counts, self.table_forces_n or ()
+            where = "ForceCalibration.table_counts"
+            paired = len(counts) == len(forces_n) >= 2 and np.isfinite([counts, forces_n]).all()
+            sizes = f"{len(counts)} counts and {len(forces_n)} table_forces_n"
+            expect(paired, where, sizes, "as many of both, at least two, all finite")
+            expect(np.all(np.diff(counts) > 0), where, "counts that do not rise", "rising ones")
+            steps_n = np.diff(forces_n)
+            follows = np.all(steps_n > 0) or np.all(steps_n < 0)
+            turns = "forces that neither rise nor fall with the counts"
+            expect(follows, "ForceCalibration.table_forces_n", turns, "that; measure them again")
+
         rises = self.count_low < self.count_high
         expect(rises, "ForceCalibration.count_low", self.count_low, f"below count_high, {self.count_high}")
 
@@ -155,18 +164,6 @@ class ForceCalibration(Measured):
         return (counts - self.zero_count) * (self.newtons_per_count or math.nan)
 
 
-def _check_table(counts: tuple[float, ...], forces_n: tuple[float, ...]) -> None:
-    where = "ForceCalibration.table_counts"
-    paired = len(counts) == len(forces_n) >= 2 and np.isfinite([counts, forces_n]).all()
-    sizes = f"{len(counts)} counts and {len(forces_n)} table_forces_n"
-    expect(paired, where, sizes, "as many of both, at least two, all finite")
-    expect(np.all(np.diff(counts) > 0), where, "counts that do not rise", "rising ones")
-    steps_n = np.diff(forces_n)
-    follows = np.all(steps_n > 0) or np.all(steps_n < 0)
-    turns = "forces that neither rise nor fall with the counts"
-    expect(follows, "ForceCalibration.table_forces_n", turns, "that; measure them again")
-
-
 def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None:
     slope = np.polynomial.Polynomial(polynomial).deriv().trim()
     roots = np.asarray(slope.roots(), complex)
@@ -180,7 +177,6 @@ def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None
 
 
 def streamed_force(reader: Reader, channel: int, calibration: ForceCalibration) -> StreamedSensor:
-    """A force sensor on one channel."""
     return StreamedSensor(reader, lambda counts: calibration.force_n(counts[:, channel]))
 
 
@@ -206,32 +202,19 @@ def streamed_position(
 
 
 def _within(values: FloatArray, largest: float) -> FloatArray:
-    """Return the values with NaN, a lost sample, for those beyond `largest`."""
     return np.where(np.abs(values) <= largest, values, np.nan)
 
 
 def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | None:
     """How fast a finger moved: the way along the mean positions of each `MEAN_S`, over the time between them.
 
-    Parameters
-    ----------
-    times_s : (n_samples,) array
-        Rising stamps, s.
-    positions_m : (n_samples, n_axes) array
-        Finite positions, m.
+    Raises `InvalidParameter` if the shapes do not fit or the stamps go back.
 
-    Returns
-    -------
-    float or None
-        None where the samples fill less than two such times.
+    - `times_s`: Rising stamps, s.
+    - `positions_m`: Finite positions, m.
 
-    Raises
-    ------
-    InvalidParameter
-        If the shapes do not fit or the stamps go back.
+    Returns: None where the samples fill less than two such times.
 
-    Examples
-    --------
     >>> times_s = np.arange(1000) / 1000
     >>> round(mean_speed_m_per_s(times_s, np.column_stack([0.03 * times_s, 0.04 * times_s])), 9)
     0.05

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from ...arguments.require import positive
+from ...arguments.constraints import Positive, constrained
 from ...errors import DeviceFailed, attempt
 from .reader import SampleBlock, SensorSettings, Source, now_s
 
@@ -34,6 +34,7 @@ HELD_S = 0.01
 
 
 @dataclass(frozen=True)
+@constrained
 class TouchSettings(SensorSettings):
     """A touch screen: `path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units.
 
@@ -46,10 +47,7 @@ class TouchSettings(SensorSettings):
     """
 
     path: str
-    rate_hz: float = 100.0
-
-    def __post_init__(self) -> None:
-        positive("TouchSettings", rate_hz=self.rate_hz)
+    rate_hz: Positive = 100.0
 
     def source(self) -> "TouchSource":
         return TouchSource(self)

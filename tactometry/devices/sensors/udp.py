@@ -12,7 +12,8 @@ import struct
 from dataclasses import dataclass
 from typing import Final
 
-from ...arguments.require import expect, positive
+from ...arguments.constraints import Positive, constrained
+from ...arguments.require import expect
 from ...errors import DeviceFailed, attempt
 from .counted_samples import CountedSamples
 from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
@@ -27,6 +28,7 @@ SILENT_S = 0.5
 
 
 @dataclass(frozen=True)
+@constrained
 class UdpSettings(SensorSettings):
     """A sensor that sends datagrams: its address; `sensor_rate_hz` is the rate of its own samples, of which it may
     send each n-th.
@@ -44,12 +46,11 @@ class UdpSettings(SensorSettings):
     """
 
     address: str
-    rate_hz: float
-    sensor_rate_hz: float = 7000.0
+    rate_hz: Positive
+    sensor_rate_hz: Positive = 7000.0
     port: int = 49_152
 
     def __post_init__(self) -> None:
-        positive("UdpSettings", rate_hz=self.rate_hz, sensor_rate_hz=self.sensor_rate_hz)
         expect(0 < self.port < 2**16, "UdpSettings.port", self.port, f"from 1 to {2**16 - 1}")
 
     def source(self) -> "UdpSource":

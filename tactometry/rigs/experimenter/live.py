@@ -9,12 +9,11 @@ import codecs
 import os
 import sys
 import threading
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from typing import Final, TextIO
 
-from .library_messages import heard
 from .terminal import ExperimenterTerminal, available
 
 PROMPT: Final = "> "
@@ -133,7 +132,6 @@ class LiveTerminal(ExperimenterTerminal):
             self._output = None
 
     def _erased(self) -> str:
-        """What takes away the rows that stand."""
         return f"\r\x1b[{self._n_rows - 1}A{ERASE_BELOW}" if self._n_rows > 1 else f"\r{ERASE_BELOW}"
 
     def _draw(self, above: str | None = None) -> None:
@@ -183,3 +181,44 @@ def one_by_one(file: int) -> Callable[[], None]:
             return
 
     return restore
+
+
+@contextmanager
+def heard(files: Sequence[int], tell: Callable[[str], None]) -> Iterator[None]:
+    """In the body each line that is written to these files (numbers, as 2 for errors) is told instead; what was
+    written last too, without an end of its line."""
+    with ExitStack() as last_first:
+        for file in files:
+            last_first.enter_context(_heard(file, tell))
+        yield
+
+
+@contextmanager
+def _heard(file: int, tell: Callable[[str], None]) -> Iterator[None]:
+    before, (source, sink) = os.dup(file), os.pipe()
+    listener = threading.Thread(target=_listen, args=(source, tell), name=f"messages {file}", daemon=True)
+    os.dup2(sink, file)
+    os.close(sink)
+    listener.start()
+    try:
+        yield
+    finally:
+        os.dup2(before, file)  # the last end of the pipe to write to, so that the listener comes to its end
+        os.close(before)
+        listener.join(1.0)
+        os.close(source)
+
+
+def _listen(source: int, tell: Callable[[str], None]) -> None:
+    rest = b""
+    while data := available(source):
+        *lines, rest = (rest + data).split(b"\n")
+        for line in lines:
+            _tell(line, tell)
+    _tell(rest, tell)
+
+
+def _tell(line: bytes, tell: Callable[[str], None]) -> None:
+    words = "".join(letter for letter in line.decode("utf-8", "replace") if letter.isprintable() or letter == "\t")
+    if words.strip():
+        tell(words.rstrip())

@@ -35,24 +35,13 @@ def utc_text(clock_s: float) -> str:
 class Supervisor:
     """Attends to the participant's Escape key and the experimenter's orders, in each frame.
 
-    Parameters
-    ----------
-    screen : Display
-    terminal : ExperimenterTerminal
-    log : EventLog or None
-        Where events are kept.
-    mute : callable
-        ``mute(on=True)`` puts the output to zero and keeps it there.
-    page : Page
-        What the participant sees in a pause.
-    stopped_page : Page
-        What the participant sees who stopped the session, for `STOPPED_S` or until the next key.
-    zero_s : float
-        When the session began, on `time.perf_counter`.
-    under_way, repeat : bool
-        Whether a trial is under way, and whether that is to be repeated.
-    last : Trial or None
-        The trial that was recorded last.
+    - `log`: Where events are kept.
+    - `mute`: ``mute(on=True)`` puts the output to zero and keeps it there.
+    - `page`: What the participant sees in a pause.
+    - `stopped_page`: What the participant sees who stopped the session, for `STOPPED_S` or until the next key.
+    - `zero_s`: When the session began, on `time.perf_counter`.
+    - `under_way`, `repeat`: Whether a trial is under way, and whether that is to be repeated.
+    - `last`: The trial that was recorded last.
     """
 
     screen: Display
@@ -71,7 +60,6 @@ class Supervisor:
         self._interventions: tuple[Intervention, ...] = ()
 
     def note(self, kind: Kind, **facts: Fact) -> None:
-        """Keep an event, with the time of now."""
         self._keep(kind, time.perf_counter(), facts)
 
     def _keep(self, kind: Kind, clock_s: float, facts: Mapping[str, Fact], duration_s: float | None = None) -> None:
@@ -89,10 +77,7 @@ class Supervisor:
     def attend(self, events: tuple[Input, ...]) -> bool:
         """Look at what was pressed and typed: True if the session was paused meanwhile.
 
-        Raises
-        ------
-        Stopped
-            If Escape was pressed, the window closed, or the experimenter wants to stop.
+        Raises `Stopped` if Escape was pressed, the window closed, or the experimenter wants to stop.
         """
         n_pauses = self._n_pauses
         self._look(events)
@@ -145,7 +130,12 @@ class Supervisor:
                 self.terminal.tell(HELP)
                 self.terminal.tell(self.terminal.standing)
             case "invalidate":
-                self._invalidate()
+                if self.last is None:
+                    self.terminal.tell("no trial is recorded yet that could be invalidated")
+                elif not self.last.valid:
+                    self.terminal.tell(f"trial {self.last.trial} does not count already")
+                else:
+                    self._intervene(Intervention("invalidate", self.last.key), f"trial {self.last.trial}: {WHEN}")
             case "skip" | "rest" | "end":
                 self._intervene(Intervention(order.wish), WHEN)
 
@@ -156,14 +146,6 @@ class Supervisor:
         self.repeat = True
         self.note("repeat", text=EXPERIMENTER)
         self.terminal.tell("this trial will be asked again")
-
-    def _invalidate(self) -> None:
-        if self.last is None:
-            self.terminal.tell("no trial is recorded yet that could be invalidated")
-        elif not self.last.valid:
-            self.terminal.tell(f"trial {self.last.trial} does not count already")
-        else:
-            self._intervene(Intervention("invalidate", self.last.key), f"trial {self.last.trial}: {WHEN}")
 
     def _intervene(self, intervention: Intervention, words: str) -> None:
         if intervention in self._interventions:
@@ -184,7 +166,6 @@ class Supervisor:
         self.last = next((trial for trial in reversed(tuple(trials)) if not trial.is_form), self.last)
 
     def end_trial(self, trial: Trial) -> None:
-        """A row is recorded."""
         self.under_way = self.repeat = False
         self._recorded([trial])
 
@@ -203,13 +184,8 @@ class Supervisor:
 class TrialLog:
     """Collects what belongs to the trial that is under way.
 
-    Parameters
-    ----------
-    supervisor : Supervisor
-        Notes the events.
-    screen : Display
-    facts : callable
-        What the devices say of themselves now.
+    - `supervisor`: Notes the events.
+    - `facts`: What the devices say of themselves now.
     """
 
     def __init__(self, supervisor: Supervisor, screen: Display, facts: Callable[[], Mapping[str, Fact]]) -> None:
@@ -222,7 +198,6 @@ class TrialLog:
         self._answered_s: float | None = None
 
     def note_decision(self, gate_delay_s: float | None) -> None:
-        """A gate opened so late."""
         self._delays_s += [] if gate_delay_s is None else [gate_delay_s]
 
     def note_answer(self, at_s: float) -> None:

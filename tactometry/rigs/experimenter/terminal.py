@@ -1,13 +1,19 @@
 """The experimenter's side: what is typed in the terminal while a session runs, and what is told there."""
 
+import math
 import os
 import queue
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, TextIO
+from typing import Any, Final, Literal, TextIO
 
-from ...errors import InvalidParameter, nearest
+from ...errors import InvalidParameter, count_of, nearest
+from ...session.event import Event
 from ...session.intervention import Wanted
+from ...session.progress import PartAhead, Progress
+from ...session.request import Request
+from ...trials.cells import cell
 from ..texts import phrases_in
 
 Wish = Literal["pause", "go", "repeat", "note", "stop", "help"] | Wanted
@@ -50,13 +56,6 @@ class Order:
 def order_of(line: str) -> Order:
     """The order of a typed line.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is none.
-
-    Examples
-    --------
     >>> order_of("n moved the hand"), order_of(" P ")
     (Order(wish='note', text='moved the hand'), Order(wish='pause', text=''))
     """
@@ -72,12 +71,8 @@ def order_of(line: str) -> Order:
 class ExperimenterTerminal:
     """Reads orders from a terminal in a thread of its own, and writes to it; without terminals it is silent.
 
-    Parameters
-    ----------
-    source, output : text file or None
-        Used where they are terminals.
-    language : str
-        Of what is said of the touches of a trial and of pauses, its two letters.
+    - `source`, `output`: Used where they are terminals.
+    - `language`: Of what is said of the touches of a trial and of pauses, its two letters.
     """
 
     def __init__(self, source: TextIO | None = None, output: TextIO | None = None, language: str = "en") -> None:
@@ -112,26 +107,21 @@ class ExperimenterTerminal:
         self.standing = words
 
     def add(self, words: str) -> None:
-        """Some more words on the line of this trial."""
         self._write(words if self._fresh_line else f" | {words}")
         self._fresh_line = False
 
     def say(self, phrase: str, /, **values: str | float) -> None:
-        """As `add`, by the name of the phrase."""
         self.add(self.phrases.of(phrase, **values))
 
     def end_line(self) -> None:
-        """What follows stands on a new line."""
         self._write("" if self._fresh_line else "\n")
         self._fresh_line = True
 
     def tell(self, words: str) -> None:
-        """A line of its own."""
         self.end_line()
         self._write(f"{words}\n")
 
     def close(self) -> None:
-        """What follows is of others."""
         self.end_line()
 
     def _write(self, words: str) -> None:
@@ -149,3 +139,56 @@ def available(file: int) -> bytes:
         return os.read(file, 4096)
     except OSError:
         return b""
+
+
+def status_words(progress: Progress, parts: Sequence[PartAhead]) -> str:
+    """The line, what matters most first: a narrow terminal cuts its end.
+
+    >>> status_words(Progress(), [PartAhead(n_trials=20, lasts_s=100.0)])
+    'trial 1 of 20 · 2 min left · 0 false alarms of 0 · 0 frames dropped · 0 gaps'
+    """
+    n_trials = sum(part.n_trials for part in parts)
+    n_next = min(progress.n_valid() + 1, max(n_trials, 1))
+    n_aborted = len(progress.aborted)
+    phrases = [
+        "over" if progress.over else f"trial {n_next} of {n_trials}",
+        f"{math.ceil(progress.left_s(parts) / 60)} min left",
+        f"{n_aborted} aborted" if n_aborted else "",
+        ", ".join(f"{name} {cell(level)}" for name, level in progress.factors.items()),
+        *_track_words(progress),
+        f"{count_of(progress.n_false_alarms, 'false alarm')} of {progress.n_catch}",
+        f"{count_of(progress.n_dropped_frames, 'frame')} dropped",
+        count_of(progress.n_gaps, "gap"),
+    ]
+    return " · ".join(filter(None, phrases))
+
+
+def _track_words(progress: Progress) -> list[str]:
+    track, last = progress.track, progress.last
+    if track is None or last is None:
+        return []
+    level = "blank" if last.level is None else f"{last.level:g} {last.level_unit}"
+    return [] if last.is_form else [f"last {level}", count_of(len(track.reversals), "reversal")]
+
+
+class StatusLine:
+    """Follows a session, and shows on a terminal where it stands."""
+
+    def __init__(self, terminal: ExperimenterTerminal, parts: Sequence[PartAhead]) -> None:
+        self._terminal, self._parts, self._progress = terminal, parts, Progress()
+        self._warned: str | None = None
+        self._show(Progress())
+
+    def hear(self, request: Request[Any], answer: object) -> None:
+        self._show(self._progress.after(request, answer))
+
+    def hear_event(self, event: Event) -> None:
+        self._show(self._progress.after_event(event))
+
+    def _show(self, progress: Progress) -> None:
+        self._progress = progress
+        self._terminal.status(status_words(progress, self._parts))
+        warning = progress.warning(self._parts)
+        if warning is not None and warning != self._warned:
+            self._terminal.tell(f"! {warning}")
+        self._warned = warning

@@ -69,7 +69,6 @@ class Marks:
         return None not in self.places
 
     def set(self, row: int, place: int) -> "Marks":
-        """With another mark in a row, which the keys then go to."""
         places = (*self.places[:row], place, *self.places[row + 1 :])
         return replace(self, places=places, row=row, warned=False)
 
@@ -110,44 +109,48 @@ def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
         answered = marks.set(marks.row, answer)
         return replace(answered, row=min(answered.row + 1, len(form.rows) - 1)), False
     if answer in (layout.CONFIRM, OPEN, BACK):
-        return _leave(marks, answer)
+        if answer == BACK:
+            return replace(marks, back=True), True
+        if answer == OPEN or marks.complete:
+            return marks, True
+        return replace(marks, row=marks.places.index(None), warned=True), False
     if answer in (NEXT, BEFORE):
         row = marks.row + (1 if answer == NEXT else -1)
         return replace(marks, row=min(max(row, 0), len(form.rows) - 1)), False
     return marks.set(marks.row, layout.shift(marks.places[marks.row], answer, form.n_positions)), False
 
 
-def _leave(marks: Marks, how: Answer) -> tuple[Marks, bool]:
-    if how == BACK:
-        return replace(marks, back=True), True
-    if how == OPEN or marks.complete:
-        return marks, True
-    return replace(marks, row=marks.places.index(None), warned=True), False
-
-
 def form_page(form: Form, marks: Marks, aspect: float) -> Page:
     """The rows with their marks, and boxes to leave the page."""
     pitch = (TOP - BOTTOM) / len(form.rows)
-    items: list[Item] = [*_head(form.words, aspect)]
+    width = layout.MARGIN * aspect
+    stem = Text(form.words.stem, -width / 2, STEM_Y, layout.BODY, wrap_width=width - 0.24, align="left")
+    count = Text(form.words.count, width / 2, STEM_Y, layout.HINT, QUIET, 0.24, "right")
+    head = [text for text in (stem, count) if text.words]
+    items: list[Item] = [*head]
     sliders: list[Slider] = []
     for k, row in enumerate(form.rows):
         y = TOP - (k + 0.5) * pitch
         if k == marks.row:
             items.append(Box(0, y, layout.MARGIN * aspect, 0.94 * pitch, line=ACCENT))
         items += _row(form, row, marks.places[k], y, pitch, aspect)
-        sliders.append(_slider(form, k, y, pitch, aspect))
-    return Page((*items, *_foot(form.words, marks, aspect)), (*sliders, *_keys(form, marks)))
-
-
-def _head(words: FormWords, aspect: float) -> list[Item]:
-    width = layout.MARGIN * aspect
-    stem = Text(words.stem, -width / 2, STEM_Y, layout.BODY, wrap_width=width - 0.24, align="left")
-    count = Text(words.count, width / 2, STEM_Y, layout.HINT, QUIET, 0.24, "right")
-    return [text for text in (stem, count) if text.words]
+        middle, height = scale_y(form, k, y, pitch), min(0.1, 0.7 * pitch)
+        slider = Slider(k, form.n_positions, 0.0, middle, scale_extent(form, aspect), height)
+        sliders.append(slider)
+    words = form.words
+    colour = GOOD if marks.warned else QUIET
+    back = _box(BACK_BUTTON, words.back) if words.back else []
+    leave_open = _box(OPEN_BUTTON, words.leave_open) if marks.warned else []
+    foot = [
+        *layout.confirm_box(CONFIRM_BUTTON, ready=marks.complete),
+        *back,
+        *leave_open,
+        Text(words.gaps if marks.warned else words.hint, 0, -0.44, layout.HINT, colour, layout.MARGIN * aspect),
+    ]
+    return Page((*items, *foot), (*sliders, *_keys(form, marks)))
 
 
 def scale_extent(form: Form, aspect: float) -> float:
-    """How long its scales are, in heights of the screen."""
     width = layout.MARGIN * aspect
     return width - 0.1 if form.wide else min(NARROW, 0.4 * width)
 
@@ -162,7 +165,7 @@ def _row(
 ) -> Sequence[Item]:
     statement, left, right = row
     width, length = layout.MARGIN * aspect, scale_extent(form, aspect)
-    letters = _letters(aspect)
+    letters = min(WORDS, WORDS_OF_WIDTH * aspect)
     above: list[Item] = [Text(statement, 0, y + 0.3 * pitch, letters, wrap_width=0.98 * width)] if statement else []
     middle = scale_y(form, form.rows.index(row), y, pitch)
     if form.wide:
@@ -175,10 +178,6 @@ def _row(
         Text(right, edge, ends_y, letters, wrap_width=side, align="right" if form.wide else "left"),
         *_scale(form, place, middle, length),
     ]
-
-
-def _letters(aspect: float) -> float:
-    return min(WORDS, WORDS_OF_WIDTH * aspect)
 
 
 def _scale(form: Form, place: int | None, y: float, length: float) -> list[Item]:
@@ -196,23 +195,6 @@ def _digits(xs: Sequence[float], y: float) -> list[Item]:
     if len(xs) > MOST_DIGITS:
         return []
     return [Text(str(k), x, y - 0.034, 0.022, QUIET) for k, x in enumerate(xs, 1)]
-
-
-def _slider(form: Form, row: int, y: float, pitch: float, aspect: float) -> Slider:
-    middle, height = scale_y(form, row, y, pitch), min(0.1, 0.7 * pitch)
-    return Slider(row, form.n_positions, 0.0, middle, scale_extent(form, aspect), height)
-
-
-def _foot(words: FormWords, marks: Marks, aspect: float) -> list[Item]:
-    colour = GOOD if marks.warned else QUIET
-    back = _box(BACK_BUTTON, words.back) if words.back else []
-    leave_open = _box(OPEN_BUTTON, words.leave_open) if marks.warned else []
-    return [
-        *layout.confirm_box(CONFIRM_BUTTON, ready=marks.complete),
-        *back,
-        *leave_open,
-        Text(words.gaps if marks.warned else words.hint, 0, -0.44, layout.HINT, colour, layout.MARGIN * aspect),
-    ]
 
 
 def _box(button: Button, words: str) -> list[Item]:

@@ -50,12 +50,10 @@ def shift(place: int | None, answer: Answer, n_places: int) -> int:
 
 
 def heading(words: str, y: float, aspect: float) -> Text:
-    """Words at the top of a page, as wide as can be read."""
     return Text(words, 0, y, HEADING, wrap_width=min(WIDEST, MARGIN * aspect))
 
 
 def hint_line(words: str, aspect: float) -> Text:
-    """What may be pressed, at the bottom of a page."""
     return Text(words, 0, -0.42, HINT, QUIET, MARGIN * aspect)
 
 
@@ -72,24 +70,20 @@ def message_page(
     if body:
         items.append(Text(body.strip(), 0, -0.16 if image else 0, BODY, wrap_width=width))
     if progress is not None:
-        items += _progress_bar(progress)
+        length = 0.8
+        done = length * min(max(progress, 0.0), 1.0)
+        progress_bar = [
+            Box((done - length) / 2, -0.26, done, 0.02, fill=ACCENT),
+            Box(0, -0.26, length, 0.02, line=EDGE),
+        ]
+        items += progress_bar
     items.append(Text(hint, 0, -0.42, HINT, QUIET, width))
     return Page(tuple(items), (Button("continue", CONTINUE_KEYS, 0, 0, aspect, 1.0),))
 
 
 def _picture(path: str, ratio: float, width: float) -> Picture:
-    """An image as large as it can be below a heading."""
     height = min(TALLEST, width / ratio)
     return Picture(path, 0, 0.18, ratio * height, height)
-
-
-def _progress_bar(progress: float) -> list[Item]:
-    length = 0.8
-    done = length * min(max(progress, 0.0), 1.0)
-    return [
-        Box((done - length) / 2, -0.26, done, 0.02, fill=ACCENT),
-        Box(0, -0.26, length, 0.02, line=EDGE),
-    ]
 
 
 def bar_page(words: str, hint: str, aspect: float, length: float) -> Page:
@@ -165,13 +159,9 @@ def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str
 
 def _letter_keys(label: str) -> tuple[str, ...]:
     """The first letter of a label, wherever it lies: keys are named by their place on a US keyboard."""
-    letter = _first_letter(label)
-    return (letter, *ELSEWHERE.get(letter, ())) if letter else ()
-
-
-def _first_letter(label: str) -> str:
     plain = unicodedata.normalize("NFKD", label).casefold()[:1]
-    return plain if "a" <= plain <= "z" else ""
+    letter = plain if "a" <= plain <= "z" else ""
+    return (letter, *ELSEWHERE.get(letter, ())) if letter else ()
 
 
 def marker_page(interval: int | None, *, playing: bool, words: str = "", why: str = "") -> Page:
@@ -185,7 +175,6 @@ def marker_page(interval: int | None, *, playing: bool, words: str = "", why: st
 
 
 def waiting_page() -> Page:
-    """A small cross that says nothing."""
     return Page((Box(0, 0, 0.04, 0.006, fill=QUIET), Box(0, 0, 0.006, 0.04, fill=QUIET)))
 
 

@@ -120,7 +120,6 @@ class Button:
     repeats: bool = False
 
     def outline(self, line: str) -> Box:
-        """Its rectangle, to be drawn."""
         return Box(self.x, self.y, self.width, self.height, line=line)
 
     def takes(self, event: Input) -> bool:
@@ -136,7 +135,6 @@ class Button:
         return abs(event.x - self.x) < self.width / 2 and abs(event.y - self.y) < self.height / 2
 
     def answer_to(self, event: Input) -> Answer | None:
-        """Its answer, if the event presses it."""
         return self.answer if self.takes(event) else None
 
 
@@ -206,7 +204,6 @@ class Display:
         return 0.0
 
     def refresh(self, page: Page) -> float:
-        """Show the next frame of the page: the time of the flip."""
         time.sleep(self.period_s)
         return self.present(page)
 
@@ -223,7 +220,6 @@ class Display:
 
     @property
     def period_s(self) -> float:
-        """From frame to frame."""
         return PERIOD_WITHOUT_BLANK_S
 
     def frame_intervals_s(self) -> list[float]:

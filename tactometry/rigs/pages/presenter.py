@@ -105,5 +105,4 @@ class Presenter:
         return ()
 
     def end_pause(self) -> None:
-        """A pause ends now."""
         self.paused_until_s = time.perf_counter()

@@ -36,23 +36,18 @@ def picture_page(words: str, meanings: Mapping[str, str], hint: str, aspect: flo
     """
     message = layout.message_page("", hint, aspect)
     numbers = [Text(str(n), *PLACES[part], layout.BODY / SCALE) for n, part in enumerate(meanings, 1)]
-    picture = _scaled([*_touch(meanings), *numbers], -0.25 * layout.MARGIN * aspect - 0.09, 0.0)
+    page = layout.marker_page(None, playing=True)
+    if "bar" in meanings:
+        page = layout.force_page(page, 1.0, 1.0, 0.2)
+    if "dot" in meanings:
+        page = layout.track_page(page, CUE, LENGTH, FINGER if "ring" in meanings else None)
+    touch = list(page.items)
+    picture = _scaled([*touch, *numbers], -0.25 * layout.MARGIN * aspect - 0.09, 0.0)
     items = (layout.heading(words, 0.39, aspect), *picture, *_legend(tuple(meanings.values()), aspect))
     return Page((*items, message.items[-1]), message.buttons)
 
 
-def _touch(parts: Mapping[str, str]) -> list[Item]:
-    """The page of a touch that is held, with these parts."""
-    page = layout.marker_page(None, playing=True)
-    if "bar" in parts:
-        page = layout.force_page(page, 1.0, 1.0, 0.2)
-    if "dot" in parts:
-        page = layout.track_page(page, CUE, LENGTH, FINGER if "ring" in parts else None)
-    return list(page.items)
-
-
 def _scaled(items: Sequence[Item], x: float, y: float) -> list[Item]:
-    """The items smaller, around (x, y)."""
     return [_item_scaled(replace(item, x=x + SCALE * item.x, y=y + SCALE * item.y)) for item in items]
 
 

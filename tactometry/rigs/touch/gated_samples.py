@@ -125,7 +125,6 @@ class GatedSamples(ABC, Generic[G]):
                 self._good_s = time_s  # of a first sample that is not good too: from there on the time counts
 
     def _is_bad_for(self, longest_s: float) -> bool:
-        """Whether no sample was good for longer."""
         last_s, good_s = self._trace.last_s, self._good_s
         return last_s is not None and good_s is not None and last_s - good_s > longest_s
 
@@ -205,8 +204,6 @@ class Release:
 
     It hears the force all the time; where none is `needed`, it is always given.
 
-    Examples
-    --------
     >>> release, gate = Release(), ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.5)
     >>> release.hear(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
     >>> release.happened(gate), release.begin(), release.happened(gate)

@@ -1,4 +1,4 @@
-"""One touch of the finger while a stimulus plays, with and without a force sensor."""
+"""One touch of the finger while a stimulus plays, with and without a force sensor or a page of ours."""
 
 import math
 import time
@@ -14,8 +14,8 @@ from ...followed import HELD_S, Course, path_lines
 from ...gates import VALID_PART, ForceGate, SpeedGate
 from ...provenance import digest_of
 from ...safety.limits import FORCE_PEAK_N
-from ...session.answer import Touched
-from ...session.request import Press, Slide
+from ...session.answer import Played, Touched
+from ...session.request import Play, Press, Slide
 from ...signal import Signal
 from ...trials.trial import Reason
 from ..judgement import broken_condition, compliance_fields
@@ -24,7 +24,7 @@ from ..pages.page import Page
 from ..pages.presenter import Dress, as_it_is
 from .gated_samples import MOVING_S, AppliedForce, FingerMotion, Release, Trace
 from .trigger import Trigger, hearing, quick_turns
-from .watchdog import TouchSetup, silence
+from .watchdog import TouchSetup, silence, watchdog
 
 TOLD_EVERY_S = 1.0
 
@@ -74,12 +74,10 @@ class Held:
 
     @property
     def released(self) -> bool:
-        """Whether the finger let go since the last touch."""
         return self.release.happened(self.applied_force.gate)
 
     @property
     def opened_s(self) -> float:
-        """The stamp of the sample that opened the last gate."""
         return max(samples.opened_s for samples in self._gated if samples.opened_s is not None)
 
     @property
@@ -207,14 +205,11 @@ class TouchCourse:
         self.setup.release.begin()
         decided_s, onset_s = begun
         touched = replace(self._judgement(signal, held, onset_s, cut_by), gate_s=held.let_through_s)
-        self._say_played(touched.force_mean_n)
-        return touched, held.delay_s(decided_s)
-
-    def _say_played(self, force_n: float | None) -> None:
-        if force_n is None:
+        if touched.force_mean_n is None:
             self.setup.say("played_unmeasured")
         else:
-            self.setup.say("played", force_n=force_n)
+            self.setup.say("played", force_n=touched.force_mean_n)
+        return touched, held.delay_s(decided_s)
 
     def _await_begin(self, held: Held, trigger: Trigger, sensor: StreamedSensor) -> tuple[float, float] | None:
         """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
@@ -284,3 +279,39 @@ class TouchCourse:
         if reason is None:
             reason = "sensor_lost" if force is None or speed_is_lost else broken_condition(self.request, force, speed)
         return self._answer(signal, onset_s, reason, n_gaps, **compliance_fields(force, speed))
+
+
+class Beside:
+    """Begins with the object, under the eyes of the force sensor.
+
+    - `signal`: None for a blank.
+    - `give_back`: Gives the screen back after a page that a pause needs.
+    """
+
+    def __init__(self, setup: TouchSetup, request: Play, signal: Signal | None, give_back: Callable[[], None]) -> None:
+        self._setup, self._request, self._signal, self._give_back = setup, request, signal, give_back
+        self._watched = ExitStack()
+        self._look = self._watched.enter_context(watchdog(setup))
+        self._onset_s = setup.emitter.emit(signal)
+
+    @property
+    def cut(self) -> bool:
+        """Whether a pause cut it short; nothing plays again by itself."""
+        return self._setup.presenter.paused_until_s > self._onset_s
+
+    def look(self) -> bool:
+        """In each frame: whether it plays on. What the sensor must not say (silence, too much force) pauses here."""
+        try:
+            self._look()
+        finally:
+            self._give_back()
+        return not self.cut and time.perf_counter() < self._onset_s + self._request.duration_s
+
+    def end(self) -> Played:
+        """Zero now, and what was played (its onset on `time.perf_counter`)."""
+        emitter = self._setup.emitter
+        n_gaps = emitter.n_gaps(self._signal)
+        emitter.stop()
+        self._watched.close()
+        delivered = None if self.cut else emitter.level_delivered(self._request.level)
+        return Played(self._onset_s, delivered, emitter.digest(self._signal) or "", n_gaps)

@@ -19,14 +19,9 @@ class Trigger:
 
     `consider` is called from any thread, after each block of samples; it never waits for another that considers.
 
-    Parameters
-    ----------
-    opens, breaks : callable
-        What the samples up to now say.
-    fire : callable
-        Begins to play: the onset on `time.perf_counter`, s; None if it may not just now.
-    stop : callable
-        Zero now.
+    - `opens`, `breaks`: What the samples up to now say.
+    - `fire`: Begins to play: the onset on `time.perf_counter`, s; None if it may not just now.
+    - `stop`: Zero now.
     """
 
     def __init__(

@@ -11,9 +11,8 @@ from tactometry.errors import TactometryError
 from tactometry.provenance import sha256
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
-from tactometry.rigs.images import ImageTable, image_of
 from tactometry.rigs.pages.page import Picture
-from tactometry.rigs.texts import texts_in
+from tactometry.rigs.texts import ImageTable, image_of, texts_in
 from tactometry.session.request import Show
 
 RED, BLUE = (255, 0, 0), (0, 0, 255)

@@ -10,7 +10,7 @@ import pytest
 from patience import LONGEST_PROGRAM_S
 
 from tactometry.errors import InvalidParameter
-from tactometry.rigs.displays import ConnectedScreen, check_screen
+from tactometry.rigs.keyboard import ConnectedScreen, check_screen
 
 BENCH = "[screen]\nfullscreen = false\nwidth_px = 400\nheight_px = 320\nscreen = {}\n"
 HALVES = """

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
+from ..session.run import LiveRig
 from ..trials.trial import Trial
-from .live_rig import LiveRig
 
 
 class Hurried(LiveRig):

@@ -1,0 +1,221 @@
+"""The posterior of the hyperparameters, integrated over by importance sampling at fixed points.
+
+Means and effects are integrated over by Laplace's approximation at each point (as INLA: Rue, Martino and Chopin 2009,
+J. R. Stat. Soc. B 71, 319-392). The points are those of an additive recurrence (a quasi-random sequence), turned into
+Student's t at the mode, then into one with the moments found; both rounds are weighed together.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gammaincinv, ndtr, ndtri
+
+from ..arrays import Array, Rows
+from ..mixed_models.laplace import symmetric_inverse
+from .inner import Bordered, InnerMode, bordered, find_inner
+from .model import GroupModel
+
+N_POINTS = 256
+"""Points of a round; the first, at the mode, has half of them."""
+ENOUGH, MAX_ROUNDS = 0.15, 5
+"""Rounds are added until so many effective points, in parts of a round, or so many rounds are reached."""
+FEWEST_EFFECTIVE = 5.0
+DF = 5.0
+"""Degrees of freedom of Student's t."""
+STEP = 0.05
+GRADIENT_STEP = 1e-3
+UNITS_AT_ONCE = 100_000
+"""Levels of cells that are computed together: about 50 MB."""
+GOLDEN_ROUNDS = 40
+FARTHEST, BISECTIONS = 10.0, 50
+SMALLEST_SD = 1e-12
+
+
+@dataclass(frozen=True)
+class Conditional(Rows):
+    """Laplace's approximation at hyperparameters: `log_density` (n,) of these, the `means` (n, n_fixed) with
+    covariances, and predictors (n, n_participants, n_conditions, 2) of the cells with their variances."""
+
+    hyper: Array
+    log_density: Array
+    means: Array
+    covariance: Array
+    cells: Array
+    variances: Array
+    effects: Array
+
+
+@dataclass(frozen=True)
+class Integrated:
+    """Points with weights that sum to 1; `n_effective` of them count."""
+
+    at: Conditional
+    weights: Array
+
+    @property
+    def n_effective(self) -> float:
+        return _n_effective(self.weights)
+
+    def mean(self, values: Array) -> Array:
+        return np.asarray(np.tensordot(self.weights, values, axes=1))
+
+
+class Laplace:
+    """The log posterior of hyperparameters; each call starts at the means and effects of the best point so far."""
+
+    def __init__(self, model: GroupModel, hyper: Array, means: Array) -> None:
+        n = model.study.n_participants
+        self.model, self.means, self.effects = model, means, np.zeros((n, model.random.shape[2]))
+        found = self(hyper[None])
+        self.move(found)
+
+    def move(self, found: "Conditional") -> None:
+        best = int(np.argmax(found.log_density))
+        self.means, self.effects = found.means[best], found.effects[best]
+
+    def __call__(self, hyper: Array) -> Conditional:
+        n_at_once = max(1, UNITS_AT_ONCE // self.model.counts.u.size)
+        parts = [self._some(hyper[i : i + n_at_once]) for i in range(0, len(hyper), n_at_once)]
+        whole = parts[0]
+        for part in parts[1:]:
+            whole = whole.joined(part)
+        return whole
+
+    def _some(self, hyper: Array) -> Conditional:
+        model = self.model
+        with np.errstate(all="ignore"):
+            inner = find_inner(model, hyper, self.means, self.effects)
+            precision, half = model.precision(hyper)
+            hessian = bordered(model, model.information(inner.points, hyper), precision)
+            n = model.study.n_participants
+            value = inner.value + n * half - hessian.half_log_determinant + model.log_prior(hyper)
+            covariance = np.asarray(np.linalg.inv(hessian.schur), dtype=np.float64)
+            cells, variances = _cells(model, inner, hessian, covariance)
+        value = np.where(np.isfinite(value), value, -np.inf)
+        return Conditional(hyper, value, inner.means, covariance, cells, variances, inner.effects)
+
+
+def _cells(model: GroupModel, inner: InnerMode, hessian: Bordered, covariance: Array) -> tuple[Array, Array]:
+    """Thresholds and log widths of the cells, with variances."""
+    z, x = model.random[:, :2], model.fixed[:, :2]
+    spread = np.linalg.solve(hessian.local[:, :, None], np.swapaxes(z, 1, 2))
+    inside = np.einsum("cdq,nicqd->nicd", z, spread)
+    along = x - np.einsum("cdq,niqp->nicdp", z, hessian.pulled)
+    brought = np.einsum("nicdp,npr,nicdr->nicd", along, covariance, along, optimize=True)
+    return inner.points[..., :2], inside + brought
+
+
+def find_mode(laplace: Laplace, hyper: Array) -> tuple[Array, Array]:
+    """Return the mode of the hyperparameters and their covariance there."""
+    from scipy.optimize import minimize  # slow to load
+
+    k = len(hyper)
+    around = np.concatenate([np.zeros((1, k)), GRADIENT_STEP * np.eye(k), -GRADIENT_STEP * np.eye(k)])
+
+    def negative(at: Array) -> tuple[float, Array]:
+        found = laplace(at + around)
+        values = found.log_density
+        if not np.isfinite(values).all():
+            return 1e12, np.zeros(k)
+        laplace.means, laplace.effects = found.means[0], found.effects[0]
+        return -values[0], -(values[1 : k + 1] - values[k + 1 :]) / (2 * GRADIENT_STEP)
+
+    mode = minimize(negative, hyper, jac=True, method="BFGS", options={"gtol": 1e-2, "maxiter": 100}).x
+    pairs = [(i, j) for i in range(k) for j in range(i)]
+    unit = 2 * STEP * np.eye(k)
+    first = [mode + side * unit[i] for side in (1, -1) for i in range(k)]
+    second = [mode + a * unit[i] + b * unit[j] for a, b in ((1, 1), (1, -1), (-1, 1), (-1, -1)) for i, j in pairs]
+    values = laplace(np.array([mode, *first, *second])).log_density
+    here, up, down = values[0], values[1 : k + 1], values[k + 1 : 2 * k + 1]
+    crossed = values[2 * k + 1 :].reshape(4, -1)
+    hessian = np.diag((up + down - 2 * here) / (2 * STEP) ** 2)
+    mixed = (crossed[0] - crossed[1] - crossed[2] + crossed[3]) / (4 * (2 * STEP) ** 2)
+    for (i, j), value in zip(pairs, mixed, strict=True):
+        hessian[i, j] = hessian[j, i] = value
+    return mode, symmetric_inverse(-np.nan_to_num(hessian))[0]
+
+
+def sequence(n: int, k: int) -> Array:
+    """Return quasi-random points (n, k) in the unit cube: an additive recurrence (Roberts 2018).
+
+    >>> sequence(2, 1).round(3).tolist()
+    [[0.118], [0.736]]
+    """
+    root = 2.0
+    for _ in range(GOLDEN_ROUNDS):
+        root = (1 + root) ** (1 / (k + 1))
+    return np.asarray((0.5 + np.arange(1, n + 1)[:, None] * root ** -np.arange(1, k + 1)) % 1)
+
+
+def _student(n: int, mode: Array, covariance: Array) -> Array:
+    """Return points (n, k) of Student's t."""
+    u = sequence(n, len(mode) + 1)
+    shrink = np.sqrt(gammaincinv(DF / 2, u[:, -1]) / (DF / 2))
+    return np.asarray(mode + ndtri(u[:, :-1]) / shrink[:, None] @ np.linalg.cholesky(covariance).T)
+
+
+def _log_student(x: Array, mode: Array, covariance: Array) -> Array:
+    root = np.linalg.cholesky(covariance)
+    away = np.linalg.solve(root, (x - mode).T)
+    k = len(mode)
+    return np.asarray(-np.log(np.diagonal(root)).sum() - 0.5 * (DF + k) * np.log1p(np.square(away).sum(axis=0) / DF))
+
+
+def integrate(laplace: Laplace, hyper: Array, n_points: int = N_POINTS) -> Integrated:
+    """Return the points and weights of an integral over the hyperparameters.
+
+    Raises
+    ------
+    LinAlgError
+        With fewer than `FEWEST_EFFECTIVE` effective points.
+    """
+    proposals, sizes = [find_mode(laplace, hyper)], [max(1, n_points // 2)]
+    at = laplace(_student(sizes[0], *proposals[0]))
+    weights = _weights(at, proposals, sizes)
+    while len(sizes) < 2 or (_n_effective(weights) < ENOUGH * n_points and len(sizes) < MAX_ROUNDS):
+        laplace.move(at)
+        proposals.append(_moments(at.hyper, weights, proposals[0][1]))
+        sizes.append(n_points)
+        at = at.joined(laplace(_student(n_points, *proposals[-1])))
+        weights = _weights(at, proposals, sizes)
+    if _n_effective(weights) < FEWEST_EFFECTIVE:
+        raise np.linalg.LinAlgError("too few effective points")
+    return Integrated(at, weights)
+
+
+def _n_effective(weights: Array) -> float:
+    return float(1 / np.square(weights).sum())
+
+
+def _weights(at: Conditional, proposals: list[tuple[Array, Array]], sizes: list[int]) -> Array:
+    shares = [np.log(n) + _log_student(at.hyper, *one) for n, one in zip(sizes, proposals, strict=True)]
+    log_weights = at.log_density - np.logaddexp.reduce(shares, axis=0)
+    if not np.isfinite(log_weights.max()):
+        raise np.linalg.LinAlgError("no point has a density")
+    weights = np.exp(log_weights - log_weights.max())
+    return np.asarray(weights / weights.sum())
+
+
+def _moments(x: Array, weights: Array, before: Array) -> tuple[Array, Array]:
+    """Return the weighted mean and covariance, the latter drawn to that before by the few points that count."""
+    mean = weights @ x
+    away = x - mean
+    n = 1 / np.square(weights).sum()
+    share = n / (n + 2 * x.shape[1])
+    return mean, share * (away.T * weights) @ away + (1 - share) * before
+
+
+def quantiles(weights: Array, means: Array, sds: Array, share: float) -> Array:
+    """Return quantiles of mixtures of normals (n_points, ...), by bisection."""
+    low, high = (means + side * FARTHEST * sds for side in (-1, 1))
+    low, high = low.min(axis=0), high.max(axis=0)
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        is_below = np.tensordot(weights, normal_chances(means - middle, sds), axes=1) < share
+        low, high = np.where(is_below, middle, low), np.where(is_below, high, middle)
+    return np.asarray((low + high) / 2)
+
+
+def normal_chances(means: Array, sds: Array) -> Array:
+    """Return the chances that normal values lie below 0; without a spread 0 or 1."""
+    return np.asarray(ndtr(-means / np.maximum(sds, SMALLEST_SD)))

@@ -1,0 +1,182 @@
+"""Constraints on numbers as data, and the error message for a value that violates one.
+
+The classes of `annotated_types` state a constraint: ``frequency_hz: Annotated[float, Gt(0)]``. `checked` reads it for
+the arguments of a call, and `constrained` for the fields of a dataclass built in a call or from a file.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache, lru_cache, partial
+from math import inf, nextafter
+from types import UnionType
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+from annotated_types import Ge, Gt, Interval, IsFinite
+
+from ..errors import InvalidParameter
+from .magnitudes import LARGEST_COUNT, TINY, domain, is_number
+
+T = TypeVar("T")
+Check = Callable[[str, Any], None]
+
+Finite = IsFinite[float]
+Positive = Annotated[float, Gt(0)]
+PositiveWhole = Annotated[int, Gt(0)]
+NotNegative = Annotated[float, Ge(0)]
+Share = Annotated[float, Interval(ge=0, le=1)]
+Rate = Annotated[float, Interval(ge=0, lt=1)]
+
+
+@dataclass(frozen=True)
+class NumberRange:
+    """Numbers that a constraint allows, and their description in an error message.
+
+    Above `floor`, a refused number has the wrong size: `sized` describes it; otherwise `expected` does.
+    """
+
+    low: float
+    high: float
+    expected: str
+    sized: str
+    floor: float
+    zero: bool = False
+    whole: bool = False
+
+    def check(self, where: str, value: Any) -> None:
+        known = is_whole(value) if self.whole else is_number(value)
+        if known and (self.low <= value <= self.high or (self.zero and value == 0)):
+            return
+        words = self.sized if known and value > self.floor else self.expected
+        raise InvalidParameter(f"{where}: found {excerpt(value)}, expected {words}")
+
+
+def number_range(limits: Interval, name: str, whole: bool = False) -> NumberRange:
+    """Return the numbers within `limits`; the unit that ends `name` bounds magnitudes that the limits leave open.
+
+    The limits of a real number are none, a lower bound of 0, or a bound on each side.
+
+    >>> number_range(Interval(gt=0), "Sine.frequency_hz").expected
+    'a finite number above 0'
+    >>> number_range(Interval(ge=0, lt=1), "Observer.lapse_rate").expected
+    'a number from 0 to below 1'
+    """
+    if whole:
+        low = -LARGEST_COUNT if limits.ge is None else limits.ge
+        high = LARGEST_COUNT if limits.le is None else limits.le
+        at_least, at_most = f"a whole number, at least {low}", f"a whole number, at most {high}"
+        return NumberRange(low, high, at_least, at_most, low, whole=True)  # type: ignore[arg-type]
+
+    smallest, largest = domain(name)
+    sized = size_words(smallest, largest)
+    if limits == Interval():
+        return NumberRange(-largest, largest, "a finite number", size_words(0.0, largest), -inf)
+    if limits == Interval(gt=0):
+        return NumberRange(smallest or TINY, largest, "a finite number above 0", sized, 0.0)
+    if limits == Interval(ge=0):
+        or_zero = f"0 or {sized}" if smallest else sized
+        return NumberRange(smallest, largest, "a finite number, at least 0", or_zero, 0.0, zero=True)
+
+    bounds: Any = limits
+    low = bounds.ge if bounds.gt is None else nextafter(bounds.gt, inf)
+    high = bounds.le if bounds.lt is None else nextafter(bounds.lt, -inf)
+    opening = f"above {bounds.gt:g} and" if bounds.ge is None else f"from {bounds.ge:g} to"
+    at_most = "at most " if bounds.ge is None else ""
+    closing = f"below {bounds.lt:g}" if bounds.le is None else f"{at_most}{bounds.le:g}"
+    words = f"a number {opening} {closing}"
+    return NumberRange(low, high, words, words, inf)
+
+
+def ranges(limits: Interval, whole: bool = False) -> Callable[[str], NumberRange]:
+    """Return the function that gives the numbers within `limits` for a name, and keeps them."""
+    return lru_cache(maxsize=4096)(partial(number_range, limits, whole=whole))
+
+
+def constrained(kind: type[T]) -> type[T]:
+    """Check the fields of a dataclass against their constraints before its own ``__post_init__``.
+
+    >>> @dataclass(frozen=True)
+    ... @constrained
+    ... class Tone:
+    ...     frequency_hz: Positive
+    >>> Tone(-3.0)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Tone.frequency_hz: found -3.0, expected a finite number above 0
+    """
+    own: Callable[[T], None] | None = vars(kind).get("__post_init__")
+
+    def check_fields(self: T) -> None:
+        owner: Any = type(self)
+        for name, check in _field_checks(owner).items():
+            check(f"{owner.__name__}.{name}", getattr(self, name))
+        if own is not None:
+            own(self)
+
+    kind.__post_init__ = check_fields  # type: ignore[attr-defined]
+    return kind
+
+
+@cache
+def check_of(hint: Any) -> Check | None:
+    """Return the check of the constraint in an annotation, or None if it states no constraint.
+
+    In a union, a value of another class (None, "unlimited") meets the constraint. A constraint on the items of a tuple
+    or dict applies to each item.
+    """
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        limits = limits_of(hint)
+        if limits is None:
+            return None
+        range_of = ranges(limits, whole=hint.__origin__ is int and limits.gt is None)
+        return lambda where, value: range_of(where).check(where, value)
+    if origin in (Union, UnionType):
+        check = next(filter(None, map(check_of, inner)), None)
+        return check and _check_unless(tuple(part for part in inner if isinstance(part, type)), check)
+    if origin in (tuple, dict):
+        item = check_of(inner[-1] if origin is dict else inner[0])
+        return item and _check_items(item)
+    return None
+
+
+def limits_of(hint: Any) -> Interval | None:
+    """Return the bounds that the notes of an annotation state, or None."""
+    notes = [part for note in hint.__metadata__ for part in (note if isinstance(note, Interval) else (note,))]
+    bounds = {name: getattr(note, name) for note in notes for name in ("gt", "ge", "lt", "le") if hasattr(note, name)}
+    return Interval(**bounds) if bounds or hint == Finite else None
+
+
+def is_whole(value: Any) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def excerpt(value: object) -> str:
+    """What was found, on one line and not too long."""
+    return f"{' '.join(repr(value).split()):.60}"
+
+
+def size_words(low: float, high: float) -> str:
+    return f"a number from {low:g} to {high:g}" if low else f"a number of at most {high:g}"
+
+
+@cache
+def _field_checks(kind: type) -> Mapping[str, Check]:
+    hints = get_type_hints(kind, include_extras=True)
+    return {name: check for name, hint in hints.items() if (check := check_of(hint)) is not None}
+
+
+def _check_unless(classes: tuple[type, ...], check: Check) -> Check:
+    def check_others(where: str, value: Any) -> None:
+        if not isinstance(value, classes):
+            check(where, value)
+
+    return check_others
+
+
+def _check_items(check: Check) -> Check:
+    def check_each(where: str, value: Any) -> None:
+        items = [(f".{key}", item) for key, item in value.items()] if isinstance(value, Mapping) else []
+        for place, item in items or [(f"[{place}]", item) for place, item in enumerate(value)]:
+            check(f"{where}{place}", item)
+
+    return check_each

@@ -1,0 +1,157 @@
+"""Changes of a simulated participant during a session: learning, fatigue, drift, runs of lapses, dependence."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import exp, sqrt
+from typing import Final, Protocol, Self, runtime_checkable
+
+import numpy as np
+
+from ..arguments.constraints import Finite, NotNegative, Positive, Share, constrained
+from .responses import either
+
+Answer = float | str | None
+"""The response of a row."""
+
+
+@dataclass(frozen=True)
+class Shift:
+    """By how much a participant is off in one trial: more sensitive, more reluctant to say yes (in units of the
+    internal noise), and with lapses beside the usual ones."""
+
+    sensitivity_db: float = 0.0
+    criterion: float = 0.0
+    lapse_rate: float = 0.0
+
+    def __add__(self, other: "Shift") -> "Shift":
+        """Both: who lapses for one reason cannot lapse for another.
+
+        >>> Shift(1.0, lapse_rate=0.5) + Shift(2.0, lapse_rate=0.5)
+        Shift(sensitivity_db=3.0, criterion=0.0, lapse_rate=0.75)
+        """
+        return Shift(
+            self.sensitivity_db + other.sensitivity_db,
+            self.criterion + other.criterion,
+            either(self.lapse_rate, other.lapse_rate),
+        )
+
+
+class Change(Protocol):
+    """A pure function of how many trials were before, what was answered in them, and a stream of its own, which stands
+    at its beginning in every trial."""
+
+    def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift: ...
+
+
+@runtime_checkable
+class Shifted(Protocol):
+    """An observer that can be off."""
+
+    def shifted(self, shift: Shift) -> Self: ...
+
+
+@dataclass(frozen=True)
+@constrained
+class CriterionDrift:
+    """A stationary first-order process of standard deviation `sd`, in units of the internal noise, whose correlation
+    falls to 1/e over `n_trials` trials (unverified defaults).
+
+    - `sd`: Standard deviation of the criterion, in units of the internal noise.
+    - `n_trials`: After so many trials its correlation has fallen to 1/e.
+    """
+
+    sd: NotNegative = 0.3
+    n_trials: Positive = 50.0
+
+    def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
+        del answers
+        keep = exp(-1 / self.n_trials)
+        steps = rng.standard_normal(n_trials + 1)
+        weights = keep ** np.arange(n_trials, -1, -1.0)
+        weights[1:] *= sqrt(1 - keep**2)  # the first has the variance of the process
+        return Shift(criterion=self.sd * float(weights @ steps))
+
+
+@dataclass(frozen=True)
+@constrained
+class Fatigue:
+    """Less sensitive by `loss_db` after `n_trials` trials, in proportion to them (unverified defaults).
+
+    - `loss_db`: By how much less is felt after `n_trials`.
+    - `n_trials`: The trials after which that is so.
+    """
+
+    loss_db: Finite = 2.0
+    n_trials: Positive = 500.0
+
+    def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
+        del answers, rng
+        return Shift(sensitivity_db=-self.loss_db * n_trials / self.n_trials)
+
+
+@dataclass(frozen=True)
+@constrained
+class LapsesInRuns:
+    """A chain of two states: attention is lost with the chance `loss_rate` a trial and comes back with `return_rate`;
+    meanwhile `lapse_rate` of the answers are at random (unverified defaults). In the long run it is lost in
+    ``loss_rate / (loss_rate + return_rate)`` of the trials, for ``1 / return_rate`` trials each time.
+
+    - `loss_rate`: Chance a trial that attention is lost.
+    - `return_rate`: Chance a trial that it comes back.
+    - `lapse_rate`: Share of answers at random meanwhile.
+    """
+
+    loss_rate: Share = 0.01
+    return_rate: Share = 0.2
+    lapse_rate: Share = 0.9
+
+    def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
+        del answers
+        is_lost = False
+        for chance in rng.random(n_trials + 1).tolist():
+            is_lost = chance >= self.return_rate if is_lost else chance < self.loss_rate
+        return Shift(lapse_rate=self.lapse_rate if is_lost else 0.0)
+
+
+@dataclass(frozen=True)
+@constrained
+class SlowLearning:
+    """At the first trial less sensitive by `gain_db`, after `n_trials` trials by 1/e of it (unverified defaults).
+
+    - `gain_db`: By how much less is felt at the first trial.
+    - `n_trials`: After so many trials 1/e of it is left.
+    """
+
+    gain_db: Finite = 3.0
+    n_trials: Positive = 100.0
+
+    def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
+        del answers, rng
+        return Shift(sensitivity_db=-self.gain_db * exp(-n_trials / self.n_trials))
+
+
+@dataclass(frozen=True)
+@constrained
+class SerialDependence:
+    """After a yes the criterion is lower by `pull`, in units of the internal noise, after a no higher (unverified
+    default); below 0, answers alternate. It acts on questions with a criterion: yes/no, same or different.
+
+    - `pull`: By how much the criterion is lower after a yes, in units of the internal noise.
+    """
+
+    pull: Finite = 0.2
+
+    def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
+        del n_trials, rng
+        last = answers[-1] if answers else None
+        return Shift(criterion=-self.pull if last else self.pull) if last in (0, 1) else Shift()
+
+
+CHANGES: Final = {
+    "learning": f"{__name__}:SlowLearning",
+    "fatigue": f"{__name__}:Fatigue",
+    "lapses_in_runs": f"{__name__}:LapsesInRuns",
+    "criterion_drift": f"{__name__}:CriterionDrift",
+    "serial_dependence": f"{__name__}:SerialDependence",
+}
+"""Kinds of change, by the names of a study file."""
