@@ -118,7 +118,10 @@ def _prior(study: StudyCounts) -> Callable[[Array], tuple[float, Array]]:
     groups = range(study.n_groups)
     wide = np.array([reach[study.width_group == g].max() for g in groups])
     narrow = np.array([gap[study.width_group == g].min() for g in groups]) / wide
-    answers = {LAPSE: (0, 0), GUESS: (study.n_false_alarms, study.n_catch - study.n_false_alarms)}
+    answers = {
+        LAPSE: (0, 0, study.lapse_beta),
+        GUESS: (study.n_false_alarms, study.n_catch - study.n_false_alarms, study.guess_beta),
+    }
 
     def log_prior(parameters: Array) -> tuple[float, Array]:
         m, v, angles = np.split(parameters, [study.n_conditions, study.n_conditions + study.n_groups])
@@ -130,8 +133,8 @@ def _prior(study: StudyCounts) -> Callable[[Array], tuple[float, Array]]:
         slopes = [by_m / reach, by_v]
         for angle, place in zip(angles, study.shared, strict=True):
             rate, slope, _ = rate_of(angle)
-            n_yes, n_no = (np.array(float(n)) for n in answers[place])
-            value, by_rate, _ = log_rate(rate, n_yes, n_no, study.rate_beta)
+            n_yes, n_no, beta = (np.array(float(n)) for n in answers[place])
+            value, by_rate, _ = log_rate(rate, n_yes, n_no, float(beta))
             total += float(value)
             slopes.append(np.atleast_1d(by_rate * slope))
         return total, np.concatenate(slopes)

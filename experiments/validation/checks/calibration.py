@@ -82,7 +82,7 @@ def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
     """Threshold, width, lapse rate and guess rate (n, 4), by the inverse of each distribution function."""
     none = np.zeros(1)
     prior = model.prior(np.array([LEVELS[1] - LEVELS[0]]), none, none)
-    narrowest, beta = prior.narrowest, prior.rate_beta
+    narrowest, betas = prior.narrowest, (prior.lapse_beta, prior.guess_beta)
     threshold = inverse(lambda m: log_threshold(m)[0], (-1.0, 1.0), rng.random(n))
     log_w = inverse(
         lambda v: log_width(v, narrowest, scale_free=prior.scale_free_width)[0] + v,
@@ -90,7 +90,7 @@ def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
         rng.random(n),
     )
     lapse, guess = (
-        inverse(lambda x: log_rate(x, none, none, beta)[0], (0.0, LARGEST_RATE), rng.random(n)) for _ in range(2)
+        inverse(lambda x, b=beta: log_rate(x, none, none, b)[0], (0.0, LARGEST_RATE), rng.random(n)) for beta in betas
     )
     if prior.equal_asymptotes:
         guess = lapse
