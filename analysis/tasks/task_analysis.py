@@ -13,6 +13,10 @@ from ..reading.level_scale import is_logarithm
 from ..reading.trials import Trials
 
 SHAPE = "normal"
+ESTIMATE = "median"
+"""The threshold of every curve, which lies on both sides of the truth about as often, with many lapses or none."""
+FORCED_CHOICE_LAPSE_BETA = 20.0
+"""The prior of lapses is Beta(1, 20) where the guess rate is known."""
 DETECTION_SHAPE_IN_DB = "gumbel"
 JND_PER_SD = float(ndtri(0.75))
 """The just noticeable difference over the standard deviation of the normal function: 0.6745."""
@@ -63,7 +67,8 @@ def shape_of(unit: str) -> str:
 
 def detection(unit: str, guess_rate: float | None) -> Mapping[str, Any]:
     """Options of the fit to a detection: a guess rate of None is free."""
-    return {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
+    options = {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
+    return options if guess_rate is None else options | {"lapse_beta": FORCED_CHOICE_LAPSE_BETA}
 
 
 @dataclass(frozen=True)
