@@ -159,11 +159,12 @@ def _fit_methods(table: pd.DataFrame, n_choices: Collection[int]) -> list[str]:
         f"In each participant and condition {curves} with asymptotes for guesses and "
         "lapses was fitted (threshold: half of the unscaled function; Schütt, Harmeling, Macke & Wichmann 2016)."
     ]
-    if not all(curve.has_difference for curve in fitted):
+    estimates = dict.fromkeys(f"{curve.estimate}s" for curve in fitted if not curve.has_difference)
+    if estimates:
         parts.append(
-            "Detection thresholds are posterior medians with central 95 % intervals of the marginal posterior under "
-            "psignifit 4's priors (threshold and width from the range of the levels, the width's flat in its "
-            "logarithm). A threshold counts as outside of the levels where answers at an "
+            f"Detection thresholds are posterior {' or '.join(estimates)} with central 95 % intervals of the "
+            "marginal posterior under psignifit 4's priors (threshold and width from the range of the levels, the "
+            "width's flat in its logarithm). A threshold counts as outside of the levels where answers at an "
             "asymptote alone, or a curve that rises beyond the levels, explain the answers with a posterior "
             "probability of 0.8."
         )

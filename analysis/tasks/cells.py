@@ -18,7 +18,6 @@ from ..threshold.equality import fit_comparisons
 from ..threshold.fitting import ThresholdFit, fit_many
 from .cell import Cell, Estimate, catch_counts, cell_keys, stacked_counts
 from .kinds import CURVES
-from .task_analysis import ESTIMATE
 
 LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
 UNIT = "level_unit"
@@ -173,7 +172,7 @@ def curves_of(cells: Sequence[Cell]) -> list[tuple[str, int]]:
 def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
     n_false_alarms, n_catch = catch_counts(cells, COUNTING)
     curve = CURVES[task]
-    fit_all = fit_comparisons if curve.has_difference else partial(fit_many, estimate=ESTIMATE)
+    fit_all = fit_comparisons if curve.has_difference else partial(fit_many, estimate=curve.estimate)
     return fit_all(
         *stacked_counts(cells),
         **curve.options(n_choices, unit),

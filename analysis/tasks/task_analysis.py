@@ -13,8 +13,6 @@ from ..reading.level_scale import is_logarithm
 from ..reading.trials import Trials
 
 SHAPE = "normal"
-ESTIMATE = "median"
-"""The threshold of every curve, which lies on both sides of the truth about as often, with many lapses or none."""
 FORCED_CHOICE_LAPSE_BETA = 20.0
 """The prior of lapses is Beta(1, 20) where the guess rate is known."""
 DETECTION_SHAPE_IN_DB = "gumbel"
@@ -43,6 +41,8 @@ class Curve:
         Answers in catch trials tell the guess rate.
     methods : str
         What the methods section says of the rates, with ``{guess_rate}``.
+    estimate : str
+        The threshold's point estimate. In forced choice the mode lies above the truth, the more the more lapses.
     """
 
     rate_label: str
@@ -52,6 +52,7 @@ class Curve:
     has_difference: bool = False
     counts_catch: bool = False
     methods: str = ""
+    estimate: Literal["mode", "median"] = "median"
 
     @property
     def dependents(self) -> tuple[str, ...]:

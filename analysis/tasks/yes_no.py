@@ -12,5 +12,6 @@ ANALYSIS = TaskAnalysis(
         counts_catch=True,
         methods="Lapse rate and guess rate of yes/no answers were free (both Beta(1, 10)), "
         "the latter bound by the catch trials.",
+        estimate="mode",
     ),
 )

@@ -16,7 +16,6 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from tactometry.analysis.tasks.kinds import CURVES
-from tactometry.analysis.tasks.task_analysis import ESTIMATE
 from tactometry.analysis.threshold.fitting import Status, ThresholdFit, fit_many
 from tactometry.protocols import ConstantStimuli, ParameterGrid, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.batch import tracks as batch
@@ -177,7 +176,7 @@ def fits(
         1,
         n_false_alarms=n_false_alarms,
         n_catch=task.n_catch(n_trials),
-        **{"estimate": ESTIMATE, **curve.options(round(1 / task.guess_rate), "dB"), **options},
+        **{"estimate": curve.estimate, **curve.options(round(1 / task.guess_rate), "dB"), **options},
     )
 
 
