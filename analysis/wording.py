@@ -64,6 +64,17 @@ def interval_text(value: Any, low: Any = None, high: Any = None, decimals: int |
     return f"{texts[0]} [{texts[1]}, {texts[2]}]"
 
 
+def ends_text(low: Any, high: Any) -> str:
+    """Write an interval without a value, of which one end may be open.
+
+    >>> ends_text(12.0, 25.5), ends_text(None, 25.5), ends_text(12.0, math.nan)
+    ('[12.0, 25.5]', 'at most 25.5', 'at least 12.0')
+    """
+    if pd.isna(low) or pd.isna(high):
+        return f"at most {number_text(high)}" if pd.isna(low) else f"at least {number_text(low)}"
+    return f"[{number_text(low)}, {number_text(high)}]"
+
+
 def plain_text(value: object) -> str:
     """A number as it was stated, anything else as its text.
 

@@ -1,8 +1,9 @@
-"""The tables of docs/reference/analysis.md on statuses.
+"""The tables of docs/reference/analysis.md on statuses, and on point estimates and intervals.
 
 `python benchmarks/census.py --sets 20 --seed 1 --csv outcomes.csv`
+`python benchmarks/census.py --estimates 200 --seed 1`
 
-`--from outcomes.csv` makes the tables of outcomes kept before.
+`--from outcomes.csv` makes the tables of statuses of outcomes kept before.
 """
 
 from argparse import ArgumentParser
@@ -11,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from tactometry.experiments.census import estimates
 from tactometry.experiments.census.thresholds import census, settings, summary
 
 SHARES = {
@@ -50,6 +52,43 @@ def _order(outcomes: pd.DataFrame):  # type: ignore[no-untyped-def]
     return lambda column: column.map(places.index)
 
 
+ESTIMATE_HEADS = (
+    *("design", "lapses / %", "bias before / SD", "now", "covered before / %", "now"),
+    *("length before / dB", "now", "`flat` before / %", "now"),
+)
+
+
+def estimate_table(found: pd.DataFrame) -> str:
+    """As Markdown: a row for each design and lapse rate, in each cell the normal and the Gumbel truth."""
+    lines = ["| " + " | ".join(ESTIMATE_HEADS) + " |", "|" + "---|" * len(ESTIMATE_HEADS)]
+    for (design, lapse_rate), rows in found.groupby(["design", "lapse_rate"], sort=False):
+        cells = [str(design), f"{100 * lapse_rate:g}"]  # type: ignore[operator]
+        for name, form in (("bias", "{:+.2f}"), ("covered", "{:.1f}"), ("length_db", "{:.1f}"), ("flat", "{:.1f}")):
+            scale = 100 if name in ("covered", "flat") else 1
+            cells += [", ".join(map(form.format, scale * rows.loc[rows["fit"] == fit, name])) for fit in estimates.FITS]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def print_estimates(n_sets: int, seed: int) -> None:
+    """Print the table of estimates, and how many rows reach the goals."""
+    outcomes = pd.concat(estimates.census(n_sets, np.random.default_rng(seed)))
+    found = estimates.summary(outcomes)
+    print(estimate_table(found))
+    goal = np.where(found["design"].str.contains("6 x"), 0.1, 0.25)
+    is_forced = found["design"].isin([design.name for design in estimates.DESIGNS if design.task.told])
+    found = found.assign(
+        goal=found["bias"].abs() < goal, held=found["covered"].between(0.935, 0.97), squared=found["bias"] ** 2
+    )
+    print(found.groupby([is_forced, "fit"], sort=False)[["goal", "held"]].sum())
+    print(
+        found.groupby([is_forced, "fit"], sort=False)[["squared", "covered", "covered_all", "length_db", "flat"]].mean()
+    )
+    flat = outcomes[outcomes["status"] == "flat"]
+    covers = flat["true_db"].between(flat["low_db"], flat["high_db"])
+    print(covers.groupby(flat["fit"]).agg(["mean", "size"]))
+
+
 def _number(value: float, digits: int) -> str:
     return f"{value:.{digits}f}" if np.isfinite(value) else ""
 
@@ -60,7 +99,11 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--csv", type=Path, help="where the outcomes are kept")
     parser.add_argument("--from", dest="kept", type=Path, help="outcomes that were kept")
+    parser.add_argument("--estimates", type=int, metavar="SETS", help="census of point estimates and intervals instead")
     said = parser.parse_args()
+    if said.estimates:
+        print_estimates(said.estimates, said.seed)
+        return
     if said.kept is None:
         found = []
         for each in census(settings(), said.sets, np.random.default_rng(said.seed)):

@@ -22,7 +22,7 @@ def table(found: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-EQUAL_ASYMPTOTES = {**FIT, "equal_asymptotes": True, "rate_beta": 80.0}
+EQUAL_ASYMPTOTES = {**FIT, "equal_asymptotes": True, "lapse_beta": 80.0}
 """The fit of comparisons before both asymptotes were free."""
 STANDARD_HEADS = ("standard above threshold / dB", "rate at lowest level", "PSE error / dB", "SD / dB", "covered / %",
                   "no PSE / %", "false effects / %")  # fmt: skip

@@ -19,7 +19,7 @@ import pandas as pd
 from ..arrays import Array, size_of
 from ..distributions import Student
 from ..means import ANY, FEWEST_IN_RANGE, POSITIVE, RATE, Range, mean_with_interval, parts
-from ..wording import interval_text
+from ..wording import ends_text, interval_text
 
 BOUNDS: Mapping[str, tuple[str, str]] = {
     "threshold": ("interval_low", "interval_high"),
@@ -34,6 +34,8 @@ LEVELS = ("threshold", "pse")
 """Values whose bound is an end of the levels."""
 MEANS = ("mean", "mean_low", "mean_high", "sd", "within_low", "within_high")
 _SIDES = ((HIGH, LOW), (LOW, HIGH))
+OUT = ("threshold_below_range", "threshold_above_range")
+"""Statuses of values whose one bound says on which side of the levels they lie."""
 MODEL = "censored model"
 OF_FIT = "interval of the fit"
 DIFFERENCE = float(np.sqrt(0.5))
@@ -51,10 +53,10 @@ def group_table(
     """One row per condition: mean over participants with its interval between participants (t; `mean_low`,
     `mean_high`), SD and n, and the interval within participants (Cousineau and Morey's; `within_low`, `within_high`).
 
-    `n_below`, `n_above` and `n_missing` count the values of which an upper, a lower or no bound is known. A condition
-    with bounds has no mean of its own: that of `model` (as `CensoredAnova.means`) stands there, and `method` says so;
-    without one the numbers are empty. Of one participant alone it is the value with the interval of its fit, where it
-    has one: `method` is `OF_FIT`.
+    `n_below` and `n_above` count the values below and above the levels, `n_interval` those with an interval only, such
+    as `flat` ones, and `n_missing` those of which nothing is known. A condition with bounds has no mean of its own:
+    that of `model` (as `CensoredAnova.means`) stands there, and `method` says so; without one the numbers are empty.
+    Of one participant alone it is the value with the interval of its fit, where it has one: `method` is `OF_FIT`.
 
     Intervals of a bounded quantity stay within its `possible` range, by default that of `RANGES`.
     """
@@ -82,6 +84,8 @@ def _with_own_intervals(
         if len(condition) == 1 and row["n"] == 1 and np.isfinite([low, high]).all():
             row |= {"mean_low": low, "mean_high": high, "method": OF_FIT}
             row["text"] = f"{interval_text(row['mean'], low, high)} (n = 1)"
+        elif len(condition) == row["n_interval"] == 1:
+            row["text"] = f"{ends_text(low, high)} ({condition['status'].iloc[0]})"
     return pd.DataFrame(rows, columns=table.columns)
 
 
@@ -151,7 +155,9 @@ def _group(
     possible: Range,
 ) -> dict[str, object]:
     known = rows[dependent].dropna().to_numpy(dtype=np.float64)
-    n_below, n_above = (int((rows[side].notna() & rows[opposite].isna()).sum()) for side, opposite in _SIDES)
+    is_out = rows["status"].isin(OUT) if "status" in rows.columns else True
+    n_below, n_above = (int((rows[side].notna() & rows[opposite].isna() & is_out).sum()) for side, opposite in _SIDES)
+    n_interval = int(rows[[LOW, HIGH]].notna().any(axis=1).sum()) - n_below - n_above
     row: dict[str, Any] = dict.fromkeys(MEANS)
     if len(known) and not (n_below or n_above):
         row |= mean_with_interval(known, interval, possible)
@@ -162,8 +168,8 @@ def _group(
         row |= _of_model(model, MEANS[4:] if is_whole else MEANS, possible)
     method = "t" if is_whole or model is None else MODEL
     row |= {"method": "" if row["mean"] is None else method}
-    row |= {"n": len(known), "n_below": n_below, "n_above": n_above}
-    row["n_missing"] = len(rows) - len(known) - n_below - n_above
+    row |= {"n": len(known), "n_below": n_below, "n_above": n_above, "n_interval": n_interval}
+    row["n_missing"] = len(rows) - len(known) - n_below - n_above - n_interval
     return row | {"text": _text(row, len(rows), "the levels" if dependent in LEVELS else "a bound")}
 
 
@@ -179,7 +185,9 @@ def _of_model(model: "pd.Series[float]", names: Sequence[str], possible: Range) 
 def _text(row: Mapping[str, Any], n: int, where: str) -> str:
     sides = [f"{row[f'n_{side}']} {side}" for side in ("below", "above") if row[f"n_{side}"]]
     beside = [f"{', '.join(sides)} {where}"] if sides else []
-    if row["n_missing"] and (sides or row["n"]):
+    if row["n_interval"]:
+        beside.append(f"{row['n_interval']} with an interval only")
+    if row["n_missing"] and (beside or row["n"]):
         beside.append(f"{row['n_missing']} missing")
     if row["mean"] is None:
         return f"of {n}: {', '.join(beside)}" if beside else f"none ({n} missing)"

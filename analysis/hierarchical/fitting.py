@@ -47,7 +47,8 @@ def fit_hierarchical(
     lapse_rate: float | None = None,
     width_by: Sequence[str] = (),
     interval: float = 0.95,
-    rate_beta: float = BETA_B,
+    lapse_beta: float = BETA_B,
+    guess_beta: float = BETA_B,
     scale_free_width: bool = True,
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
@@ -72,7 +73,7 @@ def fit_hierarchical(
         cell, the same in all rows of a cell: then they bear on the verdict of each cell too.
     width_by : sequence of str
         The factors on which the mean log width depends; by default one mean for all.
-    rate_beta, scale_free_width
+    lapse_beta, guess_beta, scale_free_width
         As for `threshold.fit`; the latter for the fits of single cells, which the verdicts rest on.
     interval : float
         Coverage of the intervals.
@@ -99,7 +100,7 @@ def fit_hierarchical(
 
     Priors, in ranges of the levels (of logarithms for widths): mean thresholds normal about the middle of their levels,
     mean log widths normal about half of the range, standard deviations half-normal, the correlation LKJ(2). The lapse
-    rates of participants are normal on the logit scale, and their centre has the prior Beta(1, `rate_beta`).
+    rates of participants are normal on the logit scale, and their centre has the prior Beta(1, `lapse_beta`).
 
     Examples
     --------
@@ -122,7 +123,8 @@ def fit_hierarchical(
     answers = (x[used], k[used], n[used])
     by_row = [np.broadcast_to(count, n.shape)[used] for count in (n_false_alarms, n_catch)]
     catch = np.array(by_row, dtype=np.float64)
-    stated = {"shape": curve, "guess_rate": guess_rate, "lapse_rate": lapse_rate, "rate_beta": rate_beta}
+    stated = {"shape": curve, "guess_rate": guess_rate, "lapse_rate": lapse_rate}
+    stated |= {"lapse_beta": lapse_beta, "guess_beta": guess_beta}
     stated |= dict(zip(("n_false_alarms", "n_catch"), catch.max(axis=1), strict=True))
     stated["scale_free_width"] = scale_free_width
     of_cells = catch if np.ndim(n_catch) else None  # one number is that of all participants together

@@ -169,10 +169,10 @@ class GroupModel:
         if self.sds:
             total += 2 * LKJ * -np.log(np.cosh(self.at(hyper, "correlation")))
         if study.lapse_rate is None:
-            total += log_rate_prior(self.at(hyper, "lapse_rate"), study.rate_beta)
+            total += log_rate_prior(self.at(hyper, "lapse_rate"), study.lapse_beta)
         if study.guess_rate is None:
             alarms = study.n_false_alarms
-            total += log_rate_prior(self.at(hyper, "guess_rate"), study.rate_beta, alarms, study.n_catch - alarms)
+            total += log_rate_prior(self.at(hyper, "guess_rate"), study.guess_beta, alarms, study.n_catch - alarms)
         if self.has_one_width:
             mean, precision = self.means_prior
             total -= 0.5 * precision[-1] * np.square(self.at(hyper, "width") - mean[-1])

@@ -118,7 +118,8 @@ def _fits(study: StudyCounts, shape: str, counts: list[Array], alarms: Array, ca
         guess_rate=study.guess_rate,
         lapse_rate=study.lapse_rate,
         scale_free_width=study.scale_free_width,
-        rate_beta=study.rate_beta,
+        lapse_beta=study.lapse_beta,
+        guess_beta=study.guess_beta,
         n_false_alarms=alarms,
         n_catch=catch,
     )

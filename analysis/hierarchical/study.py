@@ -22,8 +22,8 @@ class StudyCounts:
 
     `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
     `own_catch` (2, n_participants, n_conditions) are false alarms and catch trials of each cell, `n_false_alarms` and
-    `n_catch` of all. `rate_beta` and `scale_free_width` are those of `threshold.fit`. `conditions` has a row for each,
-    `width_group` (n_conditions,) says which of them share a mean width.
+    `n_catch` of all. `lapse_beta`, `guess_beta` and `scale_free_width` are those of `threshold.fit`. `conditions` has a
+    row for each, `width_group` (n_conditions,) says which of them share a mean width.
     """
 
     participants: tuple[str, ...]
@@ -40,7 +40,8 @@ class StudyCounts:
     lapse_rate: float | None
     n_false_alarms: float = 0
     n_catch: float = 0
-    rate_beta: float = BETA_B
+    lapse_beta: float = BETA_B
+    guess_beta: float = BETA_B
     scale_free_width: bool = True
 
     @classmethod

@@ -185,8 +185,11 @@ def _censored_anova(design: EstimateDesign, table: pd.DataFrame, within: Sequenc
 
 def _count_notes(model: CensoredAnova) -> list[str]:
     """How the values that are not known count."""
+    data = model.design.data
+    n_intervals = int((~data.known & np.isfinite(data.low) & np.isfinite(data.high)).sum())
     kinds = [
-        (model.design.n_censored, "as a bound", "as bounds"),
+        (model.design.n_censored - n_intervals, "as a bound", "as bounds"),
+        (n_intervals, "as an interval", "as intervals"),
         (model.design.n_missing, "as missing at random", "as missing at random"),
     ]
     counts = [f"{n} value{'s' if n > 1 else ''} {many if n > 1 else one}" for n, one, many in kinds if n]

@@ -31,7 +31,7 @@ STATUS_WORDS = {
     Status.BELOW: "with a threshold below the levels: its upper bound is given",
     Status.ABOVE: "with a threshold above the levels: its lower bound is given",
     Status.SEPARATED: "with one step between two levels: the width has an upper bound only",
-    Status.FLAT: "without a rise with the level: no threshold is given",
+    Status.FLAT: "without a clear rise with the level: an interval is given and no threshold",
     Status.NON_MONOTONE: "with a fall somewhere at rising level, more than chance explains",
     Status.TOO_FEW_LEVELS: "with fewer than three levels",
     Status.NO_DATA: "without a trial at a level",

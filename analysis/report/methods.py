@@ -74,8 +74,8 @@ SIZES = (
 CENSORED = (
     "Where values are bounds or missing, the same normal model (one variance per stratum) was fitted to all that is "
     "known of all participants by maximum likelihood (Tobin 1958), variances multiplied by n / (n - groups): a bound "
-    "counts as a value below or above it, a missing value as missing at random; degrees of freedom are those of the "
-    "design less what is not known (Satterthwaite)."
+    "counts as a value below or above it, an interval as a value within it, a missing value as missing at random; "
+    "degrees of freedom are those of the design less what is not known (Satterthwaite)."
 )
 SIMPLE = (
     "Where an interaction is below p = .05, the effect of each factor at each value of the other (simple effects) was "
@@ -169,11 +169,12 @@ def _fit_methods(table: pd.DataFrame, n_choices: Collection[int]) -> list[str]:
         f"In each participant and condition {curves} with asymptotes for guesses and "
         "lapses was fitted (threshold: half of the unscaled function; Schütt, Harmeling, Macke & Wichmann 2016)."
     ]
-    if not all(curve.has_difference for curve in fitted):
+    estimates = dict.fromkeys(f"{curve.estimate}s" for curve in fitted if not curve.has_difference)
+    if estimates:
         parts.append(
-            "Detection thresholds are posterior modes with central 95 % intervals of the marginal posterior under "
-            "psignifit 4's priors (threshold and width from the range of the levels, the width's flat in its "
-            "logarithm, lapse rate Beta(1, 10)). A threshold counts as outside of the levels where answers at an "
+            f"Detection thresholds are posterior {' or '.join(estimates)} with central 95 % intervals of the "
+            "marginal posterior under psignifit 4's priors (threshold and width from the range of the levels, the "
+            "width's flat in its logarithm). A threshold counts as outside of the levels where answers at an "
             "asymptote alone, or a curve that rises beyond the levels, explain the answers with a posterior "
             "probability of 0.8."
         )

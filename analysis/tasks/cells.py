@@ -2,6 +2,7 @@
 how often was felt what, against the level and over all levels."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -170,10 +171,11 @@ def curves_of(cells: Sequence[Cell]) -> list[tuple[str, int]]:
 
 def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
     n_false_alarms, n_catch = catch_counts(cells, COUNTING)
-    fit_all = fit_comparisons if CURVES[task].has_difference else fit_many
+    curve = CURVES[task]
+    fit_all = fit_comparisons if curve.has_difference else partial(fit_many, estimate=curve.estimate)
     return fit_all(
         *stacked_counts(cells),
-        **CURVES[task].options(n_choices, unit),
+        **curve.options(n_choices, unit),
         interval=interval,
         n_false_alarms=n_false_alarms,
         n_catch=n_catch,

@@ -8,7 +8,8 @@ from .task_analysis import R_OF_LEVEL, SHAPE, Curve, TaskAnalysis
 FIT: Mapping[str, Any] = {
     "shape": SHAPE,
     "guess_rate": None,
-    "rate_beta": 3.0,
+    "lapse_beta": 3.0,
+    "guess_beta": 3.0,
     "scale_free_width": True,
     "narrowest_spacings": 0.5,
 }

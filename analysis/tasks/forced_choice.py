@@ -10,6 +10,6 @@ ANALYSIS = TaskAnalysis(
         "correct",
         lambda n_choices, unit: detection(unit, 1 / n_choices),
         scored_by="correct",
-        methods="The guess rate of forced choices was {guess_rate}.",
+        methods="The guess rate of forced choices was {guess_rate}, and their lapse rate free (Beta(1, 20)).",
     ),
 )

@@ -11,6 +11,7 @@ from ..distributions import Student
 from ..means import POSITIVE, mean_row
 from ..reading.level_scale import is_logarithm
 from ..reading.rows import numbers_of
+from ..threshold.status import Status
 from ..wording import condition_name, in_unit, interval_text, p_text, percent_text
 from .cell import Cell
 from .kinds import CURVES
@@ -43,8 +44,10 @@ def standard_tests(estimates: pd.DataFrame, used: pd.DataFrame, factors: Sequenc
     in_cell = standards.groupby(keys, observed=True)[STANDARD].agg(["first", "nunique"])
     one = in_cell.loc[in_cell["nunique"] == 1, "first"].rename(STANDARD).reset_index()
     compared = compared.merge(one, on=keys)
+    # The interval of a flat cell holds only if there is a point of equality at all.
+    is_told = compared["pse"].notna() | compared["status"].isin((Status.BELOW, Status.ABOVE))
     for name, of in (("difference", "pse"), ("low", "interval_low"), ("high", "interval_high")):
-        compared[name] = compared[of].astype(float) - compared[STANDARD]
+        compared[name] = (compared[of].astype(float) - compared[STANDARD]).where(is_told)
     by = [*factors, STANDARD]
     tested = [row for key, cells in compared.groupby(by, observed=True) for row in _tests(cells, by, key)]
     return pd.DataFrame([{**row, "weber_fraction": _weber_fraction(row, compared[UNIT].iloc[0])} for row in tested])

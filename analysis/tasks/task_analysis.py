@@ -13,6 +13,8 @@ from ..reading.level_scale import is_logarithm
 from ..reading.trials import Trials
 
 SHAPE = "normal"
+FORCED_CHOICE_LAPSE_BETA = 20.0
+"""The prior of lapses is Beta(1, 20) where the guess rate is known."""
 DETECTION_SHAPE_IN_DB = "gumbel"
 JND_PER_SD = float(ndtri(0.75))
 """The just noticeable difference over the standard deviation of the normal function: 0.6745."""
@@ -39,6 +41,8 @@ class Curve:
         Answers in catch trials tell the guess rate.
     methods : str
         What the methods section says of the rates, with ``{guess_rate}``.
+    estimate : str
+        The threshold's point estimate. In forced choice the mode lies above the truth, the more the more lapses.
     """
 
     rate_label: str
@@ -48,6 +52,7 @@ class Curve:
     has_difference: bool = False
     counts_catch: bool = False
     methods: str = ""
+    estimate: Literal["mode", "median"] = "median"
 
     @property
     def dependents(self) -> tuple[str, ...]:
@@ -63,7 +68,8 @@ def shape_of(unit: str) -> str:
 
 def detection(unit: str, guess_rate: float | None) -> Mapping[str, Any]:
     """Options of the fit to a detection: a guess rate of None is free."""
-    return {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
+    options = {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
+    return options if guess_rate is None else options | {"lapse_beta": FORCED_CHOICE_LAPSE_BETA}
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,8 @@ ANALYSIS = TaskAnalysis(
         "yes",
         lambda n_choices, unit: detection(unit, None),
         counts_catch=True,
-        methods="The guess rate of yes/no answers was free (Beta(1, 10)) and bound by the catch trials.",
+        methods="Lapse rate and guess rate of yes/no answers were free (both Beta(1, 10)), "
+        "the latter bound by the catch trials.",
+        estimate="mode",
     ),
 )

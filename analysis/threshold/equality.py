@@ -54,9 +54,12 @@ def fit_comparisons(
 
 def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highest: float) -> ThresholdFit:
     """Put the equality in the place of the middle of the curve; a bound where it lies outside of the levels."""
-    if fit.threshold is None or equality is None:
+    if equality is None:
         return fit
     (low, pse, high), (narrow, jnd, wide) = equality.pse, equality.jnd
+    if fit.threshold is None:
+        has_low, has_high = (end is not None for end in (fit.interval_low, fit.interval_high))
+        return replace(fit, interval_low=low if has_low else None, interval_high=high if has_high else None)
     if not lowest <= pse <= highest:
         return _outside(fit, equality, is_below=pse < lowest)
     return replace(

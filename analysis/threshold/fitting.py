@@ -34,7 +34,8 @@ class Options(TypedDict, total=False):
     interval: float
     robust_range: bool
     scale_free_width: bool
-    rate_beta: float
+    lapse_beta: float
+    guess_beta: float
     equal_asymptotes: bool
     narrowest_spacings: float
     overdispersion: bool
@@ -80,11 +81,11 @@ def fit(
         Whether the width's prior is flat in its logarithm (Jeffreys' for a scale) from the smallest spacing, or a
         twentieth of the range, on, instead of flat in the width: with few trials that lets wide functions pull the
         posterior mean of the threshold.
-    rate_beta : float
-        The prior of free rates is Beta(1, `rate_beta`).
+    lapse_beta, guess_beta : float
+        The prior of a free lapse rate is Beta(1, `lapse_beta`), and of a free guess rate Beta(1, `guess_beta`).
     equal_asymptotes : bool
-        Whether the free lapse rate and guess rate are one: who lapses in a comparison says either with the same chance
-        (psignifit 4's ``equalAsymptote``).
+        Whether the free lapse rate and guess rate are one, under the prior of the lapse rate: who lapses in a
+        comparison says either with the same chance (psignifit 4's ``equalAsymptote``).
     narrowest_spacings : float
         In smallest spacings of the levels: where the width's prior ends; it falls to there from twice that.
     robust_range : bool
@@ -146,7 +147,8 @@ def fit_many(
     n_catch: ArrayLike = 0,
     robust_range: bool = False,
     scale_free_width: bool = False,
-    rate_beta: float = BETA_B,
+    lapse_beta: float = BETA_B,
+    guess_beta: float = BETA_B,
     equal_asymptotes: bool = False,
     narrowest_spacings: float = 1.0,
     overdispersion: bool = False,
@@ -172,7 +174,8 @@ def fit_many(
         n_catch=n_catch,
         robust_range=robust_range,
         scale_free_width=scale_free_width,
-        rate_beta=rate_beta,
+        lapse_beta=lapse_beta,
+        guess_beta=guess_beta,
         equal_asymptotes=equal_asymptotes,
         narrowest_spacings=narrowest_spacings,
     )
@@ -191,14 +194,15 @@ def log_posterior(
     n_catch: ArrayLike = 0,
     robust_range: bool = False,
     scale_free_width: bool = False,
-    rate_beta: float = BETA_B,
+    lapse_beta: float = BETA_B,
+    guess_beta: float = BETA_B,
     equal_asymptotes: bool = False,
     narrowest_spacings: float = 1.0,
 ) -> LogPosterior:
     """What `fit_many` rests on: the density of the parameters of each data set; arguments as there."""
     curve = shape_named(shape)
     check_rates("fit", guess_rate, lapse_rate)
-    positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
+    positive("fit", lapse_beta=lapse_beta, guess_beta=guess_beta, narrowest_spacings=narrowest_spacings)
     arrays = count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels)
     counts = normalise(*arrays, robust_range=robust_range)
     alarms, catch = _catch_trials(n_false_alarms, n_catch, len(counts))
@@ -207,7 +211,8 @@ def log_posterior(
     prior = Prior(
         *(counts.gap, lapse_rate, guess_rate, alarms, catch),
         scale_free_width=scale_free_width,
-        rate_beta=rate_beta,
+        lapse_beta=lapse_beta,
+        guess_beta=lapse_beta if equal_asymptotes else guess_beta,
         equal_asymptotes=equal_asymptotes,
         narrowest_spacings=narrowest_spacings,
     )

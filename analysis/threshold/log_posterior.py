@@ -100,6 +100,6 @@ class LogPosterior(Rows):
         down, up = self.shape.rise
         below, above = m + up * width - used.min(), used.max() - (m - down * width)
         inside = np.stack([below, above])
-        step = axes[THRESHOLD][1] - axes[THRESHOLD][0]
+        step = np.gradient(axes[THRESHOLD])[:, None]
         # A cell through which the edge runs counts in part, so that the shares do not jump with the grid.
         return np.asarray(np.clip(0.5 - inside / step, 0, 1))

@@ -19,7 +19,7 @@ from .mode import Mode, climb, find_mode, find_overdispersed_mode
 from .posterior import Marginals
 from .result import ThresholdFit
 from .shared_grid import batched_marginals
-from .status import Status, Statuses, StepFit, best_step, notes, statuses, verdict_shares
+from .status import HELD, Status, Statuses, StepFit, best_step, notes, statuses, verdict_shares
 
 ON_LIKELIHOOD = ("ml", "profile")
 CENSORED = (Status.BELOW, Status.ABOVE)
@@ -183,8 +183,8 @@ class Fitting:
         has_curve = counts.n_levels > 1
         is_fitted_anyway = np.isin(status, FITTED_ANYWAY) & has_curve & (np.abs(threshold) <= 0.5)
         has_threshold = np.isin(status, WITH_THRESHOLD) | is_fitted_anyway
-        has_ends = has_threshold | np.isin(status, CENSORED)
         has_width = has_threshold & (status != Status.SEPARATED)  # of a step the width has an upper bound only
+        has_low, has_high = _has_ends(status, shares, has_threshold).T & has_curve
         low, high = (self._levels(end) for end in estimates.threshold.T)
         narrow, wide = (counts.spread * end for end in estimates.width.T)
         columns = {
@@ -192,11 +192,11 @@ class Fitting:
             "width": _column(counts.spread * width, has_width),
             "lapse_rate": _column(lapse, has_threshold),
             "guess_rate": _column(guess, has_threshold),
-            "interval_low": _column(low, has_ends & (status != Status.BELOW)),
-            "interval_high": _column(high, has_ends & (status != Status.ABOVE)),
+            "interval_low": _column(low, has_low),
+            "interval_high": _column(high, has_high),
             "width_low": _column(narrow, has_width),
             "width_high": _column(wide, has_threshold),
-            "method": np.where(has_ends, estimates.method, self.method).tolist(),
+            "method": np.where(has_low | has_high, estimates.method, self.method).tolist(),
             "status": [Status(word) for word in status],
             "n_trials": counts.n_trials.sum(axis=1).astype(int).tolist(),
             "n_levels": counts.n_levels.tolist(),
@@ -214,6 +214,18 @@ class Fitting:
         levels = counts.centre + counts.spread * u
         with np.errstate(over="ignore"):
             return np.exp(levels) if self.posterior.shape.on_log_levels else levels
+
+
+def _has_ends(status: Statuses, shares: Array, has_threshold: Bools) -> Bools:
+    """Return which ends (n_sets, 2) an interval has.
+
+    Without a threshold an end is open unless the answers exclude, as they do for `ok`, that the threshold lies
+    beyond the levels on its side.
+    """
+    is_open = ~has_threshold[:, None] & (shares[:, 1:3] > 1 - HELD)
+    is_bound = np.isin(status, CENSORED)
+    is_open[is_bound] = status[is_bound, None] == np.array(CENSORED, dtype=object)
+    return np.asarray(~is_open)
 
 
 def _column(values: Array | None, where: Bools) -> list[float | None]:

@@ -2,7 +2,9 @@
 
 Threshold and log width lie on equidistant nodes (the trapezoidal rule converges faster than any power where a
 density dies out inside the box), the rates on Gauss-Legendre nodes. The box starts around the mode, grows
-where a face still holds density and shrinks where none is left, before the final grid is laid.
+where a face still holds density and shrinks where none is left, before the final grid is laid. After few trials a
+box reaches far beyond most of the mass, so the nodes of the threshold are equidistant in asinh of the distance from
+the mode: dense there and sparse in the tails.
 
 What a posterior says of a psychometric function: means, medians, central intervals, its evidence, and how much of it
 lies beyond the levels; from masses on a grid of threshold and log width.
@@ -42,6 +44,8 @@ SMALLEST_RATE = 1e-18
 """A product of `FACTORS` smaller ones is no float."""
 START_SD = np.array([10.0, 10.0, 6.0, 6.0])
 MAX_SEARCHES = 12
+DENSE_SD, LEAST_DENSE = 2.0, 1 / 30
+"""Nodes of the threshold are dense within so many standard deviations of the mode, or this part of the box."""
 
 
 @dataclass(frozen=True)
@@ -78,14 +82,26 @@ def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals
     if not len(posterior):
         return Marginals.empty(0)
     boxes = find_box(posterior, mode)
-    by_set = []
+    lenses, by_set = _lenses(boxes, mode), []
     for here in _one_by_one(posterior):
         etas = _eta_nodes(posterior[here], mode[here])
-        by_set.append(_marginal_densities(posterior[here], boxes[here], etas))
+        by_set.append(_marginal_densities(posterior[here], boxes[here], lenses[here][0], etas))
     mean, threshold, log_width, eta, log_total, beyond = (np.array(column) for column in zip(*by_set, strict=True))
-    threshold = quantiles(threshold, boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD], interval)
+    centre, scale, start, stop = lenses.T
+    threshold = centre[:, None] + scale[:, None] * np.sinh(quantiles(threshold, start, stop, interval))
     width = np.exp(quantiles(log_width, boxes.low[:, LOG_WIDTH], boxes.high[:, LOG_WIDTH], interval))
     return Marginals(mean, threshold, width, eta, log_total - posterior.prior.log_mass(), beyond)
+
+
+def _lenses(boxes: _Box, mode: Mode) -> Array:
+    """Return centre, scale, start and stop (n_sets, 4) of the nodes of thresholds centre + scale * sinh(t).
+
+    The nodes t are equidistant from start to stop, which give the ends of the box.
+    """
+    low, high = boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD]
+    centre, sd, reach = mode.theta[:, THRESHOLD], mode.sd[:, THRESHOLD], high - low
+    scale = np.where(sd > 0, np.clip(DENSE_SD * sd, LEAST_DENSE * reach, reach), reach)
+    return np.stack([centre, scale, *(np.arcsinh((end - centre) / scale) for end in (low, high))], axis=1)
 
 
 def _one_by_one(posterior: LogPosterior) -> list[slice]:
@@ -176,8 +192,13 @@ def rate_rule(n: int) -> tuple[Array, Array]:
     return (points + 1) / 2, weights
 
 
-def nodes_in(prior: Prior, low: Array, high: Array, n_trials: float) -> tuple[list[Array], list[Array]]:
-    """Nodes and weights along each parameter for the box of one data set; one node for a fixed parameter."""
+def nodes_in(
+    prior: Prior, low: Array, high: Array, n_trials: float, lens: Array | None = None
+) -> tuple[list[Array], list[Array]]:
+    """Nodes and weights along each parameter for the box of one data set; one node for a fixed parameter.
+
+    The thresholds are equidistant, or those of a lens (`_lenses`).
+    """
     nodes, weights = [], []
     n_from_zero = RATE_NODES_OF_FEW if n_trials <= FEW_TRIALS else RATE_NODES
     for place in range(N_PARAMETERS):
@@ -188,6 +209,11 @@ def nodes_in(prior: Prior, low: Array, high: Array, n_trials: float) -> tuple[li
         else:
             unit = np.linspace(0, 1, FINAL_NODES[place])
             weight = np.ones(FINAL_NODES[place])
+        if place == THRESHOLD and lens is not None:
+            centre, scale, start, stop = lens
+            t, size = start + (stop - start) * unit, high[place] - low[place]
+            unit = (centre - low[place] + scale * np.sinh(t)) / size
+            weight = scale * np.cosh(t) * (stop - start) / size
         nodes.append(low[place] + (high[place] - low[place]) * unit)
         weights.append(weight)
     return nodes, weights
@@ -262,18 +288,18 @@ def _log_products(parts: Array, floor: Array, span: Array) -> Array:
 
 
 def _marginal_densities(
-    posterior: LogPosterior, box: _Box, etas: tuple[Array, Array]
+    posterior: LogPosterior, box: _Box, lens: Array, etas: tuple[Array, Array]
 ) -> tuple[Array, Array, Array, float, float, Array]:
     """Of one data set: means, the densities of threshold and log width on their nodes, the mean of eta, the logarithm
     of the integral over all, and the shares beyond the levels."""
     prior, (low, high) = posterior.prior, (box.low[0], box.high[0])
-    axes, weights = nodes_in(prior, low, high, posterior.counts.n_trials.sum())
+    axes, weights = nodes_in(prior, low, high, posterior.counts.n_trials.sum(), lens)
     densities = np.stack([log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
     densities += axes[LOG_WIDTH][:, None, None]  # the prior is one of the width, the nodes lie along its logarithm
     highest = densities.max()
     densities -= highest  # likelihoods themselves are too small for floats
     masses = np.exp(densities, out=densities)
-    masses *= weights[LAPSE][:, None] * weights[GUESS]
+    masses *= weights[THRESHOLD][:, None, None, None] * (weights[LAPSE][:, None] * weights[GUESS])
     along_eta = etas[1] * masses.sum(axis=(1, 2, 3, 4))
     mass = sum(weight * at_eta for weight, at_eta in zip(etas[1], masses, strict=True))  # BLAS is slow for one eta
     curve, rates = mass.sum(axis=(2, 3)), mass.sum(axis=(0, 1))

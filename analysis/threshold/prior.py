@@ -35,9 +35,9 @@ class Prior(Rows):
 
     `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the
     width have no prior (maximum likelihood), the free rates keep theirs. A `threshold` (n_sets,) holds it
-    there. With `scale_free_width` the width's flat part is flat in its logarithm instead. The prior of free rates is
-    Beta(1, `rate_beta`); with `equal_asymptotes` both are one, at the place of the lapse rate. The least width is
-    `narrowest_spacings` of the smallest spacing.
+    there. With `scale_free_width` the width's flat part is flat in its logarithm instead. The priors of free
+    rates are Beta(1, `lapse_beta`) and Beta(1, `guess_beta`); with `equal_asymptotes` both are one, at the place of the
+    lapse rate. The least width is `narrowest_spacings` of the smallest spacing.
     """
 
     gap: Array
@@ -49,7 +49,8 @@ class Prior(Rows):
     scale_free_width: bool = False
     threshold: Array | None = None
     overdispersion: Array | None = None
-    rate_beta: float = BETA_B
+    lapse_beta: float = BETA_B
+    guess_beta: float = BETA_B
     equal_asymptotes: bool = False
     narrowest_spacings: float = 1.0
 
@@ -58,11 +59,6 @@ class Prior(Rows):
         """The least width (n_sets,)."""
         least = self.narrowest_spacings * self.gap
         return np.maximum(least, NARROWEST) if self.scale_free_width else least
-
-    @property
-    def log_rate_mass(self) -> float:
-        """The logarithm of the integral of a rate's density."""
-        return float(np.log((1 - (1 - LARGEST_RATE) ** self.rate_beta) / self.rate_beta))
 
     @property
     def free(self) -> list[int]:
@@ -138,10 +134,10 @@ class Prior(Rows):
         by_set = (-1, *[1] * (values[THRESHOLD].ndim - 1))
         by_parameter, none = {}, np.zeros(1)
         if self.lapse_rate is None:
-            by_parameter[LAPSE] = log_rate(values[LAPSE], none, none, self.rate_beta)
+            by_parameter[LAPSE] = log_rate(values[LAPSE], none, none, self.lapse_beta)
         if GUESS in self.free:
             alarms, catch = self.n_false_alarms.reshape(by_set), self.n_catch.reshape(by_set)
-            by_parameter[GUESS] = log_rate(values[GUESS], alarms, catch - alarms, self.rate_beta)
+            by_parameter[GUESS] = log_rate(values[GUESS], alarms, catch - alarms, self.guess_beta)
         if self.on_curve:
             narrowest = self.narrowest.reshape(by_set)
             by_parameter[THRESHOLD] = log_threshold(values[THRESHOLD])
@@ -156,8 +152,8 @@ class Prior(Rows):
         log_density_of_w, _, _ = log_width(v, self.narrowest[:, None], scale_free=self.scale_free_width)
         density = np.exp(log_density_of_w + v)  # dw = w dv
         along = np.log(1.5 * np.trapezoid(density, v, axis=1))  # the threshold's: 1 inside, a quarter on each side
-        n_free_rates = sum(place in (LAPSE, GUESS) for place in self.free)
-        return np.asarray(along + n_free_rates * self.log_rate_mass)
+        betas = {LAPSE: self.lapse_beta, GUESS: self.guess_beta}
+        return np.asarray(along + sum(log_rate_mass(beta) for place, beta in betas.items() if place in self.free))
 
 
 ByParameter = dict[int, tuple[Array, Array, Array]]
@@ -175,6 +171,11 @@ def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, A
     inside = np.maximum(x, 1e-100)  # larger, as its square has to be a float too
     first = -b / (1 - x) + n_yes / inside
     return value, first, -b / (1 - x) ** 2 - n_yes / inside**2
+
+
+def log_rate_mass(beta: float) -> float:
+    """Return the logarithm of the integral of a rate's density."""
+    return float(np.log((1 - (1 - LARGEST_RATE) ** beta) / beta))
 
 
 def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:

@@ -210,15 +210,15 @@ def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tupl
     k_low, n_low = k[:, below], n[:, below]
     n_up = n[:, -1:] - n[:, above]
     misses = n_up - (k[:, -1:] - k[:, above])
-    guess = _rate(k_low + alarms, n_low + catch, prior.guess_rate, prior.rate_beta)
-    lapse = _rate(misses, n_up, prior.lapse_rate, prior.rate_beta)
+    guess = _rate(k_low + alarms, n_low + catch, prior.guess_rate, prior.guess_beta)
+    lapse = _rate(misses, n_up, prior.lapse_rate, prior.lapse_beta)
     if prior.equal_asymptotes:
-        guess = lapse = _rate(k_low + misses, n_low + n_up, None, prior.rate_beta)
+        guess = lapse = _rate(k_low + misses, n_low + n_up, None, prior.lapse_beta)
     density = _log_chance(k_low, n_low, guess) + _log_chance(misses, n_up, lapse)
     if GUESS in prior.free:
-        density = density + log_rate(guess, alarms, catch - alarms, prior.rate_beta)[0]
+        density = density + log_rate(guess, alarms, catch - alarms, prior.guess_beta)[0]
     if prior.lapse_rate is None:
-        density = density + log_rate(lapse, none, none, prior.rate_beta)[0]
+        density = density + log_rate(lapse, none, none, prior.lapse_beta)[0]
     return density, lapse, guess
 
 

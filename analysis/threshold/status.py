@@ -31,7 +31,7 @@ from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_lik
 from .log_posterior import LogPosterior
 from .mode import Mode
 from .posterior import Marginals
-from .prior import LARGEST_RATE, Prior
+from .prior import LARGEST_RATE, Prior, log_rate_mass
 from .splines import rising_fit
 
 HELD = 0.8
@@ -65,7 +65,10 @@ class Status(NotedStatus):
     BELOW = "threshold_below_range", "the threshold is below the levels tested: the interval's upper end is its bound"
     ABOVE = "threshold_above_range", "the threshold is above the levels tested: the interval's lower end is its bound"
     SEPARATED = "separated", "the answers change in one step between levels: the width has an upper bound only"
-    FLAT = "flat", "a constant rate explains the answers about as well as a rise: no threshold can be told"
+    FLAT = (
+        "flat",
+        "a constant rate explains the answers about as well as a rise: no threshold is given, only the interval",
+    )
     NON_MONOTONE = "non_monotone", "the answers fall somewhere with rising level, more than chance explains"
     TOO_FEW_LEVELS = "too_few_levels", "fewer than three levels: threshold and width rest on the prior"
     NO_DATA = "no_data", "no trial was given"
@@ -147,7 +150,7 @@ def _guess(prior: Prior, i: int) -> float:
     if prior.guess_rate is not None:
         return prior.guess_rate
     if prior.n_catch[i] == 0:
-        return 1 / (1 + prior.rate_beta)
+        return 1 / (1 + prior.guess_beta)
     return proportion_interval(prior.n_false_alarms[i], prior.n_catch[i], 0.95)[1]
 
 
@@ -261,24 +264,24 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
     low, high = prior.guess_rate or 0.0, 1 - (prior.lapse_rate or 0.0)
     share = np.asarray(betainc(k + 1, n - k + 1, high) - betainc(k + 1, n - k + 1, low))
     any_chance = _log_beta(k + 1, n - k + 1) + _logarithm(share)
+    catch = np.zeros(len(counts))
     if prior.guess_rate is None:
         # Answers to catch trials are guesses: beside a lower asymptote they share its rate, else they have one of
         # their own.
-        catch = _log_mean_chance(prior, None, alarms, correct)
-        guesses = _log_mean_chance(prior, None, k + alarms, n - k + correct)
+        catch = _log_mean_chance(None, prior.guess_beta, alarms, correct)
+        guesses = _log_mean_chance(None, prior.guess_beta, k + alarms, n - k + correct)
     else:
-        catch = np.zeros(len(counts))
-        guesses = _log_mean_chance(prior, prior.guess_rate, k, n - k)
-    ceiling = _log_mean_chance(prior, prior.lapse_rate, n - k, k)
+        guesses = _log_mean_chance(prior.guess_rate, prior.guess_beta, k, n - k)
+    ceiling = _log_mean_chance(prior.lapse_rate, prior.lapse_beta, n - k, k)
     return ceiling + catch, guesses, any_chance - np.log(high - low) + catch
 
 
-def _log_mean_chance(prior: Prior, rate: float | None, k: Array, rest: Array) -> Array:
+def _log_mean_chance(rate: float | None, beta: float, k: Array, rest: Array) -> Array:
     """Log chance of k answers at a rate and the rest at its complement, averaged over the prior of a free rate."""
     if rate is None:
-        a, b = k + 1, rest + prior.rate_beta
+        a, b = k + 1, rest + beta
         share = np.asarray(betainc(a, b, LARGEST_RATE), dtype=np.float64)  # a free rate ends there, before 1
-        return _log_beta(a, b) + _logarithm(share) - prior.log_rate_mass
+        return _log_beta(a, b) + _logarithm(share) - log_rate_mass(beta)
     with np.errstate(divide="ignore"):
         return np.asarray(weighted(k, np.log(rate)) + weighted(rest, np.log1p(-rate)))
 

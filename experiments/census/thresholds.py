@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.threshold.fitting import Status, ThresholdFit, fit_many
 from tactometry.protocols import ConstantStimuli, ParameterGrid, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.batch import tracks as batch
@@ -51,6 +52,14 @@ class SimulatedTask:
     guess_rate: float
     told: float | None
     catch: float = 0.0
+
+    def n_catch(self, n_trials: int) -> int:
+        """Return the number of catch trials next to other trials."""
+        return round(self.catch * n_trials)
+
+    def false_alarms(self, n_trials: int, n_sets: int, rng: np.random.Generator) -> NDArray[np.int64]:
+        """Draw the false alarms (n_sets,) in the catch trials."""
+        return rng.binomial(self.n_catch(n_trials), self.guess_rate, n_sets)
 
 
 TASKS = (
@@ -145,25 +154,29 @@ def tracks(
     uniform = rng.random((n_sets, n_trials + 2))
     width_db = widths_db(uniform[:, 1])
     thresholds_db = places_db(place, procedure, uniform[:, 0], width_db)
-    rule, rates = procedures[procedure](task.guess_rate), (task.guess_rate, lapse_rate)
-    drawn = criteria(uniform[:, 2:], SHAPE, thresholds_db[:, None], width_db[:, None], *rates)
-    orders = rule.orders(n_sets, rng) if isinstance(rule, SteppingRule) else None
+    drawn = criteria(uniform[:, 2:], SHAPE, thresholds_db[:, None], width_db[:, None], task.guess_rate, lapse_rate)
+    return answered(procedures[procedure](task.guess_rate), drawn, thresholds_db, width_db, rng)
+
+
+def answered(rule: Rule[Any], drawn: Array, thresholds_db: Array, widths_db: Array, rng: np.random.Generator) -> Tracks:
+    """Run a rule with participants whose criteria are drawn already."""
+    orders = rule.orders(len(thresholds_db), rng) if isinstance(rule, SteppingRule) else None
     made = batch.tracks(rule, drawn, orders=orders)
-    return Tracks(thresholds_db, width_db, made.levels, made.answers.astype(np.float64), made.thresholds)
+    return Tracks(thresholds_db, widths_db, made.levels, made.answers.astype(np.float64), made.thresholds)
 
 
-def fits(simulated: Tracks, task: SimulatedTask, n_trials: int, rng: np.random.Generator) -> tuple[ThresholdFit, ...]:
-    """Of the first trials of each track, as an analysis fits them."""
-    n_catch = round(task.catch * n_trials)
+def fits(
+    simulated: Tracks, task: SimulatedTask, n_trials: int, n_false_alarms: NDArray[np.int64], **options: Any
+) -> tuple[ThresholdFit, ...]:
+    """Fit the first trials of each track as an analysis does, but for the `options` given."""
+    curve = CURVES["yes_no" if task.told is None else "forced_choice"]
     return fit_many(
         simulated.levels_db[:, :n_trials],
         simulated.answers[:, :n_trials],
         1,
-        shape=SHAPE,
-        guess_rate=task.told,
-        scale_free_width=True,
-        n_false_alarms=rng.binomial(n_catch, task.guess_rate, len(simulated.answers)),
-        n_catch=n_catch,
+        n_false_alarms=n_false_alarms,
+        n_catch=task.n_catch(n_trials),
+        **{"estimate": curve.estimate, **curve.options(round(1 / task.guess_rate), "dB"), **options},
     )
 
 
@@ -193,15 +206,17 @@ def census(
     for (procedure, task, place), stream in zip(chosen, rng.spawn(len(chosen)), strict=True):
         simulated = tracks(procedure, task, place, n_sets, stream, n_trials=max(n_trials), lapse_rate=lapse_rate)
         rows = [
-            (procedure, task.name, place, n, one.status.value, *_ends(one), one.threshold, true_db)
+            (procedure, task.name, place, n, one.status.value, *ends_of(one), one.threshold, true_db)
             for n in n_trials
-            for one, true_db in zip(fits(simulated, task, n, stream), simulated.thresholds_db, strict=True)
+            for one, true_db in zip(
+                fits(simulated, task, n, task.false_alarms(n, n_sets, stream)), simulated.thresholds_db, strict=True
+            )
         ]
         yield pd.DataFrame(rows, columns=OUTCOMES).astype({"threshold_db": float})
 
 
-def _ends(one: ThresholdFit) -> tuple[float, float]:
-    """Of the interval; an end that is not told holds all on its side."""
+def ends_of(one: ThresholdFit) -> tuple[float, float]:
+    """Return the ends of the interval, an open one infinite."""
     low, high = one.interval_low, one.interval_high
     return -math.inf if low is None else low, math.inf if high is None else high
 

@@ -12,7 +12,15 @@ from tactometry.analysis.tasks.cells import alternatives, estimates
 from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.threshold.band import CurveBand, curve_band
 from tactometry.analysis.threshold.result import ThresholdFit
-from tactometry.analysis.wording import dependent_name, in_unit, interval_text, percent_text, plain_text, with_unit
+from tactometry.analysis.wording import (
+    dependent_name,
+    ends_text,
+    in_unit,
+    interval_text,
+    percent_text,
+    plain_text,
+    with_unit,
+)
 from tactometry.errors import count_of
 from tactometry.session.progress import Progress
 from tactometry.trials.trial import Trial
@@ -154,7 +162,9 @@ def _words(answers: Answers, fit: ThresholdFit) -> str:
     """
     found = f"{sum(answers.n_trials)} answers at {count_of(len(answers.levels), 'level')}"
     if fit.threshold is None:
-        return f"{found}; {fit.note}."
+        ends = fit.interval_low, fit.interval_high
+        interval = "" if ends == (None, None) else f"; 95 % interval {in_unit(ends_text(*ends), answers.unit)}"
+        return f"{found}; {fit.note}{interval}."
     name = dependent_name(CURVES[answers.task].dependents[0])
     threshold = in_unit(interval_text(fit.threshold, fit.interval_low, fit.interval_high), answers.unit)
     standard = "" if answers.standard is None else f", standard {in_unit(plain_text(answers.standard), answers.unit)}"

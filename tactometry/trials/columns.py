@@ -81,7 +81,7 @@ FOREIGN = (
 _DERIVED = (
     "source row yes is_catch x status threshold interval_low interval_high pse jnd width width_low width_high "
     "guess_rate lapse_rate n_yes n_trials n_levels n_catch n_false_alarms false_alarm_rate deviance method shape "
-    "interval note mean mean_low mean_high within_low within_high sd n n_below n_above n_missing text rate "
+    "interval note mean mean_low mean_high within_low within_high sd n n_below n_above n_interval n_missing text rate "
     "rate_low rate_high n_rows n_practice n_invalid n_repeated n_unanswered score raw deviance_p residual_level_z "
     "residual_level_p residual_order_z residual_order_p dispersion dispersion_p misfit rule_estimate "
     "rule_sd rule_n rule_note threshold_mean threshold_median threshold_mode probability_below probability_above "

@@ -16,6 +16,7 @@ from scipy.stats import binom
 from soak import SOAK
 
 from tactometry.analysis.threshold.fitting import Status, fit_many
+from tactometry.experiments.census import estimates
 from tactometry.experiments.census.lapses import RULES, track
 from tactometry.experiments.census.thresholds import (
     INSIDE,
@@ -93,12 +94,24 @@ def test_the_mode_of_constant_stimuli_is_nearly_unbiased_in_forced_choice() -> N
     assert abs(errors.mean() / errors.std()) <= 0.1 + AT_1E_4 / math.sqrt(len(errors))
 
 
-def test_the_mode_of_adaptive_tracks_is_within_a_quarter_of_its_standard_deviation(outcomes) -> None:
+def test_adaptive_estimates_are_within_quarter_standard_deviation(outcomes) -> None:
     """But of QUEST, which keeps to one level (docs)."""
     adaptive = outcomes[(outcomes["place"] == INSIDE) & ~outcomes["procedure"].isin(("QUEST", "constant stimuli"))]
     longest = adaptive[adaptive["n_trials"] == adaptive["n_trials"].max()]
     (found,) = summary(longest, ["place"]).itertuples()
     assert abs(found.bias_sd) <= 0.25 + AT_1E_4 / math.sqrt(0.8 * found.n)
+
+
+@pytest.mark.parametrize(
+    "design", [design for design in estimates.DESIGNS if design.task.told], ids=lambda each: each.name
+)
+def test_forced_choice_estimates_reach_their_goal_with_lapses(design) -> None:
+    """With 2 % lapses and a normal truth, which the fitted shape is not."""
+    n_sets = 1000 if SOAK else 60
+    tables = estimates.census(n_sets, np.random.default_rng(), designs=[design], lapse_rates=[0.02], truths=["normal"])
+    found = estimates.summary(pd.concat(tables)).set_index("fit").loc["now"]
+    goal = 0.1 if design.n_trials == 120 else 0.25
+    assert abs(found["bias"]) <= goal + AT_1E_4 / math.sqrt(0.8 * n_sets)
 
 
 @pytest.fixture(scope="module")

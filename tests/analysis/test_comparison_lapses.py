@@ -25,7 +25,7 @@ from tactometry.psychometric import shape_named
 LEAST, MOST = 0.935, 0.97
 """Asked of the coverage of 95 % intervals of the difference."""
 NORMAL = shape_named("normal")
-EQUAL = {**FIT, "equal_asymptotes": True, "rate_beta": 80.0}
+EQUAL = {**FIT, "equal_asymptotes": True, "lapse_beta": 80.0}
 
 
 @pytest.fixture(scope="module")

@@ -83,6 +83,19 @@ def test_with_bounds_nobody_is_left_out_and_the_complete_part_is_a_check() -> No
     assert found.equivalence["force_n"]["n"].tolist() == [8]
 
 
+def test_flat_cell_counts_as_interval_and_not_as_threshold() -> None:
+    """One with both ends, and one with an upper end only, which lies no more below the levels than above them."""
+    table = estimates(np.random.default_rng())
+    rows = table.index[:2]
+    table.loc[rows, "threshold"], table.loc[rows, "status"] = np.nan, "flat"
+    table.loc[rows[0], "interval_low"] = np.nan
+    found = told(table)
+    assert found.primary == "censored_anova"
+    assert found.notes[0] == "the analysis of values and bounds counts 1 value as a bound and 1 value as an interval"
+    assert found.group[["n_below", "n_above", "n_interval", "n_missing"]].sum().tolist() == [0, 0, 2, 0]
+    assert found.group["text"].str.contains("1 with an interval only", regex=False).sum() == 2
+
+
 @pytest.mark.parametrize("n_below", [0, 1])
 def test_groups_alone_have_an_analysis_of_variance_and_pairs(n_below) -> None:
     """They had none: "group does not vary within participants"."""

@@ -1,6 +1,7 @@
 """Comparisons with a standard near the detection threshold: PSE, warning of the lowest level, and test of the PSE."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -12,7 +13,8 @@ from tactometry.analysis.tasks.cell import Cell
 from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.tasks.comparison import FIT
 from tactometry.analysis.tasks.standard import floor_warnings, lowest_levels, standard_tests
-from tactometry.analysis.threshold.equality import fit_comparisons
+from tactometry.analysis.threshold.equality import equalities, fit_comparisons
+from tactometry.analysis.threshold.fitting import log_posterior
 from tactometry.experiments.census.comparisons import N_AT_STANDARD, STANDARD, STANDARD_LEVELS, answers_to_standard
 
 STUDY = "texture-discrimination"
@@ -41,10 +43,11 @@ def test_lowest_level_is_warned_of_when_often_more(n_more, is_warned) -> None:
     assert bool(list(floor_warnings(table, ["force_n"]))) == is_warned
 
 
-def tables(pses, unit="dB re 1 V"):
+def tables(pses, unit="dB re 1 V", status="ok"):
     codes = [f"P{n:02d}" for n in range(len(pses))]
     jnds = {"jnd": [None if pse is None else pse - 38 for pse in pses], "jnd_low": 1.0, "jnd_high": 4.0}
-    found = {"participant": codes, "task": "comparison", "pse": pses, "level_unit": unit, **jnds}
+    known = {"task": "comparison", "pse": pses, "level_unit": unit, "status": status}
+    found = {"participant": codes, **known, **jnds}
     low, high = ([None if pse is None else pse + side for pse in pses] for side in (-1.0, 1.0))
     used = pd.DataFrame({"participant": codes, "task": "comparison", "standard_level": "40"})
     return pd.DataFrame({**found, "interval_low": low, "interval_high": high}), used
@@ -71,6 +74,22 @@ def test_weber_fraction_is_mean_jnd_over_standard(unit, fraction) -> None:
     (row,) = standard_tests(*tables([40.5, 41.0, 40.2, 41.5, None], unit), []).to_dict("records")
     assert (row["jnd"], row["weber_fraction"]) == pytest.approx((2.8, fraction))
     assert row["jnd_low"] < 2.8 < row["jnd_high"]
+
+
+@pytest.mark.parametrize(("status", "differs"), [("flat", False), ("threshold_above_range", True)])
+def test_flat_interval_is_no_test_of_standard(status, differs) -> None:
+    estimates_of, used = tables([None], status=status)
+    (row,) = standard_tests(estimates_of.assign(interval_low=42.0), used, []).to_dict("records")
+    assert row["differs"] is differs
+
+
+def test_flat_comparison_has_interval_of_pse() -> None:
+    (found,) = estimates([replace(cell(9), n_yes=(8, 10, 11, 10, 12))], 2)
+    (equality,) = equalities(log_posterior(found.cell.levels, found.cell.n_yes, 20, **FIT))
+    assert (found.fit.status, found.fit.threshold) == ("flat", None)
+    ends = (found.fit.interval_low, found.fit.interval_high)
+    assert ends != (None, None)
+    assert all(end in (None, of_pse) for end, of_pse in zip(ends, equality.pse[::2], strict=True))
 
 
 def test_pse_halves_all_answers_on_fitted_curve() -> None:

@@ -86,11 +86,11 @@ def test_no_number_that_its_own_interval_does_not_hold(method, data, guess_rate,
         assert 0 < found.width_low <= found.width <= found.width_high < 1e4 * found.width_low
 
 
-def test_a_likelihood_without_curvature_has_a_status_and_no_interval_of_its_own() -> None:
+def test_likelihood_without_curvature_has_status_and_posterior_interval() -> None:
     """Maximum likelihood printed a width from 3.6e-93 to 2.7e91, and an interval from -3.3 to 9.4 on levels 1 to 7."""
     found = fit(range(1, 8), [11, 10, 13, 12, 12, 13, 14], 20, shape="normal", guess_rate=0.5, method="ml")
     assert found.status == Status.FLAT
-    assert (found.threshold, found.interval_low, found.width_high) == (None, None, None)
+    assert (found.threshold, found.width_high, found.method) == (None, None, "posterior")
 
 
 def test_estimates_stand_beside_each_other() -> None:

@@ -106,7 +106,7 @@ def test_palamedes_demonstration() -> None:
     assert half == pytest.approx(expected["se_alpha"], rel=expected["tol"]["se_rel"])
 
 
-# Hard cases: a status, and a bound or nothing where the data say no more
+# Hard cases: a status with a bound or an interval where the data say no more
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     ("n_correct", "options", "status"),
@@ -128,8 +128,29 @@ def test_no_bare_number_where_the_data_say_nothing(n_correct, options, status, m
     assert found.width is None
     assert found.function is None
     assert found.note
-    assert (found.interval_low is None) == (status != Status.ABOVE)
-    assert (found.interval_high is None) == (status != Status.BELOW)
+    ends = [end is not None for end in (found.interval_low, found.interval_high)]
+    assert any(ends)
+    if status in (Status.ABOVE, Status.BELOW):
+        assert ends == [status == Status.ABOVE, status == Status.BELOW]
+
+
+@pytest.mark.parametrize(
+    ("n_correct", "has_ends"),
+    [([18, 19, 18, 20, 19, 20, 20], [False, True]), ([9, 12, 11, 10, 13, 12, 13], [True, False])],
+    ids=["near the ceiling", "near chance"],
+)
+def test_flat_interval_is_open_where_threshold_may_be_beyond(n_correct, has_ends) -> None:
+    found = fitted(n_correct)
+    assert (found.status, found.threshold, found.method) == (Status.FLAT, None, "posterior")
+    assert [end is not None for end in (found.interval_low, found.interval_high)] == has_ends
+
+
+@pytest.mark.parametrize(("of", "other"), [("lapse", "guess"), ("guess", "lapse")])
+def test_prior_of_each_rate_holds_its_own_rate(of, other) -> None:
+    free = {"guess_rate": None, "estimate": "mean"}
+    wide, tight = (fitted([4, 3, 5, 10, 15, 17, 16], **free, **{f"{of}_beta": beta}) for beta in (10.0, 200.0))
+    assert getattr(tight, f"{of}_rate") < 0.2 * getattr(wide, f"{of}_rate")
+    assert getattr(tight, f"{other}_rate") > 0.6 * getattr(wide, f"{other}_rate")
 
 
 def test_bounds_lie_on_the_right_side_of_the_levels() -> None:

@@ -5,7 +5,8 @@ import pytest
 from hard_cases import hard_case
 
 from tactometry.analysis.threshold import posterior, shared_grid
-from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
+from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many, log_posterior
+from tactometry.analysis.threshold.mode import find_mode
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = np.linspace(-3, 3, 7)
@@ -31,6 +32,18 @@ def converged(monkeypatch: pytest.MonkeyPatch, *arguments, **options) -> tuple[T
         patch.setattr(posterior, "NEGLIGIBLE", 20.0)
         patch.setattr(posterior, "SINGLE_TRIALS", 0)
         return fit_many(*arguments, **options)
+
+
+def test_ends_after_sparse_track_are_converged(monkeypatch) -> None:
+    """A staircase of 40 trials, of which equidistant nodes put an end off by 18 % of the interval."""
+    levels = [0, 3, 4, 8, 11, 12, 16, 19, 20, 24, 26, 27, 28, 30, 35]
+    n_correct, n_trials = [4, 1, 0, 0, 1, 1, 0, 1, 0, 0, 1, 1, 14, 3, 1], [5, 1, 1, 1, 1, 2, 1, 1, 1, 1, 5, 1, 15, 3, 1]
+    track = log_posterior(levels, n_correct, n_trials, shape="gumbel", guess_rate=0.5, scale_free_width=True)
+    mode = find_mode(track)
+    found = posterior.marginals(track, mode, 0.95).threshold[0]
+    monkeypatch.setattr(posterior, "FINAL_NODES", (297, 27))
+    reference = posterior.marginals(track, mode, 0.95).threshold[0]
+    assert found == pytest.approx(reference, abs=0.005 * (reference[2] - reference[0]))
 
 
 @pytest.mark.parametrize("sharing", [8, 10**9], ids=["shared grid", "own grids"])

@@ -82,7 +82,7 @@ def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
     """Threshold, width, lapse rate and guess rate (n, 4), by the inverse of each distribution function."""
     none = np.zeros(1)
     prior = model.prior(np.array([LEVELS[1] - LEVELS[0]]), none, none)
-    narrowest, beta = prior.narrowest, prior.rate_beta
+    narrowest = prior.narrowest
     threshold = inverse(lambda m: log_threshold(m)[0], (-1.0, 1.0), rng.random(n))
     log_w = inverse(
         lambda v: log_width(v, narrowest, scale_free=prior.scale_free_width)[0] + v,
@@ -90,13 +90,19 @@ def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
         rng.random(n),
     )
     lapse, guess = (
-        inverse(lambda x: log_rate(x, none, none, beta)[0], (0.0, LARGEST_RATE), rng.random(n)) for _ in range(2)
+        inverse(partial(_log_rate, beta=beta), (0.0, LARGEST_RATE), rng.random(n))
+        for beta in (prior.lapse_beta, prior.guess_beta)
     )
     if prior.equal_asymptotes:
         guess = lapse
     elif model.guess_rate is not None:
         guess = np.full(n, model.guess_rate)
     return np.stack([threshold, np.exp(log_w), lapse, guess], axis=1)
+
+
+def _log_rate(x: Array, beta: float) -> Array:
+    """Return the log density of a rate, without answers to catch trials."""
+    return log_rate(x, np.zeros(1), np.zeros(1), beta)[0]
 
 
 def inverse(log_density: Callable[[Array], Array], ends: tuple[float, float], uniform: Array) -> Array:

@@ -148,9 +148,9 @@ Each participant answers {N_TRIALS} trials of a procedure from {LOW_DB:g} to {HI
 to 32 dB in steps of 4): a Gumbel function with a threshold in the middle half of the levels, a width from 4 to 16 dB
 (evenly on a logarithm), {LAPSE_RATE:.0%} lapses, and in yes/no {FALSE_ALARM_RATE:.0%} false alarms, asked for by a
 catch trial to four trials. Errors and widths in dB. The fits are told what `analyse` is told: the shape and, in
-forced choice, the guess rate. *posterior, mode* is what `analyse` gives; median and mean share its interval. *the
-rule's own* is held against the level at which the rule aims, {N_RESAMPLES} sets are drawn for a bootstrap, and a
-hierarchical fit has {N_GROUP} participants.""",
+forced choice, the guess rate, under psignifit's priors. Mode (what `analyse` gives in yes/no), median (in
+forced choice) and mean share an interval. *the rule's own* is held against the level at which
+the rule aims, {N_RESAMPLES} sets are drawn for a bootstrap, and a hierarchical fit has {N_GROUP} participants.""",
     kind=ESTIMATES,
     keys=("procedure", "task", "fit"),
     settings={
