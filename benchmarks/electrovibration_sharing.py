@@ -24,7 +24,7 @@ from tactometry.stimuli.electrovibration import (
 from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.motion.driven_motion import plan_of
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
-from tactometry.stimuli.scenes.defaults.electrovibration import default_scene
+from tactometry.stimuli.scenes.default_scenes import default_scene
 
 T_S = np.linspace(0, 0.05, 289)[1:]
 

@@ -57,7 +57,7 @@ class Surface:
         return resolve(self.model)(**dict(self.numbers))
 
     def scene(self) -> "Scene":
-        made: Scene = resolve(f"tactometry.stimuli.scenes.defaults.{self.room}:default_scene")(self.of_model())
+        made: Scene = resolve("tactometry.stimuli.scenes.default_scenes:default_scene")(self.of_model())
         return made
 
     def formula(self) -> Feel:

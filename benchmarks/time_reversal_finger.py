@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from time_reversal_rounds import interleaved, machine, row
 
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.modes import modes_of, values
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.load import Receptances, loaded_receptance
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "SSSS")

@@ -142,7 +142,7 @@ def _together(
 @dataclass(frozen=True)
 class HybridSensation:
     """What a scene of foci and friction together is made of, and nothing that computes
-    (`tactometry.stimuli.scenes.defaults.hybrid.default_scene`): its level is that of the stronger one.
+    (`tactometry.stimuli.scenes.default_scenes.default_scene`): its level is that of the stronger one.
 
     Neither masks the other (an unverified simplification): the foci are felt as if the finger rested at the focus and
     whatever its force, the friction only while it slides.

@@ -19,7 +19,7 @@ from tactometry.trials.cells import cell as cell_text
 from .felt_scene import felt
 from .own_parts import OwnStimulus, sensation_class, stimulus_class as own_stimulus_class
 from .procedure_table import ReadyProcedure, rule_of, without
-from .stimulus_kinds import DEFAULTS, OWN, STIMULI, TOUCHES, StimulusKind
+from .stimulus_kinds import DEFAULT_SCENE, OWN, STIMULI, TOUCHES, StimulusKind
 from .study_file import VARIED, Study
 
 Factors = Mapping[str, float | str]
@@ -206,7 +206,7 @@ class Wiring:
 def _default_scene(kind: StimulusKind, model: Any, duration_s: float) -> Sensation:
     """The scene that a model stands for."""
     with rewording(lambda words: f"sensation: {words}"):
-        scene = resolve(f"{DEFAULTS}.{kind.scene or kind.surface}:default_scene")(model, duration_s)
+        scene = resolve(DEFAULT_SCENE)(model, duration_s)
         scene.felt().resolve()
     return felt(scene)
 

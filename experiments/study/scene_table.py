@@ -101,7 +101,7 @@ def _both(stated: Mapping[str, Any], stimulus: Any, where: str) -> Surface:
     """A plate with an electrode."""
     check_keys(stated, ("kind", "electrovibration", "time_reversal"), where)
     panel = _panel(stated.get("electrovibration", {}), stimulus, f"{where}.electrovibration")
-    from tactometry.stimuli.scenes.surfaces.played_hybrid import PlayedHybrid
+    from tactometry.stimuli.scenes.surfaces.hybrid import PlayedHybrid
 
     return PlayedHybrid(panel, _plate(stated.get("time_reversal", {}), stimulus, f"{where}.time_reversal"))
 

@@ -18,6 +18,9 @@ from .content import PlateContent, VoltageContent
 
 Answer = TypeVar("Answer")
 
+PLAYED = "signal", "contact"
+"""What each run of a surface that is played is given."""
+
 Setting = float | int | str | tuple[float, ...] | tuple[str, ...]
 
 
@@ -272,6 +275,7 @@ class Surface:
 
     `effects` holds the kinds that it knows, in the order in which they act, and where their classes are. `given` names
     the quantities that each run is given, `touches` the fingers that stand for any where a run is given its contact.
+    A surface that `is_played` is given a signal and a contact, and its effects bring their `felt_stages`.
     `assumes` says, by slot, what holds as long as no effect fills the slot; `refuses`, by kind, what to take in place
     of an effect that one might look for here, and why.
     """
@@ -282,6 +286,7 @@ class Surface:
     assumes: ClassVar[Mapping[str, str]]
     touches: ClassVar[tuple[FingerContact, ...]] = ()
     refuses: ClassVar[Mapping[str, str]] = {}
+    is_played: ClassVar[bool] = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -299,6 +304,8 @@ class Surface:
         InvalidParameter
             If no signal can be given to it.
         """
+        if self.is_played:
+            return self
         raise InvalidParameter(
             f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected a surface that says "
             "how it is played"
@@ -309,12 +316,13 @@ class Surface:
         return contact.force_n > 0
 
     def excluded(self, effect: Effect | type[Effect]) -> Mapping[str, str]:
-        """Kinds that contradict an effect on this surface."""
-        return effect.excludes
+        """Return the kinds that contradict an effect on this surface, with the reasons."""
+        return effect.excludes if effect.felt_excludes is None or not self.is_played else effect.felt_excludes
 
     def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
-        """The stages of an effect on this surface: as it brings them, in its name."""
-        return tuple(replace(stage, effect=effect.kind) for stage in effect.stages(scene))
+        """Return the stages of an effect on this surface, marked with its kind."""
+        stages = effect.felt_stages(scene) if self.is_played else effect.stages(scene)
+        return tuple(replace(stage, effect=effect.kind) for stage in stages)
 
     def cure(self, quantity: str) -> str:
         """Which effect brings a quantity, in words; empty if none does. It asks all effects, so all are imported."""

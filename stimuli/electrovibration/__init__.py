@@ -31,11 +31,9 @@ if TYPE_CHECKING:
     from .attraction.offset import WithOffset as WithOffset
     from .attraction.periodic_force import periodic_force_n as periodic_force_n
     from .attraction.polarity import Polarity as Polarity
-    from .motion.coulomb_friction import CoulombFriction as CoulombFriction
-    from .motion.dry_friction import DryFriction as DryFriction
-    from .motion.finger import Motion as Motion, sliding as sliding, sliding_many as sliding_many
+    from .motion.coulomb_friction import CoulombFriction as CoulombFriction, DryFriction as DryFriction
     from .motion.friction_lag import FrictionLag as FrictionLag, lagged_friction_n as lagged_friction_n
-    from .motion.pad import Finger as Finger
+    from .motion.pad import Finger as Finger, Motion as Motion, sliding as sliding, sliding_many as sliding_many
     from .motion.skin_mobility import SkinMobility as SkinMobility
     from .motion.stick_slip import (
         StickSlip as StickSlip,
@@ -44,9 +42,8 @@ if TYPE_CHECKING:
     )
     from .sensation import ElectrovibrationSensation as ElectrovibrationSensation
     from .skin.dispersive_layer import DispersiveLayer as DispersiveLayer, periodic_voltages_v as periodic_voltages_v
-    from .skin.relaxation import Relaxations as Relaxations
+    from .skin.relaxation import Relaxations as Relaxations, Solution as Solution
     from .skin.skin import Skin as Skin
-    from .skin.solution import Solution as Solution
     from .skin.stack import Layer as Layer, Stack as Stack
     from .textures.followed_texture import FollowedTexture as FollowedTexture
     from .textures.maps import GreyImage as GreyImage, HeightMap as HeightMap
@@ -65,14 +62,13 @@ if TYPE_CHECKING:
         Velvet as Velvet,
     )
     from .waveforms.amplitude_modulated import AmplitudeModulated as AmplitudeModulated
-    from .waveforms.corners import Corners as Corners
     from .waveforms.periodic import (
         PulseTrain as PulseTrain,
         Square as Square,
         Trapezoid as Trapezoid,
         Triangle as Triangle,
     )
-    from .waveforms.pieces import Pieces as Pieces, straight as straight
+    from .waveforms.pieces import Corners as Corners, Pieces as Pieces, straight as straight
     from .waveforms.sampled import Sampled as Sampled
     from .waveforms.sine import Sine as Sine
     from .waveforms.step import Step as Step

@@ -25,7 +25,7 @@ class ElectrovibrationSensation:
 
     Voltage, corneum, electrostatic force (`law`), friction, lag of friction, displacement of the skin, thresholds of
     the receptor channels: each is an effect of the scene
-    (`tactometry.stimuli.scenes.defaults.electrovibration.default_scene`), whose level is that of the component furthest
+    (`tactometry.stimuli.scenes.default_scenes.default_scene`), whose level is that of the component furthest
     above the lowest of the thresholds.
 
     Parameters

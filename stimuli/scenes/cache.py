@@ -14,8 +14,7 @@ from typing import Any
 
 from tactometry.provenance import versions
 
-from .plan import Plan
-from .result import Result, compute
+from .plan import Plan, Result, compute
 
 DIGEST = "digest"
 

@@ -9,8 +9,7 @@ from tactometry.errors import InvalidParameter
 
 from ..composition.effect import Stage
 from .lifting import FORCE, PulledFinger, loads_n, pulled_fingers
-from .plan import Plan, predicted_s
-from .result import Result
+from .plan import Plan, Result, predicted_s
 from .scene import Scene
 
 COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 7), ("predicted", 9), ("cold", 7), ("warm", 7))

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray
-from .plan import Plan
-from .result import Result
+from .plan import Plan, Result
 
 FORCE, MOVED = "contact_force_n", "motion"
 

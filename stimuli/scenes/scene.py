@@ -16,10 +16,8 @@ from tactometry.signal import Signal
 
 from ..composition.effect import Demand, Effect, FingerContact, Setting, Stage, Surface
 from ..defaults import ACCURACY
-from .chain import required_stages
-from .compatibility import check_effects
-from .plan import Plan, parted
-from .result import unit_of
+from .plan import Plan, parted, unit_of
+from .requirements import check_effects, required_stages
 
 TOUCHES: Final = (Contact, FingerContact)
 ROUNDING = 1e-9

@@ -6,7 +6,6 @@ from tactometry.loading import exports
 
 if TYPE_CHECKING:
     from .design.guide import Target as Target, Transducers as Transducers, n_held as n_held
-    from .field.merit import uniformity as uniformity
     from .filters import Band as Band
     from .finger import Contactor as Contactor, amplitude_loss as amplitude_loss
     from .fingertip import Fingertip as Fingertip
@@ -19,10 +18,10 @@ if TYPE_CHECKING:
         focus_amplitudes as focus_amplitudes,
     )
     from .focusing.inverse_filter import inverse_filter_waveform as inverse_filter_waveform
-    from .focusing.one_bit import OneBit as OneBit
+    from .focusing.merit import uniformity as uniformity
     from .focusing.pattern import Pattern as Pattern, pattern_drive as pattern_drive
     from .focusing.pulse_width import PulseWidth as PulseWidth
-    from .focusing.quantiser import Analogue as Analogue
+    from .focusing.quantiser import Analogue as Analogue, OneBit as OneBit
     from .focusing.sigma_delta import SigmaDelta as SigmaDelta
     from .plate.glass import A4_SCREEN as A4_SCREEN, Glass as Glass
     from .plate.plate import Plate as Plate

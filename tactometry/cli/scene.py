@@ -11,8 +11,7 @@ from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes import explain as plans
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
 from tactometry.stimuli.scenes.lifting import PulledFinger, pulled_fingers
-from tactometry.stimuli.scenes.plan import Plan, predicted_s
-from tactometry.stimuli.scenes.result import Result, compute
+from tactometry.stimuli.scenes.plan import Plan, Result, compute, predicted_s
 
 from ..arguments.require import expect
 from ..config.toml import errors_in
@@ -80,7 +79,7 @@ def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) 
 def _figure(result: Result, title: str) -> Any:
     """A map and courses, or courses alone, as the outputs allow."""
     if {"x_m", "y_m", "field_m"} <= set(result.values):
-        from tactometry.stimuli.scenes.figures.focus import focus_sheet
+        from tactometry.stimuli.scenes.figures.courses import focus_sheet
 
         return focus_sheet(result, title)
     neither = "neither 't_s' nor 'x_m', 'y_m' and 'field_m' among the outputs of the scene"

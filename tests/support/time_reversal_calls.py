@@ -174,7 +174,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "shear_stiffness_n_per_m": {"plate": PLATE, "shear_factor": 0.8},
         },
 
-        "field.field": {
+        "focusing.field": {
             "modal_amplitudes": {**driven, "sample": 7, "quantity": "velocity"},
             "grid": {"screen": SCREEN, "n_x": 3, "n_y": 4},
             "field": {**driven, "sample": 7, "at_m": GRID},
@@ -215,7 +215,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "boundary": "SSSS",
             }
         },
-        "focusing.interpolation": {
+        "focusing.inverse_filter": {
             "interpolate": {
                 "calibrated": RESPONSES, "points": POINTS, "at": (0.1, 0.05), "plate": PLATE, "noise_share": 1e-4,
             },
@@ -225,8 +225,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "expected_amplitude_ratio": {
                 "points": POINTS, "at": (0.1, 0.05), "plate": PLATE, "band": BAND, "noise_share": 1e-4,
             },
-        },
-        "focusing.inverse_filter": {
             "inverse_filter_waveform": {
                 "points": RESPONSES, "wanted": [1.0, 0.0], "band": BAND, "reversal_s": 0.1, "regularisation": 0.01,
             }
@@ -272,7 +270,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "inspect": {**heard, "snr_db": 20.0},
             "reciprocity_error": {"there": LINE, "back": BUMP},
         },
-        "field.merit": {
+        "focusing.merit": {
             "contributions_m": {**heard, "voltage_v": 30.0},
             "amplitude_over_count_m": {"contributions": FIELD, "rng": np.random.default_rng(0), "n_draws": 2},
             "amplitude_by_subset_m": {"contributions": FIELD, "subsets": {"all": [0, 1]}},
@@ -336,8 +334,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "Analogue.quantise": {"self": Analogue(), "waveform": FIELD, "rate_hz": 2e3},
             "normalised": {"waveform": FIELD, "per_channel": True},
             "one_bit": {},
+            "OneBit.quantise": {"self": OneBit(), "waveform": FIELD, "rate_hz": 2e3},
         },
-        "focusing.one_bit": {"OneBit.quantise": {"self": OneBit(), "waveform": FIELD, "rate_hz": 2e3}},
         "focusing.sigma_delta": {"SigmaDelta.quantise": {"self": SigmaDelta(), "waveform": FIELD, "rate_hz": 2e3}},
         "focusing.pulse_width": {
             "PulseWidth.quantise": {"self": PulseWidth(200.0), "waveform": FIELD, "rate_hz": 2e3},
@@ -394,7 +392,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "Setup.responses_at": {"self": SETUP, "x_m": 0.1, "y_m": 0.1}, "Setup.learnt": {"self": SETUP},
             "Setup.responses_at_each": {"self": SETUP, "places": ((0.1, 0.1), (0.2, 0.1))},
         },
-        "field.sound": {
+        "focusing.sound": {
             "a_weighting_db": {"frequency_hz": [1e3]},
             "coincidence_frequency_hz": {"plate": PLATE, "sound_speed_m_per_s": 343.0},
             "radiation_efficiency": on_plate,

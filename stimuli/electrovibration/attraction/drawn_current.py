@@ -8,8 +8,8 @@ from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
+from ..skin.relaxation import Solution
 from ..skin.skin import INSULATOR, Skin
-from ..skin.solution import Solution
 from ..waveforms.pieces import Pieces
 
 

@@ -14,9 +14,8 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...defaults import VACUUM_PERMITTIVITY_F_PER_M as E0
-from ..skin.relaxation import Relaxations
+from ..skin.relaxation import Relaxations, Solution
 from ..skin.skin import INSULATOR, Skin
-from ..skin.solution import Solution
 from ..waveforms.pieces import Pieces
 
 if TYPE_CHECKING:

@@ -111,8 +111,7 @@ def lagged_friction_n(
     [0.5, 5.957, 9.133]
     """
     from ..attraction.force import ForceForm  # what a lag that no output needs does not load
-    from .driven_flow import LinearSystem
-    from .driven_motion import check_times, first_order_response
+    from .driven_motion import LinearSystem, check_times, first_order_response
 
     require.of_kind("lagged_friction_n", ForceForm, form=form)
     t = np.asarray(t_s, dtype=np.float64)

@@ -16,7 +16,7 @@ from ...composition.effect import Effect, Stage, Surroundings
 from ..waveforms.pieces import Pieces
 
 if TYPE_CHECKING:
-    from ...composition.record import VoltageRecord
+    from ..waveforms.pieces import VoltageRecord
 
 
 @dataclass(frozen=True)

@@ -79,14 +79,14 @@ def _squared(name: str, at_1v: str, gives: str) -> Stage:
 
 def switching_w(emission: "EmittedSignal", capacitance_f: float) -> float:
     """The mean power during an emission of 1 V."""
-    from ...time_reversal.field.merit import switched_power_w
+    from ...time_reversal.focusing.merit import switched_power_w
 
     return switched_power_w(emission.at_1_v, capacitance_f)
 
 
 def heat_w(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: float, loss_tangent: float) -> float:
     """The mean power of dielectric loss during an emission of 1 V, of what of it lies in the band."""
-    from ...time_reversal.field.merit import dielectric_power_w
+    from ...time_reversal.focusing.merit import dielectric_power_w
 
     longer: float = in_band.samples.shape[1] / emission.samples.shape[1]
     return longer * dielectric_power_w(in_band.at_1_v, capacitance_f, loss_tangent)

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings, note
 from ...composition.sampling import per_sample
-from ..stages.circuit import of_true_area
-from ..stages.reading import spectrum_of_record, spectrum_stage
+from ..stages.circuit import of_true_area, spectrum_of_record, spectrum_stage
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
-    from ...electrovibration.motion.finger import Motion
+    from ...electrovibration.motion.pad import Motion
     from ...electrovibration.motion.stick_slip import StickSlip
 
 
@@ -95,8 +94,7 @@ def _read(name: str, quantity: str) -> Stage:
 
 def slide(*drive: Any, damping_n_s_per_m: float) -> "Motion":
     """The motion of a finger in full slip."""
-    from ...electrovibration.motion.finger import sliding
-    from ...electrovibration.motion.pad import Finger
+    from ...electrovibration.motion.pad import Finger, sliding
 
     *attraction, friction, contact = drive
     finger = Finger.at_speed(contact.speed_m_per_s, damping_n_s_per_m)

@@ -7,7 +7,7 @@ from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings, note
-from ..stages.scaling import at_voltage
+from ..stages.circuit import at_voltage
 
 PLACES = "tactometry.stimuli.scenes.stages.emission:several"
 

@@ -9,10 +9,9 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
-from ..stages.fingers import at_rest, places_m
-from ..stages.truncation import cut_of, n_frequencies, n_modes
+from ..stages.truncation import at_rest, cut_of, n_frequencies, n_modes, places_m
 
-OPEN_CONTACT = "tactometry.stimuli.scenes.stages.open_contact"
+OPEN_CONTACT = "tactometry.stimuli.scenes.stages.contact"
 OF_MOTION, OF_FORCE = 0.013, 0.1
 """Errors of a step in which the top of the band turns by a radian: they fall with its power of 4/3, and its square; at
 least 1.7 times those of a small screen with a finger of 2 N."""

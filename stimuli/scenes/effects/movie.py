@@ -8,9 +8,9 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
-from ..stages.scaling import at_voltage
+from ..stages.circuit import at_voltage
 
-MAP = "tactometry.stimuli.scenes.stages.map"
+MAP = "tactometry.stimuli.scenes.stages.motion"
 MOST_NUMBERS = 5e7
 FRAMES_PER_PERIOD = 8
 """Of the top of the band: from four on a wave is seen to move the way it goes."""

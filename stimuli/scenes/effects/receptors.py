@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings, note
 from ...defaults import THRESHOLD_M
-from ..stages.scaling import HIGHEST
+from ..stages.circuit import HIGHEST
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray

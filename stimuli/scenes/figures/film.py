@@ -16,8 +16,8 @@ from PIL import Image
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
-from ..result import Result
-from .focus import DIVERGING, draw_map
+from ..plan import Result
+from .courses import DIVERGING, draw_map
 
 FORMATS = (".gif", ".mp4")
 FRAMES_PER_S = 20

@@ -18,7 +18,7 @@ from math import exp, hypot, inf, pi, sqrt
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
-from ...composition.effect import Demand, Surroundings
+from ...composition.effect import Demand, FingerContact, Surroundings
 
 MOVING, STILL, TURNING = 2.0, 8.0, 2.0
 """Parts of one transducer's remainder, of the modes that move and of those that follow; where the latter turn.
@@ -152,7 +152,7 @@ def n_frequencies(scene: Surroundings, ends: Cut) -> int:
 
 
 def n_frequencies_of_sound(scene: Surroundings) -> float:
-    """Frequencies that `tactometry.stimuli.time_reversal.field.sound.noise` takes."""
+    """Frequencies that `tactometry.stimuli.time_reversal.focusing.sound.noise` takes."""
     surface, content = scene.surface, content_of(scene)
     return float(surface.rate_hz * (surface.reversal_s + content.train_s + content.ringing_s))
 
@@ -182,3 +182,56 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
 def _effective_tau_s(reversal_s: float, tau_s: float) -> float:
     """How long a response lasts within the reversal time, at the top of the band."""
     return reversal_s if tau_s == inf else float(tau_s * (1 - exp(-2 * reversal_s / tau_s)) / 2)
+
+
+Place = tuple[float, float]
+
+
+def at_rest(scene: Surroundings) -> list[FingerContact]:
+    """The contacts that rest."""
+    return [touch for touch in scene.contacts if not touch.slides]
+
+
+def places_m(scene: Surroundings) -> list[Place]:
+    """Where they rest: without a place of their own, at the focus."""
+    return [_place(touch, scene.surface.focus_m) for touch in at_rest(scene)]
+
+
+def check_on_plate(scene: Surroundings) -> None:
+    """Refuse a finger that rests beside the plate.
+
+    Raises
+    ------
+    InvalidParameter
+        At the first.
+    """
+    plate = scene.surface.plate
+    for n, (x_m, y_m) in enumerate(places_m(scene)):
+        if not plate.contains(x_m, y_m):
+            raise InvalidParameter(
+                f"contacts[{n}]: found ({x_m}, {y_m}) m, expected a place on the plate of "
+                f"{plate.length_m} x {plate.width_m} m"
+            )
+
+
+def felt_at_m(scene: Surroundings) -> Place:
+    """Where the first of them feels; without any, at the focus."""
+    focus_m: Place = scene.surface.focus_m
+    return next(iter(places_m(scene)), focus_m)
+
+
+def is_away(scene: Surroundings) -> bool:
+    """Whether that is beside the focus."""
+    focus_m: Place = scene.surface.focus_m
+    return felt_at_m(scene) != focus_m
+
+
+def farther(scene: Surroundings) -> float:
+    """How much larger the focus is than what the plate does elsewhere, about."""
+    surface = scene.surface
+    return float((surface.plate.modal_density_s * surface.f_max_hz) ** 0.5)
+
+
+def _place(touch: FingerContact, focus_m: Place) -> Place:
+    at_x_m, at_y_m = focus_m
+    return at_x_m if touch.x_m is None else touch.x_m, at_y_m if touch.y_m is None else touch.y_m

@@ -1,32 +1,76 @@
-"""Both on one plate at once: a focus by time reversal, and electrovibration under a finger that slides."""
+"""A plate that focuses with an electrode on it: both sides at once, designed or played."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, ClassVar
+from functools import partial
+from typing import ClassVar
 
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Demand, Effect, FingerContact, Size, Stage, Surface, Surroundings
+from ...composition.effect import PLAYED, Demand, Effect, FingerContact, Size, Stage, Surface, Surroundings
 from ..effects import OF_HYBRID
-from .electrovibration import Electrovibration
+from .electrovibration import Electrovibration, PlayedElectrovibration
+from .played_plates import PlayedTimeReversal
 from .time_reversal import TimeReversal
 
-if TYPE_CHECKING:
-    from .played_hybrid import PlayedHybrid
-
-SLIDING = "sliding_"
-"""In front of the names of stages, and of those quantities that both surfaces have, on the side that slides."""
-SHARED = ("t_s", "motion", "sensation_db")
-ELECTRODE_V = "electrode_voltage_v"
+BOTH = "tactometry.stimuli.scenes.stages.record"
+RESTING, SLIDING = "resting_", "sliding_"
+"""Prefixes of stages and quantities of one side."""
+RENAMED = ("t_s", "motion", "sensation_db")
+"""Quantities that both sides of a designed screen have."""
+COMMON = ("contact", "contact_force_n")
+"""Quantities of the one finger on a surface that is played; only foci move it."""
 
 
 @dataclass(frozen=True)
-class HybridScreen(Surface):
+class Side:
+    """One side of a hybrid surface: its demand, and the names of its stages and quantities."""
+
+    surface: Surface
+    demand: Callable[[Demand], Demand]
+    stage_name: Callable[[str], str] = str
+    quantity: Callable[[str], str] = str
+
+    def place(self, stages: tuple[Stage, ...]) -> tuple[Stage, ...]:
+        """Rename stages, and size each by the demand of this side."""
+        return tuple(
+            replace(
+                stage,
+                name=self.stage_name(stage.name),
+                needs=tuple(map(self.quantity, stage.needs)),
+                gives=self.quantity(stage.gives),
+                size=stage.size and self._sized(stage.size),
+            )
+            for stage in stages
+        )
+
+    def _sized(self, size: Callable[[Demand], Size]) -> Callable[[Demand], Size]:
+        return lambda demand: size(demand.once(self.demand))
+
+
+class TwoSided(Surface):
+    """A surface on which an effect acts on each side that knows it, or across both."""
+
+    def sides(self) -> tuple[Side, ...]:
+        """Return the side of the foci and that of friction."""
+        raise NotImplementedError
+
+    def stages(self, scene: Demand) -> tuple[Stage, ...]:
+        return tuple(stage for side in self.sides() for stage in side.place(side.surface.stages(side.demand(scene))))
+
+    def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
+        knowing = [side for side in self.sides() if effect.kind in side.surface.effects]
+        placed = (side.place(side.surface.stages_of(effect, side.demand(scene))) for side in knowing)
+        return tuple(stage for stages in placed for stage in stages) or super().stages_of(effect, scene)
+
+
+@dataclass(frozen=True)
+class HybridScreen(TwoSided):
     """A plate that focuses, with an electrode on it.
 
-    Fingers that rest feel the focus, the first that slides feels friction. To the plate all are loads at their places,
-    those at rest first: in the time of a focus a finger slides less than a tenth of a wavelength. The attraction does
-    not bend the plate, and the focus does not change friction: both are left out.
+    Fingers at rest feel the focus, the first finger that slides feels friction. For the plate all fingers are loads at
+    their places, those at rest first: while a focus lasts, a finger slides less than a tenth of a wavelength. The
+    model leaves out that the attraction bends the plate and that the focus changes friction.
 
     Parameters
     ----------
@@ -52,37 +96,17 @@ class HybridScreen(Surface):
     electrovibration: Electrovibration
     time_reversal: TimeReversal = field(default_factory=TimeReversal)
 
-    def stages(self, scene: Demand) -> tuple[Stage, ...]:
-        plate = self.time_reversal.stages(self._resting(scene))
-        panel = self.electrovibration.stages(self._sliding(scene))
-        return (*self._on(plate, self._resting), *map(_renamed, self._on(panel, self._sliding)))
-
-    def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
-        """The stages of an effect, on each side where it acts, or across both."""
-        resting: tuple[Stage, ...] = ()
-        sliding: tuple[Stage, ...] = ()
-        if effect.kind in TimeReversal.effects:
-            resting = self._on(super().stages_of(effect, self._resting(scene)), self._resting)
-        if effect.kind in Electrovibration.effects:
-            sliding = self._on(super().stages_of(effect, self._sliding(scene)), self._sliding)
-        return (*resting, *map(_renamed, sliding)) or super().stages_of(effect, scene)
+    def sides(self) -> tuple[Side, ...]:
+        plate = Side(self.time_reversal, self._resting)
+        return plate, Side(self.electrovibration, self._sliding, lambda name: f"{SLIDING}{name}", _on_electrode)
 
     def played(self, scene: Surroundings) -> "PlayedHybrid":
-        """Both sides as they are played."""
-        from .played_hybrid import PlayedHybrid
-
+        """Return both sides as they are played."""
         return PlayedHybrid(self.electrovibration.played(), self.time_reversal.played(scene))
 
     def cure(self, quantity: str) -> str:
-        """As on the side that has the quantity."""
         of_panel = quantity.removeprefix(SLIDING)
         return super().cure(quantity) if of_panel == quantity else self.electrovibration.cure(of_panel)
-
-    def _on(self, stages: tuple[Stage, ...], side: Callable[[Demand], Demand]) -> tuple[Stage, ...]:
-        """Stages that are sized by what one side asks for."""
-        return tuple(
-            stage if stage.size is None else replace(stage, size=_of_side(stage.size, side)) for stage in stages
-        )
 
     def _sliding(self, scene: Demand) -> Demand:
         sliding = tuple(touch for touch in scene.contacts if touch.slides)
@@ -95,8 +119,59 @@ class HybridScreen(Surface):
         return replace(scene, surface=self.time_reversal, contacts=contacts)
 
 
-def _of_side(size: Callable[[Demand], Size], side: Callable[[Demand], Demand]) -> Callable[[Demand], Size]:
-    return lambda demand: size(demand.once(side))
+@dataclass(frozen=True)
+class PlayedHybrid(TwoSided):
+    """A plate with an electrode on it, whose last channel is that of the electrode.
+
+    Foci are felt as if the finger rested at the focus, friction while it slides, and the level is that of the stronger
+    one. Neither masks the other (an unverified simplification, which the effect `cross_masking` removes).
+
+    >>> PlayedHybrid().given
+    ('signal', 'contact')
+    """
+
+    kind = "hybrid"
+    is_played, given = True, PLAYED
+    effects: ClassVar[Mapping[str, str]] = OF_HYBRID
+    assumes: ClassVar[Mapping[str, str]] = {
+        **PlayedTimeReversal.assumes,
+        **PlayedElectrovibration.assumes,
+        "cross_masking": "neither foci nor friction mask the other",
+        "hybrid": "foci are felt as by a finger that rests",
+    }
+    touches = (*PlayedTimeReversal.touches, *PlayedElectrovibration.touches)
+
+    electrovibration: PlayedElectrovibration = field(default_factory=PlayedElectrovibration)
+    time_reversal: PlayedTimeReversal = field(default_factory=PlayedTimeReversal)
+
+    def sides(self) -> tuple[Side, ...]:
+        foci, friction = partial(_of_side, RESTING), partial(_of_side, SLIDING)
+        return (
+            Side(self.time_reversal, self._resting, foci, foci),
+            Side(self.electrovibration, self._sliding, friction, friction),
+        )
+
+    def stages(self, scene: Demand) -> tuple[Stage, ...]:
+        levels = (f"{RESTING}sensation_db", f"{SLIDING}sensation_db")
+        return (
+            Stage("resting_part", ("signal",), "resting_signal", f"{BOTH}:resting"),
+            Stage("sliding_part", ("signal",), "sliding_signal", f"{BOTH}:sliding"),
+            *super().stages(scene),
+            Stage("stronger", levels, "sensation_db", f"{BOTH}:stronger"),
+        )
+
+    def cure(self, quantity: str) -> str:
+        return super().cure(quantity.removeprefix(RESTING).removeprefix(SLIDING))
+
+    def _resting(self, scene: Demand) -> Demand:
+        return replace(scene, surface=self.time_reversal, contacts=self.time_reversal.touches)
+
+    def _sliding(self, scene: Demand) -> Demand:
+        return replace(scene, surface=self.electrovibration, contacts=self.electrovibration.touches)
+
+
+def _of_side(prefix: str, name: str) -> str:
+    return name if name in COMMON else f"{prefix}{name}"
 
 
 def _check_places(contacts: tuple[FingerContact, ...]) -> None:
@@ -108,10 +183,7 @@ def _check_places(contacts: tuple[FingerContact, ...]) -> None:
             )
 
 
-def _renamed(stage: Stage) -> Stage:
-    """A stage of the panel, so that its names are its own."""
-    return replace(stage, name=f"{SLIDING}{stage.name}", needs=tuple(map(_name, stage.needs)), gives=_name(stage.gives))
-
-
-def _name(quantity: str) -> str:
-    return ELECTRODE_V if quantity == "voltage_v" else f"{SLIDING}{quantity}" if quantity in SHARED else quantity
+def _on_electrode(quantity: str) -> str:
+    if quantity == "voltage_v":
+        return "electrode_voltage_v"
+    return f"{SLIDING}{quantity}" if quantity in RENAMED else quantity

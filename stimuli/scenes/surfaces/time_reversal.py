@@ -12,21 +12,20 @@ from ...composition.effect import Demand, Size, Stage, Surface, Surroundings
 from ...defaults import F_MAX_HZ
 from ...time_reversal.plate.glass import GLASSES
 from ...time_reversal.plate.plate import Plate
-from ...time_reversal.screen.glass_panel import LEARNT_S, GlassPanel
+from ...time_reversal.screen.screen import LEARNT_S, GlassPanel
 from ..effects import OF_TIME_REVERSAL
-from ..stages.fingers import check_on_plate, felt_at_m
-from ..stages.scaling import at_voltage
-from ..stages.truncation import cut_of, n_frequencies, n_modes, wavenumber_rad_per_m
-from .plate import REFUSES
+from ..stages.circuit import at_voltage
+from ..stages.truncation import check_on_plate, cut_of, felt_at_m, n_frequencies, n_modes, wavenumber_rad_per_m
+from . import REFUSES
 
 if TYPE_CHECKING:
-    from .played_time_reversal import PlayedTimeReversal
+    from .played_plates import PlayedTimeReversal
 
 OF_EVERY_STIMULUS: Final = {"tau_s", "side_m"}
 """Fields of a `Setup` that a plate has by effects alone, and every stimulus by default."""
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
-MAP = "tactometry.stimuli.scenes.stages.map"
+MAP = "tactometry.stimuli.scenes.stages.motion"
 MOST_POINTS = 4e7
 PRODUCT, DIVISION = 0.15, 15.0
 """Operations per number in a product of matrices, and where it is divided."""
@@ -116,7 +115,7 @@ class TimeReversal(GlassPanel, Surface):
     def played(self, scene: Surroundings) -> "PlayedTimeReversal":
         """The plate as a stimulus states it, by the effects that make it, the first finger where it rests."""
         from ...time_reversal.stimulus.setup import Setup
-        from .played_time_reversal import PlayedTimeReversal
+        from .played_plates import PlayedTimeReversal
 
         made = {name: value for effect in scene.effects for name, value in effect.in_setup().items()}
         stated = set(made) >= OF_EVERY_STIMULUS

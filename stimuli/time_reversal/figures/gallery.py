@@ -10,18 +10,18 @@ from matplotlib.figure import Figure
 from ..design.closed_forms import Reverberation
 from ..design.guide import Design, Target, Transducers, recommend
 from ..design.thickness import best_sheet, sheets
-from ..field.merit import amplitude_by_subset_m, amplitude_over_count_m, contributions_m, resolution_per_focus_m
-from ..field.sound import NoiseSpectrum, noise
 from ..filters import Band
 from ..finger import Contactor, force_loss
 from ..focusing.focusing import Emission
+from ..focusing.merit import amplitude_by_subset_m, amplitude_over_count_m, contributions_m, resolution_per_focus_m
 from ..focusing.sigma_delta import SigmaDelta
+from ..focusing.sound import NoiseSpectrum, noise
 from ..plate.glass import A4_SCREEN, BOROFLOAT_33
 from ..responses.responses import Point, impulse_responses
 from ..screen.attenuation import TAU_S, Attenuation
 from ..screen.screen import A4_PROTOTYPE, Screen
 from ..screen.transducer import DiscPatch
-from . import drives, focus, prototype, theory
+from . import focus, prototype, theory
 from .style import save
 
 FOCUS: Final = (0.121, 0.093)
@@ -67,7 +67,7 @@ def _decay_fit() -> Figure:
 
 
 def _sound(emissions: Mapping[str, Emission] = FOUR) -> Figure:
-    return drives.sound_spectra({name: _noise(emission) for name, emission in emissions.items()})
+    return focus.sound_spectra({name: _noise(emission) for name, emission in emissions.items()})
 
 
 def _focus_map(emission: Emission = RIG_BAND) -> Figure:
@@ -133,10 +133,10 @@ GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {
     "3.21-contrast": _contrast,
     "3.22-design": _design,
     "3.22-design-thickness": _thickness,
-    "4.5-quantised-sine": drives.quantised_sine,
-    "4.7-order-1": lambda: drives.modulator_diagram(1),
-    "4.8-order-2": lambda: drives.modulator_diagram(2),
-    "4.9-modulator-noise": drives.modulator_noise,
+    "4.5-quantised-sine": focus.quantised_sine,
+    "4.7-order-1": lambda: focus.modulator_diagram(1),
+    "4.8-order-2": lambda: focus.modulator_diagram(2),
+    "4.9-modulator-noise": focus.modulator_noise,
     "4.11-decay-fit": _decay_fit,
     "4.13-noise-window": lambda: focus.noise_window(A4_PROTOTYPE, FOCUS, RIG_BAND),
     "4.15-four-signals": _four_signals,
@@ -149,7 +149,7 @@ GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {
     "4.31-amplitude-by-subset": _subsets,
     "4.34-resolution-of-foci": _resolution_of_foci,
     "5.4-force-loss": _force_loss,
-    "5.8-patterns": drives.pattern_waveforms,
+    "5.8-patterns": focus.pattern_waveforms,
 }
 
 

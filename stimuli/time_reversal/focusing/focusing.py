@@ -16,8 +16,7 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
-from ...arrays import FloatArray
-from ...fast_length import fast_length
+from ...arrays import FloatArray, fast_length
 from ..filters import Band
 from ..responses.load import Attached, loaded_responses
 from ..responses.responses import Point, Responses, band_limited, samples_in

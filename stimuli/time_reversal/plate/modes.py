@@ -17,15 +17,15 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, finite_array, shape
 
 from ...arrays import FloatArray, IntArray
-from ..rectangle.axis import Axis, SineAxis
 from .dispersion import (
     mindlin_angular_frequency_rad_per_s,
     mindlin_wavenumber_rad_per_m,
 )
 from .plate import Plate, navier, ritz
+from .rectangle import Axis, SineAxis
 
 if TYPE_CHECKING:
-    from ..rectangle.ritz import ParityBlock
+    from .ritz import ParityBlock
 
 ROUNDING: Final = 1e-12
 """Of shapes with a mean square of 1: polynomials that vanish at a held edge leave up to 3e-14 there."""
@@ -202,7 +202,7 @@ def _ritz(plate: Plate, f_max_hz: float, shear_factor: float | None) -> RitzMode
         blocks = ritz(plate, f_max_hz)
         omega = plate.wave_constant_m2_per_s * np.concatenate([block.wavenumber2_per_m2 for block in blocks])
         return RitzModes(plate, np.sort(omega), blocks, np.argsort(omega, kind="stable"))
-    from .mindlin import frequencies_rad_per_s
+    from .dispersion import frequencies_rad_per_s
 
     thin_hz = _thin_hz(plate, f_max_hz, shear_factor)
     # some modes are slower than the plane wave of their thin mode: what lies above is solved too, then cut

@@ -13,10 +13,10 @@ from tactometry.arguments.require import at_most, positive, within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ..rectangle.rectangle import Rectangle, Sines, sines
+from .rectangle import Rectangle, Sines, sines
 
 if TYPE_CHECKING:
-    from ..rectangle.ritz import ParityBlock
+    from .ritz import ParityBlock
 
 
 MAX_MODES: Final = 1_000_000
@@ -178,7 +178,7 @@ def navier(plate: Plate, f_max_hz: float) -> Sines:
 def ritz(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> Sequence["ParityBlock"]:
     """The modes of the thin plate with any edges, up to a frequency, by polynomials of `degrees`, or given ones."""
     # polynomials are not loaded where edges are simply supported
-    from ..rectangle.ritz import solve
+    from .ritz import solve
 
     return solve(plate.rectangle, _wavenumber2_per_m2(plate, f_max_hz), degree or degrees(plate, f_max_hz))
 

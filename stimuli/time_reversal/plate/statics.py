@@ -10,8 +10,8 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, whole, within
 
 from ...arrays import FloatArray
-from ..rectangle.axis import SineAxis
 from .plate import Plate
+from .rectangle import SineAxis
 
 # of Levy's sum, and of Navier's under a patch, along each side
 N_TERMS: Final = 20_000
@@ -116,7 +116,7 @@ def _across(mu: FloatArray, width_m: float, y0: float, y: float) -> FloatArray:
 def _ritz(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray) -> FloatArray:
     from scipy.linalg import solve
 
-    from ..rectangle.ritz import ellipse, pairs, pencil
+    from .ritz import ellipse, pairs, pencil
 
     scale = plate.length_m**3 / (4 * plate.bending_rigidity_n_m * plate.width_m)
     rectangle, degrees = plate.rectangle, (RITZ_DEGREE, RITZ_DEGREE)

@@ -23,9 +23,8 @@ from tactometry.files.durable import read_file
 from tactometry.files.json_file import json_value
 from tactometry.files.samples import Npz
 
-from ...arrays import FloatArray
-from ...fast_length import fast_length
-from ..oscillators.oscillators import QUANTITIES
+from ...arrays import FloatArray, fast_length
+from ..plate.oscillators import QUANTITIES
 from .responses import Responses, samples_in
 
 REGULARISATION: Final = 1e-6

@@ -18,9 +18,8 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import shape, whole
 from tactometry.errors import InvalidParameter
 
-from ...arrays import ComplexArray, FloatArray, real_product
-from ...fast_length import fast_length
-from ..oscillators.oscillators import Oscillators
+from ...arrays import ComplexArray, FloatArray, fast_length, real_product
+from ..plate.oscillators import Oscillators
 from ..screen.screen import Screen
 from .responses import Point, Responses, impulse_responses, values_at
 

@@ -13,8 +13,8 @@ from tactometry.errors import InvalidParameter
 from ...arrays import FloatArray
 from ...defaults import AUDIBLE_MAX_HZ
 from ..filters import Band, GainCurve, filtered
-from ..oscillators.oscillators import QUANTITIES, check_sampling
 from ..plate.modes import values
+from ..plate.oscillators import QUANTITIES, check_sampling
 from ..screen.screen import Screen
 
 Point = tuple[float, float]
@@ -131,7 +131,7 @@ def impulse_responses(
         raise InvalidParameter(
             f"f_max_hz: found {f_max_hz}, above the Nyquist frequency {rate_hz / 2}; raise rate_hz or lower f_max_hz"
         )
-    from ..oscillators.modal_sum import modal_sums
+    from ..plate.modal_sum import modal_sums
 
     weights = _weights(screen, points, f_max_hz)
     out = np.empty((weights.shape[0] * weights.shape[1], n_samples))

@@ -9,8 +9,7 @@ import numpy as np
 from tactometry.arguments.checked import checked
 from tactometry.signal import Signal
 
-from ...arrays import ComplexArray, FloatArray
-from ...fast_length import fast_length
+from ...arrays import ComplexArray, FloatArray, fast_length
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer
 from ..responses.responses import Point, values_at

@@ -147,7 +147,7 @@ def _mean_of_model(setup: Setup, places: tuple[Point, ...]) -> Responses:
 @dataclass(frozen=True)
 class FingersSensation:
     """What a scene of foci under fingers that rest on named places is made of, and nothing that computes
-    (`tactometry.stimuli.scenes.defaults.foci.default_scene`).
+    (`tactometry.stimuli.scenes.default_scenes.default_scene`).
 
     Each finger feels the field of all foci under it, by the amplitude of the free plate: that fingers do not damp what
     others feel is an unverified simplification, which the effect `finger_load` of a scene does without.

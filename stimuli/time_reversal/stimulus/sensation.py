@@ -49,7 +49,7 @@ READING_M: Final = 1e-9
 @dataclass(frozen=True)
 class TimeReversalSensation:
     """What a scene of the foci under a finger is made of, and nothing that computes: each is an effect of the scene or
-    of its surface (`tactometry.stimuli.scenes.defaults.time_reversal.default_scene`).
+    of its surface (`tactometry.stimuli.scenes.default_scenes.default_scene`).
 
     The plate's displacement under the finger is in the ultrasonic range, where touch feels nothing: each focus is felt
     as one event that throws the skin off. Of a train the Pacinian channel sums the energy over 0.2 s

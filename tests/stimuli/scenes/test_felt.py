@@ -14,7 +14,6 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, FingerContact
-from tactometry.stimuli.composition.record import VoltageRecord
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     CoulombFriction,
@@ -26,6 +25,7 @@ from tactometry.stimuli.electrovibration import (
     Square,
     force_form,
 )
+from tactometry.stimuli.electrovibration.waveforms.pieces import VoltageRecord
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.perception.detection import components
 from tactometry.stimuli.scenes.effects import OF_ELECTROVIBRATION
@@ -34,8 +34,7 @@ from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages import record
-from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-from tactometry.stimuli.scenes.surfaces.played_electrovibration import PlayedElectrovibration
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration, PlayedElectrovibration
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 
 FELT = ("force_law", "friction", "sensitivity")

@@ -13,7 +13,7 @@ from tactometry.stimuli.scenes import cache
 from tactometry.stimuli.scenes.cache import cached_result
 from tactometry.stimuli.scenes.figures.film import write_film
 from tactometry.stimuli.scenes.file import load_scene
-from tactometry.stimuli.scenes.result import compute
+from tactometry.stimuli.scenes.plan import compute
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen

@@ -23,7 +23,11 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
     repetition_noise_ratio,
     resolution_m,
 )
-from tactometry.stimuli.time_reversal.field.merit import (
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.finger import Contactor, amplitude_ratio_elsewhere
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive
+from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
+from tactometry.stimuli.time_reversal.focusing.merit import (
     area_m2,
     contrast_far_of,
     contrast_temporal_of,
@@ -33,16 +37,11 @@ from tactometry.stimuli.time_reversal.field.merit import (
     uniformity,
     width_m,
 )
-from tactometry.stimuli.time_reversal.field.sound import noise
-from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger import Contactor, amplitude_ratio_elsewhere
-from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive
-from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
-from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Pattern, burst_s, pattern_drive
 from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
 from tactometry.stimuli.time_reversal.responses.measured import read

@@ -35,7 +35,6 @@ from tactometry.stimuli.time_reversal.design.guide import Design, amplitudes_m
 from tactometry.stimuli.time_reversal.finger import amplitude_ratio_at_focus
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import overlap
 from tactometry.stimuli.time_reversal.focusing.pattern import Table, focus_samples
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.dispersion import (
     group_velocity_m_per_s,
     mindlin_angular_frequency_rad_per_s,
@@ -43,6 +42,7 @@ from tactometry.stimuli.time_reversal.plate.dispersion import (
     mindlin_wavenumber_rad_per_m,
 )
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.bonded_patches import bonded_loads
 
 SCREEN = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))

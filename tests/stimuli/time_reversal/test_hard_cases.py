@@ -16,20 +16,19 @@ from scipy.sparse.linalg import eigsh, splu
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.field.field import field
 from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.focusing.field import field
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
 from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
 from tactometry.stimuli.time_reversal.focusing.modulator import modulate
-from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.oscillators.propagator import run_impulses
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.plate.modal_sum import run_impulses
 from tactometry.stimuli.time_reversal.plate.modes import RitzModes, modes_of, values
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz
-from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pairs, pencil
+from tactometry.stimuli.time_reversal.plate.ritz import ellipse, pairs, pencil
 from tactometry.stimuli.time_reversal.responses.measured import inspect
 from tactometry.stimuli.time_reversal.responses.plate_constants import tau_estimate
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses

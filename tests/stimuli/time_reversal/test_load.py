@@ -24,9 +24,9 @@ from tactometry.stimuli.time_reversal.finger import (
 )
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.load import (
     PlateLoad,
     Receptances,
@@ -184,7 +184,7 @@ def test_loaded_responses_meet_a_fine_time_stepping_of_the_contact():
     """A damper of 10 N s/m, against exact modes stepped at 100 times the rate with the force of the step
     before.
     """
-    from tactometry.stimuli.time_reversal.oscillators.propagator import transition
+    from tactometry.stimuli.time_reversal.plate.modal_sum import transition
     from tactometry.stimuli.time_reversal.plate.modes import values
 
     one = Screen(A4_SCREEN, (PointForce(0.05, 0.06),), Attenuation(3e-3))

@@ -11,14 +11,13 @@ from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.design.closed_forms import ALPHA, resolution_m
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
-from tactometry.stimuli.time_reversal.focusing.interpolation import (
+from tactometry.stimuli.time_reversal.focusing.inverse_filter import (
     estimator,
     expected_amplitude_ratio,
     interpolate,
+    inverse_filter_waveform,
 )
-from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
-from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, normalised
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, normalised
 from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.learning import write_learnt

@@ -7,8 +7,10 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.field.field import modal_amplitudes
-from tactometry.stimuli.time_reversal.field.merit import (
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.focusing.field import modal_amplitudes
+from tactometry.stimuli.time_reversal.focusing.focusing import drive
+from tactometry.stimuli.time_reversal.focusing.merit import (
     area_m2,
     contrast_far_of,
     contrast_temporal_of,
@@ -20,7 +22,9 @@ from tactometry.stimuli.time_reversal.field.merit import (
     uniformity,
     width_m,
 )
-from tactometry.stimuli.time_reversal.field.sound import (
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sound import (
     NoiseSpectrum,
     a_weighting_db,
     coincidence_frequency_hz,
@@ -28,11 +32,6 @@ from tactometry.stimuli.time_reversal.field.sound import (
     radiation_efficiency,
     velocity_spectrum,
 )
-from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.focusing import drive
-from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
-from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses, inaudible
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation

@@ -15,10 +15,9 @@ from tactometry.arguments.require import ascending, not_negative_array, positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
-from ...arrays import FloatArray
+from ...arrays import COMPLEX, FloatArray, fast_length
 from ...defaults import AUDIBLE_MAX_HZ, DISTANCE_M
-from ...fast_length import COMPLEX, fast_length
-from ..oscillators.oscillators import Oscillators
+from ..plate.oscillators import Oscillators
 from ..plate.plate import Plate
 from ..responses.responses import chunks
 from ..screen.screen import Screen

@@ -15,11 +15,11 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
-from ..focusing.focusing import Emission
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
 from ..screen.transducer import PZ27_LOSS_TANGENT
 from .field import modal_amplitudes
+from .focusing import Emission
 
 Grid = tuple[Vector, Vector]
 

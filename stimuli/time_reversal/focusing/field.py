@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
-from ..oscillators.oscillators import QUANTITIES
+from ..plate.oscillators import QUANTITIES
 from ..responses.responses import chunks
 from ..screen.screen import Screen
 
@@ -73,7 +73,7 @@ def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_
 @checked
 def modal_history(screen: Screen, signal: Signal, samples: Sequence[int], f_max_hz: float) -> FloatArray:
     """(n_modes, n_kept): modal displacements at ascending samples, by the exact one-step recurrence."""
-    from ..oscillators.propagator import run_impulses
+    from ..plate.modal_sum import run_impulses
 
     if len(samples) == 0 or min(samples) < 0 or any(np.diff(samples) <= 0):
         raise InvalidParameter(f"samples: found {list(samples)[:4]}.., expected ascending numbers, at least 0")

@@ -1,4 +1,4 @@
-"""A plate that drives are played on: from the samples of all transducers to what a finger feels of them."""
+"""A plate on which drives are played: from the samples of all transducers to what fingers feel."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments.checked import checked
 
-from ...composition.effect import Demand, FingerContact, Stage
+from ...composition.effect import PLAYED, Demand, FingerContact, Stage, Surface
 from ...time_reversal.fingertip import Fingertip
+from ...time_reversal.stimulus.placed_foci import Place, check_fingers
 from ...time_reversal.stimulus.sensation import place_on
 from ...time_reversal.stimulus.setup import Setup
 from ..effects import OF_TIME_REVERSAL
-from .plate import REFUSES
-from .played import PlayedSurface
+from . import REFUSES
 
 if TYPE_CHECKING:
     from ...time_reversal.stimulus.contact_force import Places
@@ -21,7 +21,7 @@ PLATE = "tactometry.stimuli.scenes.stages.plate"
 PRESSED = ("signal", "setup", "places_m", "contact")
 
 
-class PlayedPlate(PlayedSurface):
+class PlayedPlate(Surface):
     """The screen of a stimulus: plate, transducers and losses are those that its drives were made for.
 
     One finger rests on it, or several that share the force of a touch evenly (an unverified simplification); what is
@@ -30,6 +30,7 @@ class PlayedPlate(PlayedSurface):
     """
 
     kind = "time_reversal"
+    is_played, given = True, PLAYED
     effects = OF_TIME_REVERSAL
     refuses = REFUSES
     assumes: ClassVar[Mapping[str, str]] = {
@@ -92,3 +93,50 @@ class PlayedTimeReversal(PlayedPlate):
     def places_m(self) -> "Places":
         """Where the finger is; what is not said of it is that of the focus."""
         return (place_on(self.setup, self.finger_x_m, self.finger_y_m),)
+
+
+@dataclass(frozen=True)
+class PlayedFingers(PlayedPlate):
+    """A plate under fingers, of which the one that feels most decides a detection, and all of them a localisation.
+
+    Parameters
+    ----------
+    setup : Setup
+    places : mapping of str to Place
+        Those of the stimulus.
+    fingers : tuple of str
+        The places where a finger rests, a fingertip or more from each other; by default on every one.
+    finger : Fingertip
+        Whose contact force is told where no effect says that it loads the plate.
+
+    Raises
+    ------
+    InvalidParameter
+        If a finger rests on no place, or two are nearer to each other than a fingertip is wide.
+
+    >>> PlayedFingers(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).names
+    ('index', 'middle')
+    """
+
+    assumes: ClassVar[Mapping[str, str]] = {
+        **PlayedPlate.assumes,
+        "load": "fingers that do not damp what others feel",
+        "fingers": "fingers that share the force of a touch evenly",
+    }
+
+    setup: Setup
+    places: Mapping[str, Place]
+    fingers: tuple[str, ...] = ()
+    finger: Fingertip = field(default_factory=Fingertip)
+
+    def __post_init__(self) -> None:
+        check_fingers("PlayedFingers.fingers", self.setup, self.places, self.fingers)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The places where a finger rests."""
+        return self.fingers or tuple(self.places)
+
+    @property
+    def places_m(self) -> "Places":
+        return tuple(self.places[name].on(self.setup) for name in self.names)
