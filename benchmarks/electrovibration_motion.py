@@ -24,7 +24,7 @@ from scipy.integrate import solve_ivp
 from tactometry.stimuli.electrovibration import CoulombFriction, Finger, Pieces, Sine, Skin, Solution, Step, Trapezoid
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.motion.driven_motion import plan_of
-from tactometry.stimuli.electrovibration.motion.pad import sliding
+from tactometry.stimuli.electrovibration.motion.finger import sliding
 
 Real = NDArray[np.float64]
 FINGER, MU, END_S = Finger(), 0.5, 0.05

@@ -31,9 +31,11 @@ if TYPE_CHECKING:
     from .attraction.offset import WithOffset as WithOffset
     from .attraction.periodic_force import periodic_force_n as periodic_force_n
     from .attraction.polarity import Polarity as Polarity
-    from .motion.coulomb_friction import CoulombFriction as CoulombFriction, DryFriction as DryFriction
+    from .motion.coulomb_friction import CoulombFriction as CoulombFriction
+    from .motion.dry_friction import DryFriction as DryFriction
+    from .motion.finger import Motion as Motion, sliding as sliding, sliding_many as sliding_many
     from .motion.friction_lag import FrictionLag as FrictionLag, lagged_friction_n as lagged_friction_n
-    from .motion.pad import Finger as Finger, Motion as Motion, sliding as sliding, sliding_many as sliding_many
+    from .motion.pad import Finger as Finger
     from .motion.skin_mobility import SkinMobility as SkinMobility
     from .motion.stick_slip import (
         StickSlip as StickSlip,

@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     )
     from .focusing.inverse_filter import inverse_filter_waveform as inverse_filter_waveform
     from .focusing.merit import uniformity as uniformity
+    from .focusing.one_bit import OneBit as OneBit
     from .focusing.pattern import Pattern as Pattern, pattern_drive as pattern_drive
     from .focusing.pulse_width import PulseWidth as PulseWidth
-    from .focusing.quantiser import Analogue as Analogue, OneBit as OneBit
+    from .focusing.quantiser import Analogue as Analogue
     from .focusing.sigma_delta import SigmaDelta as SigmaDelta
     from .plate.glass import A4_SCREEN as A4_SCREEN, Glass as Glass
     from .plate.plate import Plate as Plate

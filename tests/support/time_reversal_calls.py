@@ -334,8 +334,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "Analogue.quantise": {"self": Analogue(), "waveform": FIELD, "rate_hz": 2e3},
             "normalised": {"waveform": FIELD, "per_channel": True},
             "one_bit": {},
-            "OneBit.quantise": {"self": OneBit(), "waveform": FIELD, "rate_hz": 2e3},
         },
+        "focusing.one_bit": {"OneBit.quantise": {"self": OneBit(), "waveform": FIELD, "rate_hz": 2e3}},
         "focusing.sigma_delta": {"SigmaDelta.quantise": {"self": SigmaDelta(), "waveform": FIELD, "rate_hz": 2e3}},
         "focusing.pulse_width": {
             "PulseWidth.quantise": {"self": PulseWidth(200.0), "waveform": FIELD, "rate_hz": 2e3},

@@ -1,21 +1,19 @@
-"""Friction in proportion to the load: Coulomb's law in full slip, and dry friction that can hold a finger."""
+"""Coulomb friction of a finger that slides all the time."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import hypot
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import NotNegative
 from tactometry.arguments.checked import checked
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ...composition.effect import Effect, Quantity, Stage, Surroundings, is_changed, note
+from ...composition.effect import Effect, Stage, Surroundings, is_changed, note
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
@@ -122,38 +120,3 @@ def friction_n(electrostatic_n: FloatArray, law: CoulombFriction, contact: Conta
 def friction_components(parts: "Components", law: CoulombFriction, contact: Contact) -> "Components":
     """Components of the friction that those of an attraction cause."""
     return parts.times(law.coefficient_at(contact.force_n))
-
-
-@checked
-@dataclass(frozen=True)
-class DryFriction(Quantity):
-    """Coulomb friction with a static and a kinetic coefficient; both defaults are unverified.
-
-    With the static one above the kinetic one, a friction law that is smooth in the speed is another model, not an
-    approximation of this one: its peak lies below the static friction at any width.
-
-    Parameters
-    ----------
-    static, kinetic : float
-        Coefficients, static at least kinetic.
-    gated : bool
-        The voltage adds to the friction in full slip alone, as Sirin et al. (2019) found: a stuck finger bears its
-        normal force's static friction (or the slipping one, if that is more). Without, it holds a stuck finger too.
-    """
-
-    kind = "dry_friction"
-    slot = "friction"
-    requires = ("sliding contact", "dynamics")
-    excludes: ClassVar[Mapping[str, str]] = {
-        "friction_lag": "a lag has no stick; use 'friction' with it, or 'finger_dynamics' in its place"
-    }
-    gives = stage_name = "friction_law"
-    assumes = ("the coefficients know neither load nor speed nor time of rest",)
-
-    static: NotNegative = 0.6
-    kinetic: NotNegative = 0.5
-    gated: bool = True
-
-    def __post_init__(self) -> None:
-        least = f"at least the kinetic coefficient ({self.kinetic})"
-        require.expect(self.static >= self.kinetic, "DryFriction.static", self.static, least)

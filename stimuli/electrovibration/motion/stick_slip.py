@@ -16,8 +16,8 @@ from tactometry.errors import InvalidParameter
 from ...arrays import FloatArray, IndexArray
 from ..attraction.force import ForceForm
 from ..waveforms.pieces import Pieces
-from .coulomb_friction import DryFriction
 from .driven_motion import Timing, check_times
+from .dry_friction import DryFriction
 from .pad import Finger
 from .phases import Phases, heights, moving, nodes_of, phases
 

@@ -11,7 +11,7 @@ from ..stages.circuit import of_true_area, spectrum_of_record, spectrum_stage
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
-    from ...electrovibration.motion.pad import Motion
+    from ...electrovibration.motion.finger import Motion
     from ...electrovibration.motion.stick_slip import StickSlip
 
 
@@ -94,7 +94,8 @@ def _read(name: str, quantity: str) -> Stage:
 
 def slide(*drive: Any, damping_n_s_per_m: float) -> "Motion":
     """The motion of a finger in full slip."""
-    from ...electrovibration.motion.pad import Finger, sliding
+    from ...electrovibration.motion.finger import sliding
+    from ...electrovibration.motion.pad import Finger
 
     *attraction, friction, contact = drive
     finger = Finger.at_speed(contact.speed_m_per_s, damping_n_s_per_m)

@@ -8,14 +8,13 @@ from tactometry.arguments.checked import checked
 
 from ...composition.effect import PLAYED, Demand, FingerContact, Stage, Surface
 from ...time_reversal.fingertip import Fingertip
-from ...time_reversal.stimulus.placed_foci import Place, check_fingers
-from ...time_reversal.stimulus.sensation import place_on
 from ...time_reversal.stimulus.setup import Setup
 from ..effects import OF_TIME_REVERSAL
 from . import REFUSES
 
 if TYPE_CHECKING:
     from ...time_reversal.stimulus.contact_force import Places
+    from ...time_reversal.stimulus.placed_foci import Place
 
 PLATE = "tactometry.stimuli.scenes.stages.plate"
 PRESSED = ("signal", "setup", "places_m", "contact")
@@ -92,6 +91,8 @@ class PlayedTimeReversal(PlayedPlate):
     @property
     def places_m(self) -> "Places":
         """Where the finger is; what is not said of it is that of the focus."""
+        from ...time_reversal.stimulus.sensation import place_on
+
         return (place_on(self.setup, self.finger_x_m, self.finger_y_m),)
 
 
@@ -114,6 +115,7 @@ class PlayedFingers(PlayedPlate):
     InvalidParameter
         If a finger rests on no place, or two are nearer to each other than a fingertip is wide.
 
+    >>> from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place
     >>> PlayedFingers(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).names
     ('index', 'middle')
     """
@@ -125,11 +127,13 @@ class PlayedFingers(PlayedPlate):
     }
 
     setup: Setup
-    places: Mapping[str, Place]
+    places: "Mapping[str, Place]"
     fingers: tuple[str, ...] = ()
     finger: Fingertip = field(default_factory=Fingertip)
 
     def __post_init__(self) -> None:
+        from ...time_reversal.stimulus.placed_foci import check_fingers
+
         check_fingers("PlayedFingers.fingers", self.setup, self.places, self.fingers)
 
     @property

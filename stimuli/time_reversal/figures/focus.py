@@ -16,9 +16,10 @@ from ..focusing.field import Grid, field, grid
 from ..focusing.focusing import Emission, drive, emitted, focus_amplitude
 from ..focusing.merit import width_m
 from ..focusing.modulator import modulate
+from ..focusing.one_bit import OneBit
 from ..focusing.pattern import PATTERNS, Pattern
 from ..focusing.pulse_width import PulseWidth
-from ..focusing.quantiser import OneBit, Quantiser
+from ..focusing.quantiser import Quantiser
 from ..focusing.sigma_delta import SigmaDelta
 from ..focusing.sound import NoiseSpectrum
 from ..responses.plate_constants import schroeder_db, tau_s

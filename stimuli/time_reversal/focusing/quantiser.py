@@ -12,7 +12,6 @@ from tactometry.arguments.annotations import Matrix
 from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
-from ...composition.effect import Quantity
 
 
 @runtime_checkable
@@ -44,18 +43,6 @@ def normalised(waveform: Matrix, *, per_channel: bool = False) -> FloatArray:
 
 def one_bit() -> Quantiser:
     """What is emitted by default; imported when it is, for an effect that is off is not."""
+    from .one_bit import OneBit
 
     return OneBit()
-
-
-@checked
-@dataclass(frozen=True)
-class OneBit(Quantity):
-    """The sign, with +1 for 0: the largest focus that a peak voltage allows."""
-
-    kind, slot, gives = "one_bit", "quantiser", "quantiser"
-    in_signal = True
-
-    def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
-        del rate_hz
-        return np.where(waveform >= 0, 1.0, -1.0)

@@ -18,6 +18,7 @@ from ...defaults import F_MAX_HZ
 from ..filters import Band
 from ..focusing.bursts import Bursts, check_supply
 from ..focusing.focusing import emitted
+from ..focusing.one_bit import OneBit
 from ..focusing.pattern import (
     ENVELOPES,
     MODULATIONS,
@@ -31,7 +32,7 @@ from ..focusing.pattern import (
     pattern_drive,
     reversed_waveforms,
 )
-from ..focusing.quantiser import Analogue, OneBit, Quantiser
+from ..focusing.quantiser import Analogue, Quantiser
 from ..focusing.sigma_delta import SigmaDelta
 from ..responses.responses import Responses, band_limited, samples_in
 from ..screen.transducer import VOLTAGE_MAX_V

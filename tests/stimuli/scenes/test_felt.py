@@ -319,9 +319,9 @@ def test_a_scene_of_what_is_none_is_refused(name):
 def test_settings_are_chosen_once_and_a_spectrum_is_read_once_for_a_signal(monkeypatch):
     """And a level that was told is not computed again."""
     scene, resolved, read, ran = felt(), [], [], []
-    kept, spectrum, run = Scene.resolve, record.components_of, Plan.run
+    kept, spectrum, run = Scene.resolve, record.components_of_record, Plan.run
     monkeypatch.setattr(Scene, "resolve", lambda self: resolved.append(self) or kept(self))
-    monkeypatch.setattr(record, "components_of", lambda *a, **k: read.append(a) or spectrum(*a, **k))
+    monkeypatch.setattr(record, "components_of_record", lambda *a, **k: read.append(a) or spectrum(*a, **k))
     monkeypatch.setattr(Plan, "run", lambda self, given: ran.append(tuple(given)) or run(self, given))
     for level in (20.0, 30.0):
         for contact in (TOUCH, Contact(1.0, 0.05), TOUCH):
@@ -334,7 +334,7 @@ def test_lines_that_touch_is_deaf_to_are_not_carried_along():
     """A carrier has hundreds of them: 60 Hz of friction are felt, 4 kHz are not."""
     t_s = np.arange(20_000) / 20_000.0
     course = np.sin(2 * np.pi * 60 * t_s) + np.sin(2 * np.pi * 4000 * t_s)
-    found = record.components_of(VoltageRecord(course, 20_000.0), course, 1)
+    found = record.components_of_record(VoltageRecord(course, 20_000.0), course, 1)
     strong = found.amplitudes > 1e-6
     assert found.frequencies_hz[strong] == pytest.approx([60.0], abs=0.01)
     assert found.frequencies_hz.max() <= 800.0

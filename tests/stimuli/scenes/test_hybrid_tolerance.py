@@ -28,7 +28,7 @@ from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted
-from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses

@@ -38,10 +38,10 @@ OWNERS = {
     "time_reversal.lift_off": {"lift_off"},
     "time_reversal.finger": {"focus_detection"},
     "time_reversal.focusing.pattern": {"repetition"},
-    "time_reversal.rectangle.ritz": {"edges"},
+    "time_reversal.plate.ritz": {"edges"},
     "time_reversal.stimulus.sensation": {"focus_detection"},
     "time_reversal.focusing.modulator": {"sigma_delta"},
-    "time_reversal.field.sound": {"airborne_sound"},
+    "time_reversal.focusing.sound": {"airborne_sound"},
 }
 """Physics that some effects alone need."""
 

@@ -32,8 +32,9 @@ from tactometry.stimuli.time_reversal.focusing.merit import (
     contrast_temporal_of,
     contrast_whole_of,
 )
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_samples, pattern_drive
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.plate.dispersion import wavelength_m, wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33, D263T
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses

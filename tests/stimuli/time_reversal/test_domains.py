@@ -37,9 +37,10 @@ from tactometry.stimuli.time_reversal.focusing.merit import (
     uniformity,
     width_m,
 )
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Pattern, burst_s, pattern_drive
 from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN

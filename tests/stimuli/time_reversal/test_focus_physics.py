@@ -30,7 +30,8 @@ from tactometry.stimuli.time_reversal.focusing.merit import (
     resolution_per_focus_m,
     temporal_width_s,
 )
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.plate.dispersion import (

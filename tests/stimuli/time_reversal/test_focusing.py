@@ -19,7 +19,8 @@ from tactometry.stimuli.time_reversal.focusing.focusing import (
     focus_amplitudes,
     reversed_waveform,
 )
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
 from tactometry.stimuli.time_reversal.responses.responses import (

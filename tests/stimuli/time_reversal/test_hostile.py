@@ -117,7 +117,8 @@ def constructors() -> Iterator[tuple[str, object]]:
         "focusing.pattern": (
             Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05),
         ),
-        "plate.plate": PLATE, "focusing.quantiser": (Analogue(), OneBit()),
+        "plate.plate": PLATE, "focusing.quantiser": Analogue(),
+        "focusing.one_bit": OneBit(),
         "focusing.sigma_delta": SigmaDelta(), "focusing.pulse_width": PulseWidth(200.0),
         "responses.responses": RESPONSES, "screen.screen": (SCREEN, GlassPanel()),
         "stimulus.sensation": (TimeReversalSensation(SETUP), FocusReading(SETUP)), "stimulus.setup": SETUP,

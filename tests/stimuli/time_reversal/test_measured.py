@@ -17,7 +17,8 @@ from tactometry.stimuli.time_reversal.focusing.inverse_filter import (
     interpolate,
     inverse_filter_waveform,
 )
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, normalised
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, normalised
 from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.learning import write_learnt

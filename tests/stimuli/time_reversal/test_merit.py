@@ -22,7 +22,8 @@ from tactometry.stimuli.time_reversal.focusing.merit import (
     uniformity,
     width_m,
 )
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.focusing.sound import (
     NoiseSpectrum,

@@ -10,6 +10,7 @@ from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.safety.limits import Limits
 from tactometry.signal import Stimulus
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import (
     PATTERNS,
     Exponential,
@@ -22,7 +23,7 @@ from tactometry.stimuli.time_reversal.focusing.pattern import (
     focus_samples,
     pattern_drive,
 )
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE

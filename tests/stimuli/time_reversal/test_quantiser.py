@@ -9,8 +9,9 @@ from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.stimuli.time_reversal.focusing.modulator import modulate
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 
 N = 1 << 16

@@ -15,8 +15,9 @@ from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive as reversed_drive, emitted
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, focus_samples
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import band_limited

@@ -1,0 +1,99 @@
+"""A finger pad as mass, spring and damper that slides fully: exact motion under an electrostatic force."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tactometry.arguments.checked import checked
+
+from ...arrays import FloatArray
+from ..attraction.force import ForceForm
+from ..waveforms.pieces import Pieces
+from .coulomb_friction import CoulombFriction
+from .driven_motion import Timing, plan_of, stack_heights
+from .pad import Finger
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A finger over time, arrays (..., n_times): lateral force on the skin (N), deflection (m), and its derivatives."""
+
+    t_s: FloatArray
+    electrostatic_n: FloatArray
+    lateral_n: FloatArray
+    deflection_m: FloatArray
+    speed_m_per_s: FloatArray
+    acceleration_m_per_s2: FloatArray
+
+
+@checked
+def sliding(
+    t_s: ArrayLike,
+    pieces: Pieces,
+    form: ForceForm,
+    *,
+    finger: Finger,
+    friction: CoulombFriction,
+    force_n: float,
+) -> Motion:
+    """Motion of a finger in full slip under a normal force (N), from its rest under constant friction: exact.
+
+    The lateral force is ``mu (F_n + F_e)``. There is no slip-rate in it, so that any speed gives the same; whether the
+    finger slips at all is the matter of `stick_slip`.
+
+    Parameters
+    ----------
+    t_s : (n_times,) array
+        Ascending from at least 0 to at most the end of the voltage.
+
+    Raises
+    ------
+    InvalidParameter
+        If the times are not as stated or the force is negative.
+    """
+    t = np.asarray(t_s, dtype=np.float64)
+    return Motion(t, *_rows(t, (pieces,), form, finger, friction, force_n)[0])
+
+
+@checked
+def sliding_many(
+    t_s: ArrayLike,
+    stimuli: Sequence[Pieces],
+    form: ForceForm,
+    *,
+    finger: Finger,
+    friction: CoulombFriction,
+    force_n: float,
+) -> Motion:
+    """`sliding` for many voltages whose pieces start at the same times: arrays (n_stimuli, n_times).
+
+    All share the exponentials of one plan: what differs is heights, slopes and phases.
+
+    Raises
+    ------
+    InvalidParameter
+        As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
+    """
+    t = np.asarray(t_s, dtype=np.float64)
+    return Motion(t, *_rows(t, stimuli, form, finger, friction, force_n).swapaxes(0, 1))
+
+
+def _rows(
+    t_s: FloatArray,
+    stimuli: Sequence[Pieces],
+    form: ForceForm,
+    finger: Finger,
+    friction: CoulombFriction,
+    force_n: float,
+) -> FloatArray:
+    """Rows of `Motion` below the times, (n_stimuli, 5, n_times)."""
+    from .compiled_loops import FullSlip, slide
+
+    pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m
+    pressed = FullSlip(*pad, friction.coefficient_at(force_n), force_n)
+    voltages = stack_heights(stimuli)
+    timing = Timing(stimuli[0], t_s, has_slope=bool(voltages.slopes.any()))
+    plan = plan_of(timing, form.relaxations, finger.system)
+    return slide(form.newton_per_v2, pressed, voltages, plan)

@@ -1,0 +1,24 @@
+"""The sign of the reversed responses: amplifiers that switch between two voltages."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.arguments.annotations import Matrix
+from tactometry.arguments.checked import checked
+
+from ...arrays import FloatArray
+from ...composition.effect import Quantity
+
+
+@checked
+@dataclass(frozen=True)
+class OneBit(Quantity):
+    """The sign, with +1 for 0: the largest focus that a peak voltage allows."""
+
+    kind, slot, gives = "one_bit", "quantiser", "quantiser"
+    in_signal = True
+
+    def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
+        del rate_hz
+        return np.where(waveform >= 0, 1.0, -1.0)
