@@ -79,12 +79,8 @@ class Hybrid:
     def at(self, level: float) -> Signal:
         """(n_transducers + 1, n_samples) volt.
 
-        Raises
-        ------
-        InvalidParameter
-            If the level is not finite.
-        LimitExceeded
-            If the foci need more than `focus.voltage_max_v`.
+        Raises `InvalidParameter` if the level is not finite. Raises `LimitExceeded` if the foci need more than
+        `focus.voltage_max_v`.
         """
         return _together(self.focus, self.friction, level, self.electrode_offset_db)
 
@@ -109,10 +105,8 @@ class MeasuredHybrid:
 def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
     """The same foci and friction from measured responses, both at the rate of these.
 
-    Raises
-    ------
-    InvalidParameter
-        If the responses do not suit the foci (`tactometry.stimuli.time_reversal.stimulus.focus_train.measured`).
+    Raises `InvalidParameter` if the responses do not suit the foci
+    (`tactometry.stimuli.time_reversal.stimulus.focus_train.measured`).
 
     Examples
     --------

@@ -299,10 +299,7 @@ class Surface:
     def played(self, scene: Surroundings) -> "Surface":
         """The same surface, where each run is given the signal that is played and the finger that feels it.
 
-        Raises
-        ------
-        InvalidParameter
-            If no signal can be given to it.
+        Raises `InvalidParameter` if no signal can be given to it.
         """
         if self.is_played:
             return self

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from itertools import chain
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,10 +16,10 @@ from .scene import SENSATION, Scene
 if TYPE_CHECKING:
     from ..composition.effect import Surface
     from ..electrovibration.sensation import ElectrovibrationSensation
-    from ..electrovibration.skin.skin import Skin
     from ..hybrid import HybridSensation
     from ..time_reversal.stimulus.placed_foci import FingersSensation
     from ..time_reversal.stimulus.sensation import TimeReversalSensation
+    from .surfaces.electrovibration import PlayedElectrovibration
 
 ACCURACY: Final = 0.02
 """One half is left for aliasing, 40 dB below the rest, and one half for the spectrum."""
@@ -32,16 +33,13 @@ Parts = tuple["Surface", Iterator[Effect]]
 def default_scene(model: Any, duration_s: float = 1.0) -> Scene:
     """Build the scene of a model of `[sensation]`.
 
+    Raises `InvalidParameter` if scenes do not have the area law.
+
     Parameters
     ----------
     model : ElectrovibrationSensation, TimeReversalSensation, FingersSensation or HybridSensation
     duration_s : float
         Duration of the voltages; drives of a plate are felt whatever their duration.
-
-    Raises
-    ------
-    InvalidParameter
-        If scenes do not have the area law.
 
     >>> from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
     >>> [effect.kind for effect in default_scene(ElectrovibrationSensation()).effects]
@@ -66,9 +64,16 @@ def default_scene(model: Any, duration_s: float = 1.0) -> Scene:
 
 
 def _electrovibration(model: "ElectrovibrationSensation", duration_s: float) -> Parts:
+    return _panel(model, duration_s), _friction_effects(model)
+
+
+def _panel(model: "ElectrovibrationSensation", duration_s: float) -> "PlayedElectrovibration":
     from .surfaces.electrovibration import PlayedElectrovibration
 
-    return PlayedElectrovibration(_layers(model.skin), duration_s=duration_s), _friction_effects(model)
+    # leakage, air gap and body resistance are effects
+    resistivity_ohm_m = inf if model.skin.corneum_resistivity_ohm_m else 0.0
+    skin = replace(model.skin, corneum_resistivity_ohm_m=resistivity_ohm_m, gap_m=0.0, body_resistance_ohm=0.0)
+    return PlayedElectrovibration(skin, duration_s=duration_s)
 
 
 def _time_reversal(model: "TimeReversalSensation", duration_s: float) -> Parts:
@@ -89,9 +94,9 @@ def _hybrid(model: "HybridSensation", duration_s: float) -> Parts:
     from .surfaces.hybrid import PlayedHybrid
     from .surfaces.played_plates import PlayedTimeReversal
 
-    panel, of_friction = _electrovibration(model.friction, duration_s)
-    of_foci = _focus_effects(TimeReversalSensation(model.setup, model.reference_m))
-    return PlayedHybrid(panel, PlayedTimeReversal(model.setup)), iter((*of_foci, *of_friction))
+    foci = TimeReversalSensation(model.setup, model.reference_m)
+    surface = PlayedHybrid(_panel(model.friction, duration_s), PlayedTimeReversal(model.setup))
+    return surface, chain(_focus_effects(foci), _friction_effects(model.friction))
 
 
 _PARTS: Mapping[str, Callable[[Any, float], Parts]] = {
@@ -100,12 +105,6 @@ _PARTS: Mapping[str, Callable[[Any, float], Parts]] = {
     "FingersSensation": _fingers,
     "HybridSensation": _hybrid,
 }
-
-
-def _layers(skin: "Skin") -> "Skin":
-    """Return the skin without what effects add: leakage, air gap and body resistance."""
-    resistivity_ohm_m = inf if skin.corneum_resistivity_ohm_m else 0.0
-    return replace(skin, corneum_resistivity_ohm_m=resistivity_ohm_m, gap_m=0.0, body_resistance_ohm=0.0)
 
 
 def _friction_effects(model: "ElectrovibrationSensation") -> Iterator[Effect]:

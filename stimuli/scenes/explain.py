@@ -27,18 +27,20 @@ Row = tuple[tuple[str, ...], str]
 def explanation(scene: Scene, given: Mapping[str, float]) -> str:
     """The explanation, no line longer than 100 columns.
 
-    Raises
-    ------
-    InvalidParameter
-        If the plan takes a quantity that is not given.
+    Raises `InvalidParameter` if the plan takes a quantity that is not given.
     """
     plan = scene.resolve()
     values = values_for(plan, given)
     cold, warm = plan.timed(values), plan.timed(values)  # the first run imports, loads machine code and starts threads
     on = (_on(stage, plan, *times_s) for stage, *times_s in zip(plan.stages, cold, warm, strict=True))
-    rows = [*on, *_off(scene)]
+    unused = [((effect.kind, "off", "no output needs it", "", "", "", ""), "") for effect in scene.off()]
+    named = {effect.kind for effect in scene.effects}
+    kinds = [kind for kind in scene.surface.effects if kind not in named]
+
+    rows = [*on, *unused, *(((kind, "off", "not called for", "", "0", "0", "0"), "") for kind in kinds)]
     fingers = [line for finger in pulled_by(scene, plan, values) for line in _wrapped(finger.line)]
-    lines = [*_assumed(scene), *fingers, "", _line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
+    assumed = [*_wrapped(f"taken for granted: {'; '.join(scene.assumed())}"), *_wrapped(rests_on_in_words(scene))]
+    lines = [*assumed, *fingers, "", _line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
     for cells, settings in rows:
         lines.append(_line(cells))
         lines += [f"    {text}" for text in textwrap.wrap(settings, WIDTH - 4)]
@@ -48,10 +50,7 @@ def explanation(scene: Scene, given: Mapping[str, float]) -> str:
 def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
     """What a plan takes of what is given.
 
-    Raises
-    ------
-    InvalidParameter
-        If a quantity is not given.
+    Raises `InvalidParameter` if a quantity is not given.
     """
     missing = [name for name in plan.given if name not in given]
     if missing:
@@ -92,18 +91,6 @@ def _why(stage: Stage, plan: Plan) -> str:
     return f"for {', '.join(readers)}"
 
 
-def _off(scene: Scene) -> list[Row]:
-    """Effects of the scene that no output needs, then those of the surface that are not in it."""
-    unused = [((effect.kind, "off", "no output needs it", "", "", "", ""), "") for effect in scene.off()]
-    named = {effect.kind for effect in scene.effects}
-    kinds = [kind for kind in scene.surface.effects if kind not in named]
-    return [*unused, *(((kind, "off", "not called for", "", "0", "0", "0"), "") for kind in kinds)]
-
-
-def _assumed(scene: Scene) -> list[str]:
-    return [*_wrapped(f"taken for granted: {'; '.join(scene.assumed())}"), *_wrapped(rests_on_in_words(scene))]
-
-
 def _wrapped(text: str) -> list[str]:
     return textwrap.wrap(text, WIDTH, subsequent_indent="    ")
 
@@ -139,12 +126,11 @@ def _one_more_digit(scene: Scene, plan: Plan) -> str:
 
 
 def _line(cells: Iterable[str]) -> str:
-    fitted = [_cut(text, width).ljust(width) for text, (_, width) in zip(cells, COLUMNS, strict=True)]
+    fitted = []
+    for text, (_, width) in zip(cells, COLUMNS, strict=True):
+        cut = text if len(text) <= width else f"{text[: width - 2]}.."
+        fitted.append(cut.ljust(width))
     return "  ".join(fitted).rstrip()
-
-
-def _cut(text: str, width: int) -> str:
-    return text if len(text) <= width else f"{text[: width - 2]}.."
 
 
 def _short(value: object) -> str:

@@ -71,10 +71,7 @@ class Plan:
 
         Stages that depend on none of them are run once for all runs of this plan.
 
-        Raises
-        ------
-        InvalidParameter
-            If a quantity is missing or not finite, or one is given that the plan does not take.
+        Raises `InvalidParameter` if a quantity is missing or not finite, or one is given that the plan does not take.
         """
         program = self._program
         if given.keys() != program.given:
@@ -208,10 +205,7 @@ def unit_of(name: str) -> str:
 def compute(plan: Plan, given: Mapping[str, float]) -> Result:
     """A run of a plan, timed; what never changes between runs is computed before.
 
-    Raises
-    ------
-    InvalidParameter
-        If it does not fit into memory.
+    Raises `InvalidParameter` if it does not fit into memory.
     """
     begin_s = time.perf_counter()
     try:

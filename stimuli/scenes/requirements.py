@@ -20,10 +20,7 @@ def required_stages(
     and those behind it that change it; whoever else needs the quantity reads its last value. `cure` is asked
     about a quantity that nothing gives.
 
-    Raises
-    ------
-    InvalidParameter
-        If nothing gives a quantity, or quantities need each other in a circle.
+    Raises `InvalidParameter` if nothing gives a quantity, or quantities need each other in a circle.
 
     >>> source = Stage("source", (), "voltage", "x:y")
     >>> ramps = Stage("ramps", ("voltage",), "voltage", "x:y")
@@ -110,7 +107,7 @@ def _check_company(effect: Effect, scene: Surroundings, where: str) -> None:
 
 def _check_need(effect: Effect, need: str, scene: Surroundings, where: str) -> None:
     if need in TOUCHES:
-        if not any(_is(need, touch.slides) for touch in scene.contacts):
+        if not any(need == "contact" or (need == "sliding contact") == touch.slides for touch in scene.contacts):
             raise InvalidParameter(
                 f"{where}: found {effect.kind!r} without a {need}, expected one; add a [[contacts]] table with "
                 f"force_n{_HOW[need]}, or remove {effect.kind!r}"
@@ -123,7 +120,3 @@ def _check_need(effect: Effect, need: str, scene: Surroundings, where: str) -> N
 
 
 _HOW = {"contact": "", "sliding contact": " and a speed_m_per_s above 0", "resting contact": " and no speed"}
-
-
-def _is(need: str, slides: bool) -> bool:
-    return need == "contact" or (need == "sliding contact") == slides

@@ -84,10 +84,8 @@ class Scene:
 
         The tolerated error is shared evenly by the stages that have one.
 
-        Raises
-        ------
-        InvalidParameter
-            If an output is not to be had, or not so accurately, or the settings name no stage of the plan.
+        Raises `InvalidParameter` if an output is not to be had, or not so accurately, or the settings name no stage of
+        the plan.
         """
         unsized = self._unsized()
         self._check_outputs()
@@ -106,10 +104,7 @@ class Scene:
 
         What depends on the signal alone is computed once for each signal, and settings are chosen once.
 
-        Raises
-        ------
-        InvalidParameter
-            If the scene gives no sensation, or its surface cannot play the signal.
+        Raises `InvalidParameter` if the scene gives no sensation, or its surface cannot play the signal.
 
         >>> from tactometry.stimuli.electrovibration import CoulombFriction, Sine
         >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
@@ -162,10 +157,7 @@ class Scene:
         Effects that make what is played are left out, as the signal holds them, and so is what acts on them alone; the
         plate keeps those that make it.
 
-        Raises
-        ------
-        InvalidParameter
-            If no signal can be given to the surface.
+        Raises `InvalidParameter` if no signal can be given to the surface.
         """
         surface = self.surface.played(self)
         held = {effect.slot for effect in self.effects if effect.in_signal}

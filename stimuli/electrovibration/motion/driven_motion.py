@@ -226,10 +226,8 @@ def _products(z: FloatArray, plan: DrivenPlan) -> FloatArray:
 def stack_heights(stimuli: Sequence[Pieces]) -> Heights:
     """Heights with a first axis (n_stimuli,), of stimuli whose pieces start at the same times.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no stimulus, or one has other starts, frequencies or an other end than the first.
+    Raises `InvalidParameter` if there is no stimulus, or one has other starts, frequencies or an other end than the
+    first.
     """
     require.expect(len(stimuli) > 0, "stimuli", stimuli, "a sequence of at least one voltage in pieces")
     key = Timing(stimuli[0], np.zeros(0), has_slope=True)

@@ -79,10 +79,7 @@ def shares(
     ``Z_j/(R A + sum Z)`` of the impedances of a unit area. At 0 Hz the layers that do not leak hold all
     of the voltage, by their elastances; if all leak, it divides by their resistances.
 
-    Raises
-    ------
-    InvalidParameter
-        If no layer can hold a voltage, or a frequency, resistance or area is negative.
+    Raises `InvalidParameter` if no layer can hold a voltage, or a frequency, resistance or area is negative.
     """
     f_hz = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
     holds = np.array([isinstance(layer, DispersiveLayer) or layer.elastance_m2_per_f > 0 for layer in layers])
@@ -99,7 +96,8 @@ def _ratios(layers: Sequence[Layer | DispersiveLayer], f_hz: FloatArray, body_oh
     blocks = (admittances == 0).any(axis=0)
     impedances = np.empty_like(admittances)
     impedances[:, ~blocks] = 1 / admittances[:, ~blocks]
-    impedances[:, blocks] = np.where(admittances[:, blocks] == 0, _elastances(layers)[:, None], 0)
+    elastances = np.array([layer.elastance_m2_per_f if isinstance(layer, Layer) else 0.0 for layer in layers], complex)
+    impedances[:, blocks] = np.where(admittances[:, blocks] == 0, elastances[:, None], 0)
     in_series = np.where(blocks, 0.0, body_ohm_m2) + impedances.sum(axis=0)
     return np.asarray(impedances / in_series)
 
@@ -141,7 +139,3 @@ def properties_of(layer: Layer | DispersiveLayer, f_hz: FloatArray) -> tuple[Flo
     if isinstance(layer, DispersiveLayer):
         return layer.properties(f_hz)
     return np.full_like(f_hz, layer.permittivity), np.full_like(f_hz, layer.resistivity_ohm_m)
-
-
-def _elastances(layers: Sequence[Layer | DispersiveLayer]) -> ComplexArray:
-    return np.array([layer.elastance_m2_per_f if isinstance(layer, Layer) else 0.0 for layer in layers], complex)

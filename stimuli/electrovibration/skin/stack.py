@@ -1,6 +1,6 @@
 """Any number of leaky layers between electrode and body, in series with a resistance."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import copysign, inf
 from struct import pack, unpack
@@ -103,7 +103,9 @@ class Stack:
         """Voltage across layer `index` over the applied voltage, exactly, for a contact area (m^2)."""
         require.not_negative("Stack", area_m2=area_m2)
         require.one_of("Stack.index", index, range(len(self.layers)))
-        layer, series = self.layers[index], _series(self.layers, self.resistance_ohm * area_m2)
+        rates = sorted({layer.rate_per_s for layer in self.layers if layer.elastance_m2_per_f > 0})
+        sums = [sum(layer.elastance_m2_per_f for layer in self.layers if layer.rate_per_s == rate) for rate in rates]
+        layer, series = self.layers[index], _Series(tuple(rates), tuple(sums), self.resistance_ohm * area_m2)
         if layer.elastance_m2_per_f == 0:
             return Relaxations((), ())
         group = series.rates_per_s.index(layer.rate_per_s)
@@ -177,12 +179,6 @@ class _Series:
         return _Pole(self.rates_per_s[origin] + root, tuple(offset - root for offset in offsets))
 
 
-def _series(layers: Sequence[Layer], resistance_ohm_m2: float) -> _Series:
-    rates = sorted({layer.rate_per_s for layer in layers if layer.elastance_m2_per_f > 0})
-    sums = [sum(layer.elastance_m2_per_f for layer in layers if layer.rate_per_s == rate) for rate in rates]
-    return _Series(tuple(rates), tuple(sums), resistance_ohm_m2)
-
-
 def _zero(function: Callable[[float], float], reach: float) -> float:
     """Where a function turns from below 0 (at 0) to above 0 (at `reach`), to the last bit.
 
@@ -192,7 +188,7 @@ def _zero(function: Callable[[float], float], reach: float) -> float:
     >>> _zero(lambda x: x * x - 2, 2.0), _zero(lambda x: -1e-300 - x, -1.0)
     (1.4142135623730951, -1e-300)
     """
-    below, beyond = 0, _place(abs(reach))
+    below, beyond = 0, unpack("<q", pack("<d", abs(reach)))[0]  # places among all numbers in order
     while beyond - below > 1:
         middle = (below + beyond) // 2
         value = function(copysign(_number(middle), reach))
@@ -200,12 +196,6 @@ def _zero(function: Callable[[float], float], reach: float) -> float:
             return copysign(_number(middle), reach)
         below, beyond = (middle, beyond) if value < 0 else (below, middle)
     return copysign(_number(beyond), reach)
-
-
-def _place(number: float) -> int:
-    """The place of a number of at least 0 among all of them, in order."""
-    place: int = unpack("<q", pack("<d", number))[0]
-    return place
 
 
 def _number(place: int) -> float:

@@ -152,10 +152,7 @@ def straight(times_s: ArrayLike, values_v: ArrayLike) -> Pieces:
 def ramped(pieces: Pieces, ramp_s: float) -> Pieces:
     """The voltage with raised-cosine ramps on and off, exactly: a product of sinusoids is a sum of them.
 
-    Raises
-    ------
-    InvalidParameter
-        If the voltage has a slope: a line times a cosine is not a sum of lines and sinusoids.
+    Raises `InvalidParameter` if the voltage has a slope: a line times a cosine is not a sum of lines and sinusoids.
     """
     if ramp_s == 0:
         return pieces
@@ -236,7 +233,9 @@ class Corners:
         n_periods = int(np.ceil(duration_s * frequency_hz * (1 - 1e-12)))
         periods = np.repeat(np.arange(n_periods), len(self.phases))
         t_s = (periods + np.tile(self.phases, n_periods)) / frequency_hz
-        return _until(straight(t_s, np.tile(self.values, n_periods)), duration_s)
+        pieces = straight(t_s, np.tile(self.values, n_periods))
+        kept = pieces.starts_s < duration_s * (1 - 1e-12)
+        return Pieces(pieces.starts_s[kept], duration_s, pieces.offsets_v[kept], pieces.slopes_v_per_s[kept])
 
     def harmonics(self, n: ArrayLike) -> ComplexArray:
         """Fourier coefficients ``c_n`` of ``v = sum_n c_n exp(2 pi i n phase)`` for whole n other than 0.
@@ -279,15 +278,11 @@ class Corners:
         """
         require.whole("Corners.band_limited", lowest=0, n_highest=n_highest)
         coefficients = self.harmonics(np.arange(1, n_highest + 1)) if n_highest else np.zeros(0, complex)
-        table = np.fft.irfft(np.r_[self.mean, coefficients], n=_table_size(n_highest), norm="forward")
+        n_table = 1 << int(np.ceil(np.log2(16 * (n_highest + 1))))
+        table = np.fft.irfft(np.r_[self.mean, coefficients], n=n_table, norm="forward")
         series = _between(table, np.mod(phase, 1.0))
         peak = max(1.0, float(np.abs(table).max()), float(np.abs(series).max(initial=0.0)))
         return np.asarray(series / peak)
-
-
-def _until(pieces: Pieces, end_s: float) -> Pieces:
-    kept = pieces.starts_s < end_s * (1 - 1e-12)
-    return Pieces(pieces.starts_s[kept], end_s, pieces.offsets_v[kept], pieces.slopes_v_per_s[kept])
 
 
 def _between(table: FloatArray, phase: FloatArray) -> FloatArray:
@@ -300,10 +295,6 @@ def _between(table: FloatArray, phase: FloatArray) -> FloatArray:
         others = [float(node - other) for other in NODES if other != node]
         total += table[(first + node) % table.size] / (np.prod(others) * (u - node))
     return np.asarray(total * np.prod([u - node for node in NODES], axis=0))
-
-
-def _table_size(n_highest: int) -> int:
-    return 1 << int(np.ceil(np.log2(16 * (n_highest + 1))))
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,20 +43,18 @@ class DriveEnergy(Effect):
     loss_tangent: float = PZ27_LOSS_TANGENT
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        switched = scene.find("quantiser") is not None
+        if scene.find("quantiser") is not None:
+            settings = {"capacitance_f": self.capacitance_f}
+            drawn = Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:switching_w", settings)
+        else:
+            drawn = Stage("heating", ("emission", "in_band"), "power_at_1v_w", f"{__name__}:heat_w", dict(vars(self)))
+
         return (
             Stage("strain_energy", ("motion",), "energy_at_1v_j", STRAIN, size=_strain_size),
             _squared("energy", "energy_at_1v_j", "energy_j"),
-            self._switching() if switched else self._heating(),
+            drawn,
             _squared("power", "power_at_1v_w", "power_w"),
         )
-
-    def _switching(self) -> Stage:
-        settings = {"capacitance_f": self.capacitance_f}
-        return Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:switching_w", settings)
-
-    def _heating(self) -> Stage:
-        return Stage("heating", ("emission", "in_band"), "power_at_1v_w", f"{__name__}:heat_w", dict(vars(self)))
 
 
 def _strain_size(demand: Demand) -> Size:

@@ -57,7 +57,8 @@ class FingerDynamics(Effect):
         return VoltageContent(swing_rad_per_s=self.natural_rad_per_s)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        sticks = _sticks(scene)
+        friction = scene.find("friction")
+        sticks = friction is not None and friction.kind == "dry_friction"
         motion = Stage(
             "stick_slip" if sticks else "finger_motion",
             ("t_s", "voltage", "form", "friction_law", "contact"),
@@ -73,12 +74,6 @@ class FingerDynamics(Effect):
         """The course itself, under the true area: what moves is no factor of the attraction."""
         *course, _ = (replace(stage, size=None) for stage in self.stages(scene))
         return *course, spectrum_of_record("skin_spectrum", "skin_displacement_m", "skin_components"), of_true_area()
-
-
-def _sticks(scene: Surroundings) -> bool:
-    """Whether friction is one that holds a finger."""
-    friction = scene.find("friction")
-    return friction is not None and friction.kind == "dry_friction"
 
 
 def _outputs(sticks: bool) -> tuple[tuple[str, str], ...]:

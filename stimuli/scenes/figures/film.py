@@ -58,10 +58,7 @@ def _palette() -> Image.Image:
 def write_film(result: Result, title: str, path: Path) -> None:
     """Write the frames of ``movie_m`` as GIF or MP4.
 
-    Raises
-    ------
-    InvalidParameter
-        If the suffix is another, or an MP4 is asked for without ffmpeg.
+    Raises `InvalidParameter` if the suffix is another, or an MP4 is asked for without ffmpeg.
     """
     writer = _writer(path)
     values = result.values

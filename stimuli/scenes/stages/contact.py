@@ -106,7 +106,12 @@ def opened_motion(
         _still_m_per_n(motion, places),
     )
     answers = (contacts.contact_force_n - np.asarray(force_n)[:, None]) / voltage_v
-    opened = _under_forces(motion, _spectrum(motion, answers, finer))
+
+    # the mean of each step stands in its middle
+    shift, step_s = motion.s[0].real, 1 / (finer * motion.rate_hz)
+    damped = answers * np.exp(-shift * step_s * np.arange(answers.shape[1]))
+    spectrum = np.fft.rfft(damped, motion.n_fft * finer)[:, : len(motion.s)] / finer
+    opened = _under_forces(motion, np.asarray(spectrum * np.exp(motion.s * step_s / 2)))
     inherited = {field.name: getattr(opened, field.name) for field in fields(PlateMotion)}
     return OpenedMotion(**inherited, contacts=contacts, finer=finer, voltage_v=voltage_v)
 
@@ -139,14 +144,6 @@ def _under_forces(motion: PlateMotion, forces: ComplexArray) -> PlateMotion:
     moved = answer(oscillators, mass_kg, motion.s, lambda part: real_product(pushed, change[:, part]))
     played = np.vstack([motion.played[:-n], -forces])
     return replace(motion, amplitude=motion.amplitude + moved, played=played)
-
-
-def _spectrum(motion: PlateMotion, answers: FloatArray, finer: int) -> ComplexArray:
-    """(n_contacts, n_frequencies): of steps (n_contacts, n_steps), the mean of each in its middle."""
-    shift, step_s = motion.s[0].real, 1 / (finer * motion.rate_hz)
-    damped = answers * np.exp(-shift * step_s * np.arange(answers.shape[1]))
-    spectrum = np.fft.rfft(damped, motion.n_fft * finer)[:, : len(motion.s)] / finer
-    return np.asarray(spectrum * np.exp(motion.s * step_s / 2))
 
 
 def _still_m_per_n(motion: PlateMotion, places: tuple[tuple[float, float], ...]) -> FloatArray:

@@ -34,10 +34,7 @@ def recorded(signal: Signal, share: float) -> VoltageRecord:
     The force goes with the square, which has twice the bandwidth: that of a carrier of 9.9 kHz at 20 kHz would seem to
     vibrate at 200 Hz.
 
-    Raises
-    ------
-    InvalidParameter
-        If the signal is not one channel in volt.
+    Raises `InvalidParameter` if the signal is not one channel in volt.
     """
     if signal.unit != "V" or len(signal.samples) != 1:
         raise InvalidParameter(

@@ -65,7 +65,9 @@ class Tail:
 def remainder(scene: Surroundings) -> float:
     """Root of the energy of the modes above the band over that of a response in it, at the focus."""
     content = content_of(scene)
-    tau_s = _effective_tau_s(scene.surface.reversal_s, content.tau_s)
+    tau_s = scene.surface.reversal_s
+    if content.tau_s != inf:
+        tau_s = float(content.tau_s * (1 - exp(-2 * tau_s / content.tau_s)) / 2)
     return content.weakening * sqrt(2 / (pi * 2 * pi * scene.surface.f_max_hz * tau_s))
 
 
@@ -82,10 +84,7 @@ def cut_of(demand: Demand) -> Cut:
 def cut(scene: Surroundings, error: float) -> Cut:
     """The fewest modes for an error.
 
-    Raises
-    ------
-    InvalidParameter
-        If they are more than one run can hold.
+    Raises `InvalidParameter` if they are more than one run can hold.
     """
     surface, content = scene.surface, content_of(scene)
     # half for the modes that move, half for those that follow, and a little for the rounding of their sum
@@ -93,24 +92,18 @@ def cut(scene: Surroundings, error: float) -> Cut:
     one = remainder(scene) / min(surface.n_transducers, MOST_COUNTED)
     moves = MOVING * one * content.reading + OF_LOAD * content.load
     ratio = max(1.0, (moves / half) ** (1 / 5))
-    tails = _tails(scene, one)
+
+    distance_m = _distance_m(scene)
+    turning = TURNING / (wavenumber_rad_per_m(scene, surface.f_max_hz) * distance_m) if distance_m else inf
+    places = Tail(STILL * one * content.reading, turning)
+    tails = [places] if MAPS.isdisjoint(scene.outputs) else [places, Tail(STILL * one, inf)]
     follow = max(ratio, *(tail.end(half) for tail in tails))
     expected = moves / ratio**5 + max(tail.beyond(follow) for tail in tails)
-    band_hz = surface.f_max_hz
-    fewest = Cut(ratio * band_hz, follow * band_hz, _heard(error) * band_hz, expected)
+
+    band_hz, heard = surface.f_max_hz, next(share for above, share in HEARD if error >= above)
+    fewest = Cut(ratio * band_hz, follow * band_hz, heard * band_hz, expected)
     _check_size(scene, fewest, error)
     return fewest
-
-
-def _tails(scene: Surroundings, one: float) -> list[Tail]:
-    """Where it is read, and on a map."""
-    places = Tail(STILL * one * content_of(scene).reading, _turning(scene))
-    return [places] if MAPS.isdisjoint(scene.outputs) else [places, Tail(STILL * one, inf)]
-
-
-def _turning(scene: Surroundings) -> float:
-    distance_m = _distance_m(scene)
-    return TURNING / (wavenumber_rad_per_m(scene, scene.surface.f_max_hz) * distance_m) if distance_m else inf
 
 
 def _distance_m(scene: Surroundings) -> float:
@@ -125,10 +118,6 @@ def _distance_m(scene: Surroundings) -> float:
         for centre in centres
         for x_m, y_m in ((surface.focus_x_m, surface.focus_y_m), *content.places_m)
     )
-
-
-def _heard(error: float) -> float:
-    return next(share for above, share in HEARD if error >= above)
 
 
 def n_modes(scene: Surroundings, frequency_hz: float) -> float:
@@ -177,11 +166,6 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
                 f"whose edges are not simply supported, expected at most {most:.0f}; loosen the accuracy, lower "
                 f"f_max_hz, or remove {effect.kind!r}"
             )
-
-
-def _effective_tau_s(reversal_s: float, tau_s: float) -> float:
-    """How long a response lasts within the reversal time, at the top of the band."""
-    return reversal_s if tau_s == inf else float(tau_s * (1 - exp(-2 * reversal_s / tau_s)) / 2)
 
 
 Place = tuple[float, float]

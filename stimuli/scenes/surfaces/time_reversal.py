@@ -150,7 +150,7 @@ class TimeReversal(GlassPanel, Surface):
         read = f"{MOTION}:focus_value"
         return (
             Stage("motion", ("screen", "in_band"), "motion", f"{MOTION}:plate_motion", size=self._motion_size),
-            Stage("instant", ("motion", "foci_m"), "per_volt_peaks", read, size=_per_moved(4.0)),
+            Stage("instant", ("motion", "foci_m"), "per_volt_peaks", read, size=_instant_size),
             Stage("peak", ("per_volt_peaks", "voltage_v"), "peak_m", f"{__name__}:first_magnitude"),
         )
 
@@ -206,10 +206,7 @@ class TimeReversal(GlassPanel, Surface):
     def grid(self, demand: Demand) -> tuple[int, int]:
         """Points along both sides, for an error of straight lines between them.
 
-        Raises
-        ------
-        InvalidParameter
-            If they are too many.
+        Raises `InvalidParameter` if they are too many.
         """
         step_m = sqrt(8 * demand.error) / wavenumber_rad_per_m(demand, self.f_max_hz)
         n_x, n_y = ceil(self.length_m / step_m) + 1, ceil(self.width_m / step_m) + 1
@@ -239,8 +236,8 @@ def _oversampling(demand: Demand) -> int:
     return ceil(step_rad / sqrt(8 * demand.error))
 
 
-def _per_moved(n_operations: float) -> Callable[[Demand], Size]:
-    return lambda demand: Size(n_operations=n_operations * demand.once(_n_moved))
+def _instant_size(demand: Demand) -> Size:
+    return Size(n_operations=4.0 * demand.once(_n_moved))
 
 
 def _per_sample(n_operations: float) -> Callable[[Demand], Size]:

@@ -35,6 +35,9 @@ def reversed_waveform(
 ) -> FloatArray:
     """The reversed responses of the foci, summed with weights.
 
+    Raises `InvalidParameter` if T is longer than the responses, a number of weights or samples does not fit, or all
+    responses are zero.
+
     Parameters
     ----------
     foci : Responses
@@ -49,12 +52,6 @@ def reversed_waveform(
     Returns
     -------
     (n_channels, n_samples) array
-
-    Raises
-    ------
-    InvalidParameter
-        If T is longer than the responses, a number of weights or samples does not fit, or all responses are
-        zero.
     """
     n = foci.n_samples if reversal_s is None else samples_in("reversal_s", reversal_s, foci.rate_hz)
     if n > foci.n_samples:

@@ -203,10 +203,7 @@ def amplitude_over_count_m(contributions: Matrix, rng: np.random.Generator, n_dr
 def amplitude_by_subset_m(contributions: Matrix, subsets: Mapping[str, Sequence[int]]) -> dict[str, FloatArray]:
     """Focus amplitudes (n_points,) of named subsets of transducers.
 
-    Raises
-    ------
-    InvalidParameter
-        If a subset is empty or names a channel that is not there.
+    Raises `InvalidParameter` if a subset is empty or names a channel that is not there.
     """
     for name, channels in subsets.items():
         if not channels or not set(channels) <= set(range(contributions.shape[1])):
@@ -230,16 +227,11 @@ def _widths(screen: Screen, focus: Point, emission: Emission, level: float) -> t
     amplitudes = modal_amplitudes(screen, signal, last, emission.f_max_hz)
     # a wavelength at the mean frequency of the band, to each side
     reach = 2 * np.sqrt(np.pi * screen.plate.wave_constant_m2_per_s / emission.band.mean_hz / 2)
-    x, y = (_around(at, reach, side) for at, side in zip(focus, _sides(screen), strict=True))
+    sides = screen.plate.length_m, screen.plate.width_m
+    around = ((max(at - reach, 0.0), min(at + reach, side)) for at, side in zip(focus, sides, strict=True))
+    x, y = (np.linspace(start, end, 241) for start, end in around)
+
     modes = screen.modes(emission.f_max_hz)
     along_x = modes.field(amplitudes, x, np.array([focus[1]]))[:, 0]
     along_y = modes.field(amplitudes, np.array([focus[0]]), y)[0]
     return width_m(x, along_x, level), width_m(y, along_y, level)
-
-
-def _sides(screen: Screen) -> tuple[float, float]:
-    return screen.plate.length_m, screen.plate.width_m
-
-
-def _around(at_m: float, reach_m: float, side_m: float) -> FloatArray:
-    return np.linspace(max(at_m - reach_m, 0.0), min(at_m + reach_m, side_m), 241)

@@ -71,9 +71,8 @@ def radiation_efficiency(plate: Plate, frequency_hz: NotNegativeArray) -> FloatA
     """
     f = np.asarray(frequency_hz, float)
     f_c = coincidence_frequency_hz(plate)
-    unlimited = np.where(
-        f < f_c, _of_edges(plate, np.minimum(f / f_c, 1 - NEAR)), _of_the_area(f_c / np.maximum(f, f_c))
-    )
+    of_area = 1 / np.sqrt(np.maximum(1 - f_c / np.maximum(f, f_c), NEAR))
+    unlimited = np.where(f < f_c, _of_edges(plate, np.minimum(f / f_c, 1 - NEAR)), of_area)
     shorter, longer = sorted((plate.length_m, plate.width_m))
     limit = np.sqrt(2 * math.pi * f / SOUND_SPEED_M_PER_S * shorter) * (0.5 - 0.15 * shorter / longer)
     return np.asarray(np.minimum(unlimited, limit))
@@ -86,11 +85,6 @@ def _of_edges(plate: Plate, f_over_f_c: FloatArray) -> FloatArray:
         SOUND_SPEED_M_PER_S / coincidence_frequency_hz(plate) * plate.perimeter_m / (4 * math.pi**2 * plate.area_m2)
     )
     return np.asarray(across * ((1 - x**2) * np.log((1 + x) / (1 - x)) + 2 * x) / (1 - x**2) ** 1.5)
-
-
-def _of_the_area(f_c_over_f: FloatArray) -> FloatArray:
-    """Of frequencies above coincidence."""
-    return np.asarray(1 / np.sqrt(np.maximum(1 - f_c_over_f, NEAR)))
 
 
 @checked

@@ -141,7 +141,7 @@ class _Shapes:
     def edge_twist2_m(self) -> FloatArray:
         """Integral of w_xy^2 along the free edges over the area, per unit mean square."""
         twist, (a, b) = self._of(1, 1), (self.plate.length_m, self.plate.width_m)
-        ends_x, ends_y = (_ends(twist.shape[axis]) for axis in (1, 2))
+        ends_x, ends_y = (orthonormal_legendre(np.array([-1.0, 1.0]), twist.shape[axis] - 1) for axis in (1, 2))
         on_x = np.square(np.einsum("pe,npq->neq", ends_x, twist)).sum(axis=2) / 2
         on_y = np.square(np.einsum("qe,npq->nep", ends_y, twist)).sum(axis=2) / 2
         free = np.array([edge == "F" for edge in self.plate.boundary], float)
@@ -183,8 +183,3 @@ def _slope_of_legendre(degree: int) -> FloatArray:
 
 def _mean_square(coefficients: FloatArray) -> FloatArray:
     return np.asarray(np.square(coefficients).sum(axis=(1, 2)) / 4)
-
-
-def _ends(n: int) -> FloatArray:
-    """(n, 2): the orthonormal polynomials at both ends."""
-    return orthonormal_legendre(np.array([-1.0, 1.0]), n - 1)

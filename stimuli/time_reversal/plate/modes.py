@@ -149,6 +149,8 @@ class RitzModes(Modes):
 def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = None) -> SeparableModes | RitzModes:
     """The modes of a plate from 0 Hz to `f_max_hz`, sorted; the last solutions are kept.
 
+    Raises `InvalidParameter` if `f_max_hz` is not above 0, or a Ritz solution would be too large.
+
     Parameters
     ----------
     plate : Plate
@@ -160,11 +162,6 @@ def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = N
         corrected mode by mode (`mindlin`), edges included: within 0.2 % up to k h = 0.4 where the
         thickness is 0.02 of the shorter side, and 2.7 % up to k h = 2 where it is 0.1, k the
         wavenumber and h the thickness, where the thin plate is 4 % and 60 % off.
-
-    Raises
-    ------
-    InvalidParameter
-        If `f_max_hz` is not above 0, or a Ritz solution would be too large.
     """
     return _modes_of(plate, f_max_hz, shear_factor)
 

@@ -173,17 +173,12 @@ def _rates(modes: Oscillators) -> tuple[FloatArray, FloatArray]:
     return slow[:, None], 2 * w[:, None]
 
 
-def _ramp(distance: FloatArray, time_s: FloatArray) -> FloatArray:
-    """(1 - e^{-d t}) / d, which is t for d = 0."""
-    x = distance * time_s
-    ratio = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)
-    return np.asarray(time_s * ratio)
-
-
 def _creeping(modes: Oscillators, time_s: FloatArray, quantity: str) -> FloatArray:
     """(n, n_times): the response of modes that do not oscillate."""
     slow, distance = _rates(modes)
-    decayed, ramp = np.exp(-slow * time_s), _ramp(distance, time_s)
+    x = distance * time_s
+    ratio = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)
+    decayed, ramp = np.exp(-slow * time_s), np.asarray(time_s * ratio)
     displacement = decayed * ramp
     velocity = decayed * (np.exp(-distance * time_s) - slow * ramp)
     if quantity == "acceleration":

@@ -163,10 +163,7 @@ class Plate:
 def navier(plate: Plate, f_max_hz: float) -> Sines:
     """The modes of the thin plate between simple supports, up to a frequency.
 
-    Raises
-    ------
-    InvalidParameter
-        If there are too many.
+    Raises `InvalidParameter` if there are too many.
     """
     k2_max = _wavenumber2_per_m2(plate, f_max_hz)
     at_most("number of modes below f_max_hz", plate.area_m2 * k2_max / (4 * math.pi), MAX_MODES)
@@ -194,10 +191,7 @@ def ritz_frequencies_hz(plate: Plate, f_max_hz: float, degree: tuple[int, int] |
 def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
     """Degree of x and of y that holds the frequencies below `f_max_hz`: half a side times wavenumber, and some more.
 
-    Raises
-    ------
-    InvalidParameter
-        If that is too much to be held.
+    Raises `InvalidParameter` if that is too much to be held.
     """
     p_x, p_y = degrees_called_for(plate, f_max_hz)
     # products inside of an ellipse: `ritz.ellipse`

@@ -23,6 +23,9 @@ RITZ_DEGREE: Final = 50
 def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
     """Static deflection at points under a point force.
 
+    Raises `InvalidParameter` if the force or a point is outside of the plate, the force is not finite, or the edges
+    leave a rigid-body motion.
+
     Parameters
     ----------
     plate : Plate
@@ -36,12 +39,6 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     -------
     (n_points,) array. Simply supported: Levy's sum, relative error 1e-9. Other edges: Ritz, within
     0.2 % at the force and 1e-5 away from it.
-
-    Raises
-    ------
-    InvalidParameter
-        If the force or a point is outside of the plate, the force is not finite, or the edges
-        leave a rigid-body motion.
 
     Examples
     --------

@@ -55,10 +55,8 @@ class Excitation:
 def sweep(f_min_hz: Positive, f_max_hz: float, *, rate_hz: float, duration_s: float) -> Excitation:
     """An exponential sweep with raised-cosine ends.
 
-    Raises
-    ------
-    InvalidParameter
-        If the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has no samples.
+    Raises `InvalidParameter` if the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has
+    no samples.
     """
     within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)  # above `f_min_hz`, never at it
     n = samples_in("sweep.duration_s", duration_s, rate_hz)
@@ -76,10 +74,7 @@ def sweep(f_min_hz: Positive, f_max_hz: float, *, rate_hz: float, duration_s: fl
 def sequence(order: int, *, rate_hz: Positive) -> Excitation:
     """A maximum-length sequence of 2^order - 1 values of +1 and -1; it fills the band up to the Nyquist frequency.
 
-    Raises
-    ------
-    InvalidParameter
-        If the order is not from 2 to 24.
+    Raises `InvalidParameter` if the order is not from 2 to 24.
     """
     from scipy.signal import max_len_seq
 
@@ -94,6 +89,8 @@ def deconvolve(
     played: Vector, recorded: FloatArray, n_samples: int, *, regularisation: float = REGULARISATION
 ) -> FloatArray:
     """The response that turns `played` into `recorded`.
+
+    Raises `InvalidParameter` if a value is not as stated or the excitation is zero.
 
     Parameters
     ----------
@@ -110,11 +107,6 @@ def deconvolve(
     Returns
     -------
     (..., n_samples) array
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is not as stated or the excitation is zero.
 
     Examples
     --------
@@ -166,6 +158,8 @@ def learn(
 ) -> Responses:
     """The responses of one point to every channel.
 
+    Raises `InvalidParameter` if the shapes do not fit, or a value is not as stated.
+
     Parameters
     ----------
     played : (n_played,) or (n_channels, n_recorded) array
@@ -175,11 +169,6 @@ def learn(
     rate_hz : float
     duration_s : float
         How long a response is kept.
-
-    Raises
-    ------
-    InvalidParameter
-        If the shapes do not fit, or a value is not as stated.
     """
     recorded = np.asarray(recorded, float)
     played = np.asarray(played, float)
@@ -200,10 +189,7 @@ def as_displacement(responses: Responses, f_min_hz: Positive, f_max_hz: float) -
 
     The band's edges rise and fall over a tenth of `f_min_hz`, so that the response stays short.
 
-    Raises
-    ------
-    InvalidParameter
-        If the band does not rise, begins at 0 or passes the Nyquist frequency.
+    Raises `InvalidParameter` if the band does not rise, begins at 0 or passes the Nyquist frequency.
 
     Examples
     --------
@@ -234,10 +220,7 @@ def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str 
 def read_provenance(path: Path) -> dict[str, str | float | int]:
     """Where learnt responses come from; empty for a file that does not say.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is no NPZ of responses.
+    Raises `InvalidFile` if the file is no NPZ of responses.
     """
     content = read_file(path, "learnt responses")
     try:

@@ -139,17 +139,14 @@ class Receptances:
         With T = H_rc a (b + H_cc a)^-1 it is the sum over modes of of_n (sum_k at_nk T_k) / (M (s^2 + 2 a s + w^2)):
         n_to n_of pairs, where H_cs alone would take k n_of. The fewer of `to` and `of` is carried.
 
+        Raises `InvalidParameter` if pinned contacts coincide.
+
         Parameters
         ----------
         at : (n_modes, k) array
             Modal weights of the contacts.
         stiffness : (n_frequencies, k) array
             Dynamic stiffness of each; infinite pins it.
-
-        Raises
-        ------
-        InvalidParameter
-            If pinned contacts coincide.
         """
         self._check(to=to, of=of, at=at)
         if of.shape[1] < to.shape[1]:
@@ -196,6 +193,8 @@ class Receptances:
 def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: UnboundedComplex) -> ComplexArray:
     """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1, what each receiver takes from the motion of each contact.
 
+    Raises `InvalidParameter` if pinned contacts coincide.
+
     Parameters
     ----------
     to_contacts : (n_to, k, n_frequencies) array
@@ -204,11 +203,6 @@ def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: 
         H_cc.
     stiffness : (n_frequencies, k) array
         Dynamic stiffness of each contact; infinite pins it.
-
-    Raises
-    ------
-    InvalidParameter
-        If pinned contacts coincide.
     """
     shape("contact_transfer.to_contacts", to_contacts, (None, None, None))
     n_contacts, n_frequencies = to_contacts.shape[1:]

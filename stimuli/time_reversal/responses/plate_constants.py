@@ -66,14 +66,12 @@ class Decay:
 def tau_s(response: Vector, rate_hz: Positive) -> float:
     """Time constant of the amplitude of one response.
 
+    Raises `InvalidParameter` if the response is silent, or falls by less than 10 dB until it ends or drowns in its
+    floor.
+
     Parameters
     ----------
     response : (n_samples,) array
-
-    Raises
-    ------
-    InvalidParameter
-        If the response is silent, or falls by less than 10 dB until it ends or drowns in its floor.
 
     Examples
     --------
@@ -93,10 +91,8 @@ def tau_estimate(responses: Responses) -> MeasuredConstant:
     stretches of time, the second for what all channels share. It describes this screen and these places. In 96 records
     of the model (tau 1 to 20 ms, 2 to 10 tau long, floors to -30 dB, 32 channels) it always held the truth.
 
-    Raises
-    ------
-    InvalidParameter
-        If the responses are silent, or fall by less than 10 dB until they end or drown in their floor.
+    Raises `InvalidParameter` if the responses are silent, or fall by less than 10 dB until they end or drown in their
+    floor.
     """
     from scipy.stats import t
 

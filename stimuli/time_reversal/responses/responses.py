@@ -133,7 +133,8 @@ def impulse_responses(
         )
     from ..plate.modal_sum import modal_sums
 
-    weights = _weights(screen, points, f_max_hz)
+    at_points = values_at(screen, points, f_max_hz)
+    weights = np.asarray(at_points.T[:, None, :] * screen.modal_forces(f_max_hz).T[None, :, :])
     out = np.empty((weights.shape[0] * weights.shape[1], n_samples))
     flat = weights.reshape(len(out), -1) / (screen.plate.mass_kg * rate_hz)
     for start, stop in chunks(n_samples):
@@ -163,12 +164,6 @@ def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
         yield start, min(start + size, n_samples)
 
 
-def _weights(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
-    """(n_points, n_channels, n_modes): shape at the point times force of the channel."""
-    at_points = values_at(screen, points, f_max_hz)
-    return np.asarray(at_points.T[:, None, :] * screen.modal_forces(f_max_hz).T[None, :, :])
-
-
 def _static_residual(
     screen: Screen, points: Sequence[Point], f_max_hz: float, static_to_hz: float, quantity: str
 ) -> FloatArray:
@@ -189,10 +184,7 @@ def _static_residual(
 def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
     """(n_modes, n_points): the shapes at points of the plate.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no point, or one is outside of the plate.
+    Raises `InvalidParameter` if there is no point, or one is outside of the plate.
     """
     place = np.asarray(points, float)
     expect(len(place) != 0, "points", "none", "at least one")

@@ -79,10 +79,7 @@ defaults.
 def warmed(screen: Screen, kelvin: float, shift_per_k: float = FREQUENCY_SHIFT_PER_K) -> Screen:
     """The screen some kelvin warmer: Young's modulus by the square of the shift of the frequencies.
 
-    Raises
-    ------
-    InvalidParameter
-        If the frequencies shift by more than a tenth, where no glass goes on in proportion.
+    Raises `InvalidParameter` if the frequencies shift by more than a tenth, where no glass goes on in proportion.
 
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> warm = warmed(A4_PROTOTYPE, 20.0)

@@ -321,17 +321,15 @@ class FocusTrain:
 def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
     """The same foci from responses that were measured on a bench, in place of those of the model.
 
+    Raises `InvalidParameter` if the responses are of more points, no displacements, too short, or sampled too slowly
+    for the band.
+
     Parameters
     ----------
     train : FocusTrain
         Its pattern, drive, band, reversal time and voltage hold; its setup does not.
     heard : Responses
         Displacement at the point that is touched (or at the places of `PlacedFoci`), at least `train.emission_s` long.
-
-    Raises
-    ------
-    InvalidParameter
-        If the responses are of more points, no displacements, too short, or sampled too slowly for the band.
 
     Examples
     --------

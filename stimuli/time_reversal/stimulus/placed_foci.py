@@ -110,10 +110,7 @@ class PlacedFoci(FocusTrain):
     def heard(self, learnt: Responses | None = None) -> Responses:
         """What the places of the foci do, on average: of the model, or as was learnt at all places in their order.
 
-        Raises
-        ------
-        InvalidParameter
-            If responses were learnt at another number of places.
+        Raises `InvalidParameter` if responses were learnt at another number of places.
         """
         if learnt is None:
             return _mean_of_model(self.setup, self.places_made_m)

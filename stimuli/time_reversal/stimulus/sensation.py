@@ -90,16 +90,13 @@ class TimeReversalSensation:
     finger_y_m: float | None = None
 
     def __post_init__(self) -> None:
-        self.setup.plate.check_holds("TimeReversalSensation.finger_x_m, finger_y_m", self._place)
+        place = place_on(self.setup, self.finger_x_m, self.finger_y_m)
+        self.setup.plate.check_holds("TimeReversalSensation.finger_x_m, finger_y_m", place)
 
     @property
     def finger(self) -> Fingertip:
         """What presses on the plate, and loads it where that counts."""
         return Fingertip(self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m, self.exponent)
-
-    @property
-    def _place(self) -> Point:
-        return place_on(self.setup, self.finger_x_m, self.finger_y_m)
 
 
 @checked
@@ -182,10 +179,7 @@ def place_on(setup: Setup, x_m: float | None, y_m: float | None) -> Point:
 def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
     """(n_samples,): what the plate does at a place as long as nothing is on it.
 
-    Raises
-    ------
-    InvalidParameter
-        If the signal is not in volt, or its rate or channels are not those of the setup.
+    Raises `InvalidParameter` if the signal is not in volt, or its rate or channels are not those of the setup.
     """
     n_channels = signal.samples.shape[0]
     if signal.unit != "V" or n_channels != setup.n_transducers or signal.rate_hz != setup.rate_hz:
