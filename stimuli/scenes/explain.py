@@ -83,7 +83,6 @@ def _on(stage: Stage, plan: Plan, cold_s: float, warm_s: float) -> Row:
 
 
 def _why(stage: Stage, plan: Plan) -> str:
-    """What it is for: an output, or the stages that read it."""
     if stage.gives in plan.outputs:
         return f"asked for: {stage.gives}"
     later = plan.stages[plan.stages.index(stage) + 1 :]

@@ -193,7 +193,6 @@ class Scene:
                 )
 
     def _unsized(self) -> tuple[Stage, ...]:
-        """The stages that the outputs need, before any of them is asked for its settings."""
         demand = self._demand(self._ordered, self.accuracy)
         stages = [*self.surface.stages(demand)]
         for effect in self._ordered:
@@ -202,12 +201,10 @@ class Scene:
 
     @property
     def _ordered(self) -> tuple[Effect, ...]:
-        """The effects in the order in which they act."""
         places = list(self.surface.effects)
         return tuple(sorted(self.effects, key=lambda effect: places.index(effect.kind)))
 
     def _called_for(self, stages: Sequence[Stage]) -> tuple[Effect, ...]:
-        """The effects that have a stage among these."""
         on = {stage.effect for stage in stages}
         return tuple(effect for effect in self._ordered if effect.kind in on)
 

@@ -97,7 +97,6 @@ class CoulombFriction(Effect):
         return require.in_range("CoulombFriction.modulation_n", change_n)
 
     def __call__(self, contact: Contact) -> Self:
-        """The law of a finger as it slides."""
         return self.at_speed(contact.speed_m_per_s)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:

@@ -78,7 +78,6 @@ class FrictionLag(Effect):
         return (self.stage(),)
 
     def __call__(self, components: "Components", contact: Contact) -> "Components":
-        """Components behind the lag."""
         return components.times(self.gain(components.frequencies_hz, contact.speed_m_per_s))
 
 

@@ -77,7 +77,6 @@ class FingerDynamics(Effect):
 
 
 def _outputs(sticks: bool) -> tuple[tuple[str, str], ...]:
-    """Fields of the motion and the quantities that they are."""
     if sticks:
         return (("lateral_n", "friction_force_n"), ("stretch_m", "skin_displacement_m"), ("events_s", "slip_events_s"))
     return (("deflection_m", "skin_displacement_m"),)  # in full slip friction knows no motion

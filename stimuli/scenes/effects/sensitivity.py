@@ -37,7 +37,6 @@ class Sensitivity(Effect):
     reference_m: float = THRESHOLD_M
 
     def __call__(self, skin_components: "Components") -> float:
-        """Level above threshold."""
         from ...perception.channels import sensation_level_db
 
         return sensation_level_db(skin_components, self.reference_m)

@@ -56,7 +56,6 @@ def _forces(motion: PlateMotion, units: Sequence[PlateMotion], contacts: Sequenc
 
 
 def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
-    """The motion by a unit force at one contact, at each frequency."""
     played = np.zeros((len(unit.screen.sources), len(unit.s)), complex)
     played[contact] = 1.0
     oscillators, at = moving_modes(unit.screen, unit.modes_to_hz, unit.static_to_hz)

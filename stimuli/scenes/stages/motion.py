@@ -194,7 +194,6 @@ def course_at(motion: PlateMotion, oversampling: int, x_m: float, y_m: float) ->
 
 
 def _real(numbers: ComplexArray, turning: ComplexArray) -> FloatArray:
-    """The real part of a product."""
     return np.asarray(numbers.real @ turning.real - numbers.imag @ turning.imag)
 
 

@@ -212,5 +212,4 @@ class PlayedElectrovibration(Surface):
 
 
 def _sampling(demand: Demand) -> Size:
-    """Tolerate aliases of a share of the power that is the square of the error."""
     return Size({"share": demand.error**2}, demand.error)

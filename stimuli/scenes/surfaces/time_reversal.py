@@ -241,8 +241,6 @@ def _instant_size(demand: Demand) -> Size:
 
 
 def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
-    """The size of a stage that does as many operations with each sample of a course."""
-
     def size(demand: Demand) -> Size:
         ends, factor = demand.once(cut_of), demand.once(_oversampling)
         n = n_frequencies(demand, ends) * demand.surface.rate_hz / ends.heard_to_hz * factor

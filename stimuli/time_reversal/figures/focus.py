@@ -145,7 +145,6 @@ def _course(screen: Screen, focus: Point, emission: Emission) -> tuple[FloatArra
 
 
 def _focus_instant(screen: Screen, focus: Point, emission: Emission) -> Callable[[Grid], FloatArray]:
-    """The displacement on a grid when the drive ends."""
     signal = emission.drive(emission.responses(screen, [focus]))
     last = signal.samples.shape[1] - 1
     return lambda at_m: field(screen, signal, last, at_m, emission.f_max_hz)

@@ -105,7 +105,6 @@ def contrast_over_transducers(
 
 
 def _points(axes: Axes, measured: Measured, scale: tuple[float, float], **look: Any) -> None:
-    """Measured points, if there are any, in the units of the axes."""
     if measured:
         axes.plot(*(np.transpose(measured) * np.reshape(scale, (2, 1))), **{"marker": "o", "linestyle": "", **look})
 

@@ -69,7 +69,6 @@ class Attenuation(Effect):
         return np.asarray(relative**self.exponent / self.tau_s)
 
     def __call__(self, screen: Any) -> Any:
-        """The screen with these losses."""
         return replace(screen, attenuation=self)
 
     def in_plate(self, scene: "Surroundings") -> PlateContent:

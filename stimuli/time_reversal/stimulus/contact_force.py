@@ -89,7 +89,6 @@ def _among(setup: Setup, places: Places, n_samples: int) -> ComplexArray:
 
 @lru_cache(maxsize=2)
 def _receptances(setup: Setup, n_samples: int, start: int) -> Receptances:
-    """Of some frequencies, which are the same for all places."""
     s = _frequencies(setup, n_samples)[start : start + AT_ONCE]
     return Receptances.of(setup.screen.oscillators(setup.modes_to_hz), setup.screen.plate.mass_kg, s)
 
