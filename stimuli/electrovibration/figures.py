@@ -13,8 +13,8 @@ from tactometry.palette import COLOURS
 
 from .attraction.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
 from .attraction.force import LAWS, Law, electrostatic_force_n_at, force_form
-from .skin.dispersive_layer import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
 from .skin.skin import Skin
+from .skin.stack import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
 from .textures.played_texture import share_along
 from .textures.texture import Texture, Velvet
 from .waveforms.periodic import Trapezoid

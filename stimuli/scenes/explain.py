@@ -8,8 +8,7 @@ from math import isinf
 from tactometry.errors import InvalidParameter
 
 from ..composition.effect import Stage
-from .lifting import FORCE, PulledFinger, loads_n, pulled_fingers
-from .plan import Plan, Result, predicted_s
+from .plan import FORCE, Plan, PulledFinger, Result, loads_n, predicted_s, pulled_fingers
 from .scene import Scene
 
 COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 7), ("predicted", 9), ("cold", 7), ("warm", 7))

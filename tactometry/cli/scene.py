@@ -10,8 +10,7 @@ import numpy as np
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes import explain as plans
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
-from tactometry.stimuli.scenes.lifting import PulledFinger, pulled_fingers
-from tactometry.stimuli.scenes.plan import Plan, Result, compute, predicted_s
+from tactometry.stimuli.scenes.plan import Plan, PulledFinger, Result, compute, predicted_s, pulled_fingers
 
 from ..arguments.require import expect
 from ..config.toml import errors_in
@@ -94,7 +93,7 @@ def _figure(result: Result, title: str) -> Any:
 def _film(scene_file: SceneFile, path: Path) -> None:
     """The scene with a movie as its only output, no finer than a film shows."""
     from tactometry.stimuli.scenes.effects.movie import Movie
-    from tactometry.stimuli.scenes.figures.film import write_film
+    from tactometry.stimuli.scenes.figures.courses import write_film
 
     scene = scene_file.scene
     still = f"a scene on {scene.surface.kind!r}, which has no wave"

@@ -174,13 +174,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "shear_stiffness_n_per_m": {"plate": PLATE, "shear_factor": 0.8},
         },
 
-        "focusing.field": {
-            "modal_amplitudes": {**driven, "sample": 7, "quantity": "velocity"},
-            "grid": {"screen": SCREEN, "n_x": 3, "n_y": 4},
-            "field": {**driven, "sample": 7, "at_m": GRID},
-            "movie": {**driven, "samples": [3, 7], "at_m": GRID},
-            "modal_history": {**driven, "samples": [3, 7]},
-        },
         "stimulus.focus_train": {
             **{
             f"TimeReversalStimulus.{name}": {"self": TimeReversalStimulus(FOCUS), "level": 1e-9}
@@ -271,6 +264,11 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "reciprocity_error": {"there": LINE, "back": BUMP},
         },
         "focusing.merit": {
+            "modal_amplitudes": {**driven, "sample": 7, "quantity": "velocity"},
+            "grid": {"screen": SCREEN, "n_x": 3, "n_y": 4},
+            "field": {**driven, "sample": 7, "at_m": GRID},
+            "movie": {**driven, "samples": [3, 7], "at_m": GRID},
+            "modal_history": {**driven, "samples": [3, 7]},
             "contributions_m": {**heard, "voltage_v": 30.0},
             "amplitude_over_count_m": {"contributions": FIELD, "rng": np.random.default_rng(0), "n_draws": 2},
             "amplitude_by_subset_m": {"contributions": FIELD, "subsets": {"all": [0, 1]}},

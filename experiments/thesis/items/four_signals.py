@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from tactometry.stimuli.time_reversal.figures.gallery import FOCUS, FOUR
-from tactometry.stimuli.time_reversal.focusing.field import field, grid
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.merit import (
     contrast_whole_of,
+    field,
+    grid,
     resolution_per_focus_m,
     switched_power_w,
     temporal_width_s,

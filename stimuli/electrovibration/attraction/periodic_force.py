@@ -11,12 +11,12 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...defaults import VACUUM_PERMITTIVITY_F_PER_M as E0
-from ..skin.dispersive_layer import (
+from ..skin.stack import (
     DispersiveLayer,
+    Layer,
     periodic_voltages_v,
     properties_of,
 )
-from ..skin.stack import Layer
 from .force import Law, check_law
 
 INSULATOR, CORNEUM = 0, 1

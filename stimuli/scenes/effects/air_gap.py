@@ -8,11 +8,7 @@ from ...composition.effect import Alteration, Surroundings
 
 @dataclass(frozen=True)
 class AirGap(Alteration):
-    """A gap of `gap_m`, above 0.
-
-    >>> AirGap(gap_m=1e-6).slot
-    'gap'
-    """
+    """A gap of `gap_m`, above 0."""
 
     kind = "air_gap"
     slot = "gap"

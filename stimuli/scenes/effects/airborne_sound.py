@@ -17,11 +17,7 @@ FEWEST_MORE = 1.1
 
 @dataclass(frozen=True)
 class AirborneSound(Effect):
-    """The A-weighted level at `distance_m`, an unverified default; a model for ranking, not a measured level.
-
-    >>> AirborneSound().slot
-    'sound'
-    """
+    """The A-weighted level at `distance_m`, an unverified default; a model for ranking, not a measured level."""
 
     kind = "airborne_sound"
     slot = "sound"

@@ -17,9 +17,6 @@ class Amplifier(Effect):
         Where it is 3 dB down.
     order : int
         Of the Butterworth filter.
-
-    >>> Amplifier().order
-    1
     """
 
     kind = "amplifier"

@@ -11,11 +11,7 @@ from ..stages.circuit import circuit_stage, of_true_area
 
 @dataclass(frozen=True)
 class BodyResistance(Alteration):
-    """A resistance above 0. With it the waveform of the force depends on the contact area.
-
-    >>> BodyResistance(resistance_ohm=1e4).slot
-    'body'
-    """
+    """A resistance above 0. With it the waveform of the force depends on the contact area."""
 
     kind = "body_resistance"
     slot = "body"

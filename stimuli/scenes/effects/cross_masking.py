@@ -33,9 +33,6 @@ class CrossMasking(Effect):
     ------
     InvalidParameter
         If the target is another.
-
-    >>> CrossMasking("foci").slope
-    0.52
     """
 
     kind = "cross_masking"

@@ -19,11 +19,7 @@ LARGEST: Final = 1e6
 
 @dataclass(frozen=True)
 class DcOffset(Effect):
-    """A constant of `ratio` times the peak of the waveform, of either sign but not 0.
-
-    >>> DcOffset(0.5).slot
-    'offset'
-    """
+    """A constant of `ratio` times the peak of the waveform, of either sign but not 0."""
 
     kind = "dc_offset"
     slot = "offset"

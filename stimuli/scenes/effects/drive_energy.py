@@ -29,9 +29,6 @@ class DriveEnergy(Effect):
         Of a transducer.
     loss_tangent : float
         Of its dielectric.
-
-    >>> DriveEnergy().slot
-    'energy'
     """
 
     kind = "drive_energy"

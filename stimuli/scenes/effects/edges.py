@@ -25,11 +25,7 @@ SEEN = 0.05
 
 @dataclass(frozen=True)
 class Edges(Alteration):
-    """Four letters of S, C, F for the edges x = 0, y = 0, x = length, y = width, other than ``SSSS``.
-
-    >>> Edges("FFFF").slot
-    'edges'
-    """
+    """Four letters of S, C, F for the edges x = 0, y = 0, x = length, y = width, other than ``SSSS``."""
 
     kind = "edges"
     slot = "edges"
@@ -75,11 +71,7 @@ class Edges(Alteration):
 
     @property
     def singular(self) -> bool:
-        """Whether a free edge meets a clamped one.
-
-        >>> Edges("CFFF").singular, Edges("SSFF").singular
-        (True, False)
-        """
+        """Whether a free edge meets a clamped one."""
         return any(
             {a, b} == {"C", "F"} for a, b in zip(self.boundary, self.boundary[1:] + self.boundary[0], strict=True)
         )

@@ -26,9 +26,6 @@ class FingerDynamics(Effect):
     ----------
     damping_n_s_per_m : float
         Of the skin.
-
-    >>> FingerDynamics().slot
-    'dynamics'
     """
 
     kind = "finger_dynamics"

@@ -27,9 +27,6 @@ class FingerLoad(Effect):
         Damper, mass and spring of a finger at 2 N.
     exponent : float
         How they grow with the force.
-
-    >>> FingerLoad().resistance_n_s_per_m
-    10.0
     """
 
     kind = "finger_load"

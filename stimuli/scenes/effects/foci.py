@@ -20,9 +20,6 @@ class Foci(Effect):
     ----------
     x_m, y_m : tuple of float
         Where they are, one number each.
-
-    >>> Foci(x_m=(0.2,), y_m=(0.1,)).n
-    2
     """
 
     kind = "foci"

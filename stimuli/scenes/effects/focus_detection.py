@@ -17,9 +17,6 @@ class FocusDetection(Effect):
 
     It is what the first finger at rest feels where it rests, at the focus without a place of its own or without a
     finger; it loads the plate with `finger_load` alone. 10 um is an unverified default.
-
-    >>> FocusDetection().reference_m
-    1e-05
     """
 
     kind = "focus_detection"

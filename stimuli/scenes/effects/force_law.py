@@ -19,11 +19,7 @@ BARRED = ("gap", "leakage", "body")
 
 @dataclass(frozen=True)
 class ForceLaw(Effect):
-    """A law by its name, as in `tactometry.stimuli.electrovibration.electrostatic_force_n`.
-
-    >>> ForceLaw("sc_layer").law
-    'sc_layer'
-    """
+    """A law by its name, as in `tactometry.stimuli.electrovibration.electrostatic_force_n`."""
 
     kind = "force_law"
     slot = "law"

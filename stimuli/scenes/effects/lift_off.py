@@ -24,9 +24,6 @@ class LiftOff(Effect):
 
     The finger has no mass. Each run is solved in time for its voltage, as `one_sided_contact` does; what reads the
     plate reads it under these fingers, and is no longer in proportion to the voltage.
-
-    >>> LiftOff().slot
-    'lift_off'
     """
 
     kind = "lift_off"

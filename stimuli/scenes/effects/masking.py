@@ -20,9 +20,6 @@ class Masking(Effect):
         Of the masker above its own threshold, above 0.
     slope : float
         By how much the threshold rises with that level.
-
-    >>> Masking(25.0).slope
-    0.52
     """
 
     kind = "masking"

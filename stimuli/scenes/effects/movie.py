@@ -26,9 +26,6 @@ class Movie(Effect):
         By default 8 to a period of the band's top.
     span_s : float
         How long it shows, the focus in the middle.
-
-    >>> Movie().span_s
-    0.00025
     """
 
     kind = "movie"

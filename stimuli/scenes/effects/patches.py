@@ -21,9 +21,6 @@ class Patches(Effect):
         Of a patch.
     moment_n_per_v : float
         Bending moment per length of its outline and volt.
-
-    >>> Patches().side_m
-    0.01
     """
 
     kind = "patches"

@@ -21,9 +21,6 @@ class Receptors(Effect):
     """The channels NP III, NP I and P, `reference_m` the displacement of the skin at threshold, at 250 Hz.
 
     0.1 um and the thresholds of the channels are unverified defaults.
-
-    >>> Receptors().slot
-    'receptors'
     """
 
     kind = "receptors"

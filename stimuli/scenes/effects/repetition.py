@@ -29,9 +29,6 @@ class Repetition(Effect):
         How long they go on.
     envelope : str
         Their weights over that time.
-
-    >>> Repetition().n
-    10
     """
 
     kind = "repetition"

@@ -19,9 +19,6 @@ class Sensitivity(Effect):
     """Threshold by frequency, `reference_m` the displacement of the skin at threshold, at 250 Hz.
 
     0.1 um is an unverified default, as are the thresholds of the channels, of which the lowest counts.
-
-    >>> Sensitivity().slot
-    'sensitivity'
     """
 
     kind = "sensitivity"

@@ -9,11 +9,7 @@ from ..stages.circuit import circuit_stage
 
 @dataclass(frozen=True)
 class SkinLeakage(Alteration):
-    """Resistivity of the stratum corneum, above 0; 20 kohm m is an unverified default.
-
-    >>> SkinLeakage().corneum_resistivity_ohm_m
-    20000.0
-    """
+    """Resistivity of the stratum corneum, above 0; 20 kohm m is an unverified default."""
 
     kind = "skin_leakage"
     slot = "leakage"

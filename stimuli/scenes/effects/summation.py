@@ -11,11 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Summation(Effect):
-    """3 dB per doubling of the area over `reference_m2`, that of the contactor of the thresholds.
-
-    >>> Summation().reference_m2
-    0.00029
-    """
+    """3 dB per doubling of the area over `reference_m2`, that of the contactor of the thresholds."""
 
     kind = "summation"
     slot = "summation"

@@ -16,9 +16,6 @@ class WeberFraction(Effect):
     """The threshold is that at `reference_n`, and in proportion to the normal force at others (Weber's law).
 
     Without it the threshold is the same at any force. 1 N is an unverified default.
-
-    >>> WeberFraction().reference_n
-    1.0
     """
 
     kind = "weber_fraction"

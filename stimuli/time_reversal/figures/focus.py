@@ -12,9 +12,8 @@ from tactometry.palette import BLACK, BLUE, ORANGE
 
 from ...arrays import FloatArray
 from ..filters import Band
-from ..focusing.field import Grid, field, grid
 from ..focusing.focusing import Emission, drive, emitted, focus_amplitude
-from ..focusing.merit import width_m
+from ..focusing.merit import Grid, field, grid, width_m
 from ..focusing.modulator import modulate
 from ..focusing.one_bit import OneBit
 from ..focusing.pattern import PATTERNS, Pattern

@@ -19,9 +19,8 @@ from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages.truncation import cut, n_frequencies, n_modes
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
-from tactometry.stimuli.time_reversal.focusing.field import field
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.focusing.merit import deformation_energy_j
+from tactometry.stimuli.time_reversal.focusing.merit import deformation_energy_j, field
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33

@@ -25,12 +25,13 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
     resolution_m,
 )
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.field import field, grid
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.merit import (
     contrast_far_of,
     contrast_temporal_of,
     contrast_whole_of,
+    field,
+    grid,
 )
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_samples, pattern_drive

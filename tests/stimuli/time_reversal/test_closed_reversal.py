@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal, overlap
-from tactometry.stimuli.time_reversal.focusing.field import field, modal_amplitudes, modal_history
+from tactometry.stimuli.time_reversal.focusing.merit import field, modal_amplitudes, modal_history
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.plate.modes import values
 from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators

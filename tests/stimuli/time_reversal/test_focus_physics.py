@@ -22,11 +22,13 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
 )
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.field import field, grid, movie
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.merit import (
     area_m2,
     contrast_whole_of,
+    field,
+    grid,
+    movie,
     resolution_per_focus_m,
     temporal_width_s,
 )

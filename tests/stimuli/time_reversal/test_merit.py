@@ -8,7 +8,6 @@ import pytest
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.field import modal_amplitudes
 from tactometry.stimuli.time_reversal.focusing.focusing import drive
 from tactometry.stimuli.time_reversal.focusing.merit import (
     area_m2,
@@ -17,6 +16,7 @@ from tactometry.stimuli.time_reversal.focusing.merit import (
     contrast_whole_of,
     deformation_energy_j,
     dielectric_power_w,
+    modal_amplitudes,
     switched_power_w,
     temporal_width_s,
     uniformity,
