@@ -43,7 +43,12 @@ def explanation(scene: Scene, given: Mapping[str, float]) -> str:
     for cells, settings in rows:
         lines.append(_line(cells))
         lines += [f"    {text}" for text in textwrap.wrap(settings, WIDTH - 4)]
-    return "\n".join([*lines, "-" * WIDTH, *_totals(scene, plan, sum(cold), sum(warm))])
+
+    total = (
+        f"accuracy {scene.accuracy:g}: predicted error {error_in_words(plan)}, "
+        f"predicted time {_time(plan.predicted_s)}, measured {_time(sum(cold))} cold, {_time(sum(warm))} warm"
+    )
+    return "\n".join([*lines, "-" * WIDTH, total, _one_more_digit(scene, plan)])
 
 
 def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
@@ -101,14 +106,6 @@ def rests_on_in_words(scene: Scene) -> str:
 def error_in_words(plan: Plan) -> str:
     """The predicted error; none of a plan with a setting that was given."""
     return "not known (a setting is given)" if isinf(plan.error) else f"{plan.error:.1e}"
-
-
-def _totals(scene: Scene, plan: Plan, cold_s: float, warm_s: float) -> list[str]:
-    total = (
-        f"accuracy {scene.accuracy:g}: predicted error {error_in_words(plan)}, "
-        f"predicted time {_time(plan.predicted_s)}, measured {_time(cold_s)} cold, {_time(warm_s)} warm"
-    )
-    return [total, _one_more_digit(scene, plan)]
 
 
 def _one_more_digit(scene: Scene, plan: Plan) -> str:

@@ -72,7 +72,15 @@ def check_effects(effects: Sequence[Effect], scene: Surroundings) -> None:
     """Refuse effects that the surface does not know, that fill one slot, contradict each other or lack something."""
     filled: dict[str, Effect] = {}
     for n, effect in enumerate(effects):
-        _check_place(effect, scene, f"effects[{n}]")
+        where = f"effects[{n}]"
+        refused = scene.surface.refuses.get(effect.kind)
+        if refused:
+            raise InvalidParameter(f"{where}: found {effect.kind!r} on {scene.surface.kind!r}, expected {refused}")
+        if effect.kind not in scene.surface.effects:
+            raise InvalidParameter(
+                f"{where}: found {effect.kind!r}, which {scene.surface.kind!r} does not know, expected an effect of "
+                f"{', '.join(scene.surface.effects)}; remove it"
+            )
         if effect.slot in filled:
             raise InvalidParameter(
                 f"effects[{n}]: found {effect.kind!r} beside {filled[effect.slot].kind!r}, expected one of them, for "
@@ -83,17 +91,6 @@ def check_effects(effects: Sequence[Effect], scene: Surroundings) -> None:
         _check_company(effect, scene, f"effects[{n}]")
         for need in effect.requires:
             _check_need(effect, need, scene, f"effects[{n}]")
-
-
-def _check_place(effect: Effect, scene: Surroundings, where: str) -> None:
-    refused = scene.surface.refuses.get(effect.kind)
-    if refused:
-        raise InvalidParameter(f"{where}: found {effect.kind!r} on {scene.surface.kind!r}, expected {refused}")
-    if effect.kind not in scene.surface.effects:
-        raise InvalidParameter(
-            f"{where}: found {effect.kind!r}, which {scene.surface.kind!r} does not know, expected an effect of "
-            f"{', '.join(scene.surface.effects)}; remove it"
-        )
 
 
 def _check_company(effect: Effect, scene: Surroundings, where: str) -> None:

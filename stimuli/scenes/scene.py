@@ -68,7 +68,12 @@ class Scene:
     settings: Mapping[str, Mapping[str, Setting]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _check_kinds(self)
+        of_kind("Scene", Surface, surface=self.surface)
+        for name, kind in (("effects", Effect), ("outputs", str), ("contacts", FingerContact)):
+            of_kind("Scene", (tuple, list), **{name: getattr(self, name)})
+            for n, one in enumerate(getattr(self, name)):
+                of_kind("Scene", kind, **{f"{name}[{n}]": one})
+
         is_share = is_number(self.accuracy) and 0 < self.accuracy <= 1
         expect(is_share, "Scene.accuracy", self.accuracy, "above 0 and at most 1")
         if not self.outputs:
@@ -226,14 +231,6 @@ def _check_felt(signal: object, contact: object) -> None:
     if not (isinstance(signal, Signal) and isinstance(contact, TOUCHES)):  # a session asks often
         of_kind("Scene.sensation", Signal, signal=signal)
         of_kind("Scene.sensation", TOUCHES, contact=contact)
-
-
-def _check_kinds(scene: Scene) -> None:
-    of_kind("Scene", Surface, surface=scene.surface)
-    for name, kind in (("effects", Effect), ("outputs", str), ("contacts", FingerContact)):
-        of_kind("Scene", (tuple, list), **{name: getattr(scene, name)})
-        for n, one in enumerate(getattr(scene, name)):
-            of_kind("Scene", kind, **{f"{name}[{n}]": one})
 
 
 def _size_all(stages: Sequence[Stage], demand: Demand) -> Sequence[Stage]:

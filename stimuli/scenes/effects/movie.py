@@ -49,7 +49,12 @@ class Movie(Effect):
         )
 
     def _frames_size(self, demand: Demand) -> Size:
-        self._check_span(demand.surface)
+        longest_s = 2 * min(demand.surface.reversal_s, demand.surface.after_s)
+        if self.span_s > longest_s:
+            raise InvalidParameter(
+                f"movie: found a span of {self.span_s} s, expected at most {longest_s}, twice the shorter of "
+                "reversal_s and after_s; shorten it or raise those"
+            )
         return Size({"n_frames": self._n_frames(demand.surface), "span_s": self.span_s})
 
     def _n_frames(self, surface: Any) -> int:
@@ -75,11 +80,3 @@ class Movie(Effect):
                 "numbers; loosen the accuracy, lower n_frames or shorten span_s"
             )
         return n_numbers
-
-    def _check_span(self, surface: Any) -> None:
-        longest_s = 2 * min(surface.reversal_s, surface.after_s)
-        if self.span_s > longest_s:
-            raise InvalidParameter(
-                f"movie: found a span of {self.span_s} s, expected at most {longest_s}, twice the shorter of "
-                "reversal_s and after_s; shorten it or raise those"
-            )

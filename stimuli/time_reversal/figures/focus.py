@@ -236,8 +236,13 @@ def sound_spectra(spectra: Mapping[str, NoiseSpectrum], f_max_hz: float = 125e3)
     """Sound pressure spectra of driving signals, 0 to 125 kHz (thesis 4.25 to 4.27), with the A-weighted levels."""
     figure, axes = sheet(2, (len(spectra) + 1) // 2, width_in=8.6, height_in=5.4)
     for one, (name, spectrum) in zip(axes, spectra.items(), strict=False):
-        f, level = _smoothed(spectrum, f_max_hz)
-        one.plot(f / 1e3, level, color=BLUE, linewidth=0.8)
+        # bands of 500 Hz; what lies above the last is drawn nowhere
+        n_bands = int(min(f_max_hz, spectrum.frequency_hz[-1]) / 500.0)
+        bands = (spectrum.frequency_hz / 500.0).astype(int)
+        mean = np.array([spectrum.pressure_pa2_per_hz[bands == n].mean() for n in range(n_bands)])
+        middles_hz = np.asarray(500.0 * np.arange(0.5, n_bands), float)
+        level = NoiseSpectrum(middles_hz, mean).level_db_re_20upa
+        one.plot(middles_hz / 1e3, level, color=BLUE, linewidth=0.8)
         one.axvspan(0, 20, color=ORANGE, alpha=0.15)
         one.set_ylim(-40, 70)
         title = f"{name}: {spectrum.a_weighted_db:.0f} dBA; shaded: audible"
@@ -263,11 +268,3 @@ def _density(noise: FloatArray, rate_hz: float) -> tuple[FloatArray, FloatArray]
 
     f, density = welch(noise, rate_hz, nperseg=8192)
     return np.asarray(f), np.asarray(density)
-
-
-def _smoothed(spectrum: NoiseSpectrum, f_max_hz: float, width_hz: float = 500.0) -> tuple[FloatArray, FloatArray]:
-    n_bands = int(min(f_max_hz, spectrum.frequency_hz[-1]) / width_hz)
-    bands = (spectrum.frequency_hz / width_hz).astype(int)  # what lies above the last is drawn nowhere
-    mean = np.array([spectrum.pressure_pa2_per_hz[bands == n].mean() for n in range(n_bands)])
-    middles_hz = np.asarray(width_hz * np.arange(0.5, n_bands), float)
-    return middles_hz, NoiseSpectrum(middles_hz, mean).level_db_re_20upa

@@ -59,7 +59,9 @@ def reversed_waveform(
             f"reversal_s: found {reversal_s}, longer than the responses of {foci.duration_s} s; "
             "learn longer responses or shorten T"
         )
-    weight = _weights(foci.n_points, weights)
+    weight = np.ones(foci.n_points) if weights is None else np.asarray(weights, float)
+    if weight.shape != (foci.n_points,) or not np.isfinite(weight).all():
+        raise InvalidParameter(f"weights: found {weights}, expected {foci.n_points} finite numbers, one per focus")
     learnt = np.einsum("p,pqn->qn", weight, foci.samples[:, :, :n]) * _window(window, n)
     if n and not learnt.any():
         raise InvalidParameter(
@@ -131,13 +133,6 @@ def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
 def focus_amplitude(signal: Signal, responses: Responses, point: int = 0) -> float:
     """One point at the focus instant."""
     return float(focus_amplitudes(signal, responses.at_point(point))[0])
-
-
-def _weights(n_foci: int, weights: Sequence[float] | None) -> FloatArray:
-    weight = np.ones(n_foci) if weights is None else np.asarray(weights, float)
-    if weight.shape != (n_foci,) or not np.isfinite(weight).all():
-        raise InvalidParameter(f"weights: found {weights}, expected {n_foci} finite numbers, one per focus")
-    return weight
 
 
 def _window(window: FloatArray | None, n: int) -> FloatArray:

@@ -17,7 +17,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, finite_array, some, within
 from tactometry.errors import InvalidParameter
 
-from ...arrays import ComplexArray, FloatArray
+from ...arrays import FloatArray
 from ..filters import Band
 from ..plate.dispersion import wavenumber_rad_per_m
 from ..plate.plate import Plate
@@ -68,17 +68,16 @@ def inverse_filter_waveform(
     transfer = np.moveaxis(np.fft.rfft(points.samples, n_fft), -1, 0)
     # delayed, so that the focus comes at the last of n samples
     pulse = band.at(frequency_hz) * np.exp(-2j * np.pi * frequency_hz * (n - 1) / points.rate_hz)
-    spectrum = _tikhonov(transfer, regularisation) @ target * pulse[:, None]
-    return np.asarray(np.fft.irfft(spectrum, n_fft, axis=0)[:n].T)
 
-
-def _tikhonov(transfer: ComplexArray, regularisation: float) -> ComplexArray:
-    """(n_frequencies, n_channels, n_points): H^H (H H^H + beta I)^-1."""
+    # H^H (H H^H + beta I)^-1 (n_frequencies, n_channels, n_points)
     adjoint = np.conj(np.swapaxes(transfer, 1, 2))
     power = transfer @ adjoint
     largest = float(np.abs(np.einsum("fpp->fp", power)).mean(axis=1).max())
     system = power + regularisation * largest * np.eye(power.shape[1])
-    return np.asarray(np.conj(np.swapaxes(np.linalg.solve(system, transfer), 1, 2)))
+    inverse = np.conj(np.swapaxes(np.linalg.solve(system, transfer), 1, 2))
+
+    spectrum = inverse @ target * pulse[:, None]
+    return np.asarray(np.fft.irfft(spectrum, n_fft, axis=0)[:n].T)
 
 
 NOISE_SHARE: Final = 1e-4

@@ -104,7 +104,11 @@ class TimeReversalStimulus:
         one_of("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
         one_of("TimeReversalStimulus.focus.quantity", self.focus.quantity, ("displacement",))
         one_of("TimeReversalStimulus.modulation", self.modulation, MODULATIONS)
-        _check_heard(self)
+        heard, focus = self.heard, self.focus
+        if heard is not None:
+            found = f"{heard.n_points} points and {heard.n_channels} channels"
+            expected = f"{focus.n_points} and {focus.n_channels} as in focus"
+            expect(heard.samples.shape[:2] == focus.samples.shape[:2], "TimeReversalStimulus.heard", found, expected)
         check_supply("TimeReversalStimulus", self.supply_v, self.quantiser)
         if self.reversal_s is not None:
             whole("TimeReversalStimulus", lowest=1, n_reversal=self._n_reversal)
@@ -195,14 +199,6 @@ class TimeReversalStimulus:
         return 1e-6 * 10 ** (level / 20)
 
 
-def _check_heard(stimulus: TimeReversalStimulus) -> None:
-    heard, focus = stimulus.heard, stimulus.focus
-    if heard is not None:
-        found = f"{heard.n_points} points and {heard.n_channels} channels"
-        expected = f"{focus.n_points} and {focus.n_channels} as in focus"
-        expect(heard.samples.shape[:2] == focus.samples.shape[:2], "TimeReversalStimulus.heard", found, expected)
-
-
 @checked
 @dataclass(frozen=True)
 class FocusTrain:
@@ -263,7 +259,13 @@ class FocusTrain:
     def __post_init__(self) -> None:
         if self.envelope_table is not None:
             object.__setattr__(self, "envelope_table", tuple(self.envelope_table))
-        _check_band(self)
+        owner = type(self).__name__
+        band = Band(self.f_min_hz, self.f_max_hz)
+        if band.f_max_hz > self.setup.modes_to_hz:
+            raise InvalidParameter(
+                f"{owner}.f_max_hz: found {self.f_max_hz}, above the highest mode at {self.setup.modes_to_hz} Hz; "
+                "lower it or raise setup.modes_to_hz"
+            )
         _check_times(self)
         check_supply(type(self).__name__, self.supply_v, DRIVES[self.drive])
 
@@ -370,16 +372,6 @@ def _stimulus_of(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
         tau_s=train.setup.tau_s,
         supply_v=train.supply_v,
     )
-
-
-def _check_band(train: FocusTrain) -> None:
-    owner = type(train).__name__
-    band = Band(train.f_min_hz, train.f_max_hz)
-    if band.f_max_hz > train.setup.modes_to_hz:
-        raise InvalidParameter(
-            f"{owner}.f_max_hz: found {train.f_max_hz}, above the highest mode at {train.setup.modes_to_hz} Hz; "
-            "lower it or raise setup.modes_to_hz"
-        )
 
 
 def _check_times(train: FocusTrain) -> None:
