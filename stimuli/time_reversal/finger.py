@@ -13,7 +13,6 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import one_of, some
 
 from ..defaults import RESISTANCE_N_S_PER_M
-from .design.closed_forms import one_bit_amplitude_ratio
 from .fingertip import Fingertip
 from .focusing.focusing import Emission, focus_amplitude
 from .plate.plate import Plate
@@ -56,21 +55,6 @@ def absorbing_tau_s(plate: Plate, impedance_n_s_per_m: complex) -> float:
     """
     effective = complex(impedance_n_s_per_m).real * amplitude_ratio_at_focus(plate, impedance_n_s_per_m) ** 2
     return 2 * plate.mass_kg / effective if effective > 0 else math.inf
-
-
-@checked
-def amplitude_ratio_elsewhere(
-    plate: Plate, impedance_n_s_per_m: complex, tau_s: Positive, reversal_s: Positive
-) -> float:
-    """Closed form of absorption alone, 1 bit, learnt without the finger.
-
-    A' / A = tau' (1 - exp(-T / tau')) / (tau (1 - exp(-T / tau))), 1 / tau' = 1 / tau + 1 / tau_f.
-
-    Scattering adds to the loss; relearning removes that part only.
-    """
-    loaded_tau_s = 1 / (1 / tau_s + 1 / absorbing_tau_s(plate, impedance_n_s_per_m))
-    ratio = one_bit_amplitude_ratio(reversal_s, loaded_tau_s) / one_bit_amplitude_ratio(reversal_s, tau_s)
-    return float(loaded_tau_s / tau_s * ratio)
 
 
 @checked

@@ -123,15 +123,3 @@ def estimator(
     toward = j0(k[:, None] * away)
     weights = np.linalg.solve(among, toward[:, :, None])[:, :, 0]
     return weights, np.clip(np.einsum("fp,fp->f", weights, toward), 0.0, 1.0)
-
-
-@checked
-def expected_amplitude_ratio(
-    points: Sequence[Point], at: Point, plate: Plate, band: Band, noise_share: float = NOISE_SHARE
-) -> float:
-    """A / A_0 of an analogue focus learnt by interpolation: the mean over the band of the share of power found.
-
-    The 1-bit drive follows the correlation of waveforms, the square root of that share.
-    """
-    _, share = estimator(points, at, plate, np.linspace(max(band.f_min_hz, 1.0), band.f_max_hz, 200), noise_share)
-    return float(share.mean())

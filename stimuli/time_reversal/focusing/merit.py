@@ -35,15 +35,6 @@ def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
 
 
 @checked
-def contrast_far_of(
-    amplitude_m: float, field_m: Matrix, grid_m: Grid, focus_m: tuple[float, float], radius_m: NotNegative
-) -> float:
-    """As `contrast_whole_of`, without the points nearer than `radius_m` to the focus."""
-    away = np.hypot(grid_m[0][:, None] - focus_m[0], grid_m[1][None, :] - focus_m[1]) >= radius_m
-    return _ratio(amplitude_m, field_m[away])
-
-
-@checked
 def contrast_temporal_of(
     signal_m: Vector, focus_sample: int, rate_hz: Positive, start_s: float, stop_s: float
 ) -> float:
@@ -136,16 +127,6 @@ def _crossing(at: FloatArray, relative: FloatArray, level: float) -> float:
     positive("width_m", profile=float(relative[i - 1] - relative[i]))
     share = (relative[i - 1] - level) / (relative[i - 1] - relative[i])
     return float(at[i - 1] + share * (at[i] - at[i - 1]))
-
-
-@checked
-def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: float) -> float:
-    """Strain energy of the plate at a sample of a drive: half the sum of M w_n^2 q_n^2, exact for its
-    modes.
-    """
-    q = modal_amplitudes(screen, signal, sample, f_max_hz)
-    omega = screen.oscillators(f_max_hz).omega_rad_per_s
-    return 0.5 * screen.plate.mass_kg * float(np.sum((omega * q) ** 2))
 
 
 @checked

@@ -49,29 +49,6 @@ def group_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
 
 
 @checked
-def mindlin_group_velocity_m_per_s(
-    plate: Plate, frequency_hz: PositiveArray, shear_factor: float = MINDLIN_SHEAR_FACTOR
-) -> FloatArray:
-    """d omega / d k of the flexural branch, by differentiating its equation in omega^2 and k^2; frequencies above 0.
-
-    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-    >>> thick, thin = (v(A4_SCREEN, 60e3) for v in (mindlin_group_velocity_m_per_s, group_velocity_m_per_s))
-    >>> round(float(thick / thin), 2)
-    0.94
-    """
-    omega = 2 * np.pi * np.asarray(frequency_hz, float)
-    k = mindlin_wavenumber_rad_per_m(plate, frequency_hz, shear_factor)
-    rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
-    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
-    # the equation of the angular frequency is sheared bent = m A W: its derivatives by k^2 and by W = omega^2
-    bent = rigidity * k**2 - inertia * omega**2
-    sheared = shear * k**2 - m * omega**2
-    by_k2 = shear * bent + rigidity * sheared
-    by_omega2 = m * (bent + shear) + inertia * sheared
-    return np.asarray(k / omega * by_k2 / by_omega2)
-
-
-@checked
 def mindlin_angular_frequency_rad_per_s(
     plate: Plate, wavenumber_rad_per_m: NotNegativeArray, shear_factor: Positive = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import NotNegative, Positive
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import at_most, positive, within
 from tactometry.errors import InvalidParameter
@@ -145,18 +145,6 @@ class Plate:
         if self.boundary == "SSSS":
             return self.wave_constant_m2_per_s * navier(self, f_max_hz).wavenumber2_per_m2 / (2 * math.pi)
         return ritz_frequencies_hz(self, f_max_hz)
-
-    def mode_count(self, frequency_hz: NotNegative) -> float:
-        """Number of simply supported modes below a frequency by Weyl's law with perimeter and corner terms.
-
-        N = S k^2 / (4 pi) - P k / (4 pi) + 1/4.
-
-        >>> plate = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
-        >>> round(plate.mode_count(25e3)), len(plate.frequencies_hz(25e3))
-        (425, 425)
-        """
-        k = math.sqrt(2 * math.pi * frequency_hz / self.wave_constant_m2_per_s)
-        return (self.area_m2 * k**2 - self.perimeter_m * k) / (4 * math.pi) + 0.25
 
 
 @checked

@@ -192,7 +192,6 @@ METHODS: dict[str, Call] = {
     "SkinMobility.under": (ev.SkinMobility().under, {"force_n": 1.0}),
     "Velvet.after": (ev.Velvet().after, {"x_m": np.array([0.0, 1e-4]), "y_m": np.array([0.0, 1e-4]), "way": None}),
     "Grating.force_share": (ev.Grating(1e-3).force_share, {"x_m": [0.1]}),
-    "Grating.temporal_frequency_hz": (ev.Grating(1e-3).temporal_frequency_hz, {"speed_m_per_s": 0.1}),
     "Region.force_share": (ev.Region(0.0, 1.0).force_share, {"x_m": [0.1]}),
     "Bump.force_share": (ev.Bump(0.0, 1e-3).force_share, {"x_m": [0.1]}),
     "Noise.force_share": (ev.Noise(100.0, 110.0, 0.1, (1.0, 2.0)).force_share, {"x_m": [0.1]}),

@@ -31,7 +31,6 @@ from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz
 from tactometry.stimuli.time_reversal.plate.ritz import ellipse, pairs, pencil
 from tactometry.stimuli.time_reversal.responses.measured import inspect
-from tactometry.stimuli.time_reversal.responses.plate_constants import tau_estimate
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
@@ -292,7 +291,6 @@ def test_all_zero_responses_are_refused_where_a_focus_is_wanted_and_named_where_
     silent = Responses(np.zeros((1, 2, 400)), RATE_HZ)
     for refused in (
         lambda: drive(silent, 30.0),
-        lambda: tau_estimate(silent),
         lambda: inverse_filter_waveform(silent, [1.0], Band(100.0, 5e3), reversal_s=1e-3),
     ):
         with pytest.raises(InvalidParameter, match="zero everywhere"):
