@@ -40,8 +40,6 @@ class Hybrid:
     InvalidParameter
         If a value is not as stated.
 
-    Examples
-    --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> focus = FocusTrain(setup, f_max_hz=20e3)
     >>> both = Hybrid(focus, AmplitudeModulated(frequency_hz=120.0, duration_s=0.5, rate_hz=50e3))
@@ -108,8 +106,6 @@ def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
     Raises `InvalidParameter` if the responses do not suit the foci
     (`tactometry.stimuli.time_reversal.stimulus.focus_train.measured`).
 
-    Examples
-    --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> both = Hybrid(FocusTrain(setup, f_max_hz=20e3), AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3))
     >>> found = measured(both, setup.responses_at(*setup.focus_m))
@@ -150,8 +146,6 @@ class HybridSensation:
     reference_m : float
         Amplitude of a single focus at the detection threshold; unverified default.
 
-    Examples
-    --------
     >>> HybridSensation(friction=ElectrovibrationSensation(law="interface")).friction.law
     'interface'
     """

@@ -50,8 +50,6 @@ class ElectrovibrationSensation:
     polarity : Polarity or None
         An asymmetry between positive and negative voltages; None, the default, is none.
 
-    Examples
-    --------
     >>> ElectrovibrationSensation(law="interface").reference_m
     1e-07
     """

@@ -35,8 +35,6 @@ def summed_amplitude(times_s: FloatArray, peaks: FloatArray) -> float:
     times_s, peaks
         (n,): when the events come, in any order, and their amplitudes, at least 0.
 
-    Examples
-    --------
     >>> far, near = (summed_amplitude(np.array([0.0, apart_s]), np.ones(2)) for apart_s in (1.0, 4e-3))
     >>> far < 1.004, near > 1.5
     (True, True)

@@ -79,8 +79,6 @@ def one_sided_contact(
     finger : Fingertip, optional
         Without mass: two masses that meet need a law of impact, for which there is no source here.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> sampling = {"rate_hz": 100e3, "duration_s": 2e-3, "f_max_hz": 5e3}
     >>> driven = 1e5 * impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **sampling).samples[0, 0]

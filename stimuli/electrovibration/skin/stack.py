@@ -84,8 +84,6 @@ class Stack:
     InvalidParameter
         If there is no layer with a thickness that can hold a voltage, or the resistance is negative.
 
-    Examples
-    --------
     >>> stack = Stack((Layer(1e-6, 3.9), Layer(200e-6, 1000.0, 2e4)))
     >>> found = stack.relaxations(1, area_m2=1e-4)
     >>> round(found.gains[0], 9), round(1e6 / found.rates_per_s[0], 6)

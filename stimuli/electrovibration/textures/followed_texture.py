@@ -54,8 +54,6 @@ class FollowedTexture(Ramped):
     InvalidParameter
         If a value is outside of its domain.
 
-    Examples
-    --------
     >>> from .texture import Grating
     >>> texture = FollowedTexture(Grating(2e-3), duration_s=0.1, rise_s=5e-5)
     >>> parts, before = texture.parts(np.array([0.5e-3, 1.5e-3]))
@@ -140,8 +138,6 @@ class FollowedTexture(Ramped):
         InvalidParameter
             In one sentence with the cure.
 
-        Examples
-        --------
         >>> from .texture import Grating
         >>> FollowedTexture(Grating(1e-4)).check_motion(0.2)
         Traceback (most recent call last):

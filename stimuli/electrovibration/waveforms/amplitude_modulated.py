@@ -130,8 +130,6 @@ class AmplitudeModulated(Ramped):
 class PulsedCarrier:
     """The waveform through one supply (V, above 0), sample by sample on, reversed or off; of the same level.
 
-    Examples
-    --------
     >>> pulsed = PulsedCarrier(AmplitudeModulated(120.0, rate_hz=250e3, ramp_s=0.0), supply_v=100.0)
     >>> asked, made = pulsed.waveform.at(34.0), pulsed.at(34.0)
     >>> np.unique(made.samples).tolist(), round(float(np.mean(made.samples**2) / np.mean(asked.samples**2)), 3)

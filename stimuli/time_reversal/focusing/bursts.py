@@ -45,8 +45,6 @@ class Bursts:
     InvalidParameter
         If one emission begins before the one before it is over.
 
-    Examples
-    --------
     >>> h = Responses(np.array([[[1.0, 2.0, 4.0]]]), 1e3)
     >>> Bursts([np.ones((1, 3))], np.array([0]), h, [0], 30.0).drive(np.array([90.0])).samples
     array([[ 0., 30., 30.]])

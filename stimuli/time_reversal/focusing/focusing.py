@@ -90,8 +90,6 @@ def drive(
     quantiser : Quantiser, optional
         By default one bit.
 
-    Examples
-    --------
     >>> h = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)
     >>> drive(h, 30.0).samples
     array([[ 30., -30.,  30.]])

@@ -119,8 +119,6 @@ class Pattern:
     envelope : Envelope
         Scaled so that the largest weight is 1.
 
-    Examples
-    --------
     >>> Pattern(200.0, 50e-3).n_foci
     10
     """

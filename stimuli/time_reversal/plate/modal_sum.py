@@ -186,8 +186,6 @@ def modal_sums(
     """(n_rows, stop - start): weights (n_rows, n_modes) times the impulse responses of the modes at samples
     start..stop-1; written to `out` if that is given.
 
-    Examples
-    --------
     >>> modes = Oscillators(np.linspace(1e3, 1e5, 200), np.full(200, 300.0))
     >>> weights = np.ones((2, 200))
     >>> fast = modal_sums(modes, weights, 50e3, 0, 500)

@@ -53,8 +53,6 @@ class Plate:
     InvalidParameter
         If a value is outside of its range.
 
-    Examples
-    --------
     >>> plate = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
     >>> [round(float(f), 1) for f in plate.frequencies_hz(300.0)]
     [92.8, 185.5, 278.3]

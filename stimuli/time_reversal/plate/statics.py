@@ -40,8 +40,6 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     (n_points,) array. Simply supported: Levy's sum, relative error 1e-9. Other edges: Ritz, within
     0.2 % at the force and 1e-5 away from it.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(float(deflection_m(A4_SCREEN, 2.0, (0.1485, 0.105), 0.1485, 0.105)[0]) * 1e6)
     178

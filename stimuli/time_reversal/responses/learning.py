@@ -38,8 +38,6 @@ FADE_PART: Final = 0.05
 class Excitation:
     """What is played on one channel: values from -1 to 1, and the band (Hz) that they fill.
 
-    Examples
-    --------
     >>> sweep(20e3, 60e3, rate_hz=250e3, duration_s=0.01).samples.shape, sequence(10, rate_hz=250e3).samples.shape
     ((2500,), (1023,))
     """
@@ -108,8 +106,6 @@ def deconvolve(
     -------
     (..., n_samples) array
 
-    Examples
-    --------
     >>> h = np.array([0.0, 2.0, -1.0])
     >>> pulse = sequence(6, rate_hz=1e3).samples
     >>> deconvolve(pulse, np.convolve(pulse, h), 3, regularisation=0.0).round(9).tolist()
@@ -129,8 +125,6 @@ def deconvolve(
 def delay_s(played: Vector, recorded: Vector, rate_hz: Positive) -> float:
     """How much later `recorded` is, s: the peak of the correlation, by a parabola to a part of a sample.
 
-    Examples
-    --------
     >>> pulse = sequence(8, rate_hz=1e3).samples
     >>> delay_s(pulse, np.concatenate([np.zeros(7), pulse]), 1e3)
     0.007
@@ -191,8 +185,6 @@ def as_displacement(responses: Responses, f_min_hz: Positive, f_max_hz: float) -
 
     Raises `InvalidParameter` if the band does not rise, begins at 0 or passes the Nyquist frequency.
 
-    Examples
-    --------
     >>> velocity = Responses(np.eye(1, 64, 9)[None], 1e3, "velocity")
     >>> as_displacement(velocity, 100.0, 400.0).quantity
     'displacement'

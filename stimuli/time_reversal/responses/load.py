@@ -244,8 +244,6 @@ def loaded_responses(
     of frequency, that of a pin with the second: what the Nyquist frequency cuts off is then up to 3 % and lies near
     that frequency, so limit the band afterwards.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> sampling = {"rate_hz": 50e3, "duration_s": 1e-3, "f_max_hz": 10e3}
     >>> free = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **sampling)

@@ -69,8 +69,6 @@ def tau_s(response: Vector, rate_hz: Positive) -> float:
     ----------
     response : (n_samples,) array
 
-    Examples
-    --------
     >>> t = np.arange(10000) / 1e5
     >>> round(tau_s(np.exp(-t / 4e-3) * np.sin(1e4 * t), 1e5) * 1e3, 1)
     4.0

@@ -118,8 +118,6 @@ def impulse_responses(
         If a point or a transducer is outside, there is none, `f_max_hz` is above the Nyquist frequency, or
         `static_to_hz` does not fit.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> h = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=50e3, duration_s=1e-3, f_max_hz=10e3)
     >>> h.samples.shape
@@ -198,8 +196,6 @@ def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> Float
 def through(responses: Responses, gain: GainCurve) -> Responses:
     """The responses behind a linear element; the part that would precede time 0 is cut off.
 
-    Examples
-    --------
     >>> h = Responses(np.eye(1, 64)[None], 1e3)
     >>> from tactometry.stimuli.time_reversal.filters import Butterworth
     >>> np.round(through(h, Butterworth(10.0)).samples[0, 0, :2], 3)

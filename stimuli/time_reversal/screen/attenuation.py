@@ -38,8 +38,6 @@ class Attenuation(Effect):
     reference_hz : float
         Above 0.
 
-    Examples
-    --------
     >>> round(Attenuation().t60_s, 4)
     0.0242
     >>> float(1 / Attenuation(exponent=0.5).rate_per_s(40e3))

@@ -80,8 +80,6 @@ class TimeReversalStimulus:
         Above 0: an amplifier that switches between this voltage, its negative and off. The level and the weights of the
         pattern are made by the length of the bursts, each focus to 2 %; `voltage_max_v` and `modulation` have no part.
 
-    Examples
-    --------
     >>> h = Responses(1e-9 * np.array([[[3.0, -2.0, 1.0]]]), 1e3)
     >>> stimulus = TimeReversalStimulus(h, level_unit="dB re 1 um")
     >>> stimulus.voltage_v(-20.0)
@@ -232,8 +230,6 @@ class FocusTrain:
     envelope, envelope_table : optional
         Weights of the foci, by name or at equal steps over the train, in place of the pattern's.
 
-    Examples
-    --------
     >>> stimulus = FocusTrain(Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3), f_max_hz=20e3)
     >>> signal = stimulus.at(0.0)
     >>> signal.samples.shape, round(signal.duration_s * 1e3, 3)
@@ -333,8 +329,6 @@ def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
     heard : Responses
         Displacement at the point that is touched (or at the places of `PlacedFoci`), at least `train.emission_s` long.
 
-    Examples
-    --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> train = FocusTrain(setup, f_max_hz=20e3)
     >>> found = measured(train, setup.responses_at(*setup.focus_m))

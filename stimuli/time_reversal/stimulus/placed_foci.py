@@ -66,8 +66,6 @@ class PlacedFoci(FocusTrain):
     InvalidParameter
         If a place is not on the plate, two are at one point, or `place` names what is none.
 
-    Examples
-    --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> places = {"index": Place(0.10), "middle": Place(0.13)}
     >>> both = PlacedFoci(setup, f_max_hz=20e3, places=places, place="index + middle")
@@ -163,8 +161,6 @@ class FingersSensation:
     InvalidParameter
         If a finger rests on no place, or two are nearer to each other than a fingertip is wide.
 
-    Examples
-    --------
     >>> FingersSensation(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).reference_m
     1e-05
     """

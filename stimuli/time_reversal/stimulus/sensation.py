@@ -73,8 +73,6 @@ class TimeReversalSensation:
     finger_x_m, finger_y_m : float, optional
         Where the finger is; by default at the focus.
 
-    Examples
-    --------
     >>> TimeReversalSensation(criterion="loaded").finger.load((0.1, 0.1), force_n=0.5).resistance_n_s_per_m
     5.0
     """
@@ -115,8 +113,6 @@ class FocusReading:
     x_m, y_m : float, optional
         Where it presses; by default at the focus.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> signal = FocusTrain(setup, f_max_hz=20e3).at(20.0)
