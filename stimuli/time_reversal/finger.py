@@ -121,8 +121,7 @@ class Contactor:
 
     def loads(self, plate: Plate, at_m: Point, force_n: NotNegative) -> list[PlateLoad | SprungMass]:
         """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
-        out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it.
-        """
+        out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it."""
         plate.check_holds("at_m", at_m)
         if force_n == 0:
             return []

@@ -230,8 +230,7 @@ def charge_c_at(t_s: ArrayLike, pieces: Pieces, skin: Skin, area_m2: float) -> F
 
 @checked
 def current_a_at(t_s: ArrayLike, pieces: Pieces, skin: Skin, area_m2: float) -> FloatArray:
-    """Current (A) at any time inside of the pieces, exactly; a jump without body resistance is an
-    impulse beside."""
+    """Current (A) at any time inside of the pieces, exactly; a jump without body resistance is an impulse beside."""
     return _insulator_capacitance_f(skin, area_m2) * _insulator(pieces, skin, area_m2).slope_at(t_s)
 
 

@@ -75,9 +75,8 @@ class Layer:
 class Stack:
     """Leaky layers in series, from the electrode to the body, and a resistance (body and source).
 
-    The ratio of the voltage across layer j to the applied one is ``Z_j/(R + sum Z)`` with
-    ``Z_j = s_j/(A (p + r_j))``, s the elastance and r the rate of a layer: a sum of real relaxations,
-    whose rates interlace the rates of the layers.
+    The ratio of the voltage across layer j to the applied one is ``Z_j/(R + sum Z)`` with ``Z_j = s_j/(A (p + r_j))``,
+    s the elastance and r the rate of a layer: a sum of real relaxations, whose rates interlace the rates of the layers.
 
     Raises
     ------
@@ -113,15 +112,13 @@ class Stack:
         return Relaxations(gains, tuple(pole.rate_per_s for pole in poles), share * series.dc_gain(group))
 
     def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> ComplexArray:
-        """Complex ratio of the voltage across layer `index` to the applied one, of the shape of
-        `frequency_hz`."""
+        """Complex ratio of the voltage across layer `index` to the applied one, of the shape of `frequency_hz`."""
         return self.relaxations(index, area_m2).response(frequency_hz)
 
 
 @dataclass(frozen=True)
 class _Pole:
-    """A rate, and its distances ``r_h - rate`` from the rates of the groups, each to full relative
-    accuracy."""
+    """A rate, and its distances ``r_h - rate`` from the rates of the groups, each to full relative accuracy."""
 
     rate_per_s: float
     distances_per_s: tuple[float, ...]
@@ -142,8 +139,7 @@ class _Series:
         return resistances[group] / (self.resistance_ohm_m2 + sum(resistances))
 
     def gain(self, pole: _Pole, group: int) -> float:
-        """``a`` of ``a p/(p + rate)``: the residue of ``[s_g/(p + r_g)]/[R + sum s_h/(p + r_h)]`` over
-        ``-rate``."""
+        """``a`` of ``a p/(p + rate)``: the residue of ``[s_g/(p + r_g)]/[R + sum s_h/(p + r_h)]`` over ``-rate``."""
         scaled = [s * pole.rate_per_s / d for s, d in zip(self.elastances, pole.distances_per_s, strict=True)]
         total = sum(x * (pole.rate_per_s / d) for x, d in zip(scaled, pole.distances_per_s, strict=True))
         return scaled[group] / total
@@ -232,8 +228,7 @@ class DispersiveLayer:
         require.expect(rises, "DispersiveLayer.frequencies_hz", self.frequencies_hz, "ascending numbers")
 
     def properties(self, frequency_hz: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Relative permittivity and resistivity (ohm m), of the shape of `frequency_hz` (0: the first
-        row)."""
+        """Relative permittivity and resistivity (ohm m), of the shape of `frequency_hz` (0: the first row)."""
         f_hz = np.maximum(np.asarray(frequency_hz, dtype=np.float64), self.frequencies_hz[0])
         x, rows = np.log(f_hz), np.log(self.frequencies_hz)
         log_permittivity = np.interp(x, rows, np.log(self.permittivities))

@@ -123,9 +123,7 @@ def contrast_limit(room: Reverberation) -> float:
 
 @checked
 def repetition_noise_ratio(repetition_s: UnboundedArray, tau_s: Positive) -> FloatArray:
-    """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r /
-    tau)).
-    """
+    """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r / tau))."""
     positive_array("repetition_noise_ratio.repetition_s", repetition_s, infinite=True)
     return np.asarray(-1 / np.expm1(-2 * np.asarray(repetition_s, float) / tau_s))
 

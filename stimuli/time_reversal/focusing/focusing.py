@@ -115,9 +115,7 @@ def emitted(signal: Signal, responses: Responses) -> FloatArray:
 
 @checked
 def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
-    """(n_points,): every point at the focus instant, the last sample of the drive; a plain sum of
-    products.
-    """
+    """(n_points,): every point at the focus instant, the last sample of the drive; a plain sum of products."""
     _same_channels(signal, responses)
     n = signal.samples.shape[1]
     if n > responses.n_samples:

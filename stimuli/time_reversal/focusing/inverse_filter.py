@@ -1,8 +1,7 @@
 """Inverse-filter focusing, what others publish instead of time reversal.
 
-For every frequency the drive of least energy that makes the wanted signal at each point and silence at the
-others: v = H^H (H H^H + beta I)^-1 d, with Tikhonov's beta relative to the largest mean power of the
-responses.
+For every frequency the drive of least energy that makes the wanted signal at each point and silence at the others: v =
+H^H (H H^H + beta I)^-1 d, with Tikhonov's beta relative to the largest mean power of the responses.
 """
 
 from collections.abc import Sequence

@@ -70,9 +70,7 @@ class Exponential:
 @checked
 @dataclass(frozen=True)
 class Sinc:
-    """sin(pi x) / (pi x) with `n_zeros` zeros on each side of the middle; `signed` keeps the sign of the
-    lobes.
-    """
+    """sin(pi x) / (pi x) with `n_zeros` zeros on each side of the middle; `signed` keeps the sign of the lobes."""
 
     n_zeros: int = 3
     signed: bool = True

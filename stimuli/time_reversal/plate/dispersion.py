@@ -54,9 +54,8 @@ def mindlin_angular_frequency_rad_per_s(
 ) -> FloatArray:
     """Flexural branch of Mindlin's plate at a wavenumber.
 
-    With kappa G h = A, rho h = m, rho h^3 / 12 = J, the smaller root W = omega^2 of
-    (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near
-    equals.
+    With kappa G h = A, rho h = m, rho h^3 / 12 = J, the smaller root W = omega^2 of (A k^2 - m W)(D k^2 + A - J W) =
+    A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near equals.
     """
     k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2

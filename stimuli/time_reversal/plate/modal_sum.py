@@ -47,16 +47,12 @@ def linear_input(oscillators: Oscillators, step_s: float) -> FloatArray:
 
 
 def run_impulses(oscillators: Oscillators, impulses: FloatArray, rate_hz: float, keep: IntArray) -> FloatArray:
-    """(n, n_kept): displacements at samples `keep` (ascending) under impulses (n, n_samples) per unit
-    mass.
-    """
+    """(n, n_kept): displacements at samples `keep` (ascending) under impulses (n, n_samples) per unit mass."""
     return np.asarray(_impulses(transition(oscillators, 1 / rate_hz), np.ascontiguousarray(impulses.T), keep)).T
 
 
 def run_linear(oscillators: Oscillators, forces: FloatArray, rate_hz: float) -> FloatArray:
-    """(n, n_samples): displacements from rest under forces (n, n_samples) per unit mass, linear between
-    samples.
-    """
+    """(n, n_samples): displacements from rest under forces (n, n_samples) per unit mass, linear between samples."""
     step_s = 1 / rate_hz
     weights = linear_input(oscillators, step_s)
     return np.asarray(_linear(transition(oscillators, step_s), weights, np.ascontiguousarray(forces.T))).T

@@ -46,9 +46,7 @@ class Modes(Protocol):
         return self.angular_frequency_rad_per_s / (2 * math.pi)
 
     def products(self, on_x: OnAxis, on_y: OnAxis) -> FloatArray:
-        """(n_modes, n_points): each mode with `on_x` applied to its functions of x and `on_y` to those
-        of y.
-        """
+        """(n_modes, n_points): each mode with `on_x` applied to its functions of x and `on_y` to those of y."""
         raise NotImplementedError
 
     def frame(self, x_m: Vector, y_m: Vector) -> Callable[[FloatArray], FloatArray]:

@@ -177,9 +177,7 @@ def _integrals(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _admissible(function: FloatArray, slope: FloatArray, curvature: FloatArray, edges: str) -> FloatArray:
-    """Rows that mix the cubics into functions that meet the conditions, with orthonormal second
-    derivatives.
-    """
+    """Rows that mix the cubics into functions that meet the conditions, with orthonormal second derivatives."""
     ends = orthonormal_legendre(np.array([-1.0, 1.0]), function.shape[1] - 1)
     value_at, slope_at = function @ ends, slope @ ends
     conditions = [value_at[:, i] for i in (0, 1) if edges[i] in "SC"]

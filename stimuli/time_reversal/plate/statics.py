@@ -95,9 +95,7 @@ def _levy(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray)
 
 
 def _across(mu: FloatArray, width_m: float, y0: float, y: float) -> FloatArray:
-    """-(1 / 2 mu) d/dmu of N / d with N the four images of exp(-mu distance) and d = 2 mu (1 - exp(-2 mu
-    b)).
-    """
+    """-(1 / 2 mu) d/dmu of N / d with N the four images of exp(-mu distance) and d = 2 mu (1 - exp(-2 mu b))."""
     apart = abs(y - y0)
     # images in the edges y = 0 and y = width change the sign, in both they do not
     distance = np.array([apart, y + y0, 2 * width_m - y - y0, 2 * width_m - apart])[:, None]

@@ -1,9 +1,8 @@
 """Local loads on the plate as a low-rank update in the frequency domain.
 
-With H the receptances and Z the dynamic stiffness of k contacts, H_rs' = H_rs - H_rc Z (I + H_cc Z)^-1
-H_cs. It is written as H_rc a (b + H_cc a)^-1 H_cs with a = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h), h the
-size of H_cc, which is exact for Z = 0 and, with b = 0, for a rigid support: nowhere an inverse of Z,
-nowhere an overflow.
+With H the receptances and Z the dynamic stiffness of k contacts, H_rs' = H_rs - H_rc Z (I + H_cc Z)^-1 H_cs. It is
+written as H_rc a (b + H_cc a)^-1 H_cs with a = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h), h the size of H_cc, which is
+exact for Z = 0 and, with b = 0, for a rigid support: nowhere an inverse of Z, nowhere an overflow.
 """
 
 import math
@@ -267,9 +266,7 @@ def loaded_responses(
 
 @checked
 def contour(n_samples: int, rate_hz: Positive) -> tuple[ComplexArray, FloatArray, int]:
-    """Complex frequencies, the factor exp(sigma t) that undoes their shift, and the length of the
-    transform.
-    """
+    """Complex frequencies, the factor exp(sigma t) that undoes their shift, and the length of the transform."""
     whole("contour", lowest=1, n_samples=n_samples)
     n_fft = fast_length(2 * n_samples)
     shift = -math.log(WRAP_AROUND) * rate_hz / n_fft  # sigma, by which exp(-sigma t) falls to that in one period

@@ -193,9 +193,7 @@ def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> MeasuredC
 
 @checked
 def youngs_modulus_pa(rigidity_ratio: MeasuredConstant, plate: Plate) -> MeasuredConstant:
-    """Y = 12 (1 - nu^2) rho_s (D / rho_s) / h^3 with the density, thickness and Poisson's ratio of
-    `plate`.
-    """
+    """Y = 12 (1 - nu^2) rho_s (D / rho_s) / h^3 with the density, thickness and Poisson's ratio of `plate`."""
     factor = 12 * (1 - plate.poisson_ratio**2) * plate.area_density_kg_per_m2 / plate.thickness_m**3
     ratios = rigidity_ratio.value, rigidity_ratio.low, rigidity_ratio.high
     return MeasuredConstant(*(factor * ratio for ratio in ratios))

@@ -223,7 +223,5 @@ def band_limited(responses: Responses, band: Band) -> Responses:
 
 @checked
 def inaudible(responses: Responses, cutoff_hz: float = AUDIBLE_MAX_HZ, flank_hz: float = 0.0) -> Responses:
-    """The audible-band filter: only what lies above `cutoff_hz`. Filter first, then reverse, then
-    quantise.
-    """
+    """The audible-band filter: only what lies above `cutoff_hz`. Filter first, then reverse, then quantise."""
     return band_limited(responses, Band(cutoff_hz, responses.rate_hz / 2, flank_hz))

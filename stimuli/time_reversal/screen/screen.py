@@ -99,8 +99,7 @@ LEARNT_S: Final = 7e-3
 @dataclass(frozen=True)
 class GlassPanel:
     """What a study's setup and a scene's surface say alike of a screen; see there. Every default is unverified: the
-    thesis's prototype as far as it is known.
-    """
+    thesis's prototype as far as it is known."""
 
     glass: str = BOROFLOAT_33.name
     length_m: float = 0.297
