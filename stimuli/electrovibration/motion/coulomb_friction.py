@@ -43,7 +43,6 @@ class CoulombFriction(Effect):
     """
 
     kind = "friction"
-    slot = "friction"
     requires = ("sliding contact",)
     reads = ("contact",)
     gives = stage_name = "friction_law"

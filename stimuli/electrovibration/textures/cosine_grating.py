@@ -28,7 +28,6 @@ class CosineGrating(Effect):
     """
 
     kind = "texture"
-    slot = "texture"
     positive = ("period_m",)
     requires = ("sliding contact",)
     assumes = ("the voltage follows the finger without delay",)

@@ -20,7 +20,6 @@ class Amplifier(Effect):
     """
 
     kind = "amplifier"
-    slot = "amplifier"
     in_signal = True
     positive = ("cutoff_hz", "order")
 

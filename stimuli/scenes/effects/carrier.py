@@ -29,7 +29,6 @@ class Carrier(Effect):
     """
 
     kind = "carrier"
-    slot = "carrier"
     positive = ("carrier_hz",)
     reads, gives = ("waveform",), "waveform"
     in_signal = True

@@ -36,7 +36,6 @@ class CrossMasking(Effect):
     """
 
     kind = "cross_masking"
-    slot = "cross_masking"
     positive = ("slope",)
     assumes = ("foci and friction mask each other as vibrations of one frequency do",)
 

@@ -28,7 +28,6 @@ class Edges(Alteration):
     """Four letters of S, C, F for the edges x = 0, y = 0, x = length, y = width, other than ``SSSS``."""
 
     kind = "edges"
-    slot = "edges"
     in_signal = True
     reads, gives = ("plate",), "plate"
 

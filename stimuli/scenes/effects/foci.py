@@ -23,7 +23,6 @@ class Foci(Effect):
     """
 
     kind = "foci"
-    slot = "foci"
     in_signal = True
     cures = note("add the effect foci", "peaks_m")
 

@@ -27,7 +27,6 @@ class LiftOff(Effect):
     """
 
     kind = "lift_off"
-    slot = "lift_off"
     requires = ("load",)
     cures = note("add the effects finger_load and lift_off", "contact_lost_s")
     assumes = ("a finger that is thrown off has no mass, sinks back by itself and meets the plate without a rebound",)

@@ -23,7 +23,6 @@ class Masking(Effect):
     """
 
     kind = "masking"
-    slot = "masking"
     assumes = ("the masker is felt by the channel that feels the signal, as one of its frequency",)
     positive = ("level_db_re_threshold", "slope")
 

@@ -29,7 +29,6 @@ class Movie(Effect):
     """
 
     kind = "movie"
-    slot = "movie"
     positive = ("span_s",)
     cures = note("add the effect movie", "movie_m", "frames_s")
 

@@ -24,7 +24,6 @@ class Patches(Effect):
     """
 
     kind = "patches"
-    slot = "patches"
     in_signal = True
     positive = ("side_m", "moment_n_per_v")
     assumes = ("patches have neither mass nor stiffness",)

@@ -32,7 +32,6 @@ class Repetition(Effect):
     """
 
     kind = "repetition"
-    slot = "repetition"
     in_signal = True
     reads, gives = ("learnt", "quantiser"), "emission"
     positive = ("repetition_hz", "duration_s")

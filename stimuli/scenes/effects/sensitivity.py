@@ -5,13 +5,10 @@ from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Surroundings, note
-from ...defaults import THRESHOLD_M
+from ...defaults import STEEPEST_DB_PER_HZ, THRESHOLD_M
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
-
-STEEPEST_DB_PER_HZ = 2.5
-"""Of the thresholds of `tactometry.stimuli.perception.channels`, at 3 Hz: an upper bound."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +19,6 @@ class Sensitivity(Effect):
     """
 
     kind = "sensitivity"
-    slot = "sensitivity"
     positive = ("reference_m",)
     requires = ("friction",)
     reads, gives = ("skin_components",), "sensation_db"

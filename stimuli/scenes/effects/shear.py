@@ -14,7 +14,6 @@ class Shear(Alteration):
     """Mindlin's plate with a shear factor; exact for simply supported edges."""
 
     kind = "shear"
-    slot = "shear"
     in_signal = True
     positive = ("shear_factor",)
     reads, gives = ("screen",), "screen"

@@ -14,7 +14,6 @@ class Summation(Effect):
     """3 dB per doubling of the area over `reference_m2`, that of the contactor of the thresholds."""
 
     kind = "summation"
-    slot = "summation"
     positive = ("reference_m2",)
     requires = ("receptors",)
     reads, gives = ("channels_db", "area_m2"), "channels_db"

@@ -45,7 +45,6 @@ class Attenuation(Effect):
     """
 
     kind = "attenuation"
-    slot = "attenuation"
     in_signal = True
     reads, gives = ("screen",), "screen"
 
