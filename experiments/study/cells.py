@@ -185,7 +185,7 @@ class Wiring:
         key = repr((kind.sensation, table, shared, stimulus.duration_s))
         if key not in self._sensations:
             model = build(resolve(kind.sensation), table, "sensation", **shared)
-            self._sensations[key] = _default_scene(kind, model, stimulus.duration_s) if kind.surface else model
+            self._sensations[key] = _default_scene(model, stimulus.duration_s) if kind.surface else model
         return self._sensations[key]
 
     def _check_effect(
@@ -203,7 +203,7 @@ class Wiring:
                 expect(name not in of[where], f"{where}.{name}", twice, "one of the two; remove it here or in factors")
 
 
-def _default_scene(kind: StimulusKind, model: Any, duration_s: float) -> Sensation:
+def _default_scene(model: Any, duration_s: float) -> Sensation:
     """The scene that a model stands for."""
     with rewording(lambda words: f"sensation: {words}"):
         scene = resolve(DEFAULT_SCENE)(model, duration_s)
