@@ -91,8 +91,7 @@ def _fingers(model: "FingersSensation", duration_s: float) -> Parts:
 
 def _hybrid(model: "HybridSensation", duration_s: float) -> Parts:
     from ..time_reversal.stimulus.sensation import TimeReversalSensation
-    from .surfaces.hybrid import PlayedHybrid
-    from .surfaces.played_plates import PlayedTimeReversal
+    from .surfaces.played_plates import PlayedHybrid, PlayedTimeReversal
 
     foci = TimeReversalSensation(model.setup, model.reference_m)
     surface = PlayedHybrid(_panel(model.friction, duration_s), PlayedTimeReversal(model.setup))

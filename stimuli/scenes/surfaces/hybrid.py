@@ -1,67 +1,24 @@
-"""A plate that focuses with an electrode on it: both sides at once, designed or played."""
+"""A plate that focuses with an electrode on it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import PLAYED, Demand, Effect, FingerContact, Size, Stage, Surface, Surroundings
+from ...composition.effect import Demand, FingerContact, Surroundings
 from ..effects import OF_HYBRID
-from .electrovibration import Electrovibration, PlayedElectrovibration
-from .played_plates import PlayedTimeReversal
+from . import Side, TwoSided
+from .electrovibration import Electrovibration
 from .time_reversal import TimeReversal
 
-BOTH = "tactometry.stimuli.scenes.stages.record"
-RESTING, SLIDING = "resting_", "sliding_"
-"""Prefixes of stages and quantities of one side."""
+if TYPE_CHECKING:
+    from .played_plates import PlayedHybrid
+
+SLIDING = "sliding_"
+"""Prefix of stages and quantities of the side that slides."""
 RENAMED = ("t_s", "motion", "sensation_db")
-"""Quantities that both sides of a designed screen have."""
-COMMON = ("contact", "contact_force_n")
-"""Quantities of the one finger on a surface that is played; only foci move it."""
-
-
-@dataclass(frozen=True)
-class Side:
-    """One side of a hybrid surface: its demand, and the names of its stages and quantities."""
-
-    surface: Surface
-    demand: Callable[[Demand], Demand]
-    stage_name: Callable[[str], str] = str
-    quantity: Callable[[str], str] = str
-
-    def place(self, stages: tuple[Stage, ...]) -> tuple[Stage, ...]:
-        """Rename stages, and size each by the demand of this side."""
-        return tuple(
-            replace(
-                stage,
-                name=self.stage_name(stage.name),
-                needs=tuple(map(self.quantity, stage.needs)),
-                gives=self.quantity(stage.gives),
-                size=stage.size and self._sized(stage.size),
-            )
-            for stage in stages
-        )
-
-    def _sized(self, size: Callable[[Demand], Size]) -> Callable[[Demand], Size]:
-        return lambda demand: size(demand.once(self.demand))
-
-
-class TwoSided(Surface):
-    """A surface on which an effect acts on each side that knows it, or across both."""
-
-    def sides(self) -> tuple[Side, ...]:
-        """Return the side of the foci and that of friction."""
-        raise NotImplementedError
-
-    def stages(self, scene: Demand) -> tuple[Stage, ...]:
-        return tuple(stage for side in self.sides() for stage in side.place(side.surface.stages(side.demand(scene))))
-
-    def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
-        knowing = [side for side in self.sides() if effect.kind in side.surface.effects]
-        placed = (side.place(side.surface.stages_of(effect, side.demand(scene))) for side in knowing)
-        return tuple(stage for stages in placed for stage in stages) or super().stages_of(effect, scene)
+"""Quantities that both sides have."""
 
 
 @dataclass(frozen=True)
@@ -102,6 +59,8 @@ class HybridScreen(TwoSided):
 
     def played(self, scene: Surroundings) -> "PlayedHybrid":
         """Return both sides as they are played."""
+        from .played_plates import PlayedHybrid
+
         return PlayedHybrid(self.electrovibration.played(), self.time_reversal.played(scene))
 
     def cure(self, quantity: str) -> str:
@@ -117,61 +76,6 @@ class HybridScreen(TwoSided):
         touches = sorted(scene.contacts, key=lambda touch: touch.slides)
         contacts = tuple(replace(touch, speed_m_per_s=0.0) for touch in touches)
         return replace(scene, surface=self.time_reversal, contacts=contacts)
-
-
-@dataclass(frozen=True)
-class PlayedHybrid(TwoSided):
-    """A plate with an electrode on it, whose last channel is that of the electrode.
-
-    Foci are felt as if the finger rested at the focus, friction while it slides, and the level is that of the stronger
-    one. Neither masks the other (an unverified simplification, which the effect `cross_masking` removes).
-
-    >>> PlayedHybrid().given
-    ('signal', 'contact')
-    """
-
-    kind = "hybrid"
-    is_played, given = True, PLAYED
-    effects: ClassVar[Mapping[str, str]] = OF_HYBRID
-    assumes: ClassVar[Mapping[str, str]] = {
-        **PlayedTimeReversal.assumes,
-        **PlayedElectrovibration.assumes,
-        "cross_masking": "neither foci nor friction mask the other",
-        "hybrid": "foci are felt as by a finger that rests",
-    }
-    touches = (*PlayedTimeReversal.touches, *PlayedElectrovibration.touches)
-
-    electrovibration: PlayedElectrovibration = field(default_factory=PlayedElectrovibration)
-    time_reversal: PlayedTimeReversal = field(default_factory=PlayedTimeReversal)
-
-    def sides(self) -> tuple[Side, ...]:
-        foci, friction = partial(_of_side, RESTING), partial(_of_side, SLIDING)
-        return (
-            Side(self.time_reversal, self._resting, foci, foci),
-            Side(self.electrovibration, self._sliding, friction, friction),
-        )
-
-    def stages(self, scene: Demand) -> tuple[Stage, ...]:
-        levels = (f"{RESTING}sensation_db", f"{SLIDING}sensation_db")
-        return (
-            Stage("resting_part", ("signal",), "resting_signal", f"{BOTH}:resting"),
-            Stage("sliding_part", ("signal",), "sliding_signal", f"{BOTH}:sliding"),
-            *super().stages(scene),
-            Stage("stronger", levels, "sensation_db", f"{BOTH}:stronger"),
-        )
-
-    def cure(self, quantity: str) -> str:
-        return super().cure(quantity.removeprefix(RESTING).removeprefix(SLIDING))
-
-    def _resting(self, scene: Demand) -> Demand:
-        return replace(scene, surface=self.time_reversal, contacts=self.time_reversal.touches)
-
-    def _sliding(self, scene: Demand) -> Demand:
-        return replace(scene, surface=self.electrovibration, contacts=self.electrovibration.touches)
-
-
-def _of_side(prefix: str, name: str) -> str:
-    return name if name in COMMON else f"{prefix}{name}"
 
 
 def _check_places(contacts: tuple[FingerContact, ...]) -> None:

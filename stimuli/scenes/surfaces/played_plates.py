@@ -1,7 +1,8 @@
-"""A plate on which drives are played: from the samples of all transducers to what fingers feel."""
+"""A plate on which drives are played, with or without an electrode: from samples to what fingers feel."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments.checked import checked
@@ -9,13 +10,19 @@ from tactometry.arguments.checked import checked
 from ...composition.effect import PLAYED, Demand, FingerContact, Stage, Surface
 from ...time_reversal.fingertip import Fingertip
 from ...time_reversal.stimulus.setup import Setup
-from ..effects import OF_TIME_REVERSAL
-from . import REFUSES
+from ..effects import OF_HYBRID, OF_TIME_REVERSAL
+from . import REFUSES, Side, TwoSided
+from .electrovibration import PlayedElectrovibration
 
 if TYPE_CHECKING:
     from ...time_reversal.stimulus.contact_force import Places
     from ...time_reversal.stimulus.placed_foci import Place
 
+BOTH = "tactometry.stimuli.scenes.stages.record"
+RESTING, SLIDING = "resting_", "sliding_"
+"""Prefixes of stages and quantities of one side."""
+COMMON = ("contact", "contact_force_n")
+"""Quantities of the one finger on a surface that is played; only foci move it."""
 PLATE = "tactometry.stimuli.scenes.stages.plate"
 PRESSED = ("signal", "setup", "places_m", "contact")
 
@@ -144,3 +151,58 @@ class PlayedFingers(PlayedPlate):
     @property
     def places_m(self) -> "Places":
         return tuple(self.places[name].on(self.setup) for name in self.names)
+
+
+@dataclass(frozen=True)
+class PlayedHybrid(TwoSided):
+    """A plate with an electrode on it, whose last channel is that of the electrode.
+
+    Foci are felt as if the finger rested at the focus, friction while it slides, and the level is that of the stronger
+    one. Neither masks the other (an unverified simplification, which the effect `cross_masking` removes).
+
+    >>> PlayedHybrid().given
+    ('signal', 'contact')
+    """
+
+    kind = "hybrid"
+    is_played, given = True, PLAYED
+    effects: ClassVar[Mapping[str, str]] = OF_HYBRID
+    assumes: ClassVar[Mapping[str, str]] = {
+        **PlayedTimeReversal.assumes,
+        **PlayedElectrovibration.assumes,
+        "cross_masking": "neither foci nor friction mask the other",
+        "hybrid": "foci are felt as by a finger that rests",
+    }
+    touches = (*PlayedTimeReversal.touches, *PlayedElectrovibration.touches)
+
+    electrovibration: PlayedElectrovibration = field(default_factory=PlayedElectrovibration)
+    time_reversal: PlayedTimeReversal = field(default_factory=PlayedTimeReversal)
+
+    def sides(self) -> tuple[Side, ...]:
+        foci, friction = partial(_of_side, RESTING), partial(_of_side, SLIDING)
+        return (
+            Side(self.time_reversal, self._resting, foci, foci),
+            Side(self.electrovibration, self._sliding, friction, friction),
+        )
+
+    def stages(self, scene: Demand) -> tuple[Stage, ...]:
+        levels = (f"{RESTING}sensation_db", f"{SLIDING}sensation_db")
+        return (
+            Stage("resting_part", ("signal",), "resting_signal", f"{BOTH}:resting"),
+            Stage("sliding_part", ("signal",), "sliding_signal", f"{BOTH}:sliding"),
+            *super().stages(scene),
+            Stage("stronger", levels, "sensation_db", f"{BOTH}:stronger"),
+        )
+
+    def cure(self, quantity: str) -> str:
+        return super().cure(quantity.removeprefix(RESTING).removeprefix(SLIDING))
+
+    def _resting(self, scene: Demand) -> Demand:
+        return replace(scene, surface=self.time_reversal, contacts=self.time_reversal.touches)
+
+    def _sliding(self, scene: Demand) -> Demand:
+        return replace(scene, surface=self.electrovibration, contacts=self.electrovibration.touches)
+
+
+def _of_side(prefix: str, name: str) -> str:
+    return name if name in COMMON else f"{prefix}{name}"

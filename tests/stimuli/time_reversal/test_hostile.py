@@ -59,7 +59,7 @@ from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, S
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.responses.load import SprungMass
 from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
-from tactometry.stimuli.time_reversal.screen.screen import GlassPanel
+from tactometry.stimuli.time_reversal.screen.glass_panel import GlassPanel
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
 HOSTILE: Mapping[str, Any] = {
@@ -120,7 +120,8 @@ def constructors() -> Iterator[tuple[str, object]]:
         "plate.plate": PLATE, "focusing.quantiser": Analogue(),
         "focusing.one_bit": OneBit(),
         "focusing.sigma_delta": SigmaDelta(), "focusing.pulse_width": PulseWidth(200.0),
-        "responses.responses": RESPONSES, "screen.screen": (SCREEN, GlassPanel()),
+        "responses.responses": RESPONSES, "screen.screen": SCREEN,
+        "screen.glass_panel": GlassPanel(),
         "stimulus.sensation": (TimeReversalSensation(SETUP), FocusReading(SETUP)), "stimulus.setup": SETUP,
         "focusing.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
         "filters": (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
