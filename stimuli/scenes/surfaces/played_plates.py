@@ -9,6 +9,8 @@ from tactometry.arguments.checked import checked
 
 from ...composition.effect import PLAYED, Demand, FingerContact, Stage, Surface
 from ...time_reversal.fingertip import Fingertip
+from ...time_reversal.stimulus.placed_foci import Place, check_fingers
+from ...time_reversal.stimulus.sensation import place_on
 from ...time_reversal.stimulus.setup import Setup
 from ..effects import OF_HYBRID, OF_TIME_REVERSAL
 from . import REFUSES, Side, TwoSided
@@ -16,7 +18,6 @@ from .electrovibration import PlayedElectrovibration
 
 if TYPE_CHECKING:
     from ...time_reversal.stimulus.contact_force import Places
-    from ...time_reversal.stimulus.placed_foci import Place
 
 BOTH = "tactometry.stimuli.scenes.stages.record"
 RESTING, SLIDING = "resting_", "sliding_"
@@ -98,8 +99,6 @@ class PlayedTimeReversal(PlayedPlate):
     @property
     def places_m(self) -> "Places":
         """Where the finger is; what is not said of it is that of the focus."""
-        from ...time_reversal.stimulus.sensation import place_on
-
         return (place_on(self.setup, self.finger_x_m, self.finger_y_m),)
 
 
@@ -122,7 +121,6 @@ class PlayedFingers(PlayedPlate):
     InvalidParameter
         If a finger rests on no place, or two are nearer to each other than a fingertip is wide.
 
-    >>> from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place
     >>> PlayedFingers(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).names
     ('index', 'middle')
     """
@@ -134,13 +132,11 @@ class PlayedFingers(PlayedPlate):
     }
 
     setup: Setup
-    places: "Mapping[str, Place]"
+    places: Mapping[str, Place]
     fingers: tuple[str, ...] = ()
     finger: Fingertip = field(default_factory=Fingertip)
 
     def __post_init__(self) -> None:
-        from ...time_reversal.stimulus.placed_foci import check_fingers
-
         check_fingers("PlayedFingers.fingers", self.setup, self.places, self.fingers)
 
     @property
