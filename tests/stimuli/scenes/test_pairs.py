@@ -15,8 +15,7 @@ from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION, OF_TIME_REVERSAL
 from tactometry.stimuli.scenes.scene import SENSATION, Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import PlayedElectrovibration
-from tactometry.stimuli.scenes.surfaces.hybrid import PlayedHybrid
-from tactometry.stimuli.scenes.surfaces.played_plates import PlayedTimeReversal
+from tactometry.stimuli.scenes.surfaces.played_plates import PlayedHybrid, PlayedTimeReversal
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
