@@ -15,9 +15,9 @@ from time_reversal_rounds import interleaved, machine, row
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.focusing.modulator import modulate
 from tactometry.stimuli.time_reversal.focusing.quantiser import normalised
-from tactometry.stimuli.time_reversal.plate.modal_sum import run_linear
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
 from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.propagator import run_linear
 
 Array = NDArray[np.float64]
 RATE_HZ, N = 100e3, 1500

@@ -275,7 +275,7 @@ def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_
 @checked
 def modal_history(screen: Screen, signal: Signal, samples: Sequence[int], f_max_hz: float) -> FloatArray:
     """(n_modes, n_kept): modal displacements at ascending samples, by the exact one-step recurrence."""
-    from ..plate.modal_sum import run_impulses
+    from ..plate.propagator import run_impulses
 
     if len(samples) == 0 or min(samples) < 0 or any(np.diff(samples) <= 0):
         raise InvalidParameter(f"samples: found {list(samples)[:4]}.., expected ascending numbers, at least 0")

@@ -25,10 +25,10 @@ from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.plate.modal_sum import run_impulses
 from tactometry.stimuli.time_reversal.plate.modes import RitzModes, modes_of, values
 from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz
+from tactometry.stimuli.time_reversal.plate.propagator import run_impulses
 from tactometry.stimuli.time_reversal.plate.ritz import ellipse, pairs, pencil
 from tactometry.stimuli.time_reversal.responses.measured import inspect
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses

@@ -83,6 +83,7 @@ INNER = frozenset(
         "plate.rectangle",
         "plate.dispersion.frequencies_rad_per_s",
         "plate.modal_sum",
+        "plate.propagator",
         "plate.oscillators",
         "plate.ritz",
         "focusing.modulator",

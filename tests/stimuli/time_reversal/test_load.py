@@ -183,8 +183,8 @@ def test_loaded_responses_meet_a_fine_time_stepping_of_the_contact():
     """A damper of 10 N s/m, against exact modes stepped at 100 times the rate with the force of the step
     before.
     """
-    from tactometry.stimuli.time_reversal.plate.modal_sum import transition
     from tactometry.stimuli.time_reversal.plate.modes import values
+    from tactometry.stimuli.time_reversal.plate.propagator import transition
 
     one = Screen(A4_SCREEN, (PointForce(0.05, 0.06),), Attenuation(3e-3))
     at = (0.2, 0.13)
