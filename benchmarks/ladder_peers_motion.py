@@ -12,7 +12,7 @@ from tactometry.experiments.cost.problem import Rung
 from tactometry.experiments.ladders import friction_events, skin_propagator, time_integration
 from tactometry.stimuli.electrovibration import DryFriction, Skin
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 Real = NDArray[np.float64]

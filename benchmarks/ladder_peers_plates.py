@@ -11,8 +11,8 @@ from scipy import sparse
 from tactometry.experiments.cost.problem import Rung
 from tactometry.experiments.ladders import boundary_basis, plate_modes
 from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.rectangle.axis import Family, LegendreAxis
-from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pencil
+from tactometry.stimuli.time_reversal.plate.rectangle import Family, LegendreAxis
+from tactometry.stimuli.time_reversal.plate.ritz import ellipse, pencil
 
 Real = NDArray[np.float64]
 CELLS = (20, 40, 80, 160)

@@ -18,7 +18,7 @@ from time_reversal_rounds import interleaved, machine, row
 
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.plate.plate import degrees, ritz_frequencies_hz
-from tactometry.stimuli.time_reversal.rectangle.ritz import solve
+from tactometry.stimuli.time_reversal.plate.ritz import solve
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF")
 ELEMENTS = ((40, 28), (60, 42), (90, 63))

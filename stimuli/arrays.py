@@ -1,5 +1,8 @@
 """What arrays hold."""
 
+from collections.abc import Sequence
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,3 +15,21 @@ IndexArray = NDArray[np.intp]
 def real_product(real: FloatArray, numbers: ComplexArray) -> ComplexArray:
     """A product of a real and a complex matrix, without making the real one complex."""
     return np.asarray(real @ np.ascontiguousarray(numbers).view(float)).view(complex)
+
+
+REAL: Final = (3, 5)
+COMPLEX: Final = (3, 5, 7, 11)
+
+
+def fast_length(n: int, odd_factors: Sequence[int] = REAL) -> int:
+    """The least number of at least `n` (at least 1) that is made of 2 and of these factors alone.
+
+    >>> fast_length(13), fast_length(13, COMPLEX)
+    (15, 14)
+    """
+    odd = [1]
+    for factor in odd_factors:
+        odd = [
+            product * factor**k for product in odd for k in range(n.bit_length()) if product * factor**k < factor * n
+        ]
+    return min(product << (-(-n // product) - 1).bit_length() for product in odd)

@@ -28,6 +28,9 @@ BEST_DB: Final = -20.0
 THRESHOLD_M: Final = 1e-6 * 10 ** (BEST_DB / 20)
 """0.1 um, of Pacini at 250 Hz; from memory of the published curve, as all of it is: unverified default."""
 
+STEEPEST_DB_PER_HZ: Final = 2.5
+"""Upper bound of the slope of the thresholds of `tactometry.stimuli.perception.channels`, reached at 3 Hz."""
+
 MASKING_SLOPE: Final = 0.52
 """Decibels of threshold per decibel of a masker of the same frequency above its own, from 13 dB at 25 dB (Sci. Rep.
 2018, doi 10.1038/s41598-018-22865-x); unverified default."""

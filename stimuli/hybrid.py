@@ -40,8 +40,6 @@ class Hybrid:
     InvalidParameter
         If a value is not as stated.
 
-    Examples
-    --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> focus = FocusTrain(setup, f_max_hz=20e3)
     >>> both = Hybrid(focus, AmplitudeModulated(frequency_hz=120.0, duration_s=0.5, rate_hz=50e3))
@@ -79,12 +77,8 @@ class Hybrid:
     def at(self, level: float) -> Signal:
         """(n_transducers + 1, n_samples) volt.
 
-        Raises
-        ------
-        InvalidParameter
-            If the level is not finite.
-        LimitExceeded
-            If the foci need more than `focus.voltage_max_v`.
+        Raises `InvalidParameter` if the level is not finite. Raises `LimitExceeded` if the foci need more than
+        `focus.voltage_max_v`.
         """
         return _together(self.focus, self.friction, level, self.electrode_offset_db)
 
@@ -109,13 +103,9 @@ class MeasuredHybrid:
 def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
     """The same foci and friction from measured responses, both at the rate of these.
 
-    Raises
-    ------
-    InvalidParameter
-        If the responses do not suit the foci (`tactometry.stimuli.time_reversal.stimulus.focus_train.measured`).
+    Raises `InvalidParameter` if the responses do not suit the foci
+    (`tactometry.stimuli.time_reversal.stimulus.focus_train.measured`).
 
-    Examples
-    --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> both = Hybrid(FocusTrain(setup, f_max_hz=20e3), AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3))
     >>> found = measured(both, setup.responses_at(*setup.focus_m))
@@ -142,7 +132,7 @@ def _together(
 @dataclass(frozen=True)
 class HybridSensation:
     """What a scene of foci and friction together is made of, and nothing that computes
-    (`tactometry.stimuli.scenes.defaults.hybrid.default_scene`): its level is that of the stronger one.
+    (`tactometry.stimuli.scenes.default_scenes.default_scene`): its level is that of the stronger one.
 
     Neither masks the other (an unverified simplification): the foci are felt as if the finger rested at the focus and
     whatever its force, the friction only while it slides.
@@ -156,8 +146,6 @@ class HybridSensation:
     reference_m : float
         Amplitude of a single focus at the detection threshold; unverified default.
 
-    Examples
-    --------
     >>> HybridSensation(friction=ElectrovibrationSensation(law="interface")).friction.law
     'interface'
     """

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from tactometry.stimuli.time_reversal import drive, impulse_responses
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
-from tactometry.stimuli.time_reversal.rectangle.ritz import solve
+from tactometry.stimuli.time_reversal.plate.ritz import solve
 
 from ..cost.problem import Problem, Real, Reference, Rung
 

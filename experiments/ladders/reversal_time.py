@@ -6,8 +6,7 @@ from functools import partial
 import numpy as np
 
 from tactometry.stimuli.time_reversal import Responses, drive, emitted, focus_amplitude, impulse_responses
-from tactometry.stimuli.time_reversal.field.field import field, modal_history
-from tactometry.stimuli.time_reversal.field.merit import contrast_whole_of
+from tactometry.stimuli.time_reversal.focusing.merit import contrast_whole_of, field, modal_history
 from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 

@@ -4,8 +4,8 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.oscillators.propagator import run_linear
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.propagator import run_linear
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 from ..cost.problem import Problem, Real, Reference, Rung, over_largest

@@ -159,7 +159,7 @@ def _surfaces() -> Iterator[KeyTable]:
     """What a study says of the surface under a finger, beside `[stimulus]`; of an electrode as in a scene file."""
     header, surfaces = "[scene.surface]", "tactometry.stimuli.scenes.surfaces"
     finger = {"finger_x_m": 0.1, "finger_y_m": 0.1}
-    plate, fingers = f"{surfaces}.played_time_reversal:PlayedTimeReversal", f"{surfaces}.played_fingers:PlayedFingers"
+    plate, fingers = f"{surfaces}.played_plates:PlayedTimeReversal", f"{surfaces}.played_plates:PlayedFingers"
     yield KeyTable("study.scene.surface.time_reversal", header, plate, samples=finger, given=stimulus_gives("setup"))
     on_places = stimulus_gives("setup", "places")
     yield KeyTable("study.scene.surface.foci", header, fingers, samples={"fingers": ["index"]}, given=on_places)

@@ -19,7 +19,7 @@ from tactometry.trials.cells import cell as cell_text
 from .felt_scene import felt
 from .own_parts import OwnStimulus, sensation_class, stimulus_class as own_stimulus_class
 from .procedure_table import ReadyProcedure, rule_of, without
-from .stimulus_kinds import DEFAULTS, OWN, STIMULI, TOUCHES, StimulusKind
+from .stimulus_kinds import DEFAULT_SCENE, OWN, STIMULI, TOUCHES, StimulusKind
 from .study import VARIED, Study
 
 Factors = Mapping[str, float | str]
@@ -185,7 +185,7 @@ class Wiring:
         key = repr((kind.sensation, table, shared, stimulus.duration_s))
         if key not in self._sensations:
             model = build(resolve(kind.sensation), table, "sensation", **shared)
-            self._sensations[key] = _default_scene(kind, model, stimulus.duration_s) if kind.surface else model
+            self._sensations[key] = _default_scene(model, stimulus.duration_s) if kind.surface else model
         return self._sensations[key]
 
     def _check_effect(
@@ -203,10 +203,10 @@ class Wiring:
                 expect(name not in of[where], f"{where}.{name}", twice, "one of the two; remove it here or in factors")
 
 
-def _default_scene(kind: StimulusKind, model: Any, duration_s: float) -> Sensation:
+def _default_scene(model: Any, duration_s: float) -> Sensation:
     """The scene that a model stands for."""
     with rewording(lambda words: f"sensation: {words}"):
-        scene = resolve(f"{DEFAULTS}.{kind.scene or kind.surface}:default_scene")(model, duration_s)
+        scene = resolve(DEFAULT_SCENE)(model, duration_s)
         scene.felt().resolve()
     return felt(scene)
 

@@ -92,7 +92,7 @@ def _panel(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
 def _plate(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
     """A plate as the stimulus states it, and where the finger is, or which of its places have one."""
     shared = {name: getattr(stimulus, name) for name in ("setup", "places") if hasattr(stimulus, name)}
-    touched = "played_fingers:PlayedFingers" if "places" in shared else "played_time_reversal:PlayedTimeReversal"
+    touched = "played_plates:PlayedFingers" if "places" in shared else "played_plates:PlayedTimeReversal"
     played = resolve(f"tactometry.stimuli.scenes.surfaces.{touched}")
     return build(played, without(stated, "kind"), where, **shared)
 
@@ -101,7 +101,7 @@ def _both(stated: Mapping[str, Any], stimulus: Any, where: str) -> Surface:
     """A plate with an electrode."""
     check_keys(stated, ("kind", "electrovibration", "time_reversal"), where)
     panel = _panel(stated.get("electrovibration", {}), stimulus, f"{where}.electrovibration")
-    from tactometry.stimuli.scenes.surfaces.played_hybrid import PlayedHybrid
+    from tactometry.stimuli.scenes.surfaces.played_plates import PlayedHybrid
 
     return PlayedHybrid(panel, _plate(stated.get("time_reversal", {}), stimulus, f"{where}.time_reversal"))
 

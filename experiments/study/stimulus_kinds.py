@@ -13,8 +13,7 @@ class StimulusKind:
 
     `stands` says that it is at one place, which a finger that slides would leave; `follows`, that only one that slides
     feels it; `reads`, that it reads a file, if it is to be played. `parts` names the kinds that a table within may
-    have, by its key. `surface` is the kind of surface that a scene may have under it; empty where none may. `scene` is
-    the module of `tactometry.stimuli.scenes.defaults` that makes its default one, that of the surface unless named.
+    have, by its key. `surface` is the kind of surface that a scene may have under it; empty where none may.
     """
 
     stimulus: str
@@ -25,7 +24,6 @@ class StimulusKind:
     reads: bool = False
     parts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     surface: str = "electrovibration"
-    scene: str = ""
 
 
 ELECTROVIBRATION = "tactometry.stimuli.electrovibration.sensation:ElectrovibrationSensation"
@@ -62,7 +60,6 @@ STIMULI: Mapping[str, StimulusKind] = {
         ("setup", "places"),
         stands=True,
         surface="time_reversal",
-        scene="foci",
     ),
     "hybrid": StimulusKind(
         "tactometry.stimuli.hybrid:Hybrid",
@@ -71,6 +68,6 @@ STIMULI: Mapping[str, StimulusKind] = {
         surface="hybrid",
     ),
 }
-DEFAULTS = "tactometry.stimuli.scenes.defaults"
+DEFAULT_SCENE = "tactometry.stimuli.scenes.default_scenes:default_scene"
 _TOUCH = "tactometry.protocols.tasks.touch"
 TOUCHES: Mapping[str, str] = {"press": f"{_TOUCH}:Pressing", "slide": f"{_TOUCH}:Sliding"}

@@ -18,6 +18,9 @@ from .content import PlateContent, VoltageContent
 
 Answer = TypeVar("Answer")
 
+PLAYED = "signal", "contact"
+"""What each run of a surface that is played is given."""
+
 Setting = float | int | str | tuple[float, ...] | tuple[str, ...]
 
 
@@ -153,25 +156,27 @@ class Surroundings(Protocol):
 class Effect:
     """An effect of a scene: a value that computes, with its fields as settings.
 
-    `kind` is its name in a scene file. Two effects in one `slot` are refused. `requires` names what must be in the
-    scene beside it: a slot, ``contact``, ``sliding contact`` or ``resting contact``. `excludes` names kinds that
-    contradict it, with the reason and the cure; `felt_excludes` those of them that do where a signal is played and no
-    course is computed, if they are fewer. `assumes` says what it takes for granted, in words, and `rests_on`
-    which one number sets the absolute size of what it gives. `cures` says of quantities that nothing gives how to add
-    this effect.
+    ============ ==================================================================================
+    `kind`       name in a scene file
+    `slot`       place of which a scene may fill one; by default the kind
+    `requires`   slots, ``contact``, ``sliding contact`` or ``resting contact`` that the scene must have
+    `excludes`   kinds that contradict it, with the reason and the cure; `felt_excludes` replaces it
+                 where a signal is played and no time course is computed
+    `assumes`    its assumptions, in words
+    `rests_on`   the number that sets the absolute size of its result
+    `cures`      for quantities that nothing gives: how to add this effect
+    `in_signal`  whether a played signal already contains it, or the plate on which the signal was learnt
+    ============ ==================================================================================
 
-    `in_signal` says that it makes what is played, or the plate that it is learnt on: a signal that is played holds it.
-
-    The quantities `reads` go to the value, which makes `gives` of them, in a stage that is called by the kind of the
-    effect, or by `stage_name`. Fields named in `positive` and `not_negative` are checked to be so. A module that holds
-    an effect imports no physics that the effect alone needs: that is imported in the run.
-
-    Where it acts is the place of its line in `tactometry.stimuli.scenes.effects`.
+    The value is called with the quantities `reads` and returns `gives`, in a stage named after the kind or
+    `stage_name`. Fields named in `positive` and `not_negative` are checked. A module of an effect imports the physics
+    that only this effect needs when it runs. The place of its line in `tactometry.stimuli.scenes.effects` is where it
+    acts.
 
     >>> from dataclasses import dataclass
     >>> @dataclass(frozen=True)
     ... class Halving(Effect):
-    ...     kind, slot, reads, gives = "halving", "halving", ("peak_m",), "peak_m"
+    ...     kind, reads, gives = "halving", ("peak_m",), "peak_m"
     ...     share: float = 0.5
     ...
     ...     def __call__(self, peak_m: float) -> float:
@@ -194,6 +199,10 @@ class Effect:
     positive: ClassVar[tuple[str, ...]] = ()
     not_negative: ClassVar[tuple[str, ...]] = ()
     in_signal: ClassVar[bool] = False
+
+    def __init_subclass__(cls) -> None:
+        if hasattr(cls, "kind") and not hasattr(cls, "slot"):
+            cls.slot = cls.kind
 
     def __post_init__(self) -> None:
         require.positive(type(self).__name__, **{name: getattr(self, name) for name in self.positive})
@@ -274,6 +283,7 @@ class Surface:
 
     `effects` holds the kinds that it knows, in the order in which they act, and where their classes are. `given` names
     the quantities that each run is given, `touches` the fingers that stand for any where a run is given its contact.
+    A surface that `is_played` is given a signal and a contact, and its effects bring their `felt_stages`.
     `assumes` says, by slot, what holds as long as no effect fills the slot; `refuses`, by kind, what to take in place
     of an effect that one might look for here, and why.
     """
@@ -284,6 +294,7 @@ class Surface:
     assumes: ClassVar[Mapping[str, str]]
     touches: ClassVar[tuple[FingerContact, ...]] = ()
     refuses: ClassVar[Mapping[str, str]] = {}
+    is_played: ClassVar[bool] = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -296,11 +307,10 @@ class Surface:
     def played(self, scene: Surroundings) -> "Surface":
         """The same surface, where each run is given the signal that is played and the finger that feels it.
 
-        Raises
-        ------
-        InvalidParameter
-            If no signal can be given to it.
+        Raises `InvalidParameter` if no signal can be given to it.
         """
+        if self.is_played:
+            return self
         raise InvalidParameter(
             f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected a surface that says "
             "how it is played"
@@ -311,12 +321,13 @@ class Surface:
         return contact.force_n > 0
 
     def excluded(self, effect: Effect | type[Effect]) -> Mapping[str, str]:
-        """Kinds that contradict an effect on this surface."""
-        return effect.excludes
+        """Return the kinds that contradict an effect on this surface, with the reasons."""
+        return effect.excludes if effect.felt_excludes is None or not self.is_played else effect.felt_excludes
 
     def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
-        """The stages of an effect on this surface: as it brings them, in its name."""
-        return tuple(replace(stage, effect=effect.kind) for stage in effect.stages(scene))
+        """Return the stages of an effect on this surface, marked with its kind."""
+        stages = effect.felt_stages(scene) if self.is_played else effect.stages(scene)
+        return tuple(replace(stage, effect=effect.kind) for stage in stages)
 
     def cure(self, quantity: str) -> str:
         """Which effect brings a quantity, in words; empty if none does. It asks all effects, so all are imported."""

@@ -82,7 +82,11 @@ def content_of(scene: Surroundings) -> VoltageContent:
 def _terms(scene: Surroundings) -> tuple[float, float]:
     """Factors of the step squared (curvature) and of the step (kinks, of which only a lossy skin shows any)."""
     content = content_of(scene)
-    leak = _leak_per_s(scene, content)
+    skin = scene.surface
+    insulator_m = skin.insulator_thickness_m / skin.insulator_permittivity + content.gap_m
+    permittivity = skin.corneum_permittivity + skin.corneum_thickness_m / insulator_m
+    # 1/tau of a leaky corneum, 0 of one without losses
+    leak = float(1 / (VACUUM_PERMITTIVITY_F_PER_M * content.resistivity_ohm_m * permittivity))
     carried = 2 * pi * (content.carrier_hz or scene.surface.frequency_hz)
     kinks = content.envelope_rad_per_s + content.kinks_rad_per_s
     bandwidth = max(force_rad_per_s(scene), content.swing_rad_per_s)
@@ -100,11 +104,3 @@ def _ramp_end_per_s2(ramp_s: float, leak_per_s: float, leak_of_tone: float, cons
     if not (ramp_s and leak_per_s):
         return 0.0
     return (pi / ramp_s) ** 2 / 2 * (hypot(1.0, leak_of_tone) * (1 + 2 * constant) + 1)
-
-
-def _leak_per_s(scene: Surroundings, content: VoltageContent) -> float:
-    """``1/tau`` of a leaky corneum, 0 of one without losses."""
-    skin = scene.surface
-    insulator_m = skin.insulator_thickness_m / skin.insulator_permittivity + content.gap_m
-    permittivity = skin.corneum_permittivity + skin.corneum_thickness_m / insulator_m
-    return float(1 / (VACUUM_PERMITTIVITY_F_PER_M * content.resistivity_ohm_m * permittivity))

@@ -14,16 +14,14 @@ if TYPE_CHECKING:
         ellipse_area_m2 as ellipse_area_m2,
         power_law_of_prints as power_law_of_prints,
     )
-    from .attraction.drawn_current import (
-        charge_c as charge_c,
-        charge_c_at as charge_c_at,
-        current_a as current_a,
-        current_a_at as current_a_at,
-    )
     from .attraction.force import (
         LAWS as LAWS,
         ForceForm as ForceForm,
         Law as Law,
+        charge_c as charge_c,
+        charge_c_at as charge_c_at,
+        current_a as current_a,
+        current_a_at as current_a_at,
         electrostatic_force_n as electrostatic_force_n,
         electrostatic_force_n_at as electrostatic_force_n_at,
         force_form as force_form,
@@ -43,11 +41,14 @@ if TYPE_CHECKING:
         stick_slip as stick_slip,
     )
     from .sensation import ElectrovibrationSensation as ElectrovibrationSensation
-    from .skin.dispersive_layer import DispersiveLayer as DispersiveLayer, periodic_voltages_v as periodic_voltages_v
-    from .skin.relaxation import Relaxations as Relaxations
+    from .skin.relaxation import Relaxations as Relaxations, Solution as Solution
     from .skin.skin import Skin as Skin
-    from .skin.solution import Solution as Solution
-    from .skin.stack import Layer as Layer, Stack as Stack
+    from .skin.stack import (
+        DispersiveLayer as DispersiveLayer,
+        Layer as Layer,
+        Stack as Stack,
+        periodic_voltages_v as periodic_voltages_v,
+    )
     from .textures.followed_texture import FollowedTexture as FollowedTexture
     from .textures.maps import GreyImage as GreyImage, HeightMap as HeightMap
     from .textures.played_texture import (
@@ -65,14 +66,13 @@ if TYPE_CHECKING:
         Velvet as Velvet,
     )
     from .waveforms.amplitude_modulated import AmplitudeModulated as AmplitudeModulated
-    from .waveforms.corners import Corners as Corners
     from .waveforms.periodic import (
         PulseTrain as PulseTrain,
         Square as Square,
         Trapezoid as Trapezoid,
         Triangle as Triangle,
     )
-    from .waveforms.pieces import Pieces as Pieces, straight as straight
+    from .waveforms.pieces import Corners as Corners, Pieces as Pieces, straight as straight
     from .waveforms.sampled import Sampled as Sampled
     from .waveforms.sine import Sine as Sine
     from .waveforms.step import Step as Step

@@ -13,8 +13,8 @@ from tactometry.palette import COLOURS
 
 from .attraction.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
 from .attraction.force import LAWS, Law, electrostatic_force_n_at, force_form
-from .skin.dispersive_layer import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
 from .skin.skin import Skin
+from .skin.stack import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
 from .textures.played_texture import share_along
 from .textures.texture import Texture, Velvet
 from .waveforms.periodic import Trapezoid
@@ -117,7 +117,10 @@ def force_for_inputs(
         above, below = axes[column], axes[len(shown) + column]
         above.plot(1e3 * t_s, pieces.at(t_s), color="0.3")
         above.set_title(name, loc="left", fontsize=9)
-        _draw_forces(below, t_s, pieces, areas_m2, skin or Skin(), law)
+        for area_m2, colour, dash in zip(areas_m2, cycle(COLOURS), cycle(DASHES), strict=False):
+            force_n = electrostatic_force_n_at(t_s, pieces, skin=skin or Skin(), area_m2=area_m2, law=law)
+            below.plot(1e3 * t_s, 1e3 * force_n, color=colour, linestyle=dash, label=f"{1e4 * area_m2:g} cm²")
+        below.set_ylim(0, None)
         below.set_xlabel("time (ms)")
     axes[0].set_ylabel("voltage (V)")
     axes[len(shown)].set_ylabel("electrostatic force (mN)")
@@ -129,10 +132,7 @@ def force_for_inputs(
 def applied_forces(forces_n: Mapping[str, Sequence[float]]) -> "Figure":
     """Applied force per condition: each participant's mean as a point, their mean and 95 % t-interval beside.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no condition, or a condition has no value.
+    Raises `InvalidParameter` if there is no condition, or a condition has no value.
     """
     pressed = all(value >= 0 for values in forces_n.values() for value in values)
     require.expect(pressed, "applied_forces.forces_n", "a negative force", "forces of at least 0 N")
@@ -192,13 +192,6 @@ def _force_after_step_n(law: Law, skin: Skin, area_m2: float, voltage_v: float) 
     form = force_form(law, skin, area_m2)
     at_once = form.relaxations.dc_gain + sum(form.relaxations.gains)
     return form.newton_per_v2 * (at_once * voltage_v) ** 2
-
-
-def _draw_forces(ax: "Axes", t_s: np.ndarray, pieces: Pieces, areas_m2: Sequence[float], skin: Skin, law: Law) -> None:
-    for area_m2, colour, dash in zip(areas_m2, cycle(COLOURS), cycle(DASHES), strict=False):
-        force_n = electrostatic_force_n_at(t_s, pieces, skin=skin, area_m2=area_m2, law=law)
-        ax.plot(1e3 * t_s, 1e3 * force_n, color=colour, linestyle=dash, label=f"{1e4 * area_m2:g} cm²")
-    ax.set_ylim(0, None)
 
 
 def _half_interval(values: Sequence[float]) -> float:

@@ -24,9 +24,8 @@ class ElectrovibrationSensation:
     """What a scene of the friction that a voltage causes under a sliding finger is made of, and nothing that computes.
 
     Voltage, corneum, electrostatic force (`law`), friction, lag of friction, displacement of the skin, thresholds of
-    the receptor channels: each is an effect of the scene
-    (`tactometry.stimuli.scenes.defaults.electrovibration.default_scene`), whose level is that of the component furthest
-    above the lowest of the thresholds.
+    the receptor channels: each is an effect of the scene (`tactometry.stimuli.scenes.default_scenes.default_scene`),
+    whose level is that of the component furthest above the lowest of the thresholds.
 
     Parameters
     ----------
@@ -55,8 +54,6 @@ class ElectrovibrationSensation:
     polarity : Polarity or None
         An asymmetry between positive and negative voltages; None, the default, is none.
 
-    Examples
-    --------
     >>> ElectrovibrationSensation(law="interface").reference_m
     1e-07
     """

@@ -1,6 +1,5 @@
 """Temporal summation: the Pacinian channel adds up the energy of what follows closely, and forgets what is past."""
 
-from collections.abc import Iterable
 from functools import lru_cache
 from itertools import accumulate
 from typing import Final
@@ -36,8 +35,6 @@ def summed_amplitude(times_s: FloatArray, peaks: FloatArray) -> float:
     times_s, peaks
         (n,): when the events come, in any order, and their amplitudes, at least 0.
 
-    Examples
-    --------
     >>> far, near = (summed_amplitude(np.array([0.0, apart_s]), np.ones(2)) for apart_s in (1.0, 4e-3))
     >>> far < 1.004, near > 1.5
     (True, True)
@@ -52,7 +49,9 @@ def summed_amplitude(times_s: FloatArray, peaks: FloatArray) -> float:
     shared = amplitudes[later] * amplitudes[sooner] * likeness(lag_s) * np.exp(-lag_s / (2 * TAU_S))
     gained = amplitudes**2 + 2 * np.bincount(later, shared, times.size)
     kept = np.exp(-np.diff(times, prepend=times[:1]) / TAU_S)
-    return largest * max(float(np.sqrt(_largest_energy(kept, gained))), 1.0)
+    steps = zip(kept, gained, strict=True)
+    most = max(accumulate(steps, lambda energy, step: energy * step[0] + step[1], initial=0.0))
+    return largest * max(float(np.sqrt(most)), 1.0)
 
 
 def likeness(lag_s: FloatArray) -> FloatArray:
@@ -84,9 +83,3 @@ def _neighbours(times_s: FloatArray) -> tuple[IntArray, IntArray]:
     later = np.repeat(index, n_before)
     before = np.arange(later.size) - np.repeat(np.cumsum(n_before) - n_before, n_before)
     return later, before + first[later]
-
-
-def _largest_energy(kept: Iterable[float], gained: Iterable[float]) -> float:
-    """Of a leaky integrator, over its steps."""
-    steps = zip(kept, gained, strict=True)
-    return float(max(accumulate(steps, lambda energy, step: energy * step[0] + step[1], initial=0.0)))

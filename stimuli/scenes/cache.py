@@ -14,8 +14,7 @@ from typing import Any
 
 from tactometry.provenance import versions
 
-from .plan import Plan
-from .result import Result, compute
+from .plan import Plan, Result, compute
 
 DIGEST = "digest"
 
@@ -23,10 +22,7 @@ DIGEST = "digest"
 def cached_result(plan: Plan, given: Mapping[str, float], folder: Path) -> Result:
     """The result of a run, from `folder` if it is there and whole, else computed and kept there.
 
-    Raises
-    ------
-    OSError
-        If the folder cannot be made or written to.
+    Raises `OSError` if the folder cannot be made or written to.
     """
     path = folder / f"{key_of(plan, given)}.npz"
     values = _read(path)

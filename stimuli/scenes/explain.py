@@ -8,9 +8,7 @@ from math import isinf
 from tactometry.errors import InvalidParameter
 
 from ..composition.effect import Stage
-from .lifting import FORCE, PulledFinger, loads_n, pulled_fingers
-from .plan import Plan, predicted_s
-from .result import Result
+from .plan import FORCE, Plan, PulledFinger, Result, loads_n, predicted_s, pulled_fingers
 from .scene import Scene
 
 COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 7), ("predicted", 9), ("cold", 7), ("warm", 7))
@@ -28,31 +26,35 @@ Row = tuple[tuple[str, ...], str]
 def explanation(scene: Scene, given: Mapping[str, float]) -> str:
     """The explanation, no line longer than 100 columns.
 
-    Raises
-    ------
-    InvalidParameter
-        If the plan takes a quantity that is not given.
+    Raises `InvalidParameter` if the plan takes a quantity that is not given.
     """
     plan = scene.resolve()
     values = values_for(plan, given)
     cold, warm = plan.timed(values), plan.timed(values)  # the first run imports, loads machine code and starts threads
     on = (_on(stage, plan, *times_s) for stage, *times_s in zip(plan.stages, cold, warm, strict=True))
-    rows = [*on, *_off(scene)]
+    unused = [((effect.kind, "off", "no output needs it", "", "", "", ""), "") for effect in scene.off()]
+    named = {effect.kind for effect in scene.effects}
+    kinds = [kind for kind in scene.surface.effects if kind not in named]
+
+    rows = [*on, *unused, *(((kind, "off", "not called for", "", "0", "0", "0"), "") for kind in kinds)]
     fingers = [line for finger in pulled_by(scene, plan, values) for line in _wrapped(finger.line)]
-    lines = [*_assumed(scene), *fingers, "", _line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
+    assumed = [*_wrapped(f"assumptions: {'; '.join(scene.assumed())}"), *_wrapped(rests_on_in_words(scene))]
+    lines = [*assumed, *fingers, "", _line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
     for cells, settings in rows:
         lines.append(_line(cells))
         lines += [f"    {text}" for text in textwrap.wrap(settings, WIDTH - 4)]
-    return "\n".join([*lines, "-" * WIDTH, *_totals(scene, plan, sum(cold), sum(warm))])
+
+    total = (
+        f"accuracy {scene.accuracy:g}: predicted error {error_in_words(plan)}, "
+        f"predicted time {_time(plan.predicted_s)}, measured {_time(sum(cold))} cold, {_time(sum(warm))} warm"
+    )
+    return "\n".join([*lines, "-" * WIDTH, total, _one_more_digit(scene, plan)])
 
 
 def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
     """What a plan takes of what is given.
 
-    Raises
-    ------
-    InvalidParameter
-        If a quantity is not given.
+    Raises `InvalidParameter` if a quantity is not given.
     """
     missing = [name for name in plan.given if name not in given]
     if missing:
@@ -62,8 +64,7 @@ def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
 
 def pulled_by(scene: Scene, plan: Plan, given: Mapping[str, float]) -> list[PulledFinger]:
     """The fingers that load the plate in a plan of a scene, as linear contacts, whose forces it need not give; none
-    where they are not to be had. The forces hold to a tenth, or to the accuracy of the scene where that is looser.
-    """
+    where they are not to be had. The forces hold to a tenth, or to the accuracy of the scene where that is looser."""
     if not loads_n(plan).size:
         return []
     linear = tuple(effect for effect in scene.effects if "load" not in effect.requires)  # what acts on it
@@ -85,24 +86,11 @@ def _on(stage: Stage, plan: Plan, cold_s: float, warm_s: float) -> Row:
 
 
 def _why(stage: Stage, plan: Plan) -> str:
-    """What it is for: an output, or the stages that read it."""
     if stage.gives in plan.outputs:
         return f"asked for: {stage.gives}"
     later = plan.stages[plan.stages.index(stage) + 1 :]
     readers = [other.name for other in later if stage.gives in other.needs]
     return f"for {', '.join(readers)}"
-
-
-def _off(scene: Scene) -> list[Row]:
-    """Effects of the scene that no output needs, then those of the surface that are not in it."""
-    unused = [((effect.kind, "off", "no output needs it", "", "", "", ""), "") for effect in scene.off()]
-    named = {effect.kind for effect in scene.effects}
-    kinds = [kind for kind in scene.surface.effects if kind not in named]
-    return [*unused, *(((kind, "off", "not called for", "", "0", "0", "0"), "") for kind in kinds)]
-
-
-def _assumed(scene: Scene) -> list[str]:
-    return [*_wrapped(f"assumptions: {'; '.join(scene.assumed())}"), *_wrapped(rests_on_in_words(scene))]
 
 
 def _wrapped(text: str) -> list[str]:
@@ -119,14 +107,6 @@ def error_in_words(plan: Plan) -> str:
     return "not known (a setting is given)" if isinf(plan.error) else f"{plan.error:.1e}"
 
 
-def _totals(scene: Scene, plan: Plan, cold_s: float, warm_s: float) -> list[str]:
-    total = (
-        f"accuracy {scene.accuracy:g}: predicted error {error_in_words(plan)}, "
-        f"predicted time {_time(plan.predicted_s)}, measured {_time(cold_s)} cold, {_time(warm_s)} warm"
-    )
-    return [total, _one_more_digit(scene, plan)]
-
-
 def _one_more_digit(scene: Scene, plan: Plan) -> str:
     try:
         finer = replace(scene, accuracy=scene.accuracy / 10).resolve()
@@ -140,12 +120,11 @@ def _one_more_digit(scene: Scene, plan: Plan) -> str:
 
 
 def _line(cells: Iterable[str]) -> str:
-    fitted = [_cut(text, width).ljust(width) for text, (_, width) in zip(cells, COLUMNS, strict=True)]
+    fitted = []
+    for text, (_, width) in zip(cells, COLUMNS, strict=True):
+        cut = text if len(text) <= width else f"{text[: width - 2]}.."
+        fitted.append(cut.ljust(width))
     return "  ".join(fitted).rstrip()
-
-
-def _cut(text: str, width: int) -> str:
-    return text if len(text) <= width else f"{text[: width - 2]}.."
 
 
 def _short(value: object) -> str:

@@ -65,11 +65,8 @@ class SceneTables:
 def load_scene(path: str | Path) -> SceneFile:
     """The scene of a file.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, is not TOML, a key is unknown, missing or of another type, or the scene cannot be; the
-        sentence opens with the file and the key path.
+    Raises `InvalidFile` if it cannot be read, is not TOML, a key is unknown, missing or of another type, or the scene
+    cannot be; the sentence opens with the file and the key path.
     """
     path = Path(path)
     table = read_table(path, "a scene file")

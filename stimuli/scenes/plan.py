@@ -1,14 +1,20 @@
 """A plan: the stages of a scene in the order in which they run, and the run itself."""
 
+import math
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
 from typing import Any
 
-from tactometry.errors import InvalidParameter
+import numpy as np
 
+from tactometry.config.quantity import unit_suffix, units
+from tactometry.errors import InvalidParameter
+from tactometry.provenance import versions
+
+from ..arrays import FloatArray
 from ..composition.effect import Stage
 
 Step = tuple[Callable[..., Any], tuple[int, ...], int]
@@ -69,10 +75,7 @@ class Plan:
 
         Stages that depend on none of them are run once for all runs of this plan.
 
-        Raises
-        ------
-        InvalidParameter
-            If a quantity is missing or not finite, or one is given that the plan does not take.
+        Raises `InvalidParameter` if a quantity is missing or not finite, or one is given that the plan does not take.
         """
         program = self._program
         if given.keys() != program.given:
@@ -160,3 +163,121 @@ def parted(plan: Plan, late: str) -> tuple[Plan, Plan]:
     handed = tuple(name for name in wanted if name in made or (name in plan.given and name != late))
     before = Plan(tuple(early), tuple(name for name in plan.given if name != late), handed)
     return before, Plan(tuple(rest), (*handed, late), plan.outputs)
+
+
+ABOVE_THRESHOLD = ("sensation_db", "channels_db")
+
+
+@dataclass(frozen=True)
+class Result:
+    """Outputs of a plan, with the plan, what was given, the versions of the packages, and the time (s) of the run and
+    of what never changes between runs.
+
+    No stage draws at random, so that there is no seed.
+    """
+
+    values: Mapping[str, Any]
+    plan: Plan
+    given: Mapping[str, float]
+    elapsed_s: float
+    prepared_s: float = 0.0
+    versions: Mapping[str, str] = field(default_factory=versions)
+
+    def unit(self, name: str) -> str:
+        """The unit of an output; its name says it.
+
+        >>> Result({"peak_force_n": 1.0}, Plan((), (), ()), {}, 0.0).unit("peak_force_n")
+        'N'
+        """
+        return unit_of(name)
+
+
+def unit_of(name: str) -> str:
+    """The unit in the name of a quantity, empty without one.
+
+    Sensation levels (dB SL) are those above the threshold of detection.
+
+    >>> unit_of("peak_m"), unit_of("sensation_db"), unit_of("field")
+    ('m', 'dB SL', '')
+    """
+    if "_db" in name:
+        return "dB(A)" if name.endswith("_dba") else "dB SL" if name.endswith(ABOVE_THRESHOLD) else "dB"
+    suffix = unit_suffix(name)
+    return units(suffix)[0] if suffix else ""
+
+
+def compute(plan: Plan, given: Mapping[str, float]) -> Result:
+    """A run of a plan, timed; what never changes between runs is computed before.
+
+    Raises `InvalidParameter` if it does not fit into memory.
+    """
+    begin_s = time.perf_counter()
+    try:
+        plan.prepare()
+        start_s = time.perf_counter()
+        values = plan.run(given)
+    except MemoryError as error:
+        raise InvalidParameter(
+            f"scene: found more than this memory holds ({error}), expected a scene that fits; loosen the accuracy, or "
+            "lower its settings"
+        ) from None
+    return Result(values, plan, given, time.perf_counter() - start_s, start_s - begin_s)
+
+
+FORCE, MOVED = "contact_force_n", "motion"
+
+
+@dataclass(frozen=True)
+class PulledFinger:
+    """A finger of a scene, the force (N) that presses it, by which the plate pulls it at most, at a voltage (V)."""
+
+    finger: int
+    force_n: float
+    pull_n: float
+    voltage_v: float
+
+    @property
+    def lifts_off(self) -> bool:
+        return self.pull_n > self.force_n
+
+    @property
+    def first_db_re_1v(self) -> float:
+        """The voltage at which a linear contact would begin to pull, in dB re 1 V."""
+        first_v = abs(self.voltage_v) * self.force_n / self.pull_n if self.pull_n else math.inf
+        return 20 * math.log10(first_v)
+
+    @property
+    def line(self) -> str:
+        """In one sentence.
+
+        >>> PulledFinger(1, 2.0, 0.5, 10.0).line
+        'finger 1 stays: at 20 dB re 1 V the plate would pull it by 0.5 N, and 2 N press it'
+        """
+        at = f"at {20 * math.log10(abs(self.voltage_v)):.3g} dB re 1 V" if self.voltage_v else "at 0 V"
+        pulled = f"{at} the plate would pull it by {self.pull_n:.2g} N, and {self.force_n:g} N press it"
+        if not self.lifts_off:
+            return f"finger {self.finger} stays: {pulled}"
+        return f"finger {self.finger} lifts off: {pulled}; contact is lost from {self.first_db_re_1v:.3g} dB re 1 V on"
+
+
+def loads_n(plan: Plan) -> FloatArray:
+    """(n_contacts,): the forces that press the fingers, in the order of the rows of ``contact_force_n``."""
+    loads = (stage.settings for stage in plan.stages if stage.gives == MOVED and "force_n" in stage.settings)
+    return np.asarray(next(loads, {}).get("force_n", ()), float)
+
+
+def is_linear(plan: Plan) -> bool:
+    """Whether the plate moves in proportion to the voltage: not where a contact opens and closes by it."""
+    return not any(stage.gives == MOVED and "voltage_v" in stage.needs for stage in plan.stages)
+
+
+def pulled_fingers(result: Result) -> list[PulledFinger]:
+    """The fingers of which a result has the force of a linear contact; none without it."""
+    if FORCE not in result.values or not is_linear(result.plan):
+        return []
+    lowest = np.atleast_2d(result.values[FORCE]).min(axis=1)
+    pressed = zip(loads_n(result.plan), lowest, strict=True)
+    return [
+        PulledFinger(n, float(force_n), max(-float(least), 0.0), result.given["voltage_v"])
+        for n, (force_n, least) in enumerate(pressed, 1)
+    ]

@@ -16,10 +16,8 @@ from tactometry.signal import Signal
 
 from ..composition.effect import Demand, Effect, FingerContact, Setting, Stage, Surface
 from ..defaults import ACCURACY
-from .chain import required_stages
-from .compatibility import check_effects
-from .plan import Plan, parted
-from .result import unit_of
+from .plan import Plan, parted, unit_of
+from .requirements import check_effects, required_stages
 
 TOUCHES: Final = (Contact, FingerContact)
 ROUNDING = 1e-9
@@ -70,7 +68,12 @@ class Scene:
     settings: Mapping[str, Mapping[str, Setting]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _check_kinds(self)
+        of_kind("Scene", Surface, surface=self.surface)
+        for name, kind in (("effects", Effect), ("outputs", str), ("contacts", FingerContact)):
+            of_kind("Scene", (tuple, list), **{name: getattr(self, name)})
+            for n, one in enumerate(getattr(self, name)):
+                of_kind("Scene", kind, **{f"{name}[{n}]": one})
+
         is_share = is_number(self.accuracy) and 0 < self.accuracy <= 1
         expect(is_share, "Scene.accuracy", self.accuracy, "above 0 and at most 1")
         if not self.outputs:
@@ -86,10 +89,8 @@ class Scene:
 
         The tolerated error is shared evenly by the stages that have one.
 
-        Raises
-        ------
-        InvalidParameter
-            If an output is not to be had, or not so accurately, or the settings name no stage of the plan.
+        Raises `InvalidParameter` if an output is not to be had, or not so accurately, or the settings name no stage of
+        the plan.
         """
         unsized = self._unsized()
         self._check_outputs()
@@ -108,10 +109,7 @@ class Scene:
 
         What depends on the signal alone is computed once for each signal, and settings are chosen once.
 
-        Raises
-        ------
-        InvalidParameter
-            If the scene gives no sensation, or its surface cannot play the signal.
+        Raises `InvalidParameter` if the scene gives no sensation, or its surface cannot play the signal.
 
         >>> from tactometry.stimuli.electrovibration import CoulombFriction, Sine
         >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
@@ -164,10 +162,7 @@ class Scene:
         Effects that make what is played are left out, as the signal holds them, and so is what acts on them alone; the
         plate keeps those that make it.
 
-        Raises
-        ------
-        InvalidParameter
-            If no signal can be given to the surface.
+        Raises `InvalidParameter` if no signal can be given to the surface.
         """
         surface = self.surface.played(self)
         held = {effect.slot for effect in self.effects if effect.in_signal}
@@ -203,7 +198,6 @@ class Scene:
                 )
 
     def _unsized(self) -> tuple[Stage, ...]:
-        """The stages that the outputs need, before any of them is asked for its settings."""
         demand = self._demand(self._ordered, self.accuracy)
         stages = [*self.surface.stages(demand)]
         for effect in self._ordered:
@@ -212,12 +206,10 @@ class Scene:
 
     @property
     def _ordered(self) -> tuple[Effect, ...]:
-        """The effects in the order in which they act."""
         places = list(self.surface.effects)
         return tuple(sorted(self.effects, key=lambda effect: places.index(effect.kind)))
 
     def _called_for(self, stages: Sequence[Stage]) -> tuple[Effect, ...]:
-        """The effects that have a stage among these."""
         on = {stage.effect for stage in stages}
         return tuple(effect for effect in self._ordered if effect.kind in on)
 
@@ -239,14 +231,6 @@ def _check_felt(signal: object, contact: object) -> None:
     if not (isinstance(signal, Signal) and isinstance(contact, TOUCHES)):  # a session asks often
         of_kind("Scene.sensation", Signal, signal=signal)
         of_kind("Scene.sensation", TOUCHES, contact=contact)
-
-
-def _check_kinds(scene: Scene) -> None:
-    of_kind("Scene", Surface, surface=scene.surface)
-    for name, kind in (("effects", Effect), ("outputs", str), ("contacts", FingerContact)):
-        of_kind("Scene", (tuple, list), **{name: getattr(scene, name)})
-        for n, one in enumerate(getattr(scene, name)):
-            of_kind("Scene", kind, **{f"{name}[{n}]": one})
 
 
 def _size_all(stages: Sequence[Stage], demand: Demand) -> Sequence[Stage]:

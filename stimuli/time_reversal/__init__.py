@@ -6,7 +6,6 @@ from tactometry.loading import exports
 
 if TYPE_CHECKING:
     from .design.guide import Target as Target, Transducers as Transducers, n_held as n_held
-    from .field.merit import uniformity as uniformity
     from .filters import Band as Band
     from .finger import Contactor as Contactor, amplitude_loss as amplitude_loss
     from .fingertip import Fingertip as Fingertip
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
         focus_amplitudes as focus_amplitudes,
     )
     from .focusing.inverse_filter import inverse_filter_waveform as inverse_filter_waveform
+    from .focusing.merit import uniformity as uniformity
     from .focusing.one_bit import OneBit as OneBit
     from .focusing.pattern import Pattern as Pattern, pattern_drive as pattern_drive
     from .focusing.pulse_width import PulseWidth as PulseWidth

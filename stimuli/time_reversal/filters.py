@@ -11,8 +11,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
 
-from ..arrays import ComplexArray, FloatArray
-from ..fast_length import fast_length
+from ..arrays import ComplexArray, FloatArray, fast_length
 
 
 @runtime_checkable

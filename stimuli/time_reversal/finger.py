@@ -13,7 +13,6 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import one_of, some
 
 from ..defaults import RESISTANCE_N_S_PER_M
-from .design.closed_forms import one_bit_amplitude_ratio
 from .fingertip import Fingertip
 from .focusing.focusing import Emission, focus_amplitude
 from .plate.plate import Plate
@@ -56,21 +55,6 @@ def absorbing_tau_s(plate: Plate, impedance_n_s_per_m: complex) -> float:
     """
     effective = complex(impedance_n_s_per_m).real * amplitude_ratio_at_focus(plate, impedance_n_s_per_m) ** 2
     return 2 * plate.mass_kg / effective if effective > 0 else math.inf
-
-
-@checked
-def amplitude_ratio_elsewhere(
-    plate: Plate, impedance_n_s_per_m: complex, tau_s: Positive, reversal_s: Positive
-) -> float:
-    """Closed form of absorption alone, 1 bit, learnt without the finger.
-
-    A' / A = tau' (1 - exp(-T / tau')) / (tau (1 - exp(-T / tau))), 1 / tau' = 1 / tau + 1 / tau_f.
-
-    Scattering adds to the loss; relearning removes that part only.
-    """
-    loaded_tau_s = 1 / (1 / tau_s + 1 / absorbing_tau_s(plate, impedance_n_s_per_m))
-    ratio = one_bit_amplitude_ratio(reversal_s, loaded_tau_s) / one_bit_amplitude_ratio(reversal_s, tau_s)
-    return float(loaded_tau_s / tau_s * ratio)
 
 
 @checked
@@ -137,23 +121,21 @@ class Contactor:
 
     def loads(self, plate: Plate, at_m: Point, force_n: NotNegative) -> list[PlateLoad | SprungMass]:
         """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
-        out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it.
-        """
+        out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it."""
         plate.check_holds("at_m", at_m)
         if force_n == 0:
             return []
         if self.kind == "finger":
             return [Fingertip().load(at_m, force_n)]
         skin = [self._part(point, force_n) for point in _disc(at_m, self.diameter_m / 2) if plate.contains(*point)]
-        return [*skin, self._tip(at_m, force_n)] if self.kind == "rigid" else list(skin)
+        if self.kind != "rigid":
+            return list(skin)
+        # a Hertz contact of millimetres of radius under newtons is 0.1 mm wide: one point
+        return [*skin, SprungMass(*at_m, RIGID_MASS_KG, hertz_stiffness_n_per_m(force_n, self.diameter_m / 2))]
 
     def _part(self, at_m: Point, force_n: float) -> PlateLoad:
         area = (self.diameter_m / FINGER_DIAMETER_M) ** 2
         return Fingertip(RESISTANCE_N_S_PER_M * area / N_POINTS).load(at_m, force_n)
-
-    def _tip(self, at_m: Point, force_n: float) -> SprungMass:
-        """At one point: a Hertz contact of millimetres of radius under newtons is 0.1 mm wide."""
-        return SprungMass(*at_m, RIGID_MASS_KG, hertz_stiffness_n_per_m(force_n, self.diameter_m / 2))
 
 
 @checked

@@ -79,8 +79,6 @@ def one_sided_contact(
     finger : Fingertip, optional
         Without mass: two masses that meet need a law of impact, for which there is no source here.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> sampling = {"rate_hz": 100e3, "duration_s": 2e-3, "f_max_hz": 5e3}
     >>> driven = 1e5 * impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **sampling).samples[0, 0]
@@ -106,15 +104,12 @@ def one_sided_contacts(
     """What fingers that lift off make of the displacements (n_contacts, n_samples) of the free plate, as
     `one_sided_contact`; forces of one move the plate under all.
 
+    Raises `InvalidParameter` if a finger has a mass, or no resistance.
+
     Parameters
     ----------
     still_m_per_n : (n_contacts, n_contacts) array, optional
         Static compliance of what is above `f_max_hz`; by default none.
-
-    Raises
-    ------
-    InvalidParameter
-        If a finger has a mass, or no resistance.
     """
     shape("one_sided_contacts.free_m", free_m, (len(loads), None))
     shape("one_sided_contacts.force_n", force_n, (len(loads),))
@@ -126,20 +121,16 @@ def one_sided_contacts(
                 f"{skin.resistance_n_s_per_m} N s/m, expected no mass and a resistance above 0"
             )
     places = [(skin.x_m, skin.y_m) for skin in loads]
-    compliance = _midpoint_compliance(screen, places, free_m.shape[1], rate_hz, f_max_hz)
+    alone = replace(screen, sources=tuple(PointForce(*place) for place in places))
+    long_s = free_m.shape[1] / rate_hz
+    heard = impulse_responses(alone, places, rate_hz=2 * rate_hz, duration_s=long_s, f_max_hz=f_max_hz)
+
+    # (m/N) half a step, one and a half, ... after a force of one step begins, of which a unit sample is half
+    compliance = np.asarray(2 * heard.samples[..., 1::2])
     compliance[:, :, 0] += 0.0 if still_m_per_n is None else still_m_per_n
     damping = rate_hz * np.array([skin.resistance_n_s_per_m for skin in loads])
     spring = np.array([skin.stiffness_n_per_m for skin in loads]) / 2
     return _march(free_m, compliance, force_n, damping + spring, damping - spring)
-
-
-def _midpoint_compliance(
-    screen: Screen, places: Sequence[Point], n: int, rate_hz: float, f_max_hz: float
-) -> FloatArray:
-    """(n_places, n_places, n): displacement (m/N) half a step, one and a half, ... after a force of one step begins."""
-    alone = replace(screen, sources=tuple(PointForce(*place) for place in places))
-    heard = impulse_responses(alone, places, rate_hz=2 * rate_hz, duration_s=n / rate_hz, f_max_hz=f_max_hz)
-    return np.asarray(2 * heard.samples[..., 1::2])  # a unit sample there is half of a step
 
 
 def _march(

@@ -10,9 +10,7 @@ import numpy as np
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes import explain as plans
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
-from tactometry.stimuli.scenes.lifting import PulledFinger, pulled_fingers
-from tactometry.stimuli.scenes.plan import Plan, predicted_s
-from tactometry.stimuli.scenes.result import Result, compute
+from tactometry.stimuli.scenes.plan import Plan, PulledFinger, Result, compute, predicted_s, pulled_fingers
 
 from ..arguments.require import expect
 from ..config.toml import errors_in
@@ -76,7 +74,7 @@ def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) 
 def _figure(result: Result, title: str) -> Any:
     """A map and courses, or courses alone, as the outputs allow."""
     if {"x_m", "y_m", "field_m"} <= set(result.values):
-        from tactometry.stimuli.scenes.figures.focus import focus_sheet
+        from tactometry.stimuli.scenes.figures.courses import focus_sheet
 
         return focus_sheet(result, title)
     neither = "neither 't_s' nor 'x_m', 'y_m' and 'field_m' among the outputs of the scene"
@@ -91,7 +89,7 @@ def _figure(result: Result, title: str) -> Any:
 def _film(scene_file: SceneFile, path: Path) -> None:
     """The scene with a movie as its only output, no finer than a film shows."""
     from tactometry.stimuli.scenes.effects.movie import Movie
-    from tactometry.stimuli.scenes.figures.film import write_film
+    from tactometry.stimuli.scenes.figures.courses import write_film
 
     scene = scene_file.scene
     still = f"a scene on {scene.surface.kind!r}, which has no wave"

@@ -12,7 +12,7 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.felt_effects import felt_effects
 from tactometry.experiments.study.study_file import load, parse
 from tactometry.stimuli.electrovibration import AmplitudeModulated, ElectrovibrationSensation
-from tactometry.stimuli.scenes.defaults import electrovibration, time_reversal
+from tactometry.stimuli.scenes.default_scenes import default_scene
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
@@ -62,7 +62,7 @@ def test_what_a_built_in_scene_has_more_is_told_with_what_it_changes():
 def test_the_tone_of_the_panel_is_felt_as_the_voltage_that_a_study_plays():
     file = load_scene(path_of("electrovibration-panel"))
     tone = AmplitudeModulated(240.0, duration_s=0.2, ramp_s=0.02, carrier_hz=2e3)
-    played_db = electrovibration.default_scene(ElectrovibrationSensation(), 0.2).sensation(tone.at(30.0), TOUCHES[0])
+    played_db = default_scene(ElectrovibrationSensation(), 0.2).sensation(tone.at(30.0), TOUCHES[0])
     assert file.scene.resolve().run(file.given)["sensation_db"] == pytest.approx(played_db, abs=0.01)
 
 
@@ -75,6 +75,6 @@ def test_the_focus_of_the_screen_is_felt_as_the_drive_that_a_study_plays():
     train = FocusTrain(setup, f_max_hz=60e3, drive="analogue")
     signal = train.at(20 * np.log10(file.given["voltage_v"] / train.voltage_v(0.0)))
     for criterion, kinds in (("loaded", set()), ("unloaded", {"finger_load"})):
-        played = time_reversal.default_scene(TimeReversalSensation(setup, criterion=criterion))
+        played = default_scene(TimeReversalSensation(setup, criterion=criterion))
         found_db = without(learnt, kinds).resolve().run(file.given)["sensation_db"]
         assert found_db == pytest.approx(played.sensation(signal, touch), abs=20 * np.log10(1 + scene.accuracy))

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import example, given, strategies as st
 from scipy.fft import next_fast_len
 
-from tactometry.stimuli.fast_length import COMPLEX, REAL, fast_length
+from tactometry.stimuli.arrays import COMPLEX, REAL, fast_length
 
 
 @pytest.mark.parametrize(("factors", "real"), [(REAL, True), (COMPLEX, False)])

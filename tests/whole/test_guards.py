@@ -153,7 +153,7 @@ BAD = (
     ("analysis/outcomes", "from tactometry.records import journal"),
     ("stimuli/time_reversal", "import tactometry.session.request"),
     ("stimuli/perception", "import tactometry.stimuli.electrovibration.skin.skin"),
-    ("stimuli/time_reversal/rectangle", "import tactometry.stimuli.time_reversal.plate.plate"),
+    ("stimuli/time_reversal/plate", "import tactometry.stimuli.time_reversal.screen.screen"),
     ("stimuli/electrovibration/waveforms", "import tactometry.stimuli.electrovibration.skin.skin"),
     ("stimuli/scenes/stages", "import tactometry.stimuli.scenes.effects.edges"),
     ("stimuli/scenes/effects", "import tactometry.stimuli.scenes.effects.edges"),

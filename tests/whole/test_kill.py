@@ -35,7 +35,7 @@ def start():
         [
             "tactometry.experiments.sessions.simulation",
             "tactometry.cli.run",
-            "tactometry.stimuli.scenes.defaults.electrovibration",
+            "tactometry.stimuli.scenes.default_scenes",
         ]
     )
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import resample
 
-from tactometry.stimuli.scenes.defaults.time_reversal import default_scene
+from tactometry.stimuli.scenes.default_scenes import default_scene
 from tactometry.stimuli.time_reversal.finger import PULP_MASS_KG, ejection_force_n
 from tactometry.stimuli.time_reversal.lift_off import ContactCourse, one_sided_contact
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain

@@ -5,16 +5,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from tactometry.stimuli.time_reversal.field.field import field, grid
-from tactometry.stimuli.time_reversal.field.merit import (
+from tactometry.stimuli.time_reversal.figures.gallery import FOCUS, FOUR
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.merit import (
     contrast_whole_of,
+    field,
+    grid,
     resolution_per_focus_m,
     switched_power_w,
     temporal_width_s,
 )
-from tactometry.stimuli.time_reversal.field.sound import noise
-from tactometry.stimuli.time_reversal.figures.gallery import FOCUS, FOUR
-from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F
 

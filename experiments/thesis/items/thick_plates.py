@@ -9,8 +9,8 @@ import numpy as np
 
 from tactometry.stimuli.time_reversal import Band, focus_amplitude
 from tactometry.stimuli.time_reversal.design.closed_forms import ALPHA, resolution_m
-from tactometry.stimuli.time_reversal.field.merit import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.figures.gallery import RIG_BAND, rig
+from tactometry.stimuli.time_reversal.focusing.merit import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 
 from ..reproduction import Number, Reproduction

@@ -17,8 +17,7 @@ from .force import Law, force_form
 @checked
 @dataclass(frozen=True)
 class WithOffset:
-    """``(w + ratio V0)/(1 + |ratio|)``: a waveform w of peak V0 with a constant of `ratio` times V0,
-    peak V0 in all.
+    """``(w + ratio V0)/(1 + |ratio|)``: a waveform w of peak V0 with a constant of `ratio` times V0, peak V0 in all.
 
     In a lossless skin the force then contains the frequency of the voltage. A leaky corneum behind an
     insulator loses the constant after a few time constants: its force vanishes in the `sc_layer` law and rises in

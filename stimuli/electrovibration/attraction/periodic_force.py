@@ -11,12 +11,12 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...defaults import VACUUM_PERMITTIVITY_F_PER_M as E0
-from ..skin.dispersive_layer import (
+from ..skin.stack import (
     DispersiveLayer,
+    Layer,
     periodic_voltages_v,
     properties_of,
 )
-from ..skin.stack import Layer
 from .force import Law, check_law
 
 INSULATOR, CORNEUM = 0, 1
@@ -82,18 +82,14 @@ def periodic_force_n(
     layers = (insulator, corneum, *deeper)
     voltages_v = periodic_voltages_v(voltage_v, rate_hz, layers, resistance_ohm=resistance_ohm, area_m2=area_m2)
     if law == "interface":
-        return _interface_n(voltages_v[INSULATOR], insulator, area_m2)
+        if insulator.thickness_m == 0 or insulator.resistivity_ohm_m < inf:
+            raise InvalidParameter(
+                f"periodic_force_n.insulator: found {insulator}, expected a thickness above 0 and no leakage: "
+                "interface takes the field in the gap from its charge"
+            )
+        field_v_per_m = insulator.permittivity * voltages_v[INSULATOR] / insulator.thickness_m
+        return np.asarray(E0 * area_m2 / 2 * field_v_per_m**2)
     return _sc_layer_n(voltages_v[CORNEUM], corneum, area_m2, rate_hz)
-
-
-def _interface_n(insulator_v: FloatArray, insulator: Layer, area_m2: float) -> FloatArray:
-    if insulator.thickness_m == 0 or insulator.resistivity_ohm_m < inf:
-        raise InvalidParameter(
-            f"periodic_force_n.insulator: found {insulator}, expected a thickness above 0 and no leakage: interface "
-            "takes the field in the gap from its charge"
-        )
-    field_v_per_m = insulator.permittivity * insulator_v / insulator.thickness_m
-    return E0 * area_m2 / 2 * field_v_per_m**2
 
 
 def _sc_layer_n(corneum_v: FloatArray, corneum: Layer | DispersiveLayer, area_m2: float, rate_hz: float) -> FloatArray:

@@ -36,7 +36,6 @@ class Polarity(Effect):
     """
 
     kind = "polarity"
-    slot = "polarity"
     not_negative = ("positive_share",)
     excludes = note(NO_FLOW, "friction_lag", "finger_dynamics")
     felt_excludes = note(NO_FLOW, "finger_dynamics")

@@ -43,7 +43,6 @@ class CoulombFriction(Effect):
     """
 
     kind = "friction"
-    slot = "friction"
     requires = ("sliding contact",)
     reads = ("contact",)
     gives = stage_name = "friction_law"
@@ -97,7 +96,6 @@ class CoulombFriction(Effect):
         return require.in_range("CoulombFriction.modulation_n", change_n)
 
     def __call__(self, contact: Contact) -> Self:
-        """The law of a finger as it slides."""
         return self.at_speed(contact.speed_m_per_s)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:

@@ -78,7 +78,6 @@ class FrictionLag(Effect):
         return (self.stage(),)
 
     def __call__(self, components: "Components", contact: Contact) -> "Components":
-        """Components behind the lag."""
         return components.times(self.gain(components.frequencies_hz, contact.speed_m_per_s))
 
 
@@ -111,8 +110,7 @@ def lagged_friction_n(
     [0.5, 5.957, 9.133]
     """
     from ..attraction.force import ForceForm  # what a lag that no output needs does not load
-    from .driven_flow import LinearSystem
-    from .driven_motion import check_times, first_order_response
+    from .driven_motion import CYCLES_MAX, LinearSystem, check_times, first_order_response
 
     require.of_kind("lagged_friction_n", ForceForm, form=form)
     t = np.asarray(t_s, dtype=np.float64)
@@ -120,7 +118,16 @@ def lagged_friction_n(
     check_times(t, pieces)
     if speed_m_per_s == 0:
         return np.zeros_like(t)
-    rate_per_s = 2 * np.pi * _resolved_hz(lag.cutoff_hz(speed_m_per_s), t)
+
+    cutoff_hz = lag.cutoff_hz(speed_m_per_s)
+    longest_s = float(np.diff(t, prepend=0.0).max())  # the motion begins at 0, asked for or not
+    if cutoff_hz == np.inf or cutoff_hz * longest_s > CYCLES_MAX:
+        raise InvalidParameter(
+            f"lagged_friction_n.lag: found a corner of {cutoff_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
+            f"expected a product of at most {CYCLES_MAX:.0e}; a lag that short is none: take mu (F_n + F_e)"
+        )
+
+    rate_per_s = 2 * np.pi * cutoff_hz
     low_pass = LinearSystem(((-rate_per_s,),), (mu * rate_per_s,))
     return mu * force_n + first_order_response(pieces, form, low_pass, t)
 
@@ -134,16 +141,3 @@ def scene_friction_n(
     return lagged_friction_n(
         t_s, pieces, form, lag=settings, friction=friction, force_n=force_n, speed_m_per_s=speed_m_per_s
     )
-
-
-def _resolved_hz(cutoff_hz: float, t_s: FloatArray) -> float:
-    """The corner of a lag that the solution over these times resolves."""
-    from .driven_motion import CYCLES_MAX
-
-    longest_s = float(np.diff(t_s, prepend=0.0).max())  # the motion begins at 0, asked for or not
-    if cutoff_hz == np.inf or cutoff_hz * longest_s > CYCLES_MAX:
-        raise InvalidParameter(
-            f"lagged_friction_n.lag: found a corner of {cutoff_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
-            f"expected a product of at most {CYCLES_MAX:.0e}; a lag that short is none: take mu (F_n + F_e)"
-        )
-    return cutoff_hz

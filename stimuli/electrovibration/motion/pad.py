@@ -2,13 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi, sqrt
 from typing import Final
 
 from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
 
-from .driven_flow import LinearSystem
+from .driven_motion import LinearSystem
 
 MASS_KG_PER_M_PER_S: Final = 3.23e-2
 STIFFNESS_N_S_PER_M2: Final = 4_040.0
@@ -24,9 +23,6 @@ class Finger:
     """``m x'' + c x' + k x = f``: x the skin's deflection (m) under a lateral force f.
 
     The defaults are unverified: a speed of 50 mm/s in `at_speed`.
-
-    >>> round(Finger().natural_frequency_hz, 2), round(Finger().damping_ratio, 2)
-    (56.29, 1.31)
     """
 
     mass_kg: Positive = 1.615e-3
@@ -45,15 +41,6 @@ class Finger:
         (2.584, 323.2)
         """
         return cls(MASS_KG_PER_M_PER_S * speed_m_per_s, STIFFNESS_N_S_PER_M2 * speed_m_per_s, damping_n_s_per_m)
-
-    @property
-    def natural_frequency_hz(self) -> float:
-        return float(sqrt(self.stiffness_n_per_m / self.mass_kg) / (2 * pi))
-
-    @property
-    def damping_ratio(self) -> float:
-        """The damping over the critical one: from 1 on the pad does not ring."""
-        return float(self.damping_n_s_per_m / (2 * sqrt(self.stiffness_n_per_m * self.mass_kg)))
 
     @cached_property
     def system(self) -> LinearSystem:

@@ -54,6 +54,7 @@ def phases(pieces: Pieces, relaxations: Relaxations, nodes: FloatArray) -> Phase
     since = nodes - pieces.starts_s[piece]
     rates = np.array(relaxations.rates_per_s).reshape(-1, 1)
     spans = np.diff(np.r_[pieces.starts_s, pieces.end_s])
+    rows = [Relaxations((1.0,), (rate,)).response(pieces.frequencies_hz) for rate in relaxations.rates_per_s]
     return Phases(
         piece,
         since,
@@ -63,7 +64,7 @@ def phases(pieces: Pieces, relaxations: Relaxations, nodes: FloatArray) -> Phase
         end_decay=np.exp(-rates * spans),
         end_line=spans * phi1(rates * spans),
         turns=np.exp(2j * np.pi * np.multiply.outer(nodes, pieces.frequencies_hz)),
-        responses=_responses(relaxations, pieces),
+        responses=np.array(rows, dtype=np.complex128).reshape(len(rows), len(pieces.frequencies_hz)),
     )
 
 
@@ -80,8 +81,3 @@ def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: FloatArray) -> Float
     ends = np.repeat(np.r_[pieces.starts_s[1:], pieces.end_s], rates.size)
     nodes = np.unique(np.concatenate([[0.0], pieces.starts_s, decayed[decayed < ends], t_s]))
     return np.asarray(nodes[nodes <= t_s[-1]])
-
-
-def _responses(relaxations: Relaxations, pieces: Pieces) -> ComplexArray:
-    rows = [Relaxations((1.0,), (rate,)).response(pieces.frequencies_hz) for rate in relaxations.rates_per_s]
-    return np.array(rows, dtype=np.complex128).reshape(len(rows), len(pieces.frequencies_hz))

@@ -37,8 +37,6 @@ class SkinMobility(Effect):
     stiffness_exponent : float
         Exponent by which the stiffness grows with the normal force, at least 0.
 
-    Examples
-    --------
     >>> skin = SkinMobility()
     >>> [round(1e-7 / float(skin.gain_m_per_n(f, force_n=1.0)), 6) for f in (60.0, 250.0)]  # N, of 0.1 um
     [0.000113, 0.000244]

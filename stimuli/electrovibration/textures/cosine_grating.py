@@ -16,7 +16,7 @@ from ...composition.effect import Effect, Stage, Surroundings
 from ..waveforms.pieces import Pieces
 
 if TYPE_CHECKING:
-    from ...composition.record import VoltageRecord
+    from ..waveforms.pieces import VoltageRecord
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,6 @@ class CosineGrating(Effect):
     """
 
     kind = "texture"
-    slot = "texture"
     positive = ("period_m",)
     requires = ("sliding contact",)
     assumes = ("the voltage follows the finger without delay",)
@@ -55,12 +54,8 @@ class CosineGrating(Effect):
         return Stage("texture", (voltage, "contact"), voltage, f"{__name__}:{way}", dict(vars(self)))
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        frequency_hz = self._frequency_hz(scene)
+        frequency_hz = scene.contacts[0].speed_m_per_s / self.period_m
         return VoltageContent(frequency_hz / 2, kinks_rad_per_s=pi * frequency_hz)
-
-    def _frequency_hz(self, scene: Surroundings) -> float:
-        """Periods per second under the finger."""
-        return scene.contacts[0].speed_m_per_s / self.period_m
 
 
 def under_finger(voltage: Pieces, contact: Contact, period_m: float) -> Pieces:

@@ -54,8 +54,6 @@ class FollowedTexture(Ramped):
     InvalidParameter
         If a value is outside of its domain.
 
-    Examples
-    --------
     >>> from .texture import Grating
     >>> texture = FollowedTexture(Grating(2e-3), duration_s=0.1, rise_s=5e-5)
     >>> parts, before = texture.parts(np.array([0.5e-3, 1.5e-3]))
@@ -100,11 +98,6 @@ class FollowedTexture(Ramped):
         """The carrier where its share is 1."""
         return self._carrier.pieces(level)
 
-    @property
-    def _n_rise(self) -> int:
-        """Samples over which parts are averaged: no two differ by more than their distance over `rise_s`."""
-        return max(1, ceil(self.rise_s * self.rate_hz * (1 - 1e-12)))
-
     def parts(self, x_m: Any, before: Followed | None = None) -> tuple[FloatArray, Followed]:
         """Parts (0..1) of the voltage at places (n_samples,), one a sample: the root of the share, averaged.
 
@@ -117,7 +110,8 @@ class FollowedTexture(Ramped):
         known = np.isfinite(x_m)
         shares, way = self._shares(x_m if known.all() else _filled(x_m, known, way), way)
         roots = np.sqrt(np.where(known, shares, 0.0))
-        n = self._n_rise
+        # no two parts differ by more than their distance over `rise_s`
+        n = max(1, ceil(self.rise_s * self.rate_hz * (1 - 1e-12)))
         recent = np.full(n - 1, roots[0]) if before is None else before.recent
         course = np.concatenate([recent, roots])
         sums = np.cumsum(np.concatenate([[0.0], course]))
@@ -144,8 +138,6 @@ class FollowedTexture(Ramped):
         InvalidParameter
             In one sentence with the cure.
 
-        Examples
-        --------
         >>> from .texture import Grating
         >>> FollowedTexture(Grating(1e-4)).check_motion(0.2)
         Traceback (most recent call last):

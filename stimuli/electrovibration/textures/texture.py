@@ -60,10 +60,6 @@ class Grating:
         phase = np.mod(np.asarray(x_m, dtype=np.float64) / self.period_m, 1.0)
         return np.asarray(SHAPES[self.shape](phase, self.duty), dtype=np.float64)
 
-    def temporal_frequency_hz(self, speed_m_per_s: float) -> float:
-        """Periods per second under a finger: ``v/L``."""
-        return abs(speed_m_per_s) / self.period_m
-
 
 SHAPES: Mapping[str, Callable[[FloatArray, float], NDArray[np.generic]]] = {
     "square": lambda phase, duty: phase < duty,

@@ -111,8 +111,7 @@ class AmplitudeModulated(Ramped):
         return np.sqrt(full) if self.modulation == "square_root" else full
 
     def pieces(self, level: float) -> Pieces:
-        """The voltage exactly, ramps included: ``sqrt((1 + c)/2) = |cos(pi f t)|`` changes sign from
-        piece to piece."""
+        """The voltage exactly, ramps included: ``sqrt((1 + c)/2) = |cos(pi f t)|`` changes sign from piece to piece."""
         starts_s: FloatArray = np.zeros(1)
         signs: FloatArray = np.ones(1)
         if self.modulation == "square_root":
@@ -130,8 +129,6 @@ class AmplitudeModulated(Ramped):
 class PulsedCarrier:
     """The waveform through one supply (V, above 0), sample by sample on, reversed or off; of the same level.
 
-    Examples
-    --------
     >>> pulsed = PulsedCarrier(AmplitudeModulated(120.0, rate_hz=250e3, ramp_s=0.0), supply_v=100.0)
     >>> asked, made = pulsed.waveform.at(34.0), pulsed.at(34.0)
     >>> np.unique(made.samples).tolist(), round(float(np.mean(made.samples**2) / np.mean(asked.samples**2)), 3)
@@ -152,10 +149,7 @@ class PulsedCarrier:
     def at(self, level: float) -> Signal:
         """(1, n_samples) volt.
 
-        Raises
-        ------
-        LimitExceeded
-            If a half period needs more than the supply throughout, or none a whole sample.
+        Raises `LimitExceeded` if a half period needs more than the supply throughout, or none a whole sample.
         """
         return pulses(self.waveform.at(level), self.supply_v)
 
@@ -168,27 +162,20 @@ def of_supply(waveform: AmplitudeModulated, rate_hz: float, supply_v: float) -> 
 def pulses(signal: Signal, supply_v: float) -> Signal:
     """One channel as pulses of the supply, one in the middle of each run of samples of one sign.
 
-    Raises
-    ------
-    LimitExceeded
-        If the mean square of a run is above that of the supply, or no run needs a whole sample.
+    Raises `LimitExceeded` if the mean square of a run is above that of the supply, or no run needs a whole sample.
     """
     sign = np.sign(signal.samples[0])
     starts = np.concatenate([[0], np.flatnonzero(np.diff(sign)) + 1])
     lengths = np.diff(np.concatenate([starts, [sign.size]]))
     needed = np.add.reduceat((signal.samples[0] / supply_v) ** 2, starts)  # samples at the supply
     _check_reach(needed, lengths, signal.peak, supply_v)
-    on = np.minimum(_whole_samples(needed), lengths)
+    whole = np.diff(np.rint(np.cumsum(needed)), prepend=0.0).astype(np.int64)  # the sum is right to half a sample
+    on = np.minimum(whole, lengths)
     edges = np.zeros(sign.size + 1)
     first = starts + (lengths - on) // 2
     np.add.at(edges, first, 1.0)
     np.add.at(edges, first + on, -1.0)
     return Signal(supply_v * (sign * np.cumsum(edges)[:-1])[None, :] + 0.0, signal.rate_hz, signal.unit)
-
-
-def _whole_samples(needed: FloatArray) -> IntArray:
-    """Whole samples of each run, whose sum up to any run is that of `needed` to half a sample."""
-    return np.diff(np.rint(np.cumsum(needed)), prepend=0.0).astype(np.int64)
 
 
 def _check_reach(needed: FloatArray, lengths: IntArray, peak_v: float, supply_v: float) -> None:

@@ -10,8 +10,7 @@ import numpy as np
 from tactometry.arguments import require
 
 from ...arrays import FloatArray
-from .corners import Corners
-from .pieces import Pieces, ramped as ramped_pieces
+from .pieces import Corners, Pieces, ramped as ramped_pieces
 from .waveform import LevelUnit, Ramped, check_nyquist, check_pulse, n_samples, peak_voltage_v
 
 MOST_HARMONICS = 2**20

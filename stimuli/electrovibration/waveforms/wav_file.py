@@ -82,10 +82,7 @@ class WavFile:
     def at(self, level: float) -> Signal:
         """(1, n_samples) volt.
 
-        Raises
-        ------
-        InvalidParameter
-            If the level is none, or the file was not read.
+        Raises `InvalidParameter` if the level is none, or the file was not read.
         """
         samples = ramped(self._factor_v(level) * self._samples, self.ramp_s, self.rate_hz)
         return Signal(samples[None, :], self.rate_hz, "V")
@@ -120,10 +117,8 @@ class WavFile:
 def _one_channel(wav: Wav) -> FloatArray:
     """Return the samples (n_samples,) of a file of one channel as parts of full scale.
 
-    Raises
-    ------
-    ValueError
-        If it has several channels, or samples that are not finite, are all 0 or are cut off at full scale.
+    Raises `ValueError` if it has several channels, or samples that are not finite, are all 0 or are cut off at full
+    scale.
     """
     n_channels = wav.frames.shape[1]
     if n_channels != 1:

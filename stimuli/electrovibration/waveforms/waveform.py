@@ -10,11 +10,10 @@ from tactometry.arguments.magnitudes import DOMAINS
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
-from .pieces import Pieces
+from .pieces import MOST_SAMPLES, Pieces
 
 LevelUnit = Literal["dB re 1 V", "V"]
 HIGHEST_V = DOMAINS["_v"][1]
-MOST_SAMPLES = 2**28
 
 
 @runtime_checkable

@@ -14,9 +14,6 @@ class AirGap(Alteration):
     ----------
     gap_m : float
         Thickness of the air between insulator and skin, above 0.
-
-    >>> AirGap(gap_m=1e-6).slot
-    'gap'
     """
 
     kind = "air_gap"

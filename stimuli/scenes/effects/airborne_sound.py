@@ -23,9 +23,6 @@ class AirborneSound(Effect):
     ----------
     distance_m : float
         Distance of the ear from the plate, at which the level is computed.
-
-    >>> AirborneSound().slot
-    'sound'
     """
 
     kind = "airborne_sound"
@@ -58,7 +55,7 @@ class AirborneSound(Effect):
 
 def sound_level_dba(screen: "Screen", emission: "EmittedSignal", modes_to_hz: float, distance_m: float) -> float:
     """The level of an emission of 1 V."""
-    from ...time_reversal.field.sound import noise
+    from ...time_reversal.focusing.sound import noise
 
     return noise(screen, emission.at_1_v, modes_to_hz, distance_m=distance_m).a_weighted_db
 

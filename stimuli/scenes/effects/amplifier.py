@@ -17,13 +17,9 @@ class Amplifier(Effect):
         Where it is 3 dB down.
     order : int
         Of the Butterworth filter.
-
-    >>> Amplifier().order
-    1
     """
 
     kind = "amplifier"
-    slot = "amplifier"
     in_signal = True
     positive = ("cutoff_hz", "order")
 

@@ -23,9 +23,6 @@ class AudibleFilter(Effect):
         Below which nothing is emitted.
     flank_hz : float
         Width of the filter's flank.
-
-    >>> AudibleFilter().cutoff_hz
-    20000.0
     """
 
     kind = "audible_filter"

@@ -17,9 +17,6 @@ class BodyResistance(Alteration):
     ----------
     resistance_ohm : float
         Series resistance of the body and the source, above 0.
-
-    >>> BodyResistance(resistance_ohm=1e4).slot
-    'body'
     """
 
     kind = "body_resistance"

@@ -26,13 +26,9 @@ class Carrier(Effect):
         At least twice the programmed frequency.
     modulation : {"square_root", "full", "suppressed_carrier"}
         The envelope, as in `tactometry.stimuli.electrovibration.AmplitudeModulated`.
-
-    >>> Carrier().modulation
-    'square_root'
     """
 
     kind = "carrier"
-    slot = "carrier"
     positive = ("carrier_hz",)
     reads, gives = ("waveform",), "waveform"
     in_signal = True

@@ -33,13 +33,9 @@ class CrossMasking(Effect):
     ------
     InvalidParameter
         If the target is another.
-
-    >>> CrossMasking("foci").slope
-    0.52
     """
 
     kind = "cross_masking"
-    slot = "cross_masking"
     positive = ("slope",)
     assumes = ("foci and friction mask each other as vibrations of one frequency do",)
 

@@ -25,9 +25,6 @@ class DcOffset(Effect):
     ----------
     ratio : float
         Constant voltage divided by the peak of the waveform, of either sign but not 0.
-
-    >>> DcOffset(0.5).slot
-    'offset'
     """
 
     kind = "dc_offset"

@@ -29,9 +29,6 @@ class DriveEnergy(Effect):
         Capacitance of one transducer.
     loss_tangent : float
         Loss tangent of the transducer's dielectric.
-
-    >>> DriveEnergy().slot
-    'energy'
     """
 
     kind = "drive_energy"
@@ -43,20 +40,18 @@ class DriveEnergy(Effect):
     loss_tangent: float = PZ27_LOSS_TANGENT
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        switched = scene.find("quantiser") is not None
+        if scene.find("quantiser") is not None:
+            settings = {"capacitance_f": self.capacitance_f}
+            drawn = Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:switching_w", settings)
+        else:
+            drawn = Stage("heating", ("emission", "in_band"), "power_at_1v_w", f"{__name__}:heat_w", dict(vars(self)))
+
         return (
             Stage("strain_energy", ("motion",), "energy_at_1v_j", STRAIN, size=_strain_size),
             _squared("energy", "energy_at_1v_j", "energy_j"),
-            self._switching() if switched else self._heating(),
+            drawn,
             _squared("power", "power_at_1v_w", "power_w"),
         )
-
-    def _switching(self) -> Stage:
-        settings = {"capacitance_f": self.capacitance_f}
-        return Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:switching_w", settings)
-
-    def _heating(self) -> Stage:
-        return Stage("heating", ("emission", "in_band"), "power_at_1v_w", f"{__name__}:heat_w", dict(vars(self)))
 
 
 def _strain_size(demand: Demand) -> Size:
@@ -79,14 +74,14 @@ def _squared(name: str, at_1v: str, gives: str) -> Stage:
 
 def switching_w(emission: "EmittedSignal", capacitance_f: float) -> float:
     """The mean power during an emission of 1 V."""
-    from ...time_reversal.field.merit import switched_power_w
+    from ...time_reversal.focusing.merit import switched_power_w
 
     return switched_power_w(emission.at_1_v, capacitance_f)
 
 
 def heat_w(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: float, loss_tangent: float) -> float:
     """The mean power of dielectric loss during an emission of 1 V, of what of it lies in the band."""
-    from ...time_reversal.field.merit import dielectric_power_w
+    from ...time_reversal.focusing.merit import dielectric_power_w
 
     longer: float = in_band.samples.shape[1] / emission.samples.shape[1]
     return longer * dielectric_power_w(in_band.at_1_v, capacitance_f, loss_tangent)

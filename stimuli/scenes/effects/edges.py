@@ -31,13 +31,9 @@ class Edges(Alteration):
     ----------
     boundary : str
         Four letters of S (supported), C (clamped) and F (free), for the edges x = 0, y = 0, x = length, y = width.
-
-    >>> Edges("FFFF").slot
-    'edges'
     """
 
     kind = "edges"
-    slot = "edges"
     in_signal = True
     reads, gives = ("plate",), "plate"
 
@@ -55,6 +51,8 @@ class Edges(Alteration):
             )
 
     def size(self, demand: Demand) -> Size:
+        from ...time_reversal.plate.plate import degrees_called_for
+
         error = self.error(demand)
         if error > demand.error:
             raise InvalidParameter(
@@ -62,15 +60,11 @@ class Edges(Alteration):
                 f"expected at least {error:.2g}, which their polynomials have; loosen the accuracy, shorten "
                 "reversal_s, or remove 'edges'"
             )
-        return Size(error=error, n_operations=self._n_operations(demand))
 
-    def _n_operations(self, demand: Demand) -> float:
-        """Of the modes, found in a block for each pair of parities: an axis with like edges has two."""
-        from ...time_reversal.plate.plate import degrees_called_for
-
+        # the modes are found in a block for each pair of parities: an axis with like edges has two
         p_x, p_y = degrees_called_for(demand.surface.plate, demand.once(cut_of).static_to_hz)
         n_blocks: int = 2 ** sum(self.boundary[at] == self.boundary[at + 2] for at in (0, 1))
-        return OF_MODES * (pi / 4 * p_x * p_y) ** 2 / n_blocks
+        return Size(error=error, n_operations=OF_MODES * (pi / 4 * p_x * p_y) ** 2 / n_blocks)
 
     def in_setup(self) -> dict[str, str]:
         return {"boundary": self.boundary}
@@ -80,11 +74,7 @@ class Edges(Alteration):
 
     @property
     def singular(self) -> bool:
-        """Whether a free edge meets a clamped one.
-
-        >>> Edges("CFFF").singular, Edges("SSFF").singular
-        (True, False)
-        """
+        """Whether a free edge meets a clamped one."""
         return any(
             {a, b} == {"C", "F"} for a, b in zip(self.boundary, self.boundary[1:] + self.boundary[0], strict=True)
         )

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings, note
 from ...composition.sampling import per_sample
-from ..stages.circuit import of_true_area
-from ..stages.reading import spectrum_of_record, spectrum_stage
+from ..stages.circuit import of_true_area, spectrum_of_record, spectrum_stage
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -27,9 +26,6 @@ class FingerDynamics(Effect):
     ----------
     damping_n_s_per_m : float
         Damping of the finger pulp.
-
-    >>> FingerDynamics().slot
-    'dynamics'
     """
 
     kind = "finger_dynamics"
@@ -58,7 +54,8 @@ class FingerDynamics(Effect):
         return VoltageContent(swing_rad_per_s=self.natural_rad_per_s)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        sticks = _sticks(scene)
+        friction = scene.find("friction")
+        sticks = friction is not None and friction.kind == "dry_friction"
         motion = Stage(
             "stick_slip" if sticks else "finger_motion",
             ("t_s", "voltage", "form", "friction_law", "contact"),
@@ -76,14 +73,7 @@ class FingerDynamics(Effect):
         return *course, spectrum_of_record("skin_spectrum", "skin_displacement_m", "skin_components"), of_true_area()
 
 
-def _sticks(scene: Surroundings) -> bool:
-    """Whether friction is one that holds a finger."""
-    friction = scene.find("friction")
-    return friction is not None and friction.kind == "dry_friction"
-
-
 def _outputs(sticks: bool) -> tuple[tuple[str, str], ...]:
-    """Fields of the motion and the quantities that they are."""
     if sticks:
         return (("lateral_n", "friction_force_n"), ("stretch_m", "skin_displacement_m"), ("events_s", "slip_events_s"))
     return (("deflection_m", "skin_displacement_m"),)  # in full slip friction knows no motion

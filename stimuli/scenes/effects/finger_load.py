@@ -8,9 +8,8 @@ from tactometry.arguments import require
 from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surroundings, note
 from ...defaults import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M
-from ..stages.fingers import at_rest, check_on_plate, farther, places_m
-from ..stages.scaling import at_voltage
-from ..stages.truncation import cut_of, n_frequencies, n_modes
+from ..stages.circuit import at_voltage
+from ..stages.truncation import at_rest, check_on_plate, cut_of, farther, n_frequencies, n_modes, places_m
 
 CONTACT = "tactometry.stimuli.scenes.stages.contact"
 PLATE = "tactometry.stimuli.scenes.stages.plate"
@@ -32,9 +31,6 @@ class FingerLoad(Effect):
         Stiffness (spring) of a finger at 2 N.
     exponent : float
         How they grow with the force.
-
-    >>> FingerLoad().resistance_n_s_per_m
-    10.0
     """
 
     kind = "finger_load"

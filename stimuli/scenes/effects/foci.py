@@ -7,7 +7,7 @@ from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings, note
-from ..stages.scaling import at_voltage
+from ..stages.circuit import at_voltage
 
 PLACES = "tactometry.stimuli.scenes.stages.emission:several"
 
@@ -28,7 +28,6 @@ class Foci(Effect):
     """
 
     kind = "foci"
-    slot = "foci"
     in_signal = True
     cures = note("add the effect foci", "peaks_m")
 

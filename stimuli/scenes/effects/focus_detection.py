@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from ...composition.effect import Effect, Stage, Surroundings, note
 from ...defaults import FOCUS_AT_THRESHOLD_M
-from ..stages.fingers import is_away
+from ..stages.truncation import is_away
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray

@@ -44,7 +44,12 @@ class ForceLaw(Effect):
         require.one_of("ForceLaw.law", self.law, get_args(Law))
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        self._check_terms(scene)
+        barred = [effect.kind for slot in BARRED if (effect := scene.find(slot)) is not None]
+        if self.law in LAYERLESS and barred:
+            raise InvalidParameter(
+                f"force_law: found {self.law!r} beside {barred[0]!r}, for which that law has no term, expected the law "
+                f"interface or sc_layer; or remove {barred[0]!r}"
+            )
         return super().stages(scene)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
@@ -56,11 +61,3 @@ class ForceLaw(Effect):
         from ...electrovibration.attraction.force import force_form
 
         return force_form(self.law, skin, area_m2)
-
-    def _check_terms(self, scene: Surroundings) -> None:
-        barred = [effect.kind for slot in BARRED if (effect := scene.find(slot)) is not None]
-        if self.law in LAYERLESS and barred:
-            raise InvalidParameter(
-                f"force_law: found {self.law!r} beside {barred[0]!r}, for which that law has no term, expected the law "
-                f"interface or sc_layer; or remove {barred[0]!r}"
-            )

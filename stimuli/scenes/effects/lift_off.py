@@ -9,10 +9,9 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
-from ..stages.fingers import at_rest, places_m
-from ..stages.truncation import cut_of, n_frequencies, n_modes
+from ..stages.truncation import at_rest, cut_of, n_frequencies, n_modes, places_m
 
-OPEN_CONTACT = "tactometry.stimuli.scenes.stages.open_contact"
+OPEN_CONTACT = "tactometry.stimuli.scenes.stages.contact"
 OF_MOTION, OF_FORCE = 0.013, 0.1
 """Errors of a step in which the top of the band turns by a radian: they fall with its power of 4/3, and its square; at
 least 1.7 times those of a small screen with a finger of 2 N."""
@@ -25,13 +24,9 @@ class LiftOff(Effect):
 
     The finger has no mass. Each run is solved in time for its voltage, as `one_sided_contact` does; what reads the
     plate reads it under these fingers, and is no longer in proportion to the voltage.
-
-    >>> LiftOff().slot
-    'lift_off'
     """
 
     kind = "lift_off"
-    slot = "lift_off"
     requires = ("load",)
     cures = note("add the effects finger_load and lift_off", "contact_lost_s")
     assumes = ("a finger that is thrown off has no mass, sinks back by itself and meets the plate without a rebound",)

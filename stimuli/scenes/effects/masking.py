@@ -20,13 +20,9 @@ class Masking(Effect):
         Of the masker above its own threshold, above 0.
     slope : float
         By how much the threshold rises with that level.
-
-    >>> Masking(25.0).slope
-    0.52
     """
 
     kind = "masking"
-    slot = "masking"
     assumes = ("the masker is felt by the channel that feels the signal, as one of its frequency",)
     positive = ("level_db_re_threshold", "slope")
 

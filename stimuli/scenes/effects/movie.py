@@ -8,9 +8,9 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
-from ..stages.scaling import at_voltage
+from ..stages.circuit import at_voltage
 
-MAP = "tactometry.stimuli.scenes.stages.map"
+MAP = "tactometry.stimuli.scenes.stages.motion"
 MOST_NUMBERS = 5e7
 FRAMES_PER_PERIOD = 8
 """Of the top of the band: from four on a wave is seen to move the way it goes."""
@@ -26,13 +26,9 @@ class Movie(Effect):
         By default 8 to a period of the band's top.
     span_s : float
         How long it shows, the focus in the middle.
-
-    >>> Movie().span_s
-    0.00025
     """
 
     kind = "movie"
-    slot = "movie"
     positive = ("span_s",)
     cures = note("add the effect movie", "movie_m", "frames_s")
 
@@ -52,7 +48,12 @@ class Movie(Effect):
         )
 
     def _frames_size(self, demand: Demand) -> Size:
-        self._check_span(demand.surface)
+        longest_s = 2 * min(demand.surface.reversal_s, demand.surface.after_s)
+        if self.span_s > longest_s:
+            raise InvalidParameter(
+                f"movie: found a span of {self.span_s} s, expected at most {longest_s}, twice the shorter of "
+                "reversal_s and after_s; shorten it or raise those"
+            )
         return Size({"n_frames": self._n_frames(demand.surface), "span_s": self.span_s})
 
     def _n_frames(self, surface: Any) -> int:
@@ -78,11 +79,3 @@ class Movie(Effect):
                 "numbers; loosen the accuracy, lower n_frames or shorten span_s"
             )
         return n_numbers
-
-    def _check_span(self, surface: Any) -> None:
-        longest_s = 2 * min(surface.reversal_s, surface.after_s)
-        if self.span_s > longest_s:
-            raise InvalidParameter(
-                f"movie: found a span of {self.span_s} s, expected at most {longest_s}, twice the shorter of "
-                "reversal_s and after_s; shorten it or raise those"
-            )

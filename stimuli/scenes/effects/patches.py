@@ -21,13 +21,9 @@ class Patches(Effect):
         Side of a square patch.
     moment_n_per_v : float
         Bending moment per length of its outline and volt.
-
-    >>> Patches().side_m
-    0.01
     """
 
     kind = "patches"
-    slot = "patches"
     in_signal = True
     positive = ("side_m", "moment_n_per_v")
     assumes = ("patches have neither mass nor stiffness",)

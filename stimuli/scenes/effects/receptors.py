@@ -5,15 +5,12 @@ from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings, note
-from ...defaults import THRESHOLD_M
-from ..stages.scaling import HIGHEST
+from ...defaults import STEEPEST_DB_PER_HZ, THRESHOLD_M
+from ..stages.circuit import HIGHEST
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
     from ...perception.detection import Components
-
-STEEPEST_DB_PER_HZ = 2.5
-"""Of the thresholds of `tactometry.stimuli.perception.channels`, at 3 Hz: an upper bound."""
 
 
 @dataclass(frozen=True)
@@ -26,13 +23,9 @@ class Receptors(Effect):
     ----------
     reference_m : float
         Displacement of the skin at the threshold at 250 Hz, which scales the channels.
-
-    >>> Receptors().slot
-    'receptors'
     """
 
     kind = "receptors"
-    slot = "receptors"
     positive = ("reference_m",)
     requires = ("friction",)
     reads, gives = ("skin_components",), "channels_db"

@@ -29,13 +29,9 @@ class Repetition(Effect):
         How long they go on.
     envelope : str
         Their weights over that time.
-
-    >>> Repetition().n
-    10
     """
 
     kind = "repetition"
-    slot = "repetition"
     in_signal = True
     reads, gives = ("learnt", "quantiser"), "emission"
     positive = ("repetition_hz", "duration_s")

@@ -5,13 +5,10 @@ from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Surroundings, note
-from ...defaults import THRESHOLD_M
+from ...defaults import STEEPEST_DB_PER_HZ, THRESHOLD_M
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
-
-STEEPEST_DB_PER_HZ = 2.5
-"""Of the thresholds of `tactometry.stimuli.perception.channels`, at 3 Hz: an upper bound."""
 
 
 @dataclass(frozen=True)
@@ -24,13 +21,9 @@ class Sensitivity(Effect):
     ----------
     reference_m : float
         Displacement of the skin at the threshold at 250 Hz, which scales the other frequencies.
-
-    >>> Sensitivity().slot
-    'sensitivity'
     """
 
     kind = "sensitivity"
-    slot = "sensitivity"
     positive = ("reference_m",)
     requires = ("friction",)
     reads, gives = ("skin_components",), "sensation_db"
@@ -42,7 +35,6 @@ class Sensitivity(Effect):
     reference_m: float = THRESHOLD_M
 
     def __call__(self, skin_components: "Components") -> float:
-        """Level above threshold."""
         from ...perception.channels import sensation_level_db
 
         return sensation_level_db(skin_components, self.reference_m)

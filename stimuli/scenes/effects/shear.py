@@ -23,7 +23,6 @@ class Shear(Alteration):
     """
 
     kind = "shear"
-    slot = "shear"
     in_signal = True
     positive = ("shear_factor",)
     reads, gives = ("screen",), "screen"

@@ -23,7 +23,6 @@ class Summation(Effect):
     """
 
     kind = "summation"
-    slot = "summation"
     positive = ("reference_m2",)
     requires = ("receptors",)
     reads, gives = ("channels_db", "area_m2"), "channels_db"
@@ -31,7 +30,6 @@ class Summation(Effect):
     reference_m2: float = 2.9e-4
 
     def __call__(self, channels_db: "FloatArray", area_m2: float) -> "FloatArray":
-        """The levels of the channels, P raised by the area."""
         import numpy as np
 
         from ...perception.channels import P, summation_db

@@ -23,9 +23,6 @@ class TemperatureDrift(Effect):
         By how much the plate is warmer than it was when it was learnt.
     shift_per_k : float
         Relative shift of the modal frequencies.
-
-    >>> TemperatureDrift(10.0).shift_per_k
-    -5e-05
     """
 
     kind = "temperature_drift"

@@ -36,5 +36,4 @@ class WeberFraction(Effect):
     reference_n: float = 1.0
 
     def __call__(self, skin_components: "Components", contact: "Contact") -> "Components":
-        """Components as they count beside the force of the finger."""
         return skin_components.times(self.reference_n / contact.force_n)

@@ -1,5 +1,6 @@
-"""The voltage across a layer: a divider without losses, or the exact answer of a circuit with some."""
+"""Stages that several surfaces and effects share: voltage across a layer, spectra, and scaling to a voltage."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
@@ -12,16 +13,19 @@ if TYPE_CHECKING:
     from ...electrovibration.attraction.force import ForceForm
     from ...electrovibration.waveforms.pieces import Pieces
 
+MULTIPLY = "operator:mul"
+HIGHEST = f"{__name__}:highest"
+RECORD = "tactometry.stimuli.scenes.stages.record"
 NEEDS = ("t_s", "unit_voltage", "form")
 
 
 def divider_stage() -> Stage:
-    """The layer's share of the voltage: what holds without losses."""
+    """Return the stage of a layer's share of the voltage without losses."""
     return Stage("divider", NEEDS, "unit_layer_voltage_v", f"{__name__}:divider", size=per_sample(700.0))
 
 
 def circuit_stage(effect: str) -> Stage:
-    """The exact relaxations of the layers, for an effect with a loss in it; see `check_ramp`."""
+    """Return the stage that solves the circuit of an effect with a loss, which needs a ramp (`check_ramp`)."""
 
     def size(demand: Demand) -> Size:
         check_ramp(demand, effect)
@@ -31,17 +35,17 @@ def circuit_stage(effect: str) -> Stage:
 
 
 def of_true_area() -> Stage:
-    """The law of force under the area of the contact, in place of one that is scaled by it."""
+    """Return the stage that computes the force law for the area of the contact, not for 1 m^2."""
     return Stage("true_area", ("area_m2",), "form_area_m2", f"{__name__}:same")
 
 
 def same(area_m2: float) -> float:
-    """An area under another name."""
+    """Return the area."""
     return area_m2
 
 
 def check_ramp(demand: Demand, effect: str) -> None:
-    """Refuse a tone without a ramp: what then relaxes is faster than the tone that the sampling is chosen for."""
+    """Refuse a tone without a ramp, whose relaxation would be faster than the sampling."""
     if not demand.surface.ramp_s:
         raise InvalidParameter(
             f"{effect}: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the tone a ramp_s above 0"
@@ -49,13 +53,45 @@ def check_ramp(demand: Demand, effect: str) -> None:
 
 
 def divider(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
-    """Layers without losses divide a voltage at any frequency alike."""
+    """Return the voltage (n,) across a layer without losses."""
     gain = sum(form.relaxations.gains, start=form.relaxations.dc_gain)
     return gain * voltage.at(t_s)
 
 
 def relaxation(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
-    """The exact solution of the circuit."""
-    from ...electrovibration.skin.solution import Solution
+    """Return the exact voltage (n,) across a layer of a circuit with losses."""
+    from ...electrovibration.skin.relaxation import Solution
 
     return Solution(voltage, form.relaxations).at(t_s)
+
+
+def spectrum_stage(name: str, record: str, gives: str) -> Stage:
+    """Return the stage that reads the components of a record at the times of a scene."""
+    return Stage(name, ("t_s", record), gives, f"{RECORD}:components_of", size=_fine_spectrum)
+
+
+def spectrum_of_record(name: str, course: str, gives: str) -> Stage:
+    """Return the stage that reads the components of a record over a voltage that is played."""
+    return Stage(name, ("record", course), gives, f"{RECORD}:components_of_record", size=_fine_spectrum_of_record)
+
+
+def _fine_spectrum(demand: Demand) -> Size:
+    from .record import size  # without a threshold, nothing reads components
+
+    return size(demand)
+
+
+def _fine_spectrum_of_record(demand: Demand) -> Size:
+    from .record import size_of_record
+
+    return size_of_record(demand)
+
+
+def at_voltage(name: str, per_volt: str, gives: str, size: Callable[[Demand], Size] | None = None) -> Stage:
+    """Return the stage that multiplies a quantity per volt by the voltage of a run."""
+    return Stage(name, (per_volt, "voltage_v"), gives, MULTIPLY, size=size)
+
+
+def highest(course: "FloatArray") -> float:
+    """Return the largest value of a course (n,)."""
+    return float(course.max())

@@ -1,15 +1,20 @@
-"""Fingers that rest on the plate: each answers its motion there with a force that moves the plate in turn."""
+"""Fingers that rest on the plate, as linear contacts or as contacts that open where they would pull."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import ComplexArray, FloatArray
+from ...arrays import ComplexArray, FloatArray, real_product
 from ...time_reversal.fingertip import Fingertip
+from ...time_reversal.plate.modes import values
 from ...time_reversal.responses.load import CHUNK, PlateLoad, contact_transfer
 from ...time_reversal.screen.transducer import PointForce
-from .motion import PlateMotion, moving_modes
+from .motion import PlateMotion, answer, moving_modes
+
+if TYPE_CHECKING:
+    from ...time_reversal.lift_off import ContactCourses
 
 Numbers = tuple[float, ...]
 
@@ -51,9 +56,100 @@ def _forces(motion: PlateMotion, units: Sequence[PlateMotion], contacts: Sequenc
 
 
 def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
-    """The motion by a unit force at one contact, at each frequency."""
     played = np.zeros((len(unit.screen.sources), len(unit.s)), complex)
     played[contact] = 1.0
     oscillators, at = moving_modes(unit.screen, unit.modes_to_hz, unit.static_to_hz)
     amplitude = at[:, contact, None] * oscillators.compliance(unit.screen.plate.mass_kg, unit.s)
     return replace(unit, amplitude=amplitude, played=played)
+
+
+if TYPE_CHECKING:
+    from ...time_reversal.lift_off import ContactCourses
+
+
+@dataclass(frozen=True, eq=False)
+class OpenedMotion(PlateMotion):
+    """The motion of a plate under fingers that may come off, per volt of the one voltage that it holds for.
+
+    Parameters
+    ----------
+    contacts : ContactCourses
+        Of the fingers, at `finer` steps to a sample.
+    finer : int
+    voltage_v : float
+    """
+
+    contacts: "ContactCourses"
+    finer: int
+    voltage_v: float
+
+
+def opened_motion(
+    motion: PlateMotion, voltage_v: float, *, x_m: Numbers, y_m: Numbers, force_n: Numbers, finer: int, **pulp: float
+) -> PlateMotion:
+    """Return the motion of the plate whose fingers `motion` holds as linear contacts, at a voltage."""
+    from ...time_reversal.lift_off import one_sided_contacts
+
+    if voltage_v == 0:
+        return motion
+    finger, places = Fingertip(**pulp), tuple(zip(x_m, y_m, strict=True))
+    loads = [finger.load(place, force) for place, force in zip(places, force_n, strict=True)]
+    free = _under_forces(motion, np.zeros((len(places), len(motion.s)), complex))
+    contacts = one_sided_contacts(
+        motion.screen,
+        voltage_v * free.course(free.of_points(places), finer),
+        loads,
+        np.asarray(force_n),
+        finer * motion.rate_hz,
+        motion.modes_to_hz,
+        _still_m_per_n(motion, places),
+    )
+    answers = (contacts.contact_force_n - np.asarray(force_n)[:, None]) / voltage_v
+
+    # the mean of each step stands in its middle
+    shift, step_s = motion.s[0].real, 1 / (finer * motion.rate_hz)
+    damped = answers * np.exp(-shift * step_s * np.arange(answers.shape[1]))
+    spectrum = np.fft.rfft(damped, motion.n_fft * finer)[:, : len(motion.s)] / finer
+    opened = _under_forces(motion, np.asarray(spectrum * np.exp(motion.s * step_s / 2)))
+    inherited = {field.name: getattr(opened, field.name) for field in fields(PlateMotion)}
+    return OpenedMotion(**inherited, contacts=contacts, finer=finer, voltage_v=voltage_v)
+
+
+def contact_answers(motion: PlateMotion, oversampling: int, n: int) -> FloatArray:
+    """(n_contacts, n_times): what the fingers answer on top of what presses them, per volt: at least minus that."""
+    if not isinstance(motion, OpenedMotion):  # at no voltage
+        return np.zeros((n, (motion.n_samples - 1) * oversampling + 1))
+    pressed_n = motion.contacts.force_n[:, None]
+    answers = (motion.contacts.contact_force_n - pressed_n) / motion.voltage_v
+    # the mean over a step stands in its middle
+    steps, times = np.arange(answers.shape[1]) - 0.5, motion.times_s(oversampling)
+    at = (times - times[0]) * motion.rate_hz * motion.finer
+    return np.stack([np.interp(at, steps, answer_n) for answer_n in answers])
+
+
+def lost_s(motion: PlateMotion) -> FloatArray:
+    """(n_contacts,): for how long each finger is without contact."""
+    if not isinstance(motion, OpenedMotion):
+        return np.zeros(1)
+    return np.asarray(motion.contacts.apart.sum(axis=1) / (motion.finer * motion.rate_hz))
+
+
+def _under_forces(motion: PlateMotion, forces: ComplexArray) -> PlateMotion:
+    """The motion with other forces (n_contacts, n_frequencies) on the fingers, its last channels, in N/V."""
+    n = len(forces)
+    oscillators, at = moving_modes(motion.screen, motion.modes_to_hz, motion.static_to_hz)
+    pushed, change = np.ascontiguousarray(at[:, -n:]), -forces - motion.played[-n:]
+    mass_kg = motion.screen.plate.mass_kg
+    moved = answer(oscillators, mass_kg, motion.s, lambda part: real_product(pushed, change[:, part]))
+    played = np.vstack([motion.played[:-n], -forces])
+    return replace(motion, amplitude=motion.amplitude + moved, played=played)
+
+
+def _still_m_per_n(motion: PlateMotion, places: tuple[tuple[float, float], ...]) -> FloatArray:
+    """(n_contacts, n_contacts): the static compliance of the modes that follow."""
+    at = np.asarray(places)
+    n = len(motion.amplitude)
+    shapes = values(motion.modes, at[:, 0], at[:, 1])[n:]
+    pushed = replace(motion.screen, sources=tuple(PointForce(*place) for place in places))
+    forces = pushed.modal_forces(motion.static_to_hz)[n:]
+    return np.asarray(shapes.T @ (forces / motion.stiffness_n_per_m[:, None]))

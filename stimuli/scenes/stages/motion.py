@@ -14,8 +14,8 @@ import numpy as np
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray, real_product
-from ...time_reversal.oscillators.oscillators import Oscillators
 from ...time_reversal.plate.modes import Modes, values
+from ...time_reversal.plate.oscillators import Oscillators
 from ...time_reversal.responses.load import CHUNK, contour
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
@@ -194,5 +194,25 @@ def course_at(motion: PlateMotion, oversampling: int, x_m: float, y_m: float) ->
 
 
 def _real(numbers: ComplexArray, turning: ComplexArray) -> FloatArray:
-    """The real part of a product."""
     return np.asarray(numbers.real @ turning.real - numbers.imag @ turning.imag)
+
+
+def along(side_m: float, n: int) -> FloatArray:
+    """Places along a side, from edge to edge."""
+    return np.linspace(0.0, side_m, n)
+
+
+def focus_field(motion: PlateMotion, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+    """(n_x, n_y): displacement at the focus instant (m/V)."""
+    return motion.modes.field(motion.at_times(np.zeros(1))[:, 0], x_m, y_m)
+
+
+def frame_times(n_frames: int, span_s: float) -> FloatArray:
+    """Times of the frames of a movie, the focus in the middle."""
+    return np.linspace(-span_s / 2, span_s / 2, n_frames)
+
+
+def movie(motion: PlateMotion, frames_s: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+    """(n_frames, n_x, n_y): displacement (m/V) at times from the focus instant."""
+    draw = motion.modes.frame(x_m, y_m)
+    return np.stack([draw(np.ascontiguousarray(amplitudes)) for amplitudes in motion.at_times(frames_s).T])

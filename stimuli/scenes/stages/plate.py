@@ -56,7 +56,6 @@ def contact_force(signal: "Signal", setup: "Setup", places_m: "Places", contact:
 
 
 def _loads(places_m: "Places", contact: Contact, pulp: Mapping[str, float]) -> "list[PlateLoad]":
-    """Fingers that share the force of a touch."""
     from ...time_reversal.fingertip import Fingertip
 
     finger, force_n = Fingertip(**pulp), contact.force_n / len(places_m)

@@ -3,22 +3,22 @@
 A signal is taken as it is played, straight from sample to sample, so that any waveform is felt alike.
 """
 
+from math import exp, log, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
 
 from ...arrays import FloatArray
 from ...composition.effect import Demand, Size
-from ...composition.record import VoltageRecord
+from ...composition.sampling import content_of, samples
+from ...electrovibration.waveforms.pieces import VoltageRecord
 from ...perception.channels import heard
-from ...perception.detection import Components, components
-from .spectrum import padding_for, peak_error
+from ...perception.detection import WINDOW, Components, components
 
 if TYPE_CHECKING:
-    from tactometry.signal import Signal
-
     from ...electrovibration.attraction.force import ForceForm
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.waveforms.pieces import Pieces
@@ -27,17 +27,14 @@ FINER = 2
 Tissue = tuple[float, ...]
 
 
-def recorded(signal: "Signal", share: float) -> VoltageRecord:
+def recorded(signal: Signal, share: float) -> VoltageRecord:
     """The voltage of a signal, `FINER` times as many samples (band-limited) where more than a share of its power lies
     above a quarter of the rate.
 
     The force goes with the square, which has twice the bandwidth: that of a carrier of 9.9 kHz at 20 kHz would seem to
     vibrate at 200 Hz.
 
-    Raises
-    ------
-    InvalidParameter
-        If the signal is not one channel in volt.
+    Raises `InvalidParameter` if the signal is not one channel in volt.
     """
     if signal.unit != "V" or len(signal.samples) != 1:
         raise InvalidParameter(
@@ -50,20 +47,6 @@ def recorded(signal: "Signal", share: float) -> VoltageRecord:
         return VoltageRecord(voltage_v, signal.rate_hz)
     lines[n // 2 :] *= 1.0 if n % 2 else 0.5
     return VoltageRecord(FINER * np.fft.irfft(lines, n=FINER * n), FINER * signal.rate_hz)
-
-
-def sampling(demand: Demand) -> Size:
-    """What aliases is fainter than the rest by the tolerated error: a share of the power that is its square."""
-    return Size({"share": demand.error**2}, demand.error)
-
-
-def reading(demand: Demand) -> Size:
-    """How finely components are read off the record; it refuses what no record is long enough for."""
-    from ...composition.sampling import content_of
-
-    duration_s, steepest_db_per_hz = demand.surface.duration_s, content_of(demand).steepest_db_per_hz
-    padding = padding_for(demand.error, duration_s, steepest_db_per_hz)
-    return Size({"padding": padding}, peak_error(padding, duration_s, steepest_db_per_hz))
 
 
 def skin(tissue: Tissue, **layers: float) -> "Skin":
@@ -91,7 +74,7 @@ def times(record: VoltageRecord) -> FloatArray:
     return record.t_s
 
 
-def components_of(record: VoltageRecord, course: FloatArray, padding: int) -> Components:
+def components_of_record(record: VoltageRecord, course: FloatArray, padding: int) -> Components:
     """The components of a course over the record that any channel of touch answers to."""
     return heard(components(course, record.rate_hz, padding))
 
@@ -99,3 +82,89 @@ def components_of(record: VoltageRecord, course: FloatArray, padding: int) -> Co
 def grown(parts: Components, area_m2: float, form_area_m2: float) -> Components:
     """The force under an area from that under another: what does not drive the body is in proportion."""
     return parts.times(area_m2 / form_area_m2)
+
+
+PADDINGS = (1, 2, 4, 8, 16, 32, 64)
+MOST_LINES = 3e7
+N_OFFSETS = 21
+
+
+def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float) -> float:
+    """Largest relative error of a component above threshold by lines ``1/padding`` apart.
+
+    >>> peak_error(1, 1.0, steepest_db_per_hz=0.69) < 0.03, peak_error(8, 1.0, 0.69) < 1e-4
+    (True, True)
+    """
+    offsets = [k / (2 * (N_OFFSETS - 1)) for k in range(N_OFFSETS)]
+    readings = [_read_off(offset, padding) for offset in offsets]
+    per_line = steepest_db_per_hz * log(10) / 20 / duration_s
+    return max(abs(height - 1) + per_line * abs(away) / padding for height, away in readings)
+
+
+def padding_for(error: float, duration_s: float, steepest_db_per_hz: float, n: int = 1) -> int:
+    """The smallest padding of `n` samples whose error is at most `error`, or the largest that fits.
+
+    >>> padding_for(1e-4, 1.0, steepest_db_per_hz=0.69) <= 8, padding_for(1e-9, 1.0, 0.69)
+    (True, 64)
+    """
+    fits = [padding for padding in PADDINGS if padding * n <= MOST_LINES] or PADDINGS[:1]
+    return next((padding for padding in fits if peak_error(padding, duration_s, steepest_db_per_hz) <= error), fits[-1])
+
+
+def size(demand: Demand) -> Size:
+    """Return how finely the components of a record are read off."""
+    n = demand.once(samples)
+    padding, error = _padding(demand, n)
+    return Size({"padding": padding}, error, n_operations=300.0 * padding * n)
+
+
+def size_of_record(demand: Demand) -> Size:
+    """Return the same over a voltage that is played, whose number of samples is not known."""
+    padding, error = _padding(demand)
+    return Size({"padding": padding}, error)
+
+
+def _padding(demand: Demand, n: int = 1) -> tuple[int, float]:
+    duration_s, steepest_db_per_hz = demand.surface.duration_s, content_of(demand).steepest_db_per_hz
+    padding = padding_for(demand.error, duration_s, steepest_db_per_hz, n)
+    return padding, peak_error(padding, duration_s, steepest_db_per_hz)
+
+
+def components_of(t_s: "FloatArray", record: "FloatArray", padding: int) -> "Components":
+    """The components of a record (n_samples,) at equal steps, its mean left out."""
+    # a period of the transform ends before the sample that would begin the next
+    return components(record[:-1], (record.size - 1) / float(t_s[-1]), padding)
+
+
+def _read_off(offset: float, padding: int) -> tuple[float, float]:
+    """Height, and place in lines off the truth, that a parabola reads off a component `offset` lines off a line."""
+    before, at, after = (log(_transform((offset + k) / padding) / WINDOW[0]) for k in (1, 0, -1))
+    away = (before - after) / (2 * (before - 2 * at + after))
+    return exp(at - (before - after) * away / 4), away - offset
+
+
+def _transform(lines: float) -> float:
+    """Fourier transform of the window, `lines` off its middle, over its length; for a long record."""
+
+    def sinc(x: float) -> float:
+        return 1.0 if x == 0 else sin(pi * x) / (pi * x)
+
+    sides = [WINDOW[k] / 2 * (sinc(lines - k) + sinc(lines + k)) for k in range(1, len(WINDOW))]
+    return WINDOW[0] * sinc(lines) + sum(sides)
+
+
+def resting(signal: Signal) -> Signal:
+    """What the transducers play, until they are silent."""
+    foci = signal.samples[:-1]
+    n_driven = int(np.flatnonzero(np.any(foci, axis=0)).max(initial=0)) + 1
+    return Signal(foci[:, :n_driven], signal.rate_hz, signal.unit)
+
+
+def sliding(signal: Signal) -> Signal:
+    """What the electrode plays."""
+    return Signal(signal.samples[-1:], signal.rate_hz, signal.unit)
+
+
+def stronger(foci_db: FloatArray, friction_db: float) -> float:
+    """The level of what is felt most, of the foci or of the friction."""
+    return max(float(np.max(foci_db)), friction_db)

@@ -18,7 +18,7 @@ from math import exp, hypot, inf, pi, sqrt
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
-from ...composition.effect import Demand, Surroundings
+from ...composition.effect import Demand, FingerContact, Surroundings
 
 MOVING, STILL, TURNING = 2.0, 8.0, 2.0
 """Parts of one transducer's remainder, of the modes that move and of those that follow; where the latter turn.
@@ -65,7 +65,9 @@ class Tail:
 def remainder(scene: Surroundings) -> float:
     """Root of the energy of the modes above the band over that of a response in it, at the focus."""
     content = content_of(scene)
-    tau_s = _effective_tau_s(scene.surface.reversal_s, content.tau_s)
+    tau_s = scene.surface.reversal_s
+    if content.tau_s != inf:
+        tau_s = float(content.tau_s * (1 - exp(-2 * tau_s / content.tau_s)) / 2)
     return content.weakening * sqrt(2 / (pi * 2 * pi * scene.surface.f_max_hz * tau_s))
 
 
@@ -82,10 +84,7 @@ def cut_of(demand: Demand) -> Cut:
 def cut(scene: Surroundings, error: float) -> Cut:
     """The fewest modes for an error.
 
-    Raises
-    ------
-    InvalidParameter
-        If they are more than one run can hold.
+    Raises `InvalidParameter` if they are more than one run can hold.
     """
     surface, content = scene.surface, content_of(scene)
     # half for the modes that move, half for those that follow, and a little for the rounding of their sum
@@ -93,24 +92,18 @@ def cut(scene: Surroundings, error: float) -> Cut:
     one = remainder(scene) / min(surface.n_transducers, MOST_COUNTED)
     moves = MOVING * one * content.reading + OF_LOAD * content.load
     ratio = max(1.0, (moves / half) ** (1 / 5))
-    tails = _tails(scene, one)
+
+    distance_m = _distance_m(scene)
+    turning = TURNING / (wavenumber_rad_per_m(scene, surface.f_max_hz) * distance_m) if distance_m else inf
+    places = Tail(STILL * one * content.reading, turning)
+    tails = [places] if MAPS.isdisjoint(scene.outputs) else [places, Tail(STILL * one, inf)]
     follow = max(ratio, *(tail.end(half) for tail in tails))
     expected = moves / ratio**5 + max(tail.beyond(follow) for tail in tails)
-    band_hz = surface.f_max_hz
-    fewest = Cut(ratio * band_hz, follow * band_hz, _heard(error) * band_hz, expected)
+
+    band_hz, heard = surface.f_max_hz, next(share for above, share in HEARD if error >= above)
+    fewest = Cut(ratio * band_hz, follow * band_hz, heard * band_hz, expected)
     _check_size(scene, fewest, error)
     return fewest
-
-
-def _tails(scene: Surroundings, one: float) -> list[Tail]:
-    """Where it is read, and on a map."""
-    places = Tail(STILL * one * content_of(scene).reading, _turning(scene))
-    return [places] if MAPS.isdisjoint(scene.outputs) else [places, Tail(STILL * one, inf)]
-
-
-def _turning(scene: Surroundings) -> float:
-    distance_m = _distance_m(scene)
-    return TURNING / (wavenumber_rad_per_m(scene, scene.surface.f_max_hz) * distance_m) if distance_m else inf
 
 
 def _distance_m(scene: Surroundings) -> float:
@@ -125,10 +118,6 @@ def _distance_m(scene: Surroundings) -> float:
         for centre in centres
         for x_m, y_m in ((surface.focus_x_m, surface.focus_y_m), *content.places_m)
     )
-
-
-def _heard(error: float) -> float:
-    return next(share for above, share in HEARD if error >= above)
 
 
 def n_modes(scene: Surroundings, frequency_hz: float) -> float:
@@ -152,7 +141,7 @@ def n_frequencies(scene: Surroundings, ends: Cut) -> int:
 
 
 def n_frequencies_of_sound(scene: Surroundings) -> float:
-    """Frequencies that `tactometry.stimuli.time_reversal.field.sound.noise` takes."""
+    """Frequencies that `tactometry.stimuli.time_reversal.focusing.sound.noise` takes."""
     surface, content = scene.surface, content_of(scene)
     return float(surface.rate_hz * (surface.reversal_s + content.train_s + content.ringing_s))
 
@@ -179,6 +168,54 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
             )
 
 
-def _effective_tau_s(reversal_s: float, tau_s: float) -> float:
-    """How long a response lasts within the reversal time, at the top of the band."""
-    return reversal_s if tau_s == inf else float(tau_s * (1 - exp(-2 * reversal_s / tau_s)) / 2)
+Place = tuple[float, float]
+
+
+def at_rest(scene: Surroundings) -> list[FingerContact]:
+    """The contacts that rest."""
+    return [touch for touch in scene.contacts if not touch.slides]
+
+
+def places_m(scene: Surroundings) -> list[Place]:
+    """Where they rest: without a place of their own, at the focus."""
+    return [_place(touch, scene.surface.focus_m) for touch in at_rest(scene)]
+
+
+def check_on_plate(scene: Surroundings) -> None:
+    """Refuse a finger that rests beside the plate.
+
+    Raises
+    ------
+    InvalidParameter
+        At the first.
+    """
+    plate = scene.surface.plate
+    for n, (x_m, y_m) in enumerate(places_m(scene)):
+        if not plate.contains(x_m, y_m):
+            raise InvalidParameter(
+                f"contacts[{n}]: found ({x_m}, {y_m}) m, expected a place on the plate of "
+                f"{plate.length_m} x {plate.width_m} m"
+            )
+
+
+def felt_at_m(scene: Surroundings) -> Place:
+    """Where the first of them feels; without any, at the focus."""
+    focus_m: Place = scene.surface.focus_m
+    return next(iter(places_m(scene)), focus_m)
+
+
+def is_away(scene: Surroundings) -> bool:
+    """Whether that is beside the focus."""
+    focus_m: Place = scene.surface.focus_m
+    return felt_at_m(scene) != focus_m
+
+
+def farther(scene: Surroundings) -> float:
+    """How much larger the focus is than what the plate does elsewhere, about."""
+    surface = scene.surface
+    return float((surface.plate.modal_density_s * surface.f_max_hz) ** 0.5)
+
+
+def _place(touch: FingerContact, focus_m: Place) -> Place:
+    at_x_m, at_y_m = focus_m
+    return at_x_m if touch.x_m is None else touch.x_m, at_y_m if touch.y_m is None else touch.y_m

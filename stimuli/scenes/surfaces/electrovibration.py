@@ -1,30 +1,48 @@
-"""An electrovibration screen: from a level to the attraction of a finger, with whatever effects are called for."""
+"""An electrovibration screen: from a level, or from a voltage that is played, to what a finger feels."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 from tactometry.contact import Contact
 
-from ...composition.effect import Stage, Surface
+from ...composition.effect import PLAYED, Demand, FingerContact, Size, Stage, Surface, Surroundings, is_changed
 from ...composition.sampling import per_sample, record
 from ..effects import OF_ELECTROVIBRATION
-from ..stages.circuit import divider_stage
-from ..stages.reading import spectrum_stage
-from ..stages.scaling import HIGHEST, MULTIPLY
-from .panel import AREA_M2, ASSUMES, SKIN_MOTION
+from ..stages.circuit import HIGHEST, MULTIPLY, divider_stage, of_true_area, spectrum_of_record, spectrum_stage
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
-    from ...composition.effect import Demand, Surroundings
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.waveforms.pieces import Pieces
     from ...electrovibration.waveforms.waveform import Waveform
-    from .played_electrovibration import PlayedElectrovibration
+
+ASSUMES: Mapping[str, str] = {
+    "body": "no resistance of body and source",
+    "leakage": "a corneum without losses",
+    "gap": "no air between insulator and skin",
+    "area": "a contact area that no force changes",
+    "mobility": "a pulp of unverified stiffness, damping and mass, where finger_dynamics does not move the skin",
+    "polarity": "the same attraction at either sign of the voltage",
+}
+
+AREA_M2 = 1e-4
+"""Of a contact; unverified default."""
+
+SKIN_MOTION = Stage(
+    "skin_motion",
+    ("components", "contact"),
+    "skin_components",
+    "tactometry.stimuli.electrovibration.motion.skin_mobility:SkinMobility",
+)
+"""The skin moves as `SkinMobility` has it by default."""
 
 WAVEFORMS = "tactometry.stimuli.electrovibration.waveforms"
 FORCE = "tactometry.stimuli.electrovibration.attraction.force:ForceForm.force_n"
+SAME = "tactometry.stimuli.scenes.stages.circuit:same"
+RECORD = "tactometry.stimuli.scenes.stages.record"
 
 
 @dataclass(frozen=True)
@@ -72,10 +90,12 @@ class Electrovibration(Surface):
         require.positive("Electrovibration", **values)
         require.not_negative("Electrovibration", ramp_s=self.ramp_s)
 
-    def stages(self, scene: "Demand") -> tuple[Stage, ...]:
+    def stages(self, scene: Demand) -> tuple[Stage, ...]:
         tone = {"frequency_hz": self.frequency_hz, "duration_s": self.duration_s, "ramp_s": self.ramp_s}
         of_layer, force = ("unit_layer_voltage_v", "peak_voltage_v"), ("electrostatic_force_n",)
         drawn, once = ("form", "layer_voltage_v"), per_sample(1.0)
+        first = [{"force_n": touch.force_n, "speed_m_per_s": touch.speed_m_per_s} for touch in scene.contacts[:1]]
+
         return (
             Stage("waveform", (), "waveform", f"{__name__}:tone", tone),
             Stage("unit_voltage", ("waveform",), "unit_voltage", f"{__name__}:of_one_volt"),
@@ -83,7 +103,7 @@ class Electrovibration(Surface):
             Stage("voltage", ("unit_voltage", "peak_voltage_v"), "voltage", f"{WAVEFORMS}.pieces:Pieces.scaled"),
             Stage("sampling", ("unit_voltage",), "t_s", f"{__name__}:grid", size=record),
             Stage("drive", ("voltage", "t_s"), "voltage_v", f"{WAVEFORMS}.pieces:Pieces.at", size=per_sample(700.0)),
-            *_finger(scene),
+            *(Stage("contact", (), "contact", f"{__name__}:contact", finger) for finger in first),
             Stage("skin", (), "skin", f"{__name__}:lossless", self._skin()),
             Stage("area", (), "area_m2", f"{__name__}:constant", {"value": self.area_m2}),
             divider_stage(),
@@ -94,20 +114,12 @@ class Electrovibration(Surface):
             Stage("peak", force, "peak_force_n", HIGHEST, size=once),
         )
 
-    def played(self, scene: "Surroundings | None" = None) -> "PlayedElectrovibration":
-        """The panel under whatever voltage is played."""
-        from .played_electrovibration import PlayedElectrovibration
-
+    def played(self, scene: Surroundings | None = None) -> "PlayedElectrovibration":
+        """Return the panel for any voltage that is played."""
         return PlayedElectrovibration(lossless(**self._skin()), self.area_m2, self.duration_s)
 
     def _skin(self) -> dict[str, float]:
         return {name: value for name, value in vars(self).items() if name.startswith(("insulator", "corneum"))}
-
-
-def _finger(scene: "Demand") -> tuple[Stage, ...]:
-    """The first finger, whose force and speed effects read."""
-    settings = [{"force_n": touch.force_n, "speed_m_per_s": touch.speed_m_per_s} for touch in scene.contacts[:1]]
-    return tuple(Stage("contact", (), "contact", f"{__name__}:contact", of_one) for of_one in settings)
 
 
 def contact(force_n: float, speed_m_per_s: float) -> Contact:
@@ -136,8 +148,6 @@ def grid(voltage: "Pieces", n_samples: int) -> "FloatArray":
 
 def lossless(**layers: Any) -> "Skin":
     """A skin whose corneum does not conduct."""
-    from math import inf
-
     from ...electrovibration.skin.skin import Skin
 
     return Skin(**layers, corneum_resistivity_ohm_m=inf)
@@ -146,3 +156,64 @@ def lossless(**layers: Any) -> "Skin":
 def constant(value: float) -> float:
     """A number that nothing changes."""
     return value
+
+
+@dataclass(frozen=True)
+class PlayedElectrovibration(Surface):
+    """A panel that any voltage is played on, one channel of samples.
+
+    What depends on the voltage alone is computed for a contact of 1 m^2: area, friction and lag are factors of its
+    components. Where one is not (a body in series, a finger that sticks), its effect asks for the true area, and so
+    does one that changes the course of friction.
+
+    Parameters
+    ----------
+    skin : Skin
+        Insulator, corneum and tissue; what leaks, gaps and resists are effects.
+    area_m2 : float
+        Contact area, as long as no effect makes it depend on force.
+    duration_s : float
+        How long a record is felt at a time, which its spectrum is read by.
+
+    >>> PlayedElectrovibration().given
+    ('signal', 'contact')
+    """
+
+    kind = "electrovibration"
+    is_played, given = True, PLAYED
+    effects = OF_ELECTROVIBRATION
+    assumes: ClassVar[Mapping[str, str]] = ASSUMES
+    touches = (FingerContact(1.0, 0.05),)
+
+    skin: "Skin" = field(default_factory=lossless)
+    area_m2: float = AREA_M2
+    duration_s: float = 1.0
+
+    def stages(self, scene: Demand) -> tuple[Stage, ...]:
+        area, drawn = ("attraction_components", "area_m2", "form_area_m2"), ("form", "layer_voltage_v")
+        tissue = self.skin.tissue
+        layers = {**vars(self.skin), "tissue": tuple(vars(tissue).values()) if tissue else ()}
+
+        return (
+            Stage("record", ("signal",), "record", f"{RECORD}:recorded", size=_sampling),
+            Stage("times", ("record",), "t_s", f"{RECORD}:times"),
+            Stage("pieces", ("record",), "voltage", f"{RECORD}:pieces"),
+            Stage("skin", (), "skin", f"{RECORD}:skin", layers),
+            Stage("area", (), "area_m2", SAME, {"area_m2": self.area_m2}),
+            Stage("unit_area", (), "form_area_m2", SAME, {"area_m2": 1.0}),
+            Stage("layer_voltage", ("record", "form"), "layer_voltage_v", f"{RECORD}:layer_voltage"),
+            Stage("attraction", drawn, "electrostatic_force_n", FORCE),
+            spectrum_of_record("spectrum", "electrostatic_force_n", area[0]),
+            Stage("area_factor", area, area[0], f"{RECORD}:grown"),
+            spectrum_of_record("spectrum_of_friction", "friction_force_n", "components"),
+            SKIN_MOTION,
+            *((of_true_area(),) if is_changed("friction_force_n", scene) else ()),
+        )
+
+    def reaches(self, contact: Contact) -> bool:
+        """A finger at rest feels no friction."""
+        return contact.force_n > 0 and contact.speed_m_per_s > 0
+
+
+def _sampling(demand: Demand) -> Size:
+    return Size({"share": demand.error**2}, demand.error)

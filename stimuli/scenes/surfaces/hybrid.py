@@ -1,32 +1,33 @@
-"""Both on one plate at once: a focus by time reversal, and electrovibration under a finger that slides."""
+"""A plate that focuses with an electrode on it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Demand, Effect, FingerContact, Size, Stage, Surface, Surroundings
+from ...composition.effect import Demand, FingerContact, Surroundings
 from ..effects import OF_HYBRID
+from . import Side, TwoSided
 from .electrovibration import Electrovibration
 from .time_reversal import TimeReversal
 
 if TYPE_CHECKING:
-    from .played_hybrid import PlayedHybrid
+    from .played_plates import PlayedHybrid
 
 SLIDING = "sliding_"
-"""In front of the names of stages, and of those quantities that both surfaces have, on the side that slides."""
-SHARED = ("t_s", "motion", "sensation_db")
-ELECTRODE_V = "electrode_voltage_v"
+"""Prefix of stages and quantities of the side that slides."""
+RENAMED = ("t_s", "motion", "sensation_db")
+"""Quantities that both sides have."""
 
 
 @dataclass(frozen=True)
-class HybridScreen(Surface):
+class HybridScreen(TwoSided):
     """A plate that focuses, with an electrode on it.
 
-    Fingers that rest feel the focus, the first that slides feels friction. To the plate all are loads at their places,
-    those at rest first: in the time of a focus a finger slides less than a tenth of a wavelength. The attraction does
-    not bend the plate, and the focus does not change friction: both are left out.
+    Fingers at rest feel the focus, the first finger that slides feels friction. For the plate all fingers are loads at
+    their places, those at rest first: while a focus lasts, a finger slides less than a tenth of a wavelength. The
+    model leaves out that the attraction bends the plate and that the focus changes friction.
 
     Parameters
     ----------
@@ -52,37 +53,19 @@ class HybridScreen(Surface):
     electrovibration: Electrovibration
     time_reversal: TimeReversal = field(default_factory=TimeReversal)
 
-    def stages(self, scene: Demand) -> tuple[Stage, ...]:
-        plate = self.time_reversal.stages(self._resting(scene))
-        panel = self.electrovibration.stages(self._sliding(scene))
-        return (*self._on(plate, self._resting), *map(_renamed, self._on(panel, self._sliding)))
-
-    def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
-        """The stages of an effect, on each side where it acts, or across both."""
-        resting: tuple[Stage, ...] = ()
-        sliding: tuple[Stage, ...] = ()
-        if effect.kind in TimeReversal.effects:
-            resting = self._on(super().stages_of(effect, self._resting(scene)), self._resting)
-        if effect.kind in Electrovibration.effects:
-            sliding = self._on(super().stages_of(effect, self._sliding(scene)), self._sliding)
-        return (*resting, *map(_renamed, sliding)) or super().stages_of(effect, scene)
+    def sides(self) -> tuple[Side, ...]:
+        plate = Side(self.time_reversal, self._resting)
+        return plate, Side(self.electrovibration, self._sliding, lambda name: f"{SLIDING}{name}", _on_electrode)
 
     def played(self, scene: Surroundings) -> "PlayedHybrid":
-        """Both sides as they are played."""
-        from .played_hybrid import PlayedHybrid
+        """Return both sides as they are played."""
+        from .played_plates import PlayedHybrid
 
         return PlayedHybrid(self.electrovibration.played(), self.time_reversal.played(scene))
 
     def cure(self, quantity: str) -> str:
-        """As on the side that has the quantity."""
         of_panel = quantity.removeprefix(SLIDING)
         return super().cure(quantity) if of_panel == quantity else self.electrovibration.cure(of_panel)
-
-    def _on(self, stages: tuple[Stage, ...], side: Callable[[Demand], Demand]) -> tuple[Stage, ...]:
-        """Stages that are sized by what one side asks for."""
-        return tuple(
-            stage if stage.size is None else replace(stage, size=_of_side(stage.size, side)) for stage in stages
-        )
 
     def _sliding(self, scene: Demand) -> Demand:
         sliding = tuple(touch for touch in scene.contacts if touch.slides)
@@ -95,10 +78,6 @@ class HybridScreen(Surface):
         return replace(scene, surface=self.time_reversal, contacts=contacts)
 
 
-def _of_side(size: Callable[[Demand], Size], side: Callable[[Demand], Demand]) -> Callable[[Demand], Size]:
-    return lambda demand: size(demand.once(side))
-
-
 def _check_places(contacts: tuple[FingerContact, ...]) -> None:
     for n, touch in enumerate(contacts):
         if touch.slides and (touch.x_m is None or touch.y_m is None):
@@ -108,10 +87,7 @@ def _check_places(contacts: tuple[FingerContact, ...]) -> None:
             )
 
 
-def _renamed(stage: Stage) -> Stage:
-    """A stage of the panel, so that its names are its own."""
-    return replace(stage, name=f"{SLIDING}{stage.name}", needs=tuple(map(_name, stage.needs)), gives=_name(stage.gives))
-
-
-def _name(quantity: str) -> str:
-    return ELECTRODE_V if quantity == "voltage_v" else f"{SLIDING}{quantity}" if quantity in SHARED else quantity
+def _on_electrode(quantity: str) -> str:
+    if quantity == "voltage_v":
+        return "electrode_voltage_v"
+    return f"{SLIDING}{quantity}" if quantity in RENAMED else quantity

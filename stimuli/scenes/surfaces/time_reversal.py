@@ -1,7 +1,7 @@
 """A plate that focuses by time reversal: from a voltage to a focus, with whatever effects are called for."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from math import ceil, pi, sqrt
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -14,19 +14,18 @@ from ...time_reversal.plate.glass import GLASSES
 from ...time_reversal.plate.plate import Plate
 from ...time_reversal.screen.glass_panel import LEARNT_S, GlassPanel
 from ..effects import OF_TIME_REVERSAL
-from ..stages.fingers import check_on_plate, felt_at_m
-from ..stages.scaling import at_voltage
-from ..stages.truncation import cut_of, n_frequencies, n_modes, wavenumber_rad_per_m
-from .plate import REFUSES
+from ..stages.circuit import at_voltage
+from ..stages.truncation import check_on_plate, cut_of, felt_at_m, n_frequencies, n_modes, wavenumber_rad_per_m
+from . import REFUSES
 
 if TYPE_CHECKING:
-    from .played_time_reversal import PlayedTimeReversal
+    from .played_plates import PlayedTimeReversal
 
 OF_EVERY_STIMULUS: Final = {"tau_s", "side_m"}
 """Fields of a `Setup` that a plate has by effects alone, and every stimulus by default."""
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
-MAP = "tactometry.stimuli.scenes.stages.map"
+MAP = "tactometry.stimuli.scenes.stages.motion"
 MOST_POINTS = 4e7
 PRODUCT, DIVISION = 0.15, 15.0
 """Operations per number in a product of matrices, and where it is divided."""
@@ -106,8 +105,25 @@ class TimeReversal(GlassPanel, Surface):
     def __post_init__(self) -> None:
         require.positive("TimeReversal", **{k: v for k, v in vars(self).items() if k not in {"glass", "n_transducers"}})
         self._check_panel(highest_hz="f_max_hz")
-        _check_place(self)
-        _check_times(self)
+        if 2 * self.inset_m >= min(self.length_m, self.width_m):
+            raise InvalidParameter(
+                f"TimeReversal.inset_m: found {self.inset_m}, expected less than half of the shorter side, "
+                f"{min(self.length_m, self.width_m) / 2} m"
+            )
+        for name, side in (("focus_x_m", "length_m"), ("focus_y_m", "width_m")):
+            at_m, side_m = getattr(self, name), getattr(self, side)
+            require.expect(
+                0 < at_m < side_m, f"TimeReversal.{name}", at_m, f"a place between the edges, 0 and {side_m} m"
+            )
+        if self.flank_hz > self.f_max_hz:
+            raise InvalidParameter(
+                f"TimeReversal.flank_hz: found {self.flank_hz}, expected at most f_max_hz, {self.f_max_hz}"
+            )
+        if round(self.reversal_s * self.rate_hz) < 1:
+            raise InvalidParameter(
+                f"TimeReversal.reversal_s: found {self.reversal_s}, expected at least one sample of rate_hz, "
+                f"{1 / self.rate_hz} s; raise it or rate_hz"
+            )
 
     @property
     def plate(self) -> Plate:
@@ -120,13 +136,18 @@ class TimeReversal(GlassPanel, Surface):
         return MARGIN_FLANKS / self.flank_hz
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:
-        _check_rest(scene)
-        return (*self._emission(), *self._motion(), *self._courses(scene), *self._map())
+        for n, touch in enumerate(scene.contacts):
+            if touch.slides:
+                raise InvalidParameter(
+                    f"contacts[{n}]: found a finger that slides ({touch.speed_m_per_s} m/s) on a plate that focuses, "
+                    "expected one at rest; leave speed_m_per_s out, or take the surface 'hybrid'"
+                )
+        return (*self._emission(), *self._motion(scene), *self._map())
 
     def played(self, scene: Surroundings) -> "PlayedTimeReversal":
         """The plate as a stimulus states it, by the effects that make it, the first finger where it rests."""
         from ...time_reversal.stimulus.setup import Setup
-        from .played_time_reversal import PlayedTimeReversal
+        from .played_plates import PlayedTimeReversal
 
         made = {name: value for effect in scene.effects for name, value in effect.in_setup().items()}
         stated = set(made) >= OF_EVERY_STIMULUS
@@ -157,12 +178,19 @@ class TimeReversal(GlassPanel, Surface):
             Stage("band", ("emission",), "in_band", f"{EMISSION}:in_band", band, n_operations=200 * n_samples),
         )
 
-    def _motion(self) -> tuple[Stage, ...]:
-        read = f"{MOTION}:focus_value"
+    def _motion(self, scene: Demand) -> tuple[Stage, ...]:
+        needs, in_course = ("motion", "foci_m", "oversampling"), ("motion", "oversampling")
+        finger_m = dict(zip(("x_m", "y_m"), felt_at_m(scene), strict=True))
+        at_finger, courses = f"{MOTION}:course_at", f"{MOTION}:focus_course"
         return (
             Stage("motion", ("screen", "in_band"), "motion", f"{MOTION}:plate_motion", size=self._motion_size),
-            Stage("instant", ("motion", "foci_m"), "per_volt_peaks", read, size=_per_moved(4.0)),
+            Stage("instant", needs[:2], "per_volt_peaks", f"{MOTION}:focus_value", size=_instant_size),
             Stage("peak", ("per_volt_peaks", "voltage_v"), "peak_m", f"{__name__}:first_magnitude"),
+            Stage("sampling", (), "oversampling", f"{MOTION}:sampling", size=self._sampling_size),
+            Stage("times", in_course, "t_s", f"{MOTION}:PlateMotion.times_s"),
+            Stage("focus_course", needs, "per_volt_course", courses, size=_per_sample(100.0)),
+            Stage("finger_course", in_course, "per_volt_finger", at_finger, finger_m, size=_under_finger),
+            at_voltage("focus_signal", "per_volt_course", "focus_displacement_m", _per_sample(1.0)),
         )
 
     def _motion_size(self, demand: Demand) -> Size:
@@ -170,18 +198,6 @@ class TimeReversal(GlassPanel, Surface):
         error = ends.pop("error")
         work = demand.once(_n_moved) * (PRODUCT * self.n_transducers + DIVISION)
         return Size(ends, error, work)
-
-    def _courses(self, scene: Demand) -> tuple[Stage, ...]:
-        needs = ("motion", "foci_m", "oversampling")
-        finger_m = dict(zip(("x_m", "y_m"), felt_at_m(scene), strict=True))
-        of_finger = Stage("finger_course", needs[::2], "per_volt_finger", f"{MOTION}:course_at", finger_m)
-        return (
-            Stage("sampling", (), "oversampling", f"{MOTION}:sampling", size=self._sampling_size),
-            Stage("times", ("motion", "oversampling"), "t_s", f"{MOTION}:PlateMotion.times_s"),
-            Stage("focus_course", needs, "per_volt_course", f"{MOTION}:focus_course", size=_per_sample(100.0)),
-            replace(of_finger, size=_under_finger),
-            at_voltage("focus_signal", "per_volt_course", "focus_displacement_m", _per_sample(1.0)),
-        )
 
     def _sampling_size(self, demand: Demand) -> Size:
         factor = demand.once(_oversampling)
@@ -217,10 +233,7 @@ class TimeReversal(GlassPanel, Surface):
     def grid(self, demand: Demand) -> tuple[int, int]:
         """Points along both sides, for an error of straight lines between them.
 
-        Raises
-        ------
-        InvalidParameter
-            If they are too many.
+        Raises `InvalidParameter` if they are too many.
         """
         step_m = sqrt(8 * demand.error) / wavenumber_rad_per_m(demand, self.f_max_hz)
         n_x, n_y = ceil(self.length_m / step_m) + 1, ceil(self.width_m / step_m) + 1
@@ -250,13 +263,11 @@ def _oversampling(demand: Demand) -> int:
     return ceil(step_rad / sqrt(8 * demand.error))
 
 
-def _per_moved(n_operations: float) -> Callable[[Demand], Size]:
-    return lambda demand: Size(n_operations=n_operations * demand.once(_n_moved))
+def _instant_size(demand: Demand) -> Size:
+    return Size(n_operations=4.0 * demand.once(_n_moved))
 
 
 def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
-    """The size of a stage that does as many operations with each sample of a course."""
-
     def size(demand: Demand) -> Size:
         ends, factor = demand.once(cut_of), demand.once(_oversampling)
         n = n_frequencies(demand, ends) * demand.surface.rate_hz / ends.heard_to_hz * factor
@@ -274,36 +285,3 @@ def _under_finger(demand: Demand) -> Size:
 def first_magnitude(values: Any, voltage_v: float) -> float:
     """The magnitude of the first of some values, at a voltage."""
     return float(abs(values[0] * voltage_v))
-
-
-def _check_rest(scene: Demand) -> None:
-    """Refuse a finger that slides: it would be off the focus, which stands, before it had felt it."""
-    for n, touch in enumerate(scene.contacts):
-        if touch.slides:
-            raise InvalidParameter(
-                f"contacts[{n}]: found a finger that slides ({touch.speed_m_per_s} m/s) on a plate that focuses, "
-                "expected one at rest; leave speed_m_per_s out, or take the surface 'hybrid'"
-            )
-
-
-def _check_place(surface: TimeReversal) -> None:
-    if 2 * surface.inset_m >= min(surface.length_m, surface.width_m):
-        raise InvalidParameter(
-            f"TimeReversal.inset_m: found {surface.inset_m}, expected less than half of the shorter side, "
-            f"{min(surface.length_m, surface.width_m) / 2} m"
-        )
-    for name, side in (("focus_x_m", "length_m"), ("focus_y_m", "width_m")):
-        at_m, side_m = getattr(surface, name), getattr(surface, side)
-        require.expect(0 < at_m < side_m, f"TimeReversal.{name}", at_m, f"a place between the edges, 0 and {side_m} m")
-
-
-def _check_times(surface: TimeReversal) -> None:
-    if surface.flank_hz > surface.f_max_hz:
-        raise InvalidParameter(
-            f"TimeReversal.flank_hz: found {surface.flank_hz}, expected at most f_max_hz, {surface.f_max_hz}"
-        )
-    if round(surface.reversal_s * surface.rate_hz) < 1:
-        raise InvalidParameter(
-            f"TimeReversal.reversal_s: found {surface.reversal_s}, expected at least one sample of rate_hz, "
-            f"{1 / surface.rate_hz} s; raise it or rate_hz"
-        )

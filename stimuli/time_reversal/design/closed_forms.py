@@ -106,15 +106,6 @@ def contrast_whole(room: Reverberation) -> float:
 
 
 @checked
-def contrast_far(room: Reverberation, k_max_rad_per_m: Positive, radius_m: Positive) -> float:
-    """As `contrast_whole`, leaving out r < radius: sqrt(Q N / (eps Q + kappa + G)), eps = 2 / (pi k_max
-    r), at most 1. Both arguments are above 0.
-    """
-    q, near = room.n_channels, min(2 / (math.pi * k_max_rad_per_m * radius_m), 1.0)
-    return math.sqrt(q * room.n_modes / (near * q + room.kurtosis + room.absorption))
-
-
-@checked
 def contrast_temporal(room: Reverberation, start_s: NotNegative, stop_s: float) -> float:
     """Amplitude over the rms at the focus point from `start_s` to `stop_s` after the focus, 0 <= start < stop."""
     positive("contrast_temporal", **{"stop_s - start_s": stop_s - start_s})
@@ -132,9 +123,7 @@ def contrast_limit(room: Reverberation) -> float:
 
 @checked
 def repetition_noise_ratio(repetition_s: UnboundedArray, tau_s: Positive) -> FloatArray:
-    """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r /
-    tau)).
-    """
+    """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r / tau))."""
     positive_array("repetition_noise_ratio.repetition_s", repetition_s, infinite=True)
     return np.asarray(-1 / np.expm1(-2 * np.asarray(repetition_s, float) / tau_s))
 

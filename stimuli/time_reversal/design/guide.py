@@ -195,8 +195,6 @@ def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: Positiv
         it; the thickness is kept: `thickness.sheets` and `best_sheet` choose that.
     target : Target
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> target = Target(contrast=15.0, repetition_hz=100.0)
     >>> guide = recommend(A4_SCREEN, Transducers(), Band(20e3, 60e3), 3.5e-3, target)

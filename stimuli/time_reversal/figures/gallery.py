@@ -10,18 +10,18 @@ from matplotlib.figure import Figure
 from ..design.closed_forms import Reverberation
 from ..design.guide import Design, Target, Transducers, recommend
 from ..design.thickness import best_sheet, sheets
-from ..field.merit import amplitude_by_subset_m, amplitude_over_count_m, contributions_m, resolution_per_focus_m
-from ..field.sound import NoiseSpectrum, noise
 from ..filters import Band
 from ..finger import Contactor, force_loss
 from ..focusing.focusing import Emission
+from ..focusing.merit import amplitude_by_subset_m, amplitude_over_count_m, contributions_m, resolution_per_focus_m
 from ..focusing.sigma_delta import SigmaDelta
+from ..focusing.sound import noise
 from ..plate.glass import A4_SCREEN, BOROFLOAT_33
 from ..responses.responses import Point, impulse_responses
 from ..screen.attenuation import TAU_S, Attenuation
 from ..screen.screen import A4_PROTOTYPE, Screen
 from ..screen.transducer import DiscPatch
-from . import drives, focus, prototype, theory
+from . import focus, prototype, theory
 from .style import save
 
 FOCUS: Final = (0.121, 0.093)
@@ -46,14 +46,11 @@ def rig(diameter_m: float, thickness_m: float = 2e-3) -> Screen:
     return Screen(plate, discs, Attenuation(TAU_S))
 
 
-def _resolution_over_bandwidth() -> Figure:
-    plates = {f"{h:g} mm": BOROFLOAT_33.plate(0.297, 0.21, h * 1e-3, "SSSS") for h in (2, 3)}
-    return theory.resolution_over_bandwidth(plates)
-
-
-def _contrast() -> Figure:
-    room = Reverberation(32, 25e3, TAU_S, 2 * TAU_S, A4_SCREEN.modal_density_s, 1.25)
-    return theory.contrast_over_transducers(room, (1, 4, 8, 32), np.linspace(0.2e-3, 15e-3, 80))
+PLATES: Final = {f"{h:g} mm": BOROFLOAT_33.plate(0.297, 0.21, h * 1e-3, "SSSS") for h in (2, 3)}
+ROOM: Final = Reverberation(32, 25e3, TAU_S, 2 * TAU_S, A4_SCREEN.modal_density_s, 1.25)
+BANDS: Final = [Band(0.0, 5e3), Band(5e3, 15e3), Band(15e3, 25e3)]
+SUBSETS: Final = {"all 32": range(32), "every second": range(0, 32, 2), "every fourth": range(0, 32, 4)}
+CONTACTORS: Final = [Contactor("finger"), *(Contactor(k, d) for k in ("soft", "rigid") for d in (5e-3, 10e-3))]
 
 
 def _frequency_response() -> Figure:
@@ -67,32 +64,12 @@ def _decay_fit() -> Figure:
 
 
 def _sound(emissions: Mapping[str, Emission] = FOUR) -> Figure:
-    return drives.sound_spectra({name: _noise(emission) for name, emission in emissions.items()})
-
-
-def _focus_map(emission: Emission = RIG_BAND) -> Figure:
-    return focus.displacement_map(rig(35e-3), FOCUS, emission)
-
-
-def _scans(emission: Emission = RIG_BAND) -> Figure:
-    return focus.scans_per_band(rig(35e-3), FOCUS, [Band(0.0, 5e3), Band(5e3, 15e3), Band(15e3, 25e3)], emission)
-
-
-def _four_signals(emissions: Mapping[str, Emission] = FOUR) -> Figure:
-    return focus.four_signals(A4_PROTOTYPE, FOCUS, emissions)
-
-
-def _noise(emission: Emission) -> NoiseSpectrum:
-    return noise(A4_PROTOTYPE, emission.drive(emission.responses(A4_PROTOTYPE, [FOCUS])), 125e3)
+    driven = {name: emission.drive(emission.responses(A4_PROTOTYPE, [FOCUS])) for name, emission in emissions.items()}
+    return focus.sound_spectra({name: noise(A4_PROTOTYPE, signal, 125e3) for name, signal in driven.items()})
 
 
 def _contributions() -> np.ndarray:
     return contributions_m(UNFILTERED.responses(A4_PROTOTYPE, FOCI), UNFILTERED.voltage_v)
-
-
-def _subsets() -> Figure:
-    subsets = {"all 32": range(32), "every second": range(0, 32, 2), "every fourth": range(0, 32, 4)}
-    return prototype.amplitude_by_subset(amplitude_by_subset_m(_contributions(), subsets))
 
 
 def _resolution_of_foci(foci: Sequence[Point] = FOCI) -> Figure:
@@ -102,10 +79,8 @@ def _resolution_of_foci(foci: Sequence[Point] = FOCI) -> Figure:
 
 
 def _force_loss(forces_n: Sequence[float] = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0)) -> Figure:
-    contactors = [Contactor("finger"), *(Contactor(k, d) for k in ("soft", "rigid") for d in (5e-3, 10e-3))]
-    return prototype.loss_over_force(
-        force_loss(A4_PROTOTYPE, FOCUS, {"P1": P1, "F": FOCUS}, contactors, forces_n, RIG_BAND)
-    )
+    rows = force_loss(A4_PROTOTYPE, FOCUS, {"P1": P1, "F": FOCUS}, CONTACTORS, forces_n, RIG_BAND)
+    return prototype.loss_over_force(rows)
 
 
 def _design() -> Figure:
@@ -114,42 +89,41 @@ def _design() -> Figure:
 
 
 def _thickness() -> Figure:
-    patches = Transducers(side_m=5e-3)
-    among = sheets(A4_SCREEN, patches, FILTERED.band, TAU_S, Target(contrast=28.0))
+    among = sheets(A4_SCREEN, Transducers(side_m=5e-3), FILTERED.band, TAU_S, Target(contrast=28.0))
     return theory.over_thickness(among, best_sheet(among, A4_SCREEN.thickness_m))
 
 
 GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {
-    "3.8-focus-map": _focus_map,
-    "3.9-resolution-over-bandwidth": _resolution_over_bandwidth,
+    "3.8-focus-map": lambda emission=RIG_BAND: focus.displacement_map(rig(35e-3), FOCUS, emission),
+    "3.9-resolution-over-bandwidth": lambda: theory.resolution_over_bandwidth(PLATES),
     "3.11-amplitude-over-bandwidth": lambda: focus.amplitude_over_bandwidth(
         {"12 mm discs": rig(12e-3), "35 mm discs": rig(35e-3)}, FOCUS, RIG_BAND
     ),
-    "3.13-scans-per-band": _scans,
+    "3.13-scans-per-band": lambda emission=RIG_BAND: focus.scans_per_band(rig(35e-3), FOCUS, BANDS, emission),
     "3.14-frequency-response": _frequency_response,
     "3.15-stress-and-deflection": lambda: theory.stress_and_deflection_over_thickness(A4_SCREEN),
     "3.16-resolution-over-mean-frequency": lambda: theory.resolution_over_mean_frequency(A4_SCREEN),
     "3.18-amplitude-over-reversal": lambda: theory.amplitude_over_reversal(TAU_S, np.linspace(0, 20e-3, 100)),
-    "3.21-contrast": _contrast,
+    "3.21-contrast": lambda: theory.contrast_over_transducers(ROOM, (1, 4, 8, 32), np.linspace(0.2e-3, 15e-3, 80)),
     "3.22-design": _design,
     "3.22-design-thickness": _thickness,
-    "4.5-quantised-sine": drives.quantised_sine,
-    "4.7-order-1": lambda: drives.modulator_diagram(1),
-    "4.8-order-2": lambda: drives.modulator_diagram(2),
-    "4.9-modulator-noise": drives.modulator_noise,
+    "4.5-quantised-sine": focus.quantised_sine,
+    "4.7-order-1": lambda: focus.modulator_diagram(1),
+    "4.8-order-2": lambda: focus.modulator_diagram(2),
+    "4.9-modulator-noise": focus.modulator_noise,
     "4.11-decay-fit": _decay_fit,
     "4.13-noise-window": lambda: focus.noise_window(A4_PROTOTYPE, FOCUS, RIG_BAND),
-    "4.15-four-signals": _four_signals,
+    "4.15-four-signals": lambda emissions=FOUR: focus.four_signals(A4_PROTOTYPE, FOCUS, emissions),
     "4.25-sound": _sound,
     "4.28-layout": lambda: prototype.layout(A4_PROTOTYPE, FOCI),
     "4.29-amplitude-per-transducer": lambda: prototype.amplitude_per_transducer(_contributions()),
     "4.30-amplitude-over-count": lambda: prototype.amplitude_over_count(
         amplitude_over_count_m(_contributions(), np.random.default_rng(0))
     ),
-    "4.31-amplitude-by-subset": _subsets,
+    "4.31-amplitude-by-subset": lambda: prototype.amplitude_by_subset(amplitude_by_subset_m(_contributions(), SUBSETS)),
     "4.34-resolution-of-foci": _resolution_of_foci,
     "5.4-force-loss": _force_loss,
-    "5.8-patterns": drives.pattern_waveforms,
+    "5.8-patterns": focus.pattern_waveforms,
 }
 
 

@@ -92,8 +92,7 @@ def contrast_over_transducers(
     measured: Mapping[int, Measured] | None = None,
 ) -> Figure:
     """Contrast against reversal time for numbers of transducers (thesis 3.21, 4.14), measured (s, contrast) by number
-    if given.
-    """
+    if given."""
     figure, (axes,) = sheet()
     for q, colour in zip(n_channels, colours(), strict=False):
         rooms = [replace(room, n_channels=q, reversal_s=float(t)) for t in reversal_s]
@@ -105,7 +104,6 @@ def contrast_over_transducers(
 
 
 def _points(axes: Axes, measured: Measured, scale: tuple[float, float], **look: Any) -> None:
-    """Measured points, if there are any, in the units of the axes."""
     if measured:
         axes.plot(*(np.transpose(measured) * np.reshape(scale, (2, 1))), **{"marker": "o", "linestyle": "", **look})
 

@@ -45,8 +45,6 @@ class Bursts:
     InvalidParameter
         If one emission begins before the one before it is over.
 
-    Examples
-    --------
     >>> h = Responses(np.array([[[1.0, 2.0, 4.0]]]), 1e3)
     >>> Bursts([np.ones((1, 3))], np.array([0]), h, [0], 30.0).drive(np.array([90.0])).samples
     array([[ 0., 30., 30.]])
@@ -59,7 +57,11 @@ class Bursts:
     supply_v: float
 
     def __post_init__(self) -> None:
-        _check_apart(self.starts, self.bits[0].shape[1], self.heard.rate_hz)
+        n_reversal = self.bits[0].shape[1]
+        apart = int(np.diff(self.starts).min(initial=n_reversal))
+        apart_s, reversal_s = apart / self.heard.rate_hz, n_reversal / self.heard.rate_hz
+        longest = f"at most the {apart_s:g} s from focus to focus, as supply_v makes one after another; shorten it"
+        expect(n_reversal <= apart, "TimeReversalStimulus.reversal_s", f"{reversal_s:g} s", longest)
 
     @property
     def reach_m(self) -> float:
@@ -79,15 +81,15 @@ class Bursts:
         on = np.zeros((n_channels, int(self.starts[-1]) + n))
         for bits, start, row, wanted_m in zip(self.bits, self.starts, self.rows, amplitudes_m, strict=True):
             response = self.heard.samples[row]
-            missing_m = float(wanted_m) - self._left_m(on[:, :start], response, int(start) + n - 1)
+            # what the emission before a focus still does at its place and instant
+            instant = int(start) + n - 1
+            first = max(0, instant - response.shape[1] + 1)
+            lags = instant - np.arange(first, start)
+            left_m = self.supply_v * float(np.sum(on[:, first:start] * response[:, lags]))
+
+            missing_m = float(wanted_m) - left_m
             on[:, start : start + n] = np.sign(missing_m) * self._burst(bits, response, abs(missing_m), nearest_m)
         return Signal(self.supply_v * on + 0.0, self.heard.rate_hz, "V")
-
-    def _left_m(self, before: FloatArray, response: FloatArray, instant: int) -> float:
-        """What the emission before a focus still does at its place and instant."""
-        first = max(0, instant - response.shape[1] + 1)
-        lags = instant - np.arange(first, before.shape[1])
-        return self.supply_v * float(np.sum(before[:, first:] * response[:, lags]))
 
     def _burst(self, bits: FloatArray, response: FloatArray, missing_m: float, nearest_m: float) -> FloatArray:
         """The bits that make `missing_m`, from the focus backwards; the others are 0."""
@@ -117,9 +119,3 @@ def check_supply(owner: str, supply_v: float | None, quantiser: Quantiser | None
             f'{owner}.supply_v: found {supply_v:g} with an analogue drive, expected drive = "one_bit" or a '
             "sigma-delta, whose values a supply can switch"
         )
-
-
-def _check_apart(starts: IntArray, n_reversal: int, rate_hz: float) -> None:
-    apart = int(np.diff(starts).min(initial=n_reversal))
-    longest = f"at most the {apart / rate_hz:g} s from focus to focus, as supply_v makes one after another; shorten it"
-    expect(n_reversal <= apart, "TimeReversalStimulus.reversal_s", f"{n_reversal / rate_hz:g} s", longest)

@@ -19,8 +19,8 @@ from tactometry.arguments.require import expect, shape
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ..oscillators.oscillators import Oscillators
 from ..plate.modes import Modes, modes_of
+from ..plate.oscillators import Oscillators
 from ..plate.plate import Plate
 from ..screen.attenuation import Attenuation
 

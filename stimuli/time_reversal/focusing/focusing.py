@@ -16,8 +16,7 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
-from ...arrays import FloatArray
-from ...fast_length import fast_length
+from ...arrays import FloatArray, fast_length
 from ..filters import Band
 from ..responses.load import Attached, loaded_responses
 from ..responses.responses import Point, Responses, band_limited, samples_in
@@ -36,6 +35,9 @@ def reversed_waveform(
 ) -> FloatArray:
     """The reversed responses of the foci, summed with weights.
 
+    Raises `InvalidParameter` if T is longer than the responses, a number of weights or samples does not fit, or all
+    responses are zero.
+
     Parameters
     ----------
     foci : Responses
@@ -50,12 +52,6 @@ def reversed_waveform(
     Returns
     -------
     (n_channels, n_samples) array
-
-    Raises
-    ------
-    InvalidParameter
-        If T is longer than the responses, a number of weights or samples does not fit, or all responses are
-        zero.
     """
     n = foci.n_samples if reversal_s is None else samples_in("reversal_s", reversal_s, foci.rate_hz)
     if n > foci.n_samples:
@@ -63,7 +59,9 @@ def reversed_waveform(
             f"reversal_s: found {reversal_s}, longer than the responses of {foci.duration_s} s; "
             "learn longer responses or shorten T"
         )
-    weight = _weights(foci.n_points, weights)
+    weight = np.ones(foci.n_points) if weights is None else np.asarray(weights, float)
+    if weight.shape != (foci.n_points,) or not np.isfinite(weight).all():
+        raise InvalidParameter(f"weights: found {weights}, expected {foci.n_points} finite numbers, one per focus")
     learnt = np.einsum("p,pqn->qn", weight, foci.samples[:, :, :n]) * _window(window, n)
     if n and not learnt.any():
         raise InvalidParameter(
@@ -92,8 +90,6 @@ def drive(
     quantiser : Quantiser, optional
         By default one bit.
 
-    Examples
-    --------
     >>> h = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)
     >>> drive(h, 30.0).samples
     array([[ 30., -30.,  30.]])
@@ -119,9 +115,7 @@ def emitted(signal: Signal, responses: Responses) -> FloatArray:
 
 @checked
 def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
-    """(n_points,): every point at the focus instant, the last sample of the drive; a plain sum of
-    products.
-    """
+    """(n_points,): every point at the focus instant, the last sample of the drive; a plain sum of products."""
     _same_channels(signal, responses)
     n = signal.samples.shape[1]
     if n > responses.n_samples:
@@ -135,13 +129,6 @@ def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
 def focus_amplitude(signal: Signal, responses: Responses, point: int = 0) -> float:
     """One point at the focus instant."""
     return float(focus_amplitudes(signal, responses.at_point(point))[0])
-
-
-def _weights(n_foci: int, weights: Sequence[float] | None) -> FloatArray:
-    weight = np.ones(n_foci) if weights is None else np.asarray(weights, float)
-    if weight.shape != (n_foci,) or not np.isfinite(weight).all():
-        raise InvalidParameter(f"weights: found {weights}, expected {n_foci} finite numbers, one per focus")
-    return weight
 
 
 def _window(window: FloatArray | None, n: int) -> FloatArray:

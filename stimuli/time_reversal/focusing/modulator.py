@@ -51,8 +51,6 @@ def modulate(signal: FloatArray, order: int) -> BitStream:
     order : int
         1 or 2.
 
-    Examples
-    --------
     >>> modulate(np.full((1, 8), 0.5), 1).bits[0].mean()
     np.float64(0.5)
     """

@@ -70,9 +70,7 @@ class Exponential:
 @checked
 @dataclass(frozen=True)
 class Sinc:
-    """sin(pi x) / (pi x) with `n_zeros` zeros on each side of the middle; `signed` keeps the sign of the
-    lobes.
-    """
+    """sin(pi x) / (pi x) with `n_zeros` zeros on each side of the middle; `signed` keeps the sign of the lobes."""
 
     n_zeros: int = 3
     signed: bool = True
@@ -119,8 +117,6 @@ class Pattern:
     envelope : Envelope
         Scaled so that the largest weight is 1.
 
-    Examples
-    --------
     >>> Pattern(200.0, 50e-3).n_foci
     10
     """
@@ -196,7 +192,11 @@ def pattern_drive(
         If the path does not fit, or burst modulation has no tau.
     """
     one_of("pattern_drive.modulation", modulation, MODULATIONS)
-    rows = _rows(path, pattern.n_foci, foci.n_points)
+    rows = [0] * pattern.n_foci if path is None else list(path)
+    if len(rows) != pattern.n_foci or any(not 0 <= row < foci.n_points for row in rows):
+        raise InvalidParameter(
+            f"path: found {path}, expected {pattern.n_foci} rows from 0 to {foci.n_points - 1}, one per focus"
+        )
     rule = quantiser or one_bit()
     waves = reversed_waveforms(foci, rows, reversal_s)
     n = next(iter(waves.values())).shape[1]
@@ -245,13 +245,6 @@ def focus_starts(pattern: Pattern, rate_hz: Positive) -> IntArray:
     """(n_foci,): the sample where the drive of each focus begins."""
     at_most("samples of the pattern", pattern.times_s[-1] * rate_hz, MAX_SAMPLES)
     return np.round(pattern.times_s * rate_hz).astype(np.int64)
-
-
-def _rows(path: Sequence[int] | None, n_foci: int, n_points: int) -> list[int]:
-    rows = [0] * n_foci if path is None else list(path)
-    if len(rows) != n_foci or any(not 0 <= row < n_points for row in rows):
-        raise InvalidParameter(f"path: found {path}, expected {n_foci} rows from 0 to {n_points - 1}, one per focus")
-    return rows
 
 
 def _modulate(piece: FloatArray, weight: float, modulation: str, tau_s: float | None, rate_hz: float) -> FloatArray:

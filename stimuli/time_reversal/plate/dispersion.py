@@ -1,6 +1,7 @@
 """Bending waves: wavelength, phase and group velocity of thin (Kirchhoff) and thick (Mindlin) plates."""
 
-from typing import Final
+import math
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,10 @@ from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
 from .plate import Plate
+from .rectangle import LegendreAxis, orthonormal_legendre
+
+if TYPE_CHECKING:
+    from .ritz import ParityBlock
 
 MINDLIN_SHEAR_FACTOR: Final = 5 / 6
 
@@ -44,37 +49,13 @@ def group_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
 
 
 @checked
-def mindlin_group_velocity_m_per_s(
-    plate: Plate, frequency_hz: PositiveArray, shear_factor: float = MINDLIN_SHEAR_FACTOR
-) -> FloatArray:
-    """d omega / d k of the flexural branch, by differentiating its equation in omega^2 and k^2; frequencies above 0.
-
-    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-    >>> thick, thin = (v(A4_SCREEN, 60e3) for v in (mindlin_group_velocity_m_per_s, group_velocity_m_per_s))
-    >>> round(float(thick / thin), 2)
-    0.94
-    """
-    omega = 2 * np.pi * np.asarray(frequency_hz, float)
-    k = mindlin_wavenumber_rad_per_m(plate, frequency_hz, shear_factor)
-    rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
-    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
-    # the equation of the angular frequency is sheared bent = m A W: its derivatives by k^2 and by W = omega^2
-    bent = rigidity * k**2 - inertia * omega**2
-    sheared = shear * k**2 - m * omega**2
-    by_k2 = shear * bent + rigidity * sheared
-    by_omega2 = m * (bent + shear) + inertia * sheared
-    return np.asarray(k / omega * by_k2 / by_omega2)
-
-
-@checked
 def mindlin_angular_frequency_rad_per_s(
     plate: Plate, wavenumber_rad_per_m: NotNegativeArray, shear_factor: Positive = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
     """Flexural branch of Mindlin's plate at a wavenumber.
 
-    With kappa G h = A, rho h = m, rho h^3 / 12 = J, the smaller root W = omega^2 of
-    (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near
-    equals.
+    With kappa G h = A, rho h = m, rho h^3 / 12 = J, the smaller root W = omega^2 of (A k^2 - m W)(D k^2 + A - J W) =
+    A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near equals.
     """
     k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
@@ -102,3 +83,79 @@ def mindlin_wavenumber_rad_per_m(
 def shear_stiffness_n_per_m(plate: Plate, shear_factor: float) -> float:
     shear_modulus_pa = plate.youngs_modulus_pa / (2 * (1 + plate.poisson_ratio))
     return shear_factor * shear_modulus_pa * plate.thickness_m
+
+
+BATCH: Final = 64
+"""Modes whose tables of coefficients are held at a time."""
+
+
+def frequencies_rad_per_s(plate: Plate, block: "ParityBlock", shear_factor: float) -> FloatArray:
+    """(n_modes,): the frequencies of a block's modes with shear and rotary inertia; rigid modes stay at 0."""
+    starts = range(0, len(block.vectors), BATCH)
+    batches = (slice(start, start + BATCH) for start in starts)
+    thick = [_thick(plate, block.wavenumber2_per_m2[at], _Shapes(plate, block, at), shear_factor) for at in batches]
+    return np.concatenate([np.empty(0), *thick])
+
+
+class _Shapes:
+    """Mean squares over the plate of derivatives of some modes of a block, whose own mean square is 1."""
+
+    def __init__(self, plate: Plate, block: "ParityBlock", chosen: slice) -> None:
+        vectors = block.vectors[chosen]
+        self.plate, self.x, self.y = plate, block.on_x.axis, block.on_y.axis
+        self.table = np.zeros((len(vectors), block.on_x.n, block.on_y.n))
+        self.table[:, block.i, block.j] = vectors
+
+    def gradient2(self) -> FloatArray:
+        return _mean_square(self._of(1, 0)) + _mean_square(self._of(0, 1))
+
+    def shear2(self) -> FloatArray:
+        along_x = self._of(3, 0) + self._of(1, 2)
+        along_y = self._of(0, 3) + self._of(2, 1)
+        return _mean_square(along_x) + _mean_square(along_y)
+
+    def edge_twist2_m(self) -> FloatArray:
+        """Integral of w_xy^2 along the free edges over the area, per unit mean square."""
+        twist, (a, b) = self._of(1, 1), (self.plate.length_m, self.plate.width_m)
+        ends_x, ends_y = (orthonormal_legendre(np.array([-1.0, 1.0]), twist.shape[axis] - 1) for axis in (1, 2))
+        on_x = np.square(np.einsum("pe,npq->neq", ends_x, twist)).sum(axis=2) / 2
+        on_y = np.square(np.einsum("qe,npq->nep", ends_y, twist)).sum(axis=2) / 2
+        free = np.array([edge == "F" for edge in self.plate.boundary], float)
+        return np.asarray((on_x @ free[::2]) / a + (on_y @ free[1::2]) / b)
+
+    def _of(self, n_x: int, n_y: int) -> FloatArray:
+        """(n_modes, p, q): Legendre coefficients of a derivative."""
+        return np.asarray(_derivative(self.x, n_x).T @ self.table @ _derivative(self.y, n_y))
+
+
+def _thick(plate: Plate, wavenumber2_per_m2: FloatArray, shapes: _Shapes, shear_factor: float) -> FloatArray:
+    rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
+    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
+    k4 = wavenumber2_per_m2**2
+    bent = k4 > 0
+    safe = np.where(bent, k4, 1.0)  # a rigid motion bends nothing and is set to 0 below
+    layer_m = plate.thickness_m / math.sqrt(12 * shear_factor)
+    given_back = 2 * (1 - plate.poisson_ratio) * layer_m * shapes.edge_twist2_m() / safe
+    b = m * (shear + rigidity * shapes.shear2() / safe) + shear * inertia * shapes.gradient2()
+    c = shear * rigidity * safe / (1 + given_back)
+    # the smaller root, as in `dispersion`: no subtraction of near equals
+    omega = np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * m * inertia * c)))
+    return np.where(bent, omega, 0.0)
+
+
+def _derivative(axis: LegendreAxis, n: int) -> FloatArray:
+    """(n_functions, degree + 1): coefficients of a derivative with respect to metres."""
+    parts = (axis.function, axis.slope, axis.curvature_in_s)
+    in_s = parts[n] if n < 3 else parts[2] @ _slope_of_legendre(axis.function.shape[1] - 1)
+    return np.asarray((2 / axis.length_m) ** n * in_s)
+
+
+def _slope_of_legendre(degree: int) -> FloatArray:
+    """P_k' on P_j, all orthonormal: 2 ((k + 1/2) (j + 1/2))^(1/2) for j = k - 1, k - 3, ..."""
+    root = np.sqrt(np.arange(degree + 1) + 0.5)
+    k, j = np.indices((degree + 1, degree + 1))
+    return np.where((j < k) & ((k - j) % 2 == 1), 2 * np.outer(root, root), 0.0)
+
+
+def _mean_square(coefficients: FloatArray) -> FloatArray:
+    return np.asarray(np.square(coefficients).sum(axis=(1, 2)) / 4)

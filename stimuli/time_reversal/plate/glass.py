@@ -95,10 +95,7 @@ def read_plate(path: str | Path) -> Plate:
         thickness_m = 1.1e-3
         boundary = "FFFF"
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, a key is unknown or missing, or a value is out of range.
+    Raises `InvalidFile` if the file cannot be read, a key is unknown or missing, or a value is out of range.
     """
     path = Path(path)
     table = read_table(path, "a plate")

@@ -17,15 +17,15 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, finite_array, shape
 
 from ...arrays import FloatArray, IntArray
-from ..rectangle.axis import Axis, SineAxis
 from .dispersion import (
     mindlin_angular_frequency_rad_per_s,
     mindlin_wavenumber_rad_per_m,
 )
 from .plate import Plate, navier, ritz
+from .rectangle import Axis, SineAxis
 
 if TYPE_CHECKING:
-    from ..rectangle.ritz import ParityBlock
+    from .ritz import ParityBlock
 
 ROUNDING: Final = 1e-12
 """Of shapes with a mean square of 1: polynomials that vanish at a held edge leave up to 3e-14 there."""
@@ -46,9 +46,7 @@ class Modes(Protocol):
         return self.angular_frequency_rad_per_s / (2 * math.pi)
 
     def products(self, on_x: OnAxis, on_y: OnAxis) -> FloatArray:
-        """(n_modes, n_points): each mode with `on_x` applied to its functions of x and `on_y` to those
-        of y.
-        """
+        """(n_modes, n_points): each mode with `on_x` applied to its functions of x and `on_y` to those of y."""
         raise NotImplementedError
 
     def frame(self, x_m: Vector, y_m: Vector) -> Callable[[FloatArray], FloatArray]:
@@ -149,6 +147,8 @@ class RitzModes(Modes):
 def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = None) -> SeparableModes | RitzModes:
     """The modes of a plate from 0 Hz to `f_max_hz`, sorted; the last solutions are kept.
 
+    Raises `InvalidParameter` if `f_max_hz` is not above 0, or a Ritz solution would be too large.
+
     Parameters
     ----------
     plate : Plate
@@ -160,11 +160,6 @@ def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = N
         corrected mode by mode (`mindlin`), edges included: within 0.2 % up to k h = 0.4 where the
         thickness is 0.02 of the shorter side, and 2.7 % up to k h = 2 where it is 0.1, k the
         wavenumber and h the thickness, where the thin plate is 4 % and 60 % off.
-
-    Raises
-    ------
-    InvalidParameter
-        If `f_max_hz` is not above 0, or a Ritz solution would be too large.
     """
     return _modes_of(plate, f_max_hz, shear_factor)
 
@@ -202,7 +197,7 @@ def _ritz(plate: Plate, f_max_hz: float, shear_factor: float | None) -> RitzMode
         blocks = ritz(plate, f_max_hz)
         omega = plate.wave_constant_m2_per_s * np.concatenate([block.wavenumber2_per_m2 for block in blocks])
         return RitzModes(plate, np.sort(omega), blocks, np.argsort(omega, kind="stable"))
-    from .mindlin import frequencies_rad_per_s
+    from .dispersion import frequencies_rad_per_s
 
     thin_hz = _thin_hz(plate, f_max_hz, shear_factor)
     # some modes are slower than the plane wave of their thin mode: what lies above is solved too, then cut

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import NotNegative, Positive
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import at_most, positive, within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ..rectangle.rectangle import Rectangle, Sines, sines
+from .rectangle import Rectangle, Sines, sines
 
 if TYPE_CHECKING:
-    from ..rectangle.ritz import ParityBlock
+    from .ritz import ParityBlock
 
 
 MAX_MODES: Final = 1_000_000
@@ -53,8 +53,6 @@ class Plate:
     InvalidParameter
         If a value is outside of its range.
 
-    Examples
-    --------
     >>> plate = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
     >>> [round(float(f), 1) for f in plate.frequencies_hz(300.0)]
     [92.8, 185.5, 278.3]
@@ -146,27 +144,12 @@ class Plate:
             return self.wave_constant_m2_per_s * navier(self, f_max_hz).wavenumber2_per_m2 / (2 * math.pi)
         return ritz_frequencies_hz(self, f_max_hz)
 
-    def mode_count(self, frequency_hz: NotNegative) -> float:
-        """Number of simply supported modes below a frequency by Weyl's law with perimeter and corner terms.
-
-        N = S k^2 / (4 pi) - P k / (4 pi) + 1/4.
-
-        >>> plate = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
-        >>> round(plate.mode_count(25e3)), len(plate.frequencies_hz(25e3))
-        (425, 425)
-        """
-        k = math.sqrt(2 * math.pi * frequency_hz / self.wave_constant_m2_per_s)
-        return (self.area_m2 * k**2 - self.perimeter_m * k) / (4 * math.pi) + 0.25
-
 
 @checked
 def navier(plate: Plate, f_max_hz: float) -> Sines:
     """The modes of the thin plate between simple supports, up to a frequency.
 
-    Raises
-    ------
-    InvalidParameter
-        If there are too many.
+    Raises `InvalidParameter` if there are too many.
     """
     k2_max = _wavenumber2_per_m2(plate, f_max_hz)
     at_most("number of modes below f_max_hz", plate.area_m2 * k2_max / (4 * math.pi), MAX_MODES)
@@ -178,7 +161,7 @@ def navier(plate: Plate, f_max_hz: float) -> Sines:
 def ritz(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> Sequence["ParityBlock"]:
     """The modes of the thin plate with any edges, up to a frequency, by polynomials of `degrees`, or given ones."""
     # polynomials are not loaded where edges are simply supported
-    from ..rectangle.ritz import solve
+    from .ritz import solve
 
     return solve(plate.rectangle, _wavenumber2_per_m2(plate, f_max_hz), degree or degrees(plate, f_max_hz))
 
@@ -194,10 +177,7 @@ def ritz_frequencies_hz(plate: Plate, f_max_hz: float, degree: tuple[int, int] |
 def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
     """Degree of x and of y that holds the frequencies below `f_max_hz`: half a side times wavenumber, and some more.
 
-    Raises
-    ------
-    InvalidParameter
-        If that is too much to be held.
+    Raises `InvalidParameter` if that is too much to be held.
     """
     p_x, p_y = degrees_called_for(plate, f_max_hz)
     # products inside of an ellipse: `ritz.ellipse`

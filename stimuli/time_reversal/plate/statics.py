@@ -10,8 +10,8 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, whole, within
 
 from ...arrays import FloatArray
-from ..rectangle.axis import SineAxis
 from .plate import Plate
+from .rectangle import SineAxis
 
 # of Levy's sum, and of Navier's under a patch, along each side
 N_TERMS: Final = 20_000
@@ -22,6 +22,9 @@ RITZ_DEGREE: Final = 50
 @checked
 def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
     """Static deflection at points under a point force.
+
+    Raises `InvalidParameter` if the force or a point is outside of the plate, the force is not finite, or the edges
+    leave a rigid-body motion.
 
     Parameters
     ----------
@@ -37,14 +40,6 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     (n_points,) array. Simply supported: Levy's sum, relative error 1e-9. Other edges: Ritz, within
     0.2 % at the force and 1e-5 away from it.
 
-    Raises
-    ------
-    InvalidParameter
-        If the force or a point is outside of the plate, the force is not finite, or the edges
-        leave a rigid-body motion.
-
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(float(deflection_m(A4_SCREEN, 2.0, (0.1485, 0.105), 0.1485, 0.105)[0]) * 1e6)
     178
@@ -100,9 +95,7 @@ def _levy(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray)
 
 
 def _across(mu: FloatArray, width_m: float, y0: float, y: float) -> FloatArray:
-    """-(1 / 2 mu) d/dmu of N / d with N the four images of exp(-mu distance) and d = 2 mu (1 - exp(-2 mu
-    b)).
-    """
+    """-(1 / 2 mu) d/dmu of N / d with N the four images of exp(-mu distance) and d = 2 mu (1 - exp(-2 mu b))."""
     apart = abs(y - y0)
     # images in the edges y = 0 and y = width change the sign, in both they do not
     distance = np.array([apart, y + y0, 2 * width_m - y - y0, 2 * width_m - apart])[:, None]
@@ -116,7 +109,7 @@ def _across(mu: FloatArray, width_m: float, y0: float, y: float) -> FloatArray:
 def _ritz(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray) -> FloatArray:
     from scipy.linalg import solve
 
-    from ..rectangle.ritz import ellipse, pairs, pencil
+    from .ritz import ellipse, pairs, pencil
 
     scale = plate.length_m**3 / (4 * plate.bending_rigidity_n_m * plate.width_m)
     rectangle, degrees = plate.rectangle, (RITZ_DEGREE, RITZ_DEGREE)

@@ -90,8 +90,6 @@ def bonded_loads(
         Parts of a patch along each side, so that a part stays short against the wave: a side of at most a quarter of
         the shortest wave. Of a disc, `n_parts`^2 points with equal areas.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> from tactometry.stimuli.time_reversal.screen.transducer import border
     >>> loads = bonded_loads(A4_SCREEN, border(A4_SCREEN, 32))

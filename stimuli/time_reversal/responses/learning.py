@@ -23,9 +23,8 @@ from tactometry.files.durable import read_file
 from tactometry.files.json_file import json_value
 from tactometry.files.samples import Npz
 
-from ...arrays import FloatArray
-from ...fast_length import fast_length
-from ..oscillators.oscillators import QUANTITIES
+from ...arrays import FloatArray, fast_length
+from ..plate.oscillators import QUANTITIES
 from .responses import Responses, samples_in
 
 REGULARISATION: Final = 1e-6
@@ -39,8 +38,6 @@ FADE_PART: Final = 0.05
 class Excitation:
     """What is played on one channel: values from -1 to 1, and the band (Hz) that they fill.
 
-    Examples
-    --------
     >>> sweep(20e3, 60e3, rate_hz=250e3, duration_s=0.01).samples.shape, sequence(10, rate_hz=250e3).samples.shape
     ((2500,), (1023,))
     """
@@ -56,10 +53,8 @@ class Excitation:
 def sweep(f_min_hz: Positive, f_max_hz: float, *, rate_hz: float, duration_s: float) -> Excitation:
     """An exponential sweep with raised-cosine ends.
 
-    Raises
-    ------
-    InvalidParameter
-        If the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has no samples.
+    Raises `InvalidParameter` if the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has
+    no samples.
     """
     within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)  # above `f_min_hz`, never at it
     n = samples_in("sweep.duration_s", duration_s, rate_hz)
@@ -77,10 +72,7 @@ def sweep(f_min_hz: Positive, f_max_hz: float, *, rate_hz: float, duration_s: fl
 def sequence(order: int, *, rate_hz: Positive) -> Excitation:
     """A maximum-length sequence of 2^order - 1 values of +1 and -1; it fills the band up to the Nyquist frequency.
 
-    Raises
-    ------
-    InvalidParameter
-        If the order is not from 2 to 24.
+    Raises `InvalidParameter` if the order is not from 2 to 24.
     """
     from scipy.signal import max_len_seq
 
@@ -95,6 +87,8 @@ def deconvolve(
     played: Vector, recorded: FloatArray, n_samples: int, *, regularisation: float = REGULARISATION
 ) -> FloatArray:
     """The response that turns `played` into `recorded`.
+
+    Raises `InvalidParameter` if a value is not as stated or the excitation is zero.
 
     Parameters
     ----------
@@ -112,13 +106,6 @@ def deconvolve(
     -------
     (..., n_samples) array
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is not as stated or the excitation is zero.
-
-    Examples
-    --------
     >>> h = np.array([0.0, 2.0, -1.0])
     >>> pulse = sequence(6, rate_hz=1e3).samples
     >>> deconvolve(pulse, np.convolve(pulse, h), 3, regularisation=0.0).round(9).tolist()
@@ -138,8 +125,6 @@ def deconvolve(
 def delay_s(played: Vector, recorded: Vector, rate_hz: Positive) -> float:
     """How much later `recorded` is, s: the peak of the correlation, by a parabola to a part of a sample.
 
-    Examples
-    --------
     >>> pulse = sequence(8, rate_hz=1e3).samples
     >>> delay_s(pulse, np.concatenate([np.zeros(7), pulse]), 1e3)
     0.007
@@ -167,6 +152,8 @@ def learn(
 ) -> Responses:
     """The responses of one point to every channel.
 
+    Raises `InvalidParameter` if the shapes do not fit, or a value is not as stated.
+
     Parameters
     ----------
     played : (n_played,) or (n_channels, n_recorded) array
@@ -176,11 +163,6 @@ def learn(
     rate_hz : float
     duration_s : float
         How long a response is kept.
-
-    Raises
-    ------
-    InvalidParameter
-        If the shapes do not fit, or a value is not as stated.
     """
     recorded = np.asarray(recorded, float)
     played = np.asarray(played, float)
@@ -201,13 +183,8 @@ def as_displacement(responses: Responses, f_min_hz: Positive, f_max_hz: float) -
 
     The band's edges rise and fall over a tenth of `f_min_hz`, so that the response stays short.
 
-    Raises
-    ------
-    InvalidParameter
-        If the band does not rise, begins at 0 or passes the Nyquist frequency.
+    Raises `InvalidParameter` if the band does not rise, begins at 0 or passes the Nyquist frequency.
 
-    Examples
-    --------
     >>> velocity = Responses(np.eye(1, 64, 9)[None], 1e3, "velocity")
     >>> as_displacement(velocity, 100.0, 400.0).quantity
     'displacement'
@@ -235,10 +212,7 @@ def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str 
 def read_provenance(path: Path) -> dict[str, str | float | int]:
     """Where learnt responses come from; empty for a file that does not say.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is no NPZ of responses.
+    Raises `InvalidFile` if the file is no NPZ of responses.
     """
     content = read_file(path, "learnt responses")
     try:

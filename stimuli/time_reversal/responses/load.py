@@ -1,9 +1,8 @@
 """Local loads on the plate as a low-rank update in the frequency domain.
 
-With H the receptances and Z the dynamic stiffness of k contacts, H_rs' = H_rs - H_rc Z (I + H_cc Z)^-1
-H_cs. It is written as H_rc a (b + H_cc a)^-1 H_cs with a = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h), h the
-size of H_cc, which is exact for Z = 0 and, with b = 0, for a rigid support: nowhere an inverse of Z,
-nowhere an overflow.
+With H the receptances and Z the dynamic stiffness of k contacts, H_rs' = H_rs - H_rc Z (I + H_cc Z)^-1 H_cs. It is
+written as H_rc a (b + H_cc a)^-1 H_cs with a = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h), h the size of H_cc, which is
+exact for Z = 0 and, with b = 0, for a rigid support: nowhere an inverse of Z, nowhere an overflow.
 """
 
 import math
@@ -18,9 +17,8 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import shape, whole
 from tactometry.errors import InvalidParameter
 
-from ...arrays import ComplexArray, FloatArray, real_product
-from ...fast_length import fast_length
-from ..oscillators.oscillators import Oscillators
+from ...arrays import ComplexArray, FloatArray, fast_length, real_product
+from ..plate.oscillators import Oscillators
 from ..screen.screen import Screen
 from .responses import Point, Responses, impulse_responses, values_at
 
@@ -140,17 +138,14 @@ class Receptances:
         With T = H_rc a (b + H_cc a)^-1 it is the sum over modes of of_n (sum_k at_nk T_k) / (M (s^2 + 2 a s + w^2)):
         n_to n_of pairs, where H_cs alone would take k n_of. The fewer of `to` and `of` is carried.
 
+        Raises `InvalidParameter` if pinned contacts coincide.
+
         Parameters
         ----------
         at : (n_modes, k) array
             Modal weights of the contacts.
         stiffness : (n_frequencies, k) array
             Dynamic stiffness of each; infinite pins it.
-
-        Raises
-        ------
-        InvalidParameter
-            If pinned contacts coincide.
         """
         self._check(to=to, of=of, at=at)
         if of.shape[1] < to.shape[1]:
@@ -197,6 +192,8 @@ class Receptances:
 def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: UnboundedComplex) -> ComplexArray:
     """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1, what each receiver takes from the motion of each contact.
 
+    Raises `InvalidParameter` if pinned contacts coincide.
+
     Parameters
     ----------
     to_contacts : (n_to, k, n_frequencies) array
@@ -205,11 +202,6 @@ def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: 
         H_cc.
     stiffness : (n_frequencies, k) array
         Dynamic stiffness of each contact; infinite pins it.
-
-    Raises
-    ------
-    InvalidParameter
-        If pinned contacts coincide.
     """
     shape("contact_transfer.to_contacts", to_contacts, (None, None, None))
     n_contacts, n_frequencies = to_contacts.shape[1:]
@@ -251,8 +243,6 @@ def loaded_responses(
     of frequency, that of a pin with the second: what the Nyquist frequency cuts off is then up to 3 % and lies near
     that frequency, so limit the band afterwards.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> sampling = {"rate_hz": 50e3, "duration_s": 1e-3, "f_max_hz": 10e3}
     >>> free = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **sampling)
@@ -276,9 +266,7 @@ def loaded_responses(
 
 @checked
 def contour(n_samples: int, rate_hz: Positive) -> tuple[ComplexArray, FloatArray, int]:
-    """Complex frequencies, the factor exp(sigma t) that undoes their shift, and the length of the
-    transform.
-    """
+    """Complex frequencies, the factor exp(sigma t) that undoes their shift, and the length of the transform."""
     whole("contour", lowest=1, n_samples=n_samples)
     n_fft = fast_length(2 * n_samples)
     shift = -math.log(WRAP_AROUND) * rate_hz / n_fft  # sigma, by which exp(-sigma t) falls to that in one period

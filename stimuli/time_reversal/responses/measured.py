@@ -48,6 +48,8 @@ FLUCTUATION: Final = 20.0
 def read(paths: Sequence[Path], *, full_scale: Positive = 1.0, quantity: str = "displacement") -> Responses:
     """Responses from files, one point after the other.
 
+    Raises `InvalidFile` if a file cannot be read as what it claims to be, or the files do not match.
+
     Parameters
     ----------
     paths : sequence of Path
@@ -56,16 +58,11 @@ def read(paths: Sequence[Path], *, full_scale: Positive = 1.0, quantity: str = "
         What a WAV sample of 1.0 stands for, in the unit of `quantity` per unit of the drive.
     quantity : str
         Of files that do not say it themselves.
-
-    Raises
-    ------
-    InvalidFile
-        If a file cannot be read as what it claims to be, or the files do not match.
     """
     some("read.paths", paths)
     parts = [_read_one(Path(path), full_scale, quantity) for path in paths]
     for path, part in zip(paths, parts, strict=True):
-        if (part.rate_hz, part.quantity, part.samples.shape[1:]) != _kind(parts[0]):
+        if _kind(part) != _kind(parts[0]):
             raise InvalidFile(
                 f"{path}: found {part.samples.shape[1]} channels of {part.n_samples} samples at {part.rate_hz} Hz "
                 f"({part.quantity}), expected the same as in {paths[0]}"

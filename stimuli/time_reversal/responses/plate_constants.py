@@ -19,12 +19,8 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IndexArray
 from ..plate.plate import Plate
-from .responses import Responses
 
 N_BLOCKS: Final = 32
-N_LEFT_OUT: Final = 8
-"""Groups of channels, and of neighbouring blocks, that are left out in turn for the interval."""
-
 LEAST_FALL_DB: Final = 10.0
 FAINTEST: Final = 1e-7
 """A record ends with its last sample above this part of its peak (140 dB below)."""
@@ -66,46 +62,19 @@ class Decay:
 def tau_s(response: Vector, rate_hz: Positive) -> float:
     """Time constant of the amplitude of one response.
 
+    Raises `InvalidParameter` if the response is silent, or falls by less than 10 dB until it ends or drowns in its
+    floor.
+
     Parameters
     ----------
     response : (n_samples,) array
 
-    Raises
-    ------
-    InvalidParameter
-        If the response is silent, or falls by less than 10 dB until it ends or drowns in its floor.
-
-    Examples
-    --------
     >>> t = np.arange(10000) / 1e5
     >>> round(tau_s(np.exp(-t / 4e-3) * np.sin(1e4 * t), 1e5) * 1e3, 1)
     4.0
     """
     energy, length_s = _blocks(np.asarray(response, float)[None], rate_hz)
     return length_s / _clear_decay(energy[0]).n_taus
-
-
-@checked
-def tau_estimate(responses: Responses) -> MeasuredConstant:
-    """tau from the energy of all pairs of point and channel, with its interval.
-
-    The interval is Student's t on ln(tau), its variance the sum of two jackknives: over groups of channels and over
-    stretches of time, the second for what all channels share. It describes this screen and these places. In 96 records
-    of the model (tau 1 to 20 ms, 2 to 10 tau long, floors to -30 dB, 32 channels) it always held the truth.
-
-    Raises
-    ------
-    InvalidParameter
-        If the responses are silent, or fall by less than 10 dB until they end or drown in their floor.
-    """
-    from scipy.stats import t
-
-    pairs, length_s = _blocks(responses.samples.reshape(-1, responses.n_samples), responses.rate_hz)
-    channels = pairs.reshape(*responses.samples.shape[:2], N_BLOCKS).sum(axis=0)
-    n_taus = _clear_decay(channels.sum(axis=0)).n_taus
-    half = float(t.ppf((1 + CONFIDENCE) / 2, N_LEFT_OUT - 1)) * math.sqrt(_variance(channels))
-    tau = length_s / n_taus
-    return MeasuredConstant(tau, tau * math.exp(-half), tau * math.exp(half))
 
 
 @checked
@@ -169,21 +138,6 @@ def _clear_decay(energy: FloatArray) -> Decay:
     return decay
 
 
-def _variance(channels: FloatArray) -> float:
-    """Variance of ln(n_taus) of the sum over (n_channels, `N_BLOCKS`), by leaving out channels, then stretches."""
-    whole = channels.sum(axis=0)
-    n = min(N_LEFT_OUT, len(channels))
-    fewer = [decay_of(whole - channels[i::n].sum(axis=0)) for i in range(n)] if n > 1 else []
-    blocks = np.arange(_first(whole), N_BLOCKS)
-    shorter = [decay_of(whole, np.setdiff1d(blocks, stretch)) for stretch in np.array_split(blocks, N_LEFT_OUT)]
-    return sum(_jackknife([decay.n_taus for decay in decays]) for decays in (fewer, shorter) if decays)
-
-
-def _jackknife(n_taus: list[float]) -> float:
-    """Variance of ln(n_taus) by values that each leave one group out: (n - 1)/n times their sum of squares."""
-    return (len(n_taus) - 1) * float(np.var(np.log(n_taus)))
-
-
 @checked
 def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> MeasuredConstant:
     """The mean with its interval from Student's t; infinite with fewer than two values."""
@@ -238,20 +192,8 @@ def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> MeasuredC
 
 
 @checked
-def alpha_from_resolutions(resolution_m: ArrayLike, f_mean_hz: ArrayLike, plate: Plate) -> MeasuredConstant:
-    """The factor of R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean) from measured resolutions, averaged in logarithm.
-
-    Theory of a diffuse field gives sqrt(pi / 2) = 1.2533 for the full width at half amplitude.
-    """
-    width, f = _pairs("resolution_m", resolution_m, f_mean_hz)
-    return _geometric(np.log(width * np.sqrt(f) / np.sqrt(plate.wave_constant_m2_per_s)))
-
-
-@checked
 def youngs_modulus_pa(rigidity_ratio: MeasuredConstant, plate: Plate) -> MeasuredConstant:
-    """Y = 12 (1 - nu^2) rho_s (D / rho_s) / h^3 with the density, thickness and Poisson's ratio of
-    `plate`.
-    """
+    """Y = 12 (1 - nu^2) rho_s (D / rho_s) / h^3 with the density, thickness and Poisson's ratio of `plate`."""
     factor = 12 * (1 - plate.poisson_ratio**2) * plate.area_density_kg_per_m2 / plate.thickness_m**3
     ratios = rigidity_ratio.value, rigidity_ratio.low, rigidity_ratio.high
     return MeasuredConstant(*(factor * ratio for ratio in ratios))

@@ -13,8 +13,8 @@ from tactometry.errors import InvalidParameter
 from ...arrays import FloatArray
 from ...defaults import AUDIBLE_MAX_HZ
 from ..filters import Band, GainCurve, filtered
-from ..oscillators.oscillators import QUANTITIES, check_sampling
 from ..plate.modes import values
+from ..plate.oscillators import QUANTITIES, check_sampling
 from ..screen.screen import Screen
 
 Point = tuple[float, float]
@@ -118,8 +118,6 @@ def impulse_responses(
         If a point or a transducer is outside, there is none, `f_max_hz` is above the Nyquist frequency, or
         `static_to_hz` does not fit.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> h = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=50e3, duration_s=1e-3, f_max_hz=10e3)
     >>> h.samples.shape
@@ -131,9 +129,10 @@ def impulse_responses(
         raise InvalidParameter(
             f"f_max_hz: found {f_max_hz}, above the Nyquist frequency {rate_hz / 2}; raise rate_hz or lower f_max_hz"
         )
-    from ..oscillators.modal_sum import modal_sums
+    from ..plate.modal_sum import modal_sums
 
-    weights = _weights(screen, points, f_max_hz)
+    at_points = values_at(screen, points, f_max_hz)
+    weights = np.asarray(at_points.T[:, None, :] * screen.modal_forces(f_max_hz).T[None, :, :])
     out = np.empty((weights.shape[0] * weights.shape[1], n_samples))
     flat = weights.reshape(len(out), -1) / (screen.plate.mass_kg * rate_hz)
     for start, stop in chunks(n_samples):
@@ -163,12 +162,6 @@ def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
         yield start, min(start + size, n_samples)
 
 
-def _weights(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
-    """(n_points, n_channels, n_modes): shape at the point times force of the channel."""
-    at_points = values_at(screen, points, f_max_hz)
-    return np.asarray(at_points.T[:, None, :] * screen.modal_forces(f_max_hz).T[None, :, :])
-
-
 def _static_residual(
     screen: Screen, points: Sequence[Point], f_max_hz: float, static_to_hz: float, quantity: str
 ) -> FloatArray:
@@ -189,10 +182,7 @@ def _static_residual(
 def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
     """(n_modes, n_points): the shapes at points of the plate.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no point, or one is outside of the plate.
+    Raises `InvalidParameter` if there is no point, or one is outside of the plate.
     """
     place = np.asarray(points, float)
     expect(len(place) != 0, "points", "none", "at least one")
@@ -206,8 +196,6 @@ def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> Float
 def through(responses: Responses, gain: GainCurve) -> Responses:
     """The responses behind a linear element; the part that would precede time 0 is cut off.
 
-    Examples
-    --------
     >>> h = Responses(np.eye(1, 64)[None], 1e3)
     >>> from tactometry.stimuli.time_reversal.filters import Butterworth
     >>> np.round(through(h, Butterworth(10.0)).samples[0, 0, :2], 3)
@@ -235,7 +223,5 @@ def band_limited(responses: Responses, band: Band) -> Responses:
 
 @checked
 def inaudible(responses: Responses, cutoff_hz: float = AUDIBLE_MAX_HZ, flank_hz: float = 0.0) -> Responses:
-    """The audible-band filter: only what lies above `cutoff_hz`. Filter first, then reverse, then
-    quantise.
-    """
+    """The audible-band filter: only what lies above `cutoff_hz`. Filter first, then reverse, then quantise."""
     return band_limited(responses, Band(cutoff_hz, responses.rate_hz / 2, flank_hz))

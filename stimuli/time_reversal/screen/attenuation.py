@@ -38,8 +38,6 @@ class Attenuation(Effect):
     reference_hz : float
         Frequency at which the attenuation is stated, above 0.
 
-    Examples
-    --------
     >>> round(Attenuation().t60_s, 4)
     0.0242
     >>> float(1 / Attenuation(exponent=0.5).rate_per_s(40e3))
@@ -47,7 +45,6 @@ class Attenuation(Effect):
     """
 
     kind = "attenuation"
-    slot = "attenuation"
     in_signal = True
     reads, gives = ("screen",), "screen"
 
@@ -69,7 +66,6 @@ class Attenuation(Effect):
         return np.asarray(relative**self.exponent / self.tau_s)
 
     def __call__(self, screen: Any) -> Any:
-        """The screen with these losses."""
         return replace(screen, attenuation=self)
 
     def in_plate(self, scene: "Surroundings") -> PlateContent:

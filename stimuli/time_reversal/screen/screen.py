@@ -9,9 +9,9 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import some, within
 
 from ...arrays import FloatArray
-from ..oscillators.oscillators import Oscillators
 from ..plate.glass import A4_SCREEN, FREQUENCY_SHIFT_PER_K, MOST_SHIFT
 from ..plate.modes import Modes, modes_of
+from ..plate.oscillators import Oscillators
 from ..plate.plate import Plate
 from .attenuation import Attenuation
 from .transducer import ForceSource, border, modal_forces
@@ -78,10 +78,7 @@ defaults.
 def warmed(screen: Screen, kelvin: float, shift_per_k: float = FREQUENCY_SHIFT_PER_K) -> Screen:
     """The screen some kelvin warmer: Young's modulus by the square of the shift of the frequencies.
 
-    Raises
-    ------
-    InvalidParameter
-        If the frequencies shift by more than a tenth, where no glass goes on in proportion.
+    Raises `InvalidParameter` if the frequencies shift by more than a tenth, where no glass goes on in proportion.
 
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> warm = warmed(A4_PROTOTYPE, 20.0)

@@ -174,10 +174,7 @@ class DiscPatch:
 def modal_forces(modes: Modes, sources: Sequence[ForceSource]) -> FloatArray:
     """(n_modes, n_sources): generalised force of each source on each mode per unit of its channel.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no source, or one is outside of the plate.
+    Raises `InvalidParameter` if there is no source, or one is outside of the plate.
     """
     some("modal_forces.sources", sources)
     for i, source in enumerate(sources):

@@ -9,8 +9,7 @@ import numpy as np
 from tactometry.arguments.checked import checked
 from tactometry.signal import Signal
 
-from ...arrays import ComplexArray, FloatArray
-from ...fast_length import fast_length
+from ...arrays import ComplexArray, FloatArray, fast_length
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer
 from ..responses.responses import Point, values_at
@@ -90,7 +89,6 @@ def _among(setup: Setup, places: Places, n_samples: int) -> ComplexArray:
 
 @lru_cache(maxsize=2)
 def _receptances(setup: Setup, n_samples: int, start: int) -> Receptances:
-    """Of some frequencies, which are the same for all places."""
     s = _frequencies(setup, n_samples)[start : start + AT_ONCE]
     return Receptances.of(setup.screen.oscillators(setup.modes_to_hz), setup.screen.plate.mass_kg, s)
 

@@ -102,7 +102,11 @@ class TimeReversalStimulus:
         one_of("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
         one_of("TimeReversalStimulus.focus.quantity", self.focus.quantity, ("displacement",))
         one_of("TimeReversalStimulus.modulation", self.modulation, MODULATIONS)
-        _check_heard(self)
+        heard, focus = self.heard, self.focus
+        if heard is not None:
+            found = f"{heard.n_points} points and {heard.n_channels} channels"
+            expected = f"{focus.n_points} and {focus.n_channels} as in focus"
+            expect(heard.samples.shape[:2] == focus.samples.shape[:2], "TimeReversalStimulus.heard", found, expected)
         check_supply("TimeReversalStimulus", self.supply_v, self.quantiser)
         if self.reversal_s is not None:
             whole("TimeReversalStimulus", lowest=1, n_reversal=self._n_reversal)
@@ -193,14 +197,6 @@ class TimeReversalStimulus:
         return 1e-6 * 10 ** (level / 20)
 
 
-def _check_heard(stimulus: TimeReversalStimulus) -> None:
-    heard, focus = stimulus.heard, stimulus.focus
-    if heard is not None:
-        found = f"{heard.n_points} points and {heard.n_channels} channels"
-        expected = f"{focus.n_points} and {focus.n_channels} as in focus"
-        expect(heard.samples.shape[:2] == focus.samples.shape[:2], "TimeReversalStimulus.heard", found, expected)
-
-
 @checked
 @dataclass(frozen=True)
 class FocusTrain:
@@ -264,7 +260,13 @@ class FocusTrain:
     def __post_init__(self) -> None:
         if self.envelope_table is not None:
             object.__setattr__(self, "envelope_table", tuple(self.envelope_table))
-        _check_band(self)
+        owner = type(self).__name__
+        band = Band(self.f_min_hz, self.f_max_hz)
+        if band.f_max_hz > self.setup.modes_to_hz:
+            raise InvalidParameter(
+                f"{owner}.f_max_hz: found {self.f_max_hz}, above the highest mode at {self.setup.modes_to_hz} Hz; "
+                "lower it or raise setup.modes_to_hz"
+            )
         _check_times(self)
         check_supply(type(self).__name__, self.supply_v, DRIVES[self.drive])
 
@@ -322,17 +324,15 @@ class FocusTrain:
 def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
     """The same foci from responses that were measured on a bench, in place of those of the model.
 
+    Raises `InvalidParameter` if the responses are of more points, no displacements, too short, or sampled too slowly
+    for the band.
+
     Parameters
     ----------
     train : FocusTrain
         Its pattern, drive, band, reversal time and voltage hold; its setup does not.
     heard : Responses
         Displacement at the point that is touched (or at the places of `PlacedFoci`), at least `train.emission_s` long.
-
-    Raises
-    ------
-    InvalidParameter
-        If the responses are of more points, no displacements, too short, or sampled too slowly for the band.
 
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> train = FocusTrain(setup, f_max_hz=20e3)
@@ -371,16 +371,6 @@ def _stimulus_of(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
         tau_s=train.setup.tau_s,
         supply_v=train.supply_v,
     )
-
-
-def _check_band(train: FocusTrain) -> None:
-    owner = type(train).__name__
-    band = Band(train.f_min_hz, train.f_max_hz)
-    if band.f_max_hz > train.setup.modes_to_hz:
-        raise InvalidParameter(
-            f"{owner}.f_max_hz: found {train.f_max_hz}, above the highest mode at {train.setup.modes_to_hz} Hz; "
-            "lower it or raise setup.modes_to_hz"
-        )
 
 
 def _check_times(train: FocusTrain) -> None:

@@ -68,8 +68,6 @@ class PlacedFoci(FocusTrain):
     InvalidParameter
         If a place is not on the plate, two are at one point, or `place` names what is none.
 
-    Examples
-    --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> places = {"index": Place(0.10), "middle": Place(0.13)}
     >>> both = PlacedFoci(setup, f_max_hz=20e3, places=places, place="index + middle")
@@ -112,10 +110,7 @@ class PlacedFoci(FocusTrain):
     def heard(self, learnt: Responses | None = None) -> Responses:
         """What the places of the foci do, on average: of the model, or as was learnt at all places in their order.
 
-        Raises
-        ------
-        InvalidParameter
-            If responses were learnt at another number of places.
+        Raises `InvalidParameter` if responses were learnt at another number of places.
         """
         if learnt is None:
             return _mean_of_model(self.setup, self.places_made_m)
@@ -149,7 +144,7 @@ def _mean_of_model(setup: Setup, places: tuple[Point, ...]) -> Responses:
 @dataclass(frozen=True)
 class FingersSensation:
     """What a scene of foci under fingers that rest on named places is made of, and nothing that computes
-    (`tactometry.stimuli.scenes.defaults.foci.default_scene`).
+    (`tactometry.stimuli.scenes.default_scenes.default_scene`).
 
     Each finger feels the field of all foci under it, by the amplitude of the free plate: that fingers do not damp what
     others feel is an unverified simplification, which the effect `finger_load` of a scene does without.
@@ -168,8 +163,6 @@ class FingersSensation:
     InvalidParameter
         If a finger rests on no place, or two are nearer to each other than a fingertip is wide.
 
-    Examples
-    --------
     >>> FingersSensation(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).reference_m
     1e-05
     """

@@ -49,7 +49,7 @@ READING_M: Final = 1e-9
 @dataclass(frozen=True)
 class TimeReversalSensation:
     """What a scene of the foci under a finger is made of, and nothing that computes: each is an effect of the scene or
-    of its surface (`tactometry.stimuli.scenes.defaults.time_reversal.default_scene`).
+    of its surface (`tactometry.stimuli.scenes.default_scenes.default_scene`).
 
     The plate's displacement under the finger is in the ultrasonic range, where touch feels nothing: each focus is felt
     as one event that throws the skin off. Of a train the Pacinian channel sums the energy over 0.2 s
@@ -80,8 +80,6 @@ class TimeReversalSensation:
     finger_y_m : float, optional
         Place of the finger along the width. Default: at the focus.
 
-    Examples
-    --------
     >>> TimeReversalSensation(criterion="loaded").finger.load((0.1, 0.1), force_n=0.5).resistance_n_s_per_m
     5.0
     """
@@ -97,16 +95,13 @@ class TimeReversalSensation:
     finger_y_m: float | None = None
 
     def __post_init__(self) -> None:
-        self.setup.plate.check_holds("TimeReversalSensation.finger_x_m, finger_y_m", self._place)
+        place = place_on(self.setup, self.finger_x_m, self.finger_y_m)
+        self.setup.plate.check_holds("TimeReversalSensation.finger_x_m, finger_y_m", place)
 
     @property
     def finger(self) -> Fingertip:
         """What presses on the plate, and loads it where that counts."""
         return Fingertip(self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m, self.exponent)
-
-    @property
-    def _place(self) -> Point:
-        return place_on(self.setup, self.finger_x_m, self.finger_y_m)
 
 
 @checked
@@ -127,8 +122,6 @@ class FocusReading:
     y_m : float, optional
         Place of the finger along the width. Default: at the focus.
 
-    Examples
-    --------
     >>> from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> signal = FocusTrain(setup, f_max_hz=20e3).at(20.0)
@@ -191,10 +184,7 @@ def place_on(setup: Setup, x_m: float | None, y_m: float | None) -> Point:
 def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
     """(n_samples,): what the plate does at a place as long as nothing is on it.
 
-    Raises
-    ------
-    InvalidParameter
-        If the signal is not in volt, or its rate or channels are not those of the setup.
+    Raises `InvalidParameter` if the signal is not in volt, or its rate or channels are not those of the setup.
     """
     n_channels = signal.samples.shape[0]
     if signal.unit != "V" or n_channels != setup.n_transducers or signal.rate_hz != setup.rate_hz:

@@ -57,8 +57,6 @@ class Setup(GlassPanel):
     moment_n_per_v : float
         Bending moment of a patch per length of its outline and volt.
 
-    Examples
-    --------
     >>> Setup(boundary="FFFF").plate.boundary
     'FFFF'
     """

@@ -8,7 +8,6 @@ from tactometry.stimuli.electrovibration import (
     CoulombFriction,
     DryFriction,
     Finger,
-    Grating,
     Noise,
     PowerLawArea,
     PulseTrain,
@@ -72,10 +71,6 @@ def test_a_table_of_areas_starts_at_no_area_without_force() -> None:
 
 def test_a_constant_area_is_none_without_force() -> None:
     np.testing.assert_array_equal(PowerLawArea(exponent=0.0).area_m2([0.0, 1.0]), [0.0, 1e-4])
-
-
-def test_a_grating_has_the_same_frequency_in_both_directions() -> None:
-    assert Grating(1e-3).temporal_frequency_hz(-0.1) == Grating(1e-3).temporal_frequency_hz(0.1) == pytest.approx(100.0)
 
 
 def test_a_region_ends_at_both_of_its_edges() -> None:

@@ -27,7 +27,7 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
     ellipse_area_m2,
 )
-from tactometry.stimuli.electrovibration.skin.dispersive_layer import periodic_voltages_v, shares
+from tactometry.stimuli.electrovibration.skin.stack import periodic_voltages_v, shares
 
 P0, AREA_M2 = Skin(), 1e-4
 PIECES = Step(duration_s=0.1).pieces(40.0)

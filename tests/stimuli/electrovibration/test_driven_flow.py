@@ -9,11 +9,13 @@ from numba import njit
 from tactometry.stimuli.electrovibration import AmplitudeModulated, Finger, Pieces, Sine, Skin, Step, Trapezoid
 from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.motion.compiled_loops import march, states
-from tactometry.stimuli.electrovibration.motion.driven_flow import Circuit, LinearSystem, flows
 from tactometry.stimuli.electrovibration.motion.driven_motion import (
+    Circuit,
+    LinearSystem,
     Timing,
     circuit_states,
     first_order_response,
+    flows,
     plan_of,
 )
 from tactometry.stimuli.electrovibration.motion.phases import heights

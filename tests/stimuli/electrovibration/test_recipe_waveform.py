@@ -14,7 +14,7 @@ FILE = '''
 
 from dataclasses import dataclass
 
-from tactometry.stimuli.electrovibration.waveforms.corners import Corners
+from tactometry.stimuli.electrovibration.waveforms.pieces import Corners
 from tactometry.stimuli.electrovibration.waveforms.periodic import Periodic
 from tactometry.stimuli.electrovibration.waveforms.waveform import LevelUnit
 

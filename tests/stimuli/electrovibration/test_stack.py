@@ -12,8 +12,8 @@ from scipy.integrate import quad
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.defaults import VACUUM_PERMITTIVITY_F_PER_M as E0
 from tactometry.stimuli.electrovibration import Layer, Pieces, Sine, Skin, Solution, Stack, Step
-from tactometry.stimuli.electrovibration.attraction.drawn_current import charge_c, charge_c_at, current_a, current_a_at
-from tactometry.stimuli.electrovibration.skin.dispersive_layer import DispersiveLayer, periodic_voltages_v, shares
+from tactometry.stimuli.electrovibration.attraction.force import charge_c, charge_c_at, current_a, current_a_at
+from tactometry.stimuli.electrovibration.skin.stack import DispersiveLayer, periodic_voltages_v, shares
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
 AREA_M2 = 1e-4

@@ -14,7 +14,6 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, FingerContact
-from tactometry.stimuli.composition.record import VoltageRecord
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     CoulombFriction,
@@ -26,6 +25,7 @@ from tactometry.stimuli.electrovibration import (
     Square,
     force_form,
 )
+from tactometry.stimuli.electrovibration.waveforms.pieces import VoltageRecord
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.perception.detection import components
 from tactometry.stimuli.scenes.effects import OF_ELECTROVIBRATION
@@ -34,8 +34,7 @@ from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages import record
-from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-from tactometry.stimuli.scenes.surfaces.played_electrovibration import PlayedElectrovibration
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration, PlayedElectrovibration
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 
 FELT = ("force_law", "friction", "sensitivity")
@@ -320,9 +319,9 @@ def test_a_scene_of_what_is_none_is_refused(name):
 def test_settings_are_chosen_once_and_a_spectrum_is_read_once_for_a_signal(monkeypatch):
     """And a level that was told is not computed again."""
     scene, resolved, read, ran = felt(), [], [], []
-    kept, spectrum, run = Scene.resolve, record.components_of, Plan.run
+    kept, spectrum, run = Scene.resolve, record.components_of_record, Plan.run
     monkeypatch.setattr(Scene, "resolve", lambda self: resolved.append(self) or kept(self))
-    monkeypatch.setattr(record, "components_of", lambda *a, **k: read.append(a) or spectrum(*a, **k))
+    monkeypatch.setattr(record, "components_of_record", lambda *a, **k: read.append(a) or spectrum(*a, **k))
     monkeypatch.setattr(Plan, "run", lambda self, given: ran.append(tuple(given)) or run(self, given))
     for level in (20.0, 30.0):
         for contact in (TOUCH, Contact(1.0, 0.05), TOUCH):
@@ -335,7 +334,7 @@ def test_lines_that_touch_is_deaf_to_are_not_carried_along():
     """A carrier has hundreds of them: 60 Hz of friction are felt, 4 kHz are not."""
     t_s = np.arange(20_000) / 20_000.0
     course = np.sin(2 * np.pi * 60 * t_s) + np.sin(2 * np.pi * 4000 * t_s)
-    found = record.components_of(VoltageRecord(course, 20_000.0), course, 1)
+    found = record.components_of_record(VoltageRecord(course, 20_000.0), course, 1)
     strong = found.amplitudes > 1e-6
     assert found.frequencies_hz[strong] == pytest.approx([60.0], abs=0.01)
     assert found.frequencies_hz.max() <= 800.0

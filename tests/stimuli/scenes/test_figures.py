@@ -7,10 +7,8 @@ import pytest
 from scene_cases import LEVEL, VOLT, default, effect, panel, screen
 
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.scenes.figures.courses import BESIDE_LOAD, courses, numbers
-from tactometry.stimuli.scenes.figures.focus import focus_sheet
-from tactometry.stimuli.scenes.lifting import loads_n
-from tactometry.stimuli.scenes.result import compute
+from tactometry.stimuli.scenes.figures.courses import BESIDE_LOAD, courses, focus_sheet, numbers
+from tactometry.stimuli.scenes.plan import compute, loads_n
 
 
 def drawn(scene, given, draw):

@@ -18,8 +18,7 @@ from tactometry.loading import resolve
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.explain import explanation, pulled_by
 from tactometry.stimuli.scenes.file import load_scene, scene_of
-from tactometry.stimuli.scenes.plan import Plan
-from tactometry.stimuli.scenes.result import compute
+from tactometry.stimuli.scenes.plan import Plan, compute
 
 TONE = {"kind": "electrovibration", "frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
 LAW = {"kind": "force_law", "law": "sc_layer"}

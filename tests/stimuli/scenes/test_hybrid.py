@@ -11,9 +11,9 @@ from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes import cache
 from tactometry.stimuli.scenes.cache import cached_result
-from tactometry.stimuli.scenes.figures.film import write_film
+from tactometry.stimuli.scenes.figures.courses import write_film
 from tactometry.stimuli.scenes.file import load_scene
-from tactometry.stimuli.scenes.result import compute
+from tactometry.stimuli.scenes.plan import compute
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
@@ -187,7 +187,7 @@ def test_a_film_is_mp4_where_there_is_ffmpeg_and_refused_elsewhere(tmp_path, mon
     pytest.importorskip("imageio_ffmpeg")
     write_film(film(), "a focus", tmp_path / "a.mp4")
     assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
-    monkeypatch.setattr("tactometry.stimuli.scenes.figures.film._ffmpeg", lambda: "")
+    monkeypatch.setattr("tactometry.stimuli.scenes.figures.courses._ffmpeg", lambda: "")
     with pytest.raises(InvalidParameter, match=r"--movie: found no ffmpeg, .*imageio-ffmpeg .*or write a \.gif"):
         write_film(film(), "a focus", tmp_path / "b.mp4")
     assert not (tmp_path / "b.mp4").exists()

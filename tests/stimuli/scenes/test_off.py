@@ -33,17 +33,15 @@ OWNERS = {
     "perception.channels": FELT,
     "perception.detection": FELT,
     "perception.temporal_summation": {"focus_detection"},
-    "scenes.stages.spectrum": {"sensitivity", "receptors"},
+    "scenes.stages.record": {"sensitivity", "receptors"},
     "scenes.stages.contact": {"finger_load"},
-    "scenes.stages.open_contact": {"lift_off"},
     "time_reversal.lift_off": {"lift_off"},
-    "scenes.stages.map": {"movie"},
     "time_reversal.finger": {"focus_detection"},
     "time_reversal.focusing.pattern": {"repetition"},
-    "time_reversal.rectangle.ritz": {"edges"},
+    "time_reversal.plate.ritz": {"edges"},
     "time_reversal.stimulus.sensation": {"focus_detection"},
     "time_reversal.focusing.modulator": {"sigma_delta"},
-    "time_reversal.field.sound": {"airborne_sound"},
+    "time_reversal.focusing.sound": {"airborne_sound"},
 }
 """Physics that some effects alone need."""
 

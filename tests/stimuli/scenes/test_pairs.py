@@ -14,9 +14,8 @@ from tactometry.stimuli.electrovibration import AmplitudeModulated
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION, OF_TIME_REVERSAL
 from tactometry.stimuli.scenes.scene import SENSATION, Scene
-from tactometry.stimuli.scenes.surfaces.played_electrovibration import PlayedElectrovibration
-from tactometry.stimuli.scenes.surfaces.played_hybrid import PlayedHybrid
-from tactometry.stimuli.scenes.surfaces.played_time_reversal import PlayedTimeReversal
+from tactometry.stimuli.scenes.surfaces.electrovibration import PlayedElectrovibration
+from tactometry.stimuli.scenes.surfaces.played_plates import PlayedHybrid, PlayedTimeReversal
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 

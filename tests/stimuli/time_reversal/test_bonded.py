@@ -7,8 +7,8 @@ import pytest
 from scipy.linalg import eigh
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener, bonded_loads
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, Receptances, loaded_receptance, loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import values_at

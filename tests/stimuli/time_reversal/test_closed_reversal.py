@@ -7,11 +7,11 @@ from scipy.integrate import quad
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.field.field import field, modal_amplitudes, modal_history
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal, overlap
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.focusing.merit import field, modal_amplitudes, modal_history
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.plate.modes import values
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import (
     Attenuation,

@@ -22,10 +22,9 @@ from tactometry.stimuli.time_reversal.design.guide import (
     recommend,
     thickness_for_m,
 )
-from tactometry.stimuli.time_reversal.field.field import field, grid
-from tactometry.stimuli.time_reversal.field.merit import contrast_whole_of, resolution_per_focus_m
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.merit import contrast_whole_of, field, grid, resolution_per_focus_m
 from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33, read_plate

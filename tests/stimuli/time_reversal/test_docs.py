@@ -41,5 +41,5 @@ def test_the_page_speaks_of_every_effect():
         "window=",
         "uniformity",
     )
-    others = ("trimmed", "reciprocity_error", "mode_count", "modal_density_s", "point_impedance", "group_velocity")
+    others = ("trimmed", "reciprocity_error", "modal_density_s", "point_impedance", "group_velocity")
     assert [name for name in effects + others if name not in examples] == []

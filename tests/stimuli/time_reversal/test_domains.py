@@ -13,9 +13,7 @@ from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.design.closed_forms import (
     Reverberation,
     analogue_amplitude_ratio,
-    contrast_far,
     contrast_temporal,
-    contrast_whole,
     focus_profile,
     half_wavelength_m,
     mistuned_amplitude_ratio,
@@ -23,9 +21,12 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
     repetition_noise_ratio,
     resolution_m,
 )
-from tactometry.stimuli.time_reversal.field.merit import (
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.finger import Contactor
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive
+from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
+from tactometry.stimuli.time_reversal.focusing.merit import (
     area_m2,
-    contrast_far_of,
     contrast_temporal_of,
     contrast_whole_of,
     switched_power_w,
@@ -33,16 +34,12 @@ from tactometry.stimuli.time_reversal.field.merit import (
     uniformity,
     width_m,
 )
-from tactometry.stimuli.time_reversal.field.sound import noise
-from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger import Contactor, amplitude_ratio_elsewhere
-from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive
-from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Pattern, burst_s, pattern_drive
 from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
 from tactometry.stimuli.time_reversal.responses.measured import read
@@ -207,7 +204,6 @@ OUTSIDE = {
     "inverse wanted nan": (lambda: inverse(wanted=[math.nan]), "wanted"),
     "contrast of nan": (lambda: contrast_whole_of(math.nan, FIELD), "amplitude"),
     "contrast of a nan field": (lambda: contrast_whole_of(1.0, NANS), "field"),
-    "far radius nan": (lambda: contrast_far_of(1.0, FIELD, (LINE, LINE), (2.0, 2.0), math.nan), "radius_m"),
     "temporal nan": (lambda: contrast_temporal_of(BUMP, 2, 1.0, math.nan, 2.0), "start_s"),
     "temporal before": (lambda: contrast_temporal_of(BUMP, -1, 1.0, 2.0, 3.0), "focus_sample"),
     "width nan": (lambda: width_m(LINE, np.full(5, math.nan)), "profile"),
@@ -233,7 +229,6 @@ OUTSIDE = {
     "kurtosis": (lambda: replace(ROOM, kurtosis=math.nan), "kurtosis"),
     "contrast before the focus": (lambda: contrast_temporal(ROOM, -1e-3, 1e-3), "start_s"),
     "contrast of no time": (lambda: contrast_temporal(ROOM, 1e-3, 1e-3), "stop_s"),
-    "contrast far r": (lambda: contrast_far(ROOM, 500.0, -0.01), "radius_m"),
     "repetition": (lambda: repetition_noise_ratio(0.0, 1.0), "repetition_s"),
     "profile": (lambda: focus_profile(A4_SCREEN, Band(0.0, 1e3), math.nan), "radius_m"),
     "resolution level 0": (lambda: resolution_m(A4_SCREEN, Band(0.0, 1e3), 0.0), "level"),
@@ -246,15 +241,12 @@ OUTSIDE = {
     "pattern tau": (lambda: pattern_drive(FOCUS, TWO, 1.0, modulation="burst", tau_s=-1.0), "tau_s"),
     "stimulus T": (lambda: TimeReversalStimulus(FOCUS, reversal_s=0.0), "reversal_s"),
     "emission T": (lambda: Emission(Band(0.0, 1e3), 0.0, 1e4), "reversal_s"),
-    "elsewhere T": (lambda: amplitude_ratio_elsewhere(A4_SCREEN, 10.0, 3e-3, 0.0), "reversal_s"),
-    "elsewhere tau": (lambda: amplitude_ratio_elsewhere(A4_SCREEN, 10.0, math.inf, 7e-3), "tau_s"),
     "noise of no time": (lambda: noise(SMALL, PULSE, 500.0, duration_s=0.0), "duration_s"),
     "quantity": (lambda: impulse_responses(SMALL, [(0.1, 0.1)], **SAMPLING, quantity="x"), "quantity"),
     "points of three": (lambda: impulse_responses(SMALL, [(0.1, 0.1, 0.1)] * 2, **SAMPLING), "points"),
     "one bare point": (lambda: impulse_responses(SMALL, (0.1, 0.1), **SAMPLING), "points"),
     "contactor off": (lambda: Contactor("soft").loads(A4_SCREEN, (9.0, 9.0), 1.0), "at_m"),
     "finger off": (lambda: Contactor("finger").loads(A4_SCREEN, (9.0, 9.0), 1.0), "at_m"),
-    "mode count": (lambda: A4_SCREEN.mode_count(-1.0), "frequency_hz"),
     "stress of a large contact": (lambda: bending_stress_pa(A4_SCREEN, 1.0, 0.25), "contact_m"),
 }
 
@@ -279,12 +271,6 @@ def test_the_rigidity_ratio_holds_without_one_of_the_modes(missing):
 def test_a_mode_that_is_no_number_is_refused(wrong):
     with pytest.raises(InvalidParameter, match="measured_hz"):
         rigidity_ratio_from_modes([100.0, wrong], A4_SCREEN)
-
-
-def test_near_the_focus_the_far_contrast_leaves_nothing_out():
-    everything = math.sqrt(32 * ROOM.n_modes / (32 + ROOM.kurtosis + ROOM.absorption))
-    assert contrast_far(ROOM, 500.0, 1e-9) == pytest.approx(everything, rel=1e-12)
-    assert everything == pytest.approx(contrast_whole(ROOM), rel=1e-12)
 
 
 @pytest.mark.parametrize("level", [1e-3, 0.1, 0.5, 0.999])

@@ -35,14 +35,11 @@ from tactometry.stimuli.time_reversal.design.guide import Design, amplitudes_m
 from tactometry.stimuli.time_reversal.finger import amplitude_ratio_at_focus
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import overlap
 from tactometry.stimuli.time_reversal.focusing.pattern import Table, focus_samples
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.dispersion import (
-    group_velocity_m_per_s,
-    mindlin_angular_frequency_rad_per_s,
-    mindlin_group_velocity_m_per_s,
     mindlin_wavenumber_rad_per_m,
+    wavenumber_rad_per_m,
 )
-from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.bonded_patches import bonded_loads
 
 SCREEN = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
@@ -153,24 +150,12 @@ def test_parts_of_a_quarter_wave_give_the_patch_within_3_percent():
     assert off[1] < 0.03 < off[0]
 
 
-@pytest.mark.parametrize("thickness_m", [1e-4, 1.1e-3, 1e-2])
-def test_energy_in_a_thick_plate_travels_at_the_slope_of_its_dispersion(thickness_m):
-    plate = BOROFLOAT_33.plate(0.3, 0.2, thickness_m, "SSSS")
-    f = np.geomspace(10.0, 1e7, 25)
-    k = mindlin_wavenumber_rad_per_m(plate, f)
-    step = 1e-6 * k
-    slope = np.subtract(*(mindlin_angular_frequency_rad_per_s(plate, k + sign * step) for sign in (1, -1))) / (2 * step)
-    np.testing.assert_allclose(mindlin_group_velocity_m_per_s(plate, f), slope, rtol=1e-8)
-
-
 def test_waves_in_thick_glass_tend_to_thin_glass_and_to_shear():
     shear = math.sqrt(5 / 6 * 64e9 / 2.4 / 2230)
     phase = 2 * math.pi * 1e9 / mindlin_wavenumber_rad_per_m(A4_SCREEN, 1e9)
-    group = mindlin_group_velocity_m_per_s(A4_SCREEN, 1e9)
-    assert [float(phase), float(group)] == pytest.approx([shear, shear], rel=1e-5)
-    assert mindlin_group_velocity_m_per_s(A4_SCREEN, 1.0) == pytest.approx(
-        group_velocity_m_per_s(A4_SCREEN, 1.0), rel=1e-5
-    )
+    assert float(phase) == pytest.approx(shear, rel=1e-5)
+    thin = wavenumber_rad_per_m(A4_SCREEN, 1.0)
+    assert mindlin_wavenumber_rad_per_m(A4_SCREEN, 1.0) == pytest.approx(thin, rel=1e-5)
 
 
 MOVING = Responses(1e-9 * np.random.default_rng(0).standard_normal((2, 3, 40)), 1e3)

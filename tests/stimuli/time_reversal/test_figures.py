@@ -8,21 +8,21 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation, resolution_m
-from tactometry.stimuli.time_reversal.field.merit import (
-    amplitude_by_subset_m,
-    amplitude_over_count_m,
-    contributions_m,
-    resolution_per_focus_m,
-)
-from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
-from tactometry.stimuli.time_reversal.figures import drives, prototype, theory
+from tactometry.stimuli.time_reversal.figures import focus as focus_figures, prototype, theory
 from tactometry.stimuli.time_reversal.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
 from tactometry.stimuli.time_reversal.figures.style import save
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import LossRow
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.merit import (
+    amplitude_by_subset_m,
+    amplitude_over_count_m,
+    contributions_m,
+    resolution_per_focus_m,
+)
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
@@ -127,13 +127,13 @@ def test_loss_figure_has_a_line_for_each_contactor():
 
 def test_sound_figure_names_the_level():
     f = np.arange(0.0, 125e3, 50.0)
-    figure = drives.sound_spectra({"quiet": NoiseSpectrum(f, np.full(f.size, 1e-9))})
+    figure = focus_figures.sound_spectra({"quiet": NoiseSpectrum(f, np.full(f.size, 1e-9))})
     assert "dBA" in figure.axes[0].get_title()
 
 
 def test_sound_above_what_is_drawn_does_not_count_in_the_last_band():
     f = np.linspace(0.0, 500e3, 5001)
-    figure = drives.sound_spectra({"SDM": NoiseSpectrum(f, np.where(f < 125e3, 1e-9, 0.0))})
+    figure = focus_figures.sound_spectra({"SDM": NoiseSpectrum(f, np.where(f < 125e3, 1e-9, 0.0))})
     levels_db = figure.axes[0].lines[0].get_ydata()
     assert levels_db == pytest.approx(levels_db[0])
 

@@ -21,19 +21,21 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
     resolution_m,
 )
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
-from tactometry.stimuli.time_reversal.field.field import field, grid, movie
-from tactometry.stimuli.time_reversal.field.merit import (
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.merit import (
     area_m2,
     contrast_whole_of,
+    field,
+    grid,
+    movie,
     resolution_per_focus_m,
     temporal_width_s,
 )
-from tactometry.stimuli.time_reversal.field.sound import noise
-from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.plate.dispersion import (
     group_velocity_m_per_s,
     mindlin_wavenumber_rad_per_m,

@@ -10,7 +10,6 @@ from hypothesis.extra.numpy import arrays
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.field.field import field, grid, modal_amplitudes, modal_history, movie
 from tactometry.stimuli.time_reversal.filters import Band, Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.focusing.focusing import (
     drive,
@@ -19,6 +18,7 @@ from tactometry.stimuli.time_reversal.focusing.focusing import (
     focus_amplitudes,
     reversed_waveform,
 )
+from tactometry.stimuli.time_reversal.focusing.merit import field, grid, modal_amplitudes, modal_history, movie
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33

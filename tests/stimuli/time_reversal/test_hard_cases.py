@@ -16,22 +16,21 @@ from scipy.sparse.linalg import eigsh, splu
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.field.field import field
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
 from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
+from tactometry.stimuli.time_reversal.focusing.merit import field
 from tactometry.stimuli.time_reversal.focusing.modulator import modulate
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.oscillators.propagator import run_impulses
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.plate.modes import RitzModes, modes_of, values
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz
-from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pairs, pencil
+from tactometry.stimuli.time_reversal.plate.propagator import run_impulses
+from tactometry.stimuli.time_reversal.plate.ritz import ellipse, pairs, pencil
 from tactometry.stimuli.time_reversal.responses.measured import inspect
-from tactometry.stimuli.time_reversal.responses.plate_constants import tau_estimate
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
@@ -292,7 +291,6 @@ def test_all_zero_responses_are_refused_where_a_focus_is_wanted_and_named_where_
     silent = Responses(np.zeros((1, 2, 400)), RATE_HZ)
     for refused in (
         lambda: drive(silent, 30.0),
-        lambda: tau_estimate(silent),
         lambda: inverse_filter_waveform(silent, [1.0], Band(100.0, 5e3), reversal_s=1e-3),
     ):
         with pytest.raises(InvalidParameter, match="zero everywhere"):

@@ -52,9 +52,9 @@ from tactometry.stimuli.time_reversal import (
     TimeReversalStimulus,
 )
 from tactometry.stimuli.time_reversal.design.guide import Transducers
-from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.filters import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
+from tactometry.stimuli.time_reversal.focusing.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.responses.load import SprungMass
@@ -80,13 +80,12 @@ HOSTILE: Mapping[str, Any] = {
 
 INNER = frozenset(
     {
-        "rectangle.axis",
-        "plate.mindlin",
-        "oscillators.modal_sum",
-        "oscillators.oscillators",
-        "oscillators.propagator",
-        "rectangle.rectangle",
-        "rectangle.ritz",
+        "plate.rectangle",
+        "plate.dispersion.frequencies_rad_per_s",
+        "plate.modal_sum",
+        "plate.propagator",
+        "plate.oscillators",
+        "plate.ritz",
         "focusing.modulator",
         "focusing.bursts",
     }
@@ -120,11 +119,12 @@ def constructors() -> Iterator[tuple[str, object]]:
             Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05),
         ),
         "plate.plate": PLATE, "focusing.quantiser": Analogue(),
-        "focusing.one_bit": OneBit(), "focusing.sigma_delta": SigmaDelta(), "focusing.pulse_width": PulseWidth(200.0),
+        "focusing.one_bit": OneBit(),
+        "focusing.sigma_delta": SigmaDelta(), "focusing.pulse_width": PulseWidth(200.0),
         "responses.responses": RESPONSES, "screen.screen": SCREEN,
         "screen.glass_panel": GlassPanel(),
         "stimulus.sensation": (TimeReversalSensation(SETUP), FocusReading(SETUP)), "stimulus.setup": SETUP,
-        "field.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
+        "focusing.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
         "filters": (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
         "design.thickness": SHEETS[0],
         "screen.transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01)),
@@ -166,7 +166,9 @@ def public_names() -> Iterator[str]:
             continue
         module = importlib.import_module(info.name)
         for name, thing in vars(module).items():
-            if not name.startswith("_") and getattr(thing, "__module__", None) == module.__name__:
+            if name.startswith("_") or f"{inner}.{name}" in INNER:
+                continue
+            if getattr(thing, "__module__", None) == module.__name__:
                 yield from _names(f"{inner}.{name}", thing)
 
 
@@ -183,9 +185,9 @@ def _names(dotted: str, thing: object) -> Iterator[str]:
 
 
 INFINITE = (
-    "field.sound.a_weighting_db",
-    "field.sound.NoiseSpectrum",
-    "field.sound.noise",
+    "focusing.sound.a_weighting_db",
+    "focusing.sound.NoiseSpectrum",
+    "focusing.sound.noise",
     "finger.absorbing_tau_s",
     "responses.plate_constants.mean_estimate",
 )

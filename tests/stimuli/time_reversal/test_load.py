@@ -17,16 +17,15 @@ from tactometry.stimuli.time_reversal.finger import (
     absorbing_tau_s,
     amplitude_loss,
     amplitude_ratio_at_focus,
-    amplitude_ratio_elsewhere,
     contact_is_lost,
     ejection_force_n,
     force_loss,
 )
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.load import (
     PlateLoad,
     Receptances,
@@ -184,8 +183,8 @@ def test_loaded_responses_meet_a_fine_time_stepping_of_the_contact():
     """A damper of 10 N s/m, against exact modes stepped at 100 times the rate with the force of the step
     before.
     """
-    from tactometry.stimuli.time_reversal.oscillators.propagator import transition
     from tactometry.stimuli.time_reversal.plate.modes import values
+    from tactometry.stimuli.time_reversal.plate.propagator import transition
 
     one = Screen(A4_SCREEN, (PointForce(0.05, 0.06),), Attenuation(3e-3))
     at = (0.2, 0.13)
@@ -245,9 +244,8 @@ def test_relearning_gives_back_the_scattered_part_only():
     learnt, relearnt = (
         amplitude_loss(screen(), focus, [Fingertip().load(at)], EMISSION, relearn=again) for again in (False, True)
     )
-    absorbed = 1 - amplitude_ratio_elsewhere(A4_SCREEN, 10.0, 3e-3, 7e-3)
     assert 0 < relearnt < learnt
-    assert relearnt < 1.3 * absorbed
+    assert relearnt < 1.3 * 0.04  # absorption alone: tau is 51 ms with nothing but the finger
 
 
 def test_loss_grows_with_force_from_nothing():
@@ -261,8 +259,6 @@ def test_loss_grows_with_force_from_nothing():
 def test_closed_forms_of_the_finger():
     assert 1 - amplitude_ratio_at_focus(A4_SCREEN, 10.0) == pytest.approx(0.227, abs=1e-3)
     assert absorbing_tau_s(A4_SCREEN, 10.0) == pytest.approx(51e-3, abs=0.5e-3)
-    assert 1 - amplitude_ratio_elsewhere(A4_SCREEN, 10.0, 3e-3, 6e-3) == pytest.approx(0.039, abs=1e-3)
-    assert 1 - amplitude_ratio_elsewhere(A4_SCREEN, 10.0, 3e-3, 1.0) == pytest.approx(0.055, abs=1e-3)
     assert amplitude_ratio_at_focus(A4_SCREEN, 0.0) == 1.0
     assert absorbing_tau_s(A4_SCREEN, 0.0) == math.inf
 

@@ -7,20 +7,23 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.field.field import modal_amplitudes
-from tactometry.stimuli.time_reversal.field.merit import (
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.focusing.focusing import drive
+from tactometry.stimuli.time_reversal.focusing.merit import (
     area_m2,
-    contrast_far_of,
     contrast_temporal_of,
     contrast_whole_of,
-    deformation_energy_j,
     dielectric_power_w,
+    modal_amplitudes,
     switched_power_w,
     temporal_width_s,
     uniformity,
     width_m,
 )
-from tactometry.stimuli.time_reversal.field.sound import (
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sound import (
     NoiseSpectrum,
     a_weighting_db,
     coincidence_frequency_hz,
@@ -28,11 +31,6 @@ from tactometry.stimuli.time_reversal.field.sound import (
     radiation_efficiency,
     velocity_spectrum,
 )
-from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.focusing import drive
-from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
-from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses, inaudible
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
@@ -82,8 +80,7 @@ def test_temporal_contrast_counts_from_its_start_to_its_stop():
 def test_contrasts_of_a_known_field():
     field = np.full((401, 401), 0.5)
     field[200, 200] = 10.0
-    assert contrast_far_of(10.0, field, (X, X), (0.0, 0.0), 1e-3) == pytest.approx(20.0)
-    assert contrast_whole_of(10.0, field) < 20.0
+    assert contrast_whole_of(10.0, field) == pytest.approx(20.0, rel=0.01)
 
 
 def test_temporal_width_of_a_gated_tone():
@@ -101,22 +98,6 @@ def test_uniformity():
 def kinetic_energy_j(screen, signal, sample, f_max_hz):
     """Half the sum of M q_n'^2."""
     return 0.5 * screen.plate.mass_kg * np.sum(modal_amplitudes(screen, signal, sample, f_max_hz, "velocity") ** 2)
-
-
-def test_modal_energy_of_an_impulse_without_loss_is_kept():
-    screen = Screen(A4_SCREEN, (PointForce(0.08, 0.13),), Attenuation(math.inf))
-    tap = Signal(np.array([[1.0]]), 100e3, "V")
-    total = [deformation_energy_j(screen, tap, k, 20e3) + kinetic_energy_j(screen, tap, k, 20e3) for k in (0, 5, 500)]
-    assert total == pytest.approx([total[0]] * 3, rel=1e-12)
-
-
-def test_energy_of_a_focus_is_of_the_estimated_order():
-    h = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=100e3, duration_s=7e-3, f_max_hz=25e3)
-    signal = drive(h, 30.0, Analogue())
-    amplitude = np.einsum("qn,qn", signal.samples[:, ::-1], h.samples[0])
-    density = 0.5 * A4_SCREEN.area_density_kg_per_m2 * (2 * math.pi * 12.5e3 * amplitude) ** 2
-    estimate = density * math.pi * 14.7e-3**2 / 4  # a disc as wide as the focus
-    assert 0.3 < deformation_energy_j(A4_PROTOTYPE, signal, 699, 25e3) / estimate < 3
 
 
 def test_switched_power_is_half_c_swing_squared_per_transition():

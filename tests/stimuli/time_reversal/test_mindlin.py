@@ -6,8 +6,7 @@ from numpy.polynomial import legendre
 from scipy.linalg import block_diag, eigh
 
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.plate.dispersion import mindlin_angular_frequency_rad_per_s
-from tactometry.stimuli.time_reversal.plate.mindlin import frequencies_rad_per_s
+from tactometry.stimuli.time_reversal.plate.dispersion import frequencies_rad_per_s, mindlin_angular_frequency_rad_per_s
 from tactometry.stimuli.time_reversal.plate.modes import modes_of, values
 from tactometry.stimuli.time_reversal.plate.plate import ritz
 

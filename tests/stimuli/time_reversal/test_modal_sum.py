@@ -6,9 +6,9 @@ from hard_cases import hard_case
 from hypothesis import given, settings, strategies as st
 from scipy.special import iv
 
-from tactometry.stimuli.time_reversal.oscillators import modal_sum
-from tactometry.stimuli.time_reversal.oscillators.modal_sum import FEWEST_MODES, SHORTEST, modal_sums
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators, turns
+from tactometry.stimuli.time_reversal.plate import modal_sum
+from tactometry.stimuli.time_reversal.plate.modal_sum import FEWEST_MODES, SHORTEST, modal_sums
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators, turns
 
 RATE_HZ = 100e3
 

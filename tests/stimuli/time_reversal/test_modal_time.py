@@ -8,7 +8,7 @@ from hard_cases import hard_case
 from hypothesis import given, strategies as st
 from mpmath import cos as mp_cos, cosh, exp, mp, mpf, sin, sinh, sqrt
 
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators, unit_phasor
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators, unit_phasor
 
 RATE_HZ = 100e3
 

@@ -11,7 +11,7 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.felt_scene import felt
 from tactometry.signal import Signal
-from tactometry.stimuli.scenes.defaults.foci import default_scene
+from tactometry.stimuli.scenes.default_scenes import default_scene
 from tactometry.stimuli.scenes.effects.finger_load import FingerLoad
 from tactometry.stimuli.time_reversal import FocusTrain, Responses, Setup, TimeReversalSensation, impulse_responses
 from tactometry.stimuli.time_reversal.fingertip import Fingertip

@@ -7,8 +7,8 @@ import pytest
 from hard_cases import hard_case
 from mpmath import expm as mp_expm, matrix, mp, mpf
 
-from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.oscillators.propagator import linear_input, run_impulses, run_linear, transition
+from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.propagator import linear_input, run_impulses, run_linear, transition
 
 STEP_S = 1e-5
 CASES = {

@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.plate.modes import laplacians, modes_of, values
 from tactometry.stimuli.time_reversal.plate.plate import degrees, ritz_frequencies_hz
-from tactometry.stimuli.time_reversal.rectangle.axis import LegendreAxis, families
+from tactometry.stimuli.time_reversal.plate.rectangle import LegendreAxis, families
 
 TABLE = SHARED / "science" / "plate_frequency_parameters.csv"
 NU = 0.3

@@ -15,8 +15,7 @@ from typing import Final
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from .axis import Family, families
-from .rectangle import Rectangle
+from .rectangle import Family, Rectangle, families
 
 SHIFT: Final = 1.0
 """Of the eigenvalues, whose unit is (2 / length)^4: rigid motions have a finite theta then."""

@@ -18,8 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import ComplexArray, FloatArray, IndexArray, IntArray
-from ...fast_length import fast_length
+from ...arrays import ComplexArray, FloatArray, IndexArray, IntArray, fast_length
 from .oscillators import Oscillators, turns
 
 WIDTH: Final = 16

@@ -15,10 +15,9 @@ from tactometry.arguments.require import ascending, not_negative_array, positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
-from ...arrays import FloatArray
+from ...arrays import COMPLEX, FloatArray, fast_length
 from ...defaults import AUDIBLE_MAX_HZ, DISTANCE_M
-from ...fast_length import COMPLEX, fast_length
-from ..oscillators.oscillators import Oscillators
+from ..plate.oscillators import Oscillators
 from ..plate.plate import Plate
 from ..responses.responses import chunks
 from ..screen.screen import Screen
@@ -72,9 +71,8 @@ def radiation_efficiency(plate: Plate, frequency_hz: NotNegativeArray) -> FloatA
     """
     f = np.asarray(frequency_hz, float)
     f_c = coincidence_frequency_hz(plate)
-    unlimited = np.where(
-        f < f_c, _of_edges(plate, np.minimum(f / f_c, 1 - NEAR)), _of_the_area(f_c / np.maximum(f, f_c))
-    )
+    of_area = 1 / np.sqrt(np.maximum(1 - f_c / np.maximum(f, f_c), NEAR))
+    unlimited = np.where(f < f_c, _of_edges(plate, np.minimum(f / f_c, 1 - NEAR)), of_area)
     shorter, longer = sorted((plate.length_m, plate.width_m))
     limit = np.sqrt(2 * math.pi * f / SOUND_SPEED_M_PER_S * shorter) * (0.5 - 0.15 * shorter / longer)
     return np.asarray(np.minimum(unlimited, limit))
@@ -87,11 +85,6 @@ def _of_edges(plate: Plate, f_over_f_c: FloatArray) -> FloatArray:
         SOUND_SPEED_M_PER_S / coincidence_frequency_hz(plate) * plate.perimeter_m / (4 * math.pi**2 * plate.area_m2)
     )
     return np.asarray(across * ((1 - x**2) * np.log((1 + x) / (1 - x)) + 2 * x) / (1 - x**2) ** 1.5)
-
-
-def _of_the_area(f_c_over_f: FloatArray) -> FloatArray:
-    """Of frequencies above coincidence."""
-    return np.asarray(1 / np.sqrt(np.maximum(1 - f_c_over_f, NEAR)))
 
 
 @checked

@@ -1,9 +1,8 @@
 """The response of damped oscillators to an impulse, exact at every sample.
 
-g'' + (2 / tau) g' + omega^2 g = delta(t). Under-damped modes use e^{-t/tau} sin(w t) / w with the phase of
-each block of samples computed anew in double-double precision, so that no error grows with time;
-over-damped modes use the slow rate omega^2 / (1/tau + w), which is not a difference; critical and
-rigid-body modes are the limits of the same formula.
+g'' + (2 / tau) g' + omega^2 g = delta(t). Under-damped modes use e^{-t/tau} sin(w t) / w with the phase of each block
+of samples computed anew in double-double precision, so that no error grows with time; over-damped modes use the slow
+rate omega^2 / (1/tau + w), which is not a difference; critical and rigid-body modes are the limits of the same formula.
 """
 
 from dataclasses import dataclass
@@ -48,9 +47,7 @@ class Oscillators:
 
     @property
     def split_rad_per_s(self) -> FloatArray:
-        """|omega^2 - 1/tau^2|^(1/2) as a product: the damped frequency, or half the distance of the two
-        rates.
-        """
+        """|omega^2 - 1/tau^2|^(1/2) as a product: the damped frequency, or half the distance of the two rates."""
         omega, decay = self.omega_rad_per_s, self.decay_per_s
         # over the larger one: the square of a rate may leave the range of a double
         larger = np.maximum(np.maximum(omega, decay), np.finfo(float).tiny)
@@ -173,17 +170,12 @@ def _rates(modes: Oscillators) -> tuple[FloatArray, FloatArray]:
     return slow[:, None], 2 * w[:, None]
 
 
-def _ramp(distance: FloatArray, time_s: FloatArray) -> FloatArray:
-    """(1 - e^{-d t}) / d, which is t for d = 0."""
-    x = distance * time_s
-    ratio = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)
-    return np.asarray(time_s * ratio)
-
-
 def _creeping(modes: Oscillators, time_s: FloatArray, quantity: str) -> FloatArray:
     """(n, n_times): the response of modes that do not oscillate."""
     slow, distance = _rates(modes)
-    decayed, ramp = np.exp(-slow * time_s), _ramp(distance, time_s)
+    x = distance * time_s
+    ratio = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)
+    decayed, ramp = np.exp(-slow * time_s), np.asarray(time_s * ratio)
     displacement = decayed * ramp
     velocity = decayed * (np.exp(-distance * time_s) - slow * ramp)
     if quantity == "acceleration":

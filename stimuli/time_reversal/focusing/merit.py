@@ -4,22 +4,23 @@ Amplitude is the displacement at the focus. Contrasts are ratios of that amplitu
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
 from tactometry.arguments.annotations import Matrix, NotNegative, Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import ascending, between, expect, not_negative, positive, whole, within
+from tactometry.arguments.require import ascending, between, expect, not_negative, one_of, positive, whole, within
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
-from ..focusing.focusing import Emission
-from ..responses.responses import Point, Responses
+from ..plate.oscillators import QUANTITIES
+from ..responses.responses import Point, Responses, chunks
 from ..screen.screen import Screen
 from ..screen.transducer import PZ27_LOSS_TANGENT
-from .field import modal_amplitudes
+from .focusing import Emission
 
 Grid = tuple[Vector, Vector]
 
@@ -31,15 +32,6 @@ HALF: float = 0.5
 def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
     """|A| over the rms of the field on the whole plate at the focus instant."""
     return _ratio(amplitude_m, field_m)
-
-
-@checked
-def contrast_far_of(
-    amplitude_m: float, field_m: Matrix, grid_m: Grid, focus_m: tuple[float, float], radius_m: NotNegative
-) -> float:
-    """As `contrast_whole_of`, without the points nearer than `radius_m` to the focus."""
-    away = np.hypot(grid_m[0][:, None] - focus_m[0], grid_m[1][None, :] - focus_m[1]) >= radius_m
-    return _ratio(amplitude_m, field_m[away])
 
 
 @checked
@@ -138,16 +130,6 @@ def _crossing(at: FloatArray, relative: FloatArray, level: float) -> float:
 
 
 @checked
-def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: float) -> float:
-    """Strain energy of the plate at a sample of a drive: half the sum of M w_n^2 q_n^2, exact for its
-    modes.
-    """
-    q = modal_amplitudes(screen, signal, sample, f_max_hz)
-    omega = screen.oscillators(f_max_hz).omega_rad_per_s
-    return 0.5 * screen.plate.mass_kg * float(np.sum((omega * q) ** 2))
-
-
-@checked
 def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
     """Mean electrical power during a drive that switches between levels, whose samples are the levels it holds.
 
@@ -203,10 +185,7 @@ def amplitude_over_count_m(contributions: Matrix, rng: np.random.Generator, n_dr
 def amplitude_by_subset_m(contributions: Matrix, subsets: Mapping[str, Sequence[int]]) -> dict[str, FloatArray]:
     """Focus amplitudes (n_points,) of named subsets of transducers.
 
-    Raises
-    ------
-    InvalidParameter
-        If a subset is empty or names a channel that is not there.
+    Raises `InvalidParameter` if a subset is empty or names a channel that is not there.
     """
     for name, channels in subsets.items():
         if not channels or not set(channels) <= set(range(contributions.shape[1])):
@@ -230,16 +209,79 @@ def _widths(screen: Screen, focus: Point, emission: Emission, level: float) -> t
     amplitudes = modal_amplitudes(screen, signal, last, emission.f_max_hz)
     # a wavelength at the mean frequency of the band, to each side
     reach = 2 * np.sqrt(np.pi * screen.plate.wave_constant_m2_per_s / emission.band.mean_hz / 2)
-    x, y = (_around(at, reach, side) for at, side in zip(focus, _sides(screen), strict=True))
+    sides = screen.plate.length_m, screen.plate.width_m
+    around = ((max(at - reach, 0.0), min(at + reach, side)) for at, side in zip(focus, sides, strict=True))
+    x, y = (np.linspace(start, end, 241) for start, end in around)
+
     modes = screen.modes(emission.f_max_hz)
     along_x = modes.field(amplitudes, x, np.array([focus[1]]))[:, 0]
     along_y = modes.field(amplitudes, np.array([focus[0]]), y)[0]
     return width_m(x, along_x, level), width_m(y, along_y, level)
 
 
-def _sides(screen: Screen) -> tuple[float, float]:
-    return screen.plate.length_m, screen.plate.width_m
+MAX_GRID: Final = 100_000
 
 
-def _around(at_m: float, reach_m: float, side_m: float) -> FloatArray:
-    return np.linspace(max(at_m - reach_m, 0.0), min(at_m + reach_m, side_m), 241)
+@checked
+def modal_amplitudes(
+    screen: Screen, signal: Signal, sample: int, f_max_hz: float, quantity: str = "displacement"
+) -> FloatArray:
+    """(n_modes,): every mode at one sample of a drive, by one matrix product over the past.
+
+    Parameters
+    ----------
+    sample : int
+        At least 0; ``n_samples - 1`` is the focus instant.
+    """
+    one_of("modal_amplitudes.quantity", quantity, QUANTITIES)
+    forces = screen.modal_forces(f_max_hz)
+    if signal.samples.shape[0] != forces.shape[1]:
+        raise InvalidParameter(
+            f"signal: found {signal.samples.shape[0]} channels, expected {forces.shape[1]} as the screen has"
+        )
+    whole("modal_amplitudes", lowest=0, sample=sample)
+    # by age: what was played last comes first, and `first` samples ago if the drive is over
+    first = max(sample + 1 - signal.samples.shape[1], 0)
+    past = signal.samples[:, : sample + 1][:, ::-1]
+    oscillators = screen.oscillators(f_max_hz)
+    total = np.zeros(oscillators.n)
+    for start, stop in chunks(past.shape[1]):
+        basis = oscillators.impulse(signal.rate_hz, first + start, first + stop, quantity)
+        total += np.einsum("nq,nq->n", basis @ past[:, start:stop].T, forces)
+    return total / (screen.plate.mass_kg * signal.rate_hz)
+
+
+@checked
+def grid(screen: Screen, n_x: int, n_y: int) -> Grid:
+    """Equally spaced coordinates from edge to edge."""
+    whole("grid", lowest=1, highest=MAX_GRID, n_x=n_x, n_y=n_y)
+    return np.linspace(0, screen.plate.length_m, n_x), np.linspace(0, screen.plate.width_m, n_y)
+
+
+@checked
+def field(screen: Screen, signal: Signal, sample: int, at_m: Grid, f_max_hz: float) -> FloatArray:
+    """(n_x, n_y): displacement of the plate (m) at one sample of a drive, on the grid `at_m` = (x_m, y_m)."""
+    return screen.modes(f_max_hz).field(modal_amplitudes(screen, signal, sample, f_max_hz), *at_m)
+
+
+@checked
+def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_max_hz: float) -> Iterator[FloatArray]:
+    """The fields at ascending samples, one at a time, from one exact run through the drive."""
+    draw = screen.modes(f_max_hz).frame(*at_m)
+    for amplitudes in modal_history(screen, signal, samples, f_max_hz).T:
+        yield draw(np.ascontiguousarray(amplitudes))
+
+
+@checked
+def modal_history(screen: Screen, signal: Signal, samples: Sequence[int], f_max_hz: float) -> FloatArray:
+    """(n_modes, n_kept): modal displacements at ascending samples, by the exact one-step recurrence."""
+    from ..plate.propagator import run_impulses
+
+    if len(samples) == 0 or min(samples) < 0 or any(np.diff(samples) <= 0):
+        raise InvalidParameter(f"samples: found {list(samples)[:4]}.., expected ascending numbers, at least 0")
+    forces = screen.modal_forces(f_max_hz) / (screen.plate.mass_kg * signal.rate_hz)
+    padded = np.zeros((signal.samples.shape[0], samples[-1] + 1))
+    n = min(signal.samples.shape[1], padded.shape[1])
+    padded[:, :n] = signal.samples[:, :n]
+    oscillators = screen.oscillators(f_max_hz)
+    return run_impulses(oscillators, forces @ padded, signal.rate_hz, np.asarray(samples, np.int64))

@@ -1,1 +1,0 @@
-"""What a drive does: field, figures of merit, energy, sound, evenness."""

@@ -1,1 +1,0 @@
-"""Damped oscillators in time, exact at every sample."""
