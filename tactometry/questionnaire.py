@@ -54,7 +54,17 @@ class Item:
 @dataclass(frozen=True)
 @constrained
 class Dimension:
-    """A score: the mean of its items, or of those of its `parts`, if at least `min_answered` of them are answered."""
+    """A score: the mean of its items, or of the items of its parts.
+
+    Parameters
+    ----------
+    min_answered : int
+        Number of answered items that a score needs.
+    title : mapping of str to str
+        Name of the dimension in reports, by language.
+    parts : tuple of str
+        Dimensions whose items it joins; without them its own items.
+    """
 
     min_answered: Annotated[int, Ge(1)]
     title: dict[str, str] = field(default_factory=dict)

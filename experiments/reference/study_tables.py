@@ -122,7 +122,7 @@ def procedure_tables() -> Iterator[KeyTable]:
     """The table `[procedure]` of each kind."""
     yield from (_procedure(kind, known) for kind, known in PROCEDURES.items())
     shared = "tactometry.experiments.study.procedure_table:TracksTable"
-    yield KeyTable("procedure", "[procedure]", shared)
+    yield KeyTable("procedure", "[procedure]", shared, samples={"easy_level": 40.0})
 
 
 def limits(name: str, header: str) -> KeyTable:
