@@ -15,7 +15,6 @@ from .block import Block as Block
 from .block_state import BlockOptions as BlockOptions, Condition as Condition, Track as Track
 from .order import williams_square as williams_square
 from .procedures.constant_stimuli import ConstantStimuli as ConstantStimuli
-from .procedures.easy import EasyTrials as EasyTrials, with_easy_trials as with_easy_trials
 from .procedures.method_of_limits import MethodOfLimits as MethodOfLimits
 from .procedures.procedure import Ending as Ending, Procedure as Procedure, after_answer as after_answer
 from .procedures.staircase import Staircase as Staircase, WeightedStaircase as WeightedStaircase

@@ -12,7 +12,7 @@ from scipy.stats import ttest_rel
 from tactometry.analysis.tasks.cell import Cell, Estimate
 from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.tasks.lapses import ALPHA, lapse_table
-from tactometry.protocols import with_easy_trials
+from tactometry.protocols.procedures.easy import with_easy_trials
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction
 

@@ -17,6 +17,8 @@ from ..loading import resolve
 from .toml import errors_in, read_table
 
 T = TypeVar("T")
+MOST_HINTS = 100
+"""Unknown keys of a table that get a hint: each costs a search, and nobody reads more."""
 K = TypeVar("K")
 _WORDS = {
     float: "a number",
@@ -55,7 +57,8 @@ def values_of(kind: type, table: object, path: str, given: Collection[str] = ())
     found, values = Gathered(), {}
     with found.part():
         check_keys(table, names, path, read_by=kind)
-    meant = {nearest_of(key, names) for key in table if key not in names}
+    unknown = [key for key in table if key not in names]
+    meant = {nearest_of(key, names) for key in unknown[:MOST_HINTS]}
     for name in names:
         if name in table:
             with found.part():
@@ -117,11 +120,11 @@ def check_keys(
     may be done, `read_by` the class whose keys they are.
     """
     found = Gathered()
-    for key in table:
-        if key not in names:
-            known = f"one of {', '.join(names)}{nearest(key, names)}" if names else "none; remove it"
-            known += cure
-            found.add(InvalidKey(f"{_join(path, key)}: found an unknown {what}, expected {known}", read_by))
+    unknown = [key for key in table if key not in names]
+    for n, key in enumerate(unknown):
+        hint = nearest(key, names) if n < MOST_HINTS else ""
+        known = f"one of {', '.join(names)}{hint}" if names else "none; remove it"
+        found.add(InvalidKey(f"{_join(path, key)}: found an unknown {what}, expected {known}{cure}", read_by))
     found.end()
 
 

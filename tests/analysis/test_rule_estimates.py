@@ -16,9 +16,9 @@ from tactometry.analysis.tasks.rule_estimate import reversals
 from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
-from tactometry.protocols import EasyTrials
 from tactometry.protocols.bayesian.quest_plus import SharedTrack
 from tactometry.protocols.bayesian.weighing import WeighingRun
+from tactometry.protocols.procedures.easy import EasyTrials
 from tactometry.protocols.procedures.staircase import Staircase
 from tactometry.records.data_set import sessions
 from tactometry.records.journal import read

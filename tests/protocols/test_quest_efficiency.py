@@ -1,4 +1,4 @@
-"""Trials that the rule needs which puts the threshold first.
+"""Trials that the rule needs which puts the threshold first; benchmarks/procedures.py has it in full.
 
 A cumulative normal observer with 2 % lapses; slope (log-normal, factor 1.5) and lapse rate unknown; everything in units
 of the observer's standard deviation. Many observers are simulated at once by the benchmark, whose estimates are held
