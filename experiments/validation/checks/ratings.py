@@ -110,7 +110,7 @@ FALSE_ALARMS: Final = Check(
     title="Tests of questionnaires",
     words=f"""\
 {_PEOPLE} Without an effect 5 % of tests ought to have p < 5 %; with an attitude of {ATTITUDE:g} more to the three
-patterns of the high frequency the share is the power of *frequency*, *against P0* and *Friedman*; *envelope* and the
+patterns of the high frequency the share is the power of *frequency* and *against P0*; *envelope* and the
 interaction have no effect then either.""",
     kind=TESTS,
     keys=("effect", "test"),
@@ -119,7 +119,6 @@ interaction have no effect then either.""",
     reasons={
         "against P0, Holm: any of six": "Holm's correction holds 5 % for any dependence and is below where "
         "comparisons share the reference",
-        "Friedman, all patterns": "its chi-square has no allowance for few participants",
     },
     reason_key="test",
     figure="tests-of-ratings",

@@ -147,7 +147,6 @@ bounds. `analyse` reports Chi and Muller's p, or that of values and bounds.""",
         "ANOVA, Greenhouse-Geisser": "Greenhouse and Geisser's epsilon is too small with few participants, so "
         "that the test errs on the side of no effect; `analyse` reports Chi and Muller's",
         "mixed model": "a random intercept takes the differences of all conditions to vary alike",
-        "Friedman": "its chi-square has no allowance for few participants",
         "pairs, Holm: any of six": "Holm's correction holds 5 % for any dependence and is below where pairs "
         "share conditions",
         "permutation test": "it asks for symmetric errors alone, and 2 to the number of participants changes of "
