@@ -52,7 +52,7 @@ class ContrastEffect:
 
     @property
     def is_singular(self) -> bool:
-        """Whether the error matrix has no inverse: fewer participants than it needs, or dependent contrasts."""
+        """Return True if the error matrix has no inverse: too few participants, or dependent contrasts."""
         n, n_contrasts = self.scores.shape
         eigenvalues = np.linalg.eigvalsh(self.covariance)
         is_dependent = bool(eigenvalues[0] <= RANK_TOLERANCE * eigenvalues[-1])

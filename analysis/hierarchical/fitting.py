@@ -192,7 +192,7 @@ def _mean_rate(model: GroupModel, found: Integrated, name: str) -> float:
 
 
 def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iterator[str]:
-    """What the answers leave open although there is a posterior."""
+    """Yield notes on parameters that the responses leave open."""
     low, high, _ = study.ranges()
     if np.any((high > low) & ~(group.threshold_se <= high - low)):
         yield OPEN_MEAN

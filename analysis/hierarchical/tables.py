@@ -66,7 +66,7 @@ class ParameterPlace(Rows):
 
 
 def group_place(model: GroupModel, found: Integrated, interval: float) -> ParameterPlace:
-    """Of the conditions."""
+    """Return thresholds and widths of the conditions."""
     c, n_free = model.study.n_conditions, found.at.means.shape[1]
     every = model.every_mean(found.at.hyper, found.at.means)
     variances = np.zeros(every.shape)
@@ -76,7 +76,7 @@ def group_place(model: GroupModel, found: Integrated, interval: float) -> Parame
 
 
 def cell_place(model: GroupModel, found: Integrated, interval: float) -> tuple[ParameterPlace, Array]:
-    """Of the cells, shrunken, with the lapse rates of the participants."""
+    """Return shrunken values of the cells, with the lapse rates of the participants."""
     normal = ParameterPlace.of(found, found.at.cells, found.at.variances, interval)
     rates = found.mean(model.lapses(found.at.hyper, found.at.effects))
     if not 0 < model.random.shape[2] <= MOST_EFFECTS:

@@ -23,7 +23,7 @@ STATISTICS = {
     "Cronbach's alpha",
     "statsmodels": "analyses of variance of three factors or with groups of participants, linear mixed models",
 }
-"""What other packages compute where conditions are compared."""
+"""Statistics that other packages compute."""
 SHAPES = {
     "normal": "cumulative normal function of the level",
     "gumbel": "Gumbel function of the level (a Weibull function of the amplitude)",
