@@ -18,7 +18,7 @@ TASKS = tuple(name for name, curve in CURVES.items() if not curve.has_difference
 LAPSES = "lapse_rates"
 """The name of the table."""
 ALPHA, WARNED_P = 0.05, 0.02
-"""Levels of the intervals and of the test. With ten participants 9 % of null studies had p < .05 (11 of 120, QUEST+)."""
+"""Of intervals; and of the test: with ten participants 9 % of null studies had p < .05 (11 of 120 with QUEST+)."""
 RATES = np.linspace(0.0, 0.3, 31)
 N_THRESHOLDS, N_WIDTHS, NARROWEST, WIDEST = 61, 15, 20.0, 3.0
 """Grid over which the likelihood is maximised; widths are a part of the range of the levels to a multiple of it."""
