@@ -35,10 +35,16 @@ class TableName(click.ParamType[str]):
 def command(name: str | None) -> None:
     """The keys of a table of a study, bench, scene or map file: type, unit, default, range, meaning, an example.
 
-    NAME is that of a table, as touch.slide, bench.output or map; without it the names are listed.
+    NAME is that of a table, such as touch.slide, bench.output or map, or texts for the texts that [texts] may replace.
+    Without it the names are listed.
     """
     from tactometry.experiments.reference.tables import find, tables
+    from tactometry.experiments.reference.toml_text import toml_value
 
+    if name == "texts":
+        shipped = _shipped_texts()
+        say("\n".join(f"{message} = {toml_value(text)}" for message, text in shipped.items()), shipped)
+        return
     if name is None:
         say(_names(list(tables())), list(tables()))
         return
@@ -47,6 +53,14 @@ def command(name: str | None) -> None:
         say("\n".join(table.name for table in found), [table.name for table in found])
         return
     say("\n\n".join(map(_text, found)), [_record(table) for table in found])
+
+
+def _shipped_texts() -> dict[str, str]:
+    """Return the English messages and labels by name, in the order of their file."""
+    from ..rigs.texts import texts_in
+
+    shipped = texts_in("en", {})
+    return {**shipped.messages, **shipped.labels}
 
 
 def where_keys_are_told(error: BaseException | None) -> str:

@@ -19,7 +19,7 @@ from ..session.request import Question, Show
 _WIDE = re.compile(r"\d{4}")
 FOLDER = Path(__file__).parent
 PREFIX, SUFFIX = "messages_", ".toml"
-LIST: Final = "the list of [texts] in docs/reference/studies.md"
+LIST: Final = "the list of tactometry keys texts"
 N_NEAREST: Final = 3
 """So many names like one that is not known are told: there are a hundred."""
 LARGEST_IMAGE = 50_000_000
