@@ -34,11 +34,9 @@ from tactometry.signal import Stimulus
 from tactometry.trials.columns import Column, table_columns
 from tactometry.trials.tasks import TASKS
 
-from .cell_checks import check_places, check_rules
 from .cells import WiredCell, Wiring
-from .felt_scene import FeltScene
-from .felt_words import scene_in_words
-from .limit_checks import Strongest, check_forces, check_signal
+from .checks import Strongest, check_forces, check_places, check_rules, check_signal
+from .felt_scene import FeltScene, scene_in_words
 from .own_parts import Unseen
 from .procedure_table import practice_of
 from .prompts import messages_of, texts_of

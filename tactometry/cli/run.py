@@ -13,7 +13,6 @@ from tactometry.experiments.sessions.recording import Recorded, Who, record
 from tactometry.experiments.sessions.rig_kinds import check_needs, rig_kind
 from tactometry.experiments.study.dry_run import check_duration, duration_s, plan
 from tactometry.experiments.study.experiment import Experiment, wire
-from tactometry.experiments.study.felt_and_lost import felt_and_lost
 from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
 from tactometry.experiments.study.study_file import folder_of, load
 
@@ -108,6 +107,8 @@ ENDINGS = {
 
 
 def _print_plan(experiment: Experiment, who: Who) -> None:
+    from tactometry.experiments.study.felt_effects import predict
+
     blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     minutes = duration_s(experiment, blocks) / 60
     rows = [
@@ -118,9 +119,9 @@ def _print_plan(experiment: Experiment, who: Who) -> None:
     drawn = "random" in experiment.study.plan.orders and who.seed is None
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
     longest = f"at most {count_of(math.ceil(minutes), 'minute')}, without repeated trials"
-    told = felt_and_lost(experiment)
+    predicted = predict(experiment)
     plan_record = {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}
-    say("\n".join(["block", *rows, *notes, longest, *told.lines]), plan_record | told.record)
+    say("\n".join(["block", *rows, *notes, longest, *predicted.lines]), plan_record | predicted.record)
 
 
 def _report(root: Path, recorded: Recorded) -> int:

@@ -5,7 +5,7 @@ import pytest
 
 from tactometry.contact import Contact
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.felt_levels import N_LEVELS, felt_db, level_table
+from tactometry.experiments.study.predictions import N_LEVELS, felt_db, level_table
 from tactometry.experiments.study.study_file import load
 from tactometry.protocols.batch.tracks import tracks
 

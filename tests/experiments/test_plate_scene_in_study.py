@@ -261,7 +261,7 @@ def test_a_target_that_is_none_is_refused():
 
 def test_the_journal_of_a_session_with_fingers_says_what_they_felt():
     """Scenes of the fingers have fields that only the stimulus states."""
-    from tactometry.experiments.study.felt_words import scene_in_words
+    from tactometry.experiments.study.felt_scene import scene_in_words
 
     felt = next(iter(wired(on_fingers(TWO)).cells.values())).sensation
     assert scene_in_words(felt.scene) == "focus_detection; fingers = index and middle; accuracy 0.02"
