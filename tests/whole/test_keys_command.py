@@ -93,7 +93,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("file", WRONG)
-def test_a_refused_key_names_the_command_that_tells_all(file, capsys, tmp_path, monkeypatch):
+def test_refused_key_names_the_keys_command(file, capsys, tmp_path, monkeypatch):
     text, command, name = WRONG[file]
     monkeypatch.chdir(tmp_path)
     (tmp_path / file).write_text(text, encoding="utf-8")

@@ -88,7 +88,7 @@ def read_in(path, written):
 
 
 @pytest.mark.parametrize(("path", "written"), list(readers()))
-def test_what_a_file_is_read_by_has_its_table(path, written):
+def test_each_reader_has_a_reference_table(path, written):
     if written in next((names for end, names in NAMED.items() if path_of(path).endswith(end)), {}):
         return
     read = read_in(path, written)
