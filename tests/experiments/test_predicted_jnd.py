@@ -8,8 +8,7 @@ from command_line import output
 from scipy.special import ndtri
 from study_texts import changed, wired
 
-from tactometry.experiments.study.predictions import contact_of, felt_db
-from tactometry.experiments.study.predictions import predicted_jnds
+from tactometry.experiments.study.predictions import contact_of, felt_db, predicted_jnds
 from tactometry.experiments.study.study_file import load
 
 TEXTURE = load("texture-discrimination")[1].decode()
