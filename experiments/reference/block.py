@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping
 
-from .key_table import KeyTable
+from .key_table import KeyTable, toml_value
 from .keys import Key, keys_of
 from .meanings import summary
-from .toml_text import toml_value
 
 
 def heading(table: KeyTable) -> str:

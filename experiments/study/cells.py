@@ -17,9 +17,9 @@ from tactometry.signal import Stimulus
 from tactometry.trials.cells import cell as cell_text
 
 from .felt_scene import felt
+from .kinds import DEFAULT_SCENE, OWN, STIMULI, TOUCHES, StimulusKind
 from .own_parts import OwnStimulus, sensation_class, stimulus_class as own_stimulus_class
 from .procedure_table import ReadyProcedure, rule_of, without
-from .stimulus_kinds import DEFAULT_SCENE, OWN, STIMULI, TOUCHES, StimulusKind
 from .study import VARIED, Study
 
 Factors = Mapping[str, float | str]

@@ -14,7 +14,7 @@ from tactometry.protocols.procedures.easy import with_easy_trials
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.procedures.procedure import Procedure, Rule
 
-from .procedure_kinds import PROCEDURES, ProcedureKind
+from .kinds import PROCEDURES, ProcedureKind
 
 GUESS_RATE_TOLERANCE = 0.05
 HIGHEST_FALSE_ALARMS = 0.3

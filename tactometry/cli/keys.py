@@ -38,8 +38,8 @@ def command(name: str | None) -> None:
     NAME is that of a table, such as touch.slide, bench.output or map, or texts for the texts that [texts] may replace.
     Without it the names are listed.
     """
+    from tactometry.experiments.reference.key_table import toml_value
     from tactometry.experiments.reference.tables import find, tables
-    from tactometry.experiments.reference.toml_text import toml_value
 
     if name == "texts":
         shipped = _shipped_texts()

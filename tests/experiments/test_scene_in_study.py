@@ -15,7 +15,7 @@ from tactometry.config.strict import build
 from tactometry.contact import Contact
 from tactometry.experiments.study.felt_effects import felt_effects
 from tactometry.experiments.study.felt_scene import FeltScene
-from tactometry.experiments.study.stimulus_kinds import STIMULI
+from tactometry.experiments.study.kinds import STIMULI
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.loading import resolve
 from tactometry.records.head import heads

@@ -13,9 +13,8 @@ from tutorial_session import live
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, curve_plot
-from tactometry.experiments.watch.drawn import Drawn
 from tactometry.experiments.watch.page import sections
-from tactometry.experiments.watch.sight import Sight
+from tactometry.experiments.watch.sight import Drawn, Sight
 from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Watcher
 from tactometry.records.journal import read
 from tactometry.records.open_journal import held

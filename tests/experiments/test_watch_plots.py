@@ -10,8 +10,8 @@ from progressed import with_row
 
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, band_of
-from tactometry.experiments.watch.drawn import TouchDrawn
 from tactometry.experiments.watch.plots import MOST_TICKS, levels_plot, ruler_over, samples_plot
+from tactometry.experiments.watch.sight import TouchDrawn
 from tactometry.experiments.watch.traces import MOST_BINS, draw_touch, thinned
 from tactometry.records.data_set import Session
 from tactometry.records.traces import TraceFiles

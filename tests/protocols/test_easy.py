@@ -5,7 +5,7 @@ import pytest
 from catalogue import PROCEDURES
 from study_texts import refusal, tutorial_in, wired
 
-from tactometry.experiments.study.procedure_kinds import PROCEDURES as KINDS
+from tactometry.experiments.study.kinds import PROCEDURES as KINDS
 from tactometry.protocols import SharedQuestPlus, Staircase
 from tactometry.protocols.procedures.easy import EasyTrials, with_easy_trials
 

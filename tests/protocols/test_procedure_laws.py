@@ -12,7 +12,7 @@ from hard_cases import exact_case
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study.procedure_kinds import PROCEDURES
+from tactometry.experiments.study.kinds import PROCEDURES
 
 per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values(), ids=catalogue.PROCEDURES)
 

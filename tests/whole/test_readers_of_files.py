@@ -13,8 +13,7 @@ from source_tree import FOLDERS, name_of as path_of, parsed, sources
 from tactometry.config.strict import fields_of
 from tactometry.devices.kinds import OUTPUTS, SENSORS
 from tactometry.experiments.reference.tables import name_of, tables
-from tactometry.experiments.study.procedure_kinds import PROCEDURES
-from tactometry.experiments.study.stimulus_kinds import STIMULI, TOUCHES
+from tactometry.experiments.study.kinds import PROCEDURES, STIMULI, TOUCHES
 from tactometry.loading import resolve
 from tactometry.observers.changes import CHANGES
 from tactometry.observers.kinds import OBSERVERS

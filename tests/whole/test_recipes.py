@@ -25,7 +25,7 @@ def hurried(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "R
 """
 LINES = (
     (
-        "experiments/study/procedure_kinds.py",
+        "experiments/study/kinds.py",
         '    "stochastic_approximation": ProcedureKind(\n'
         '        f"{_RULES}.stochastic_approximation:StochasticApproximation", '
         '{"start": 20.0, "step": 40.0, **_LEVELS}\n    ),\n',
