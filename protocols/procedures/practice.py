@@ -3,10 +3,11 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
-from tactometry.arguments.require import expect, numbers, some, whole
+from tactometry.arguments.require import expect, numbers, one_of, some, whole
 from tactometry.trials.tasks import PRACTICE_CRITERION
 
 from .procedure import RuleThreshold
@@ -43,6 +44,9 @@ def _threshold(marks: Sequence[float]) -> float:
     return math.nan
 
 
+OnMiss = Literal["go_on", "ask"]
+
+
 @dataclass(frozen=True)
 class Practice(SteppingRule["PracticeRun"]):
     """Easy levels in turn until `n_correct` of the last `n_of` answers were right, `n_trials` at most.
@@ -59,6 +63,9 @@ class Practice(SteppingRule["PracticeRun"]):
         Number of last answers among which `n_correct` must be correct.
     n_trials : int
         Largest number of trials; the practice then ends without its criterion.
+    on_miss : str
+        With ``ask``, the experimenter chooses after a practice that missed its criterion: practice again, go on, or end
+        the session. With ``go_on`` the session goes on.
 
     Raises
     ------
@@ -74,6 +81,7 @@ class Practice(SteppingRule["PracticeRun"]):
     n_correct: int = PRACTICE_CRITERION[0]
     n_of: int = PRACTICE_CRITERION[1]
     n_trials: int = 20
+    on_miss: OnMiss = "go_on"
 
     name = "practice"
     transition = Transition(_start, _level, _after, _ending, _threshold)
@@ -82,6 +90,7 @@ class Practice(SteppingRule["PracticeRun"]):
         numbers("Practice.levels", self.levels)
         whole("Practice", lowest=1, n_correct=self.n_correct, n_of=self.n_of, n_trials=self.n_trials)
         some("Practice.levels", self.levels)
+        one_of("Practice.on_miss", self.on_miss, get_args(OnMiss))
         for name, most in (("n_correct", "n_of"), ("n_of", "n_trials")):
             number, highest = getattr(self, name), getattr(self, most)
             possible = f"from 1 to {highest}, {most}; it must be possible to meet the criterion"
