@@ -23,10 +23,7 @@ def williams_square(n: int) -> list[list[int]]:
     >>> williams_square(4)
     [[0, 1, 3, 2], [1, 2, 0, 3], [2, 3, 1, 0], [3, 0, 2, 1]]
 
-    Raises
-    ------
-    InvalidParameter
-        If `n` is below 1.
+    Raises `InvalidParameter` if `n` is below 1.
     """
     whole("williams_square", lowest=1, n=n)
     # 0, 1, n - 1, 2, n - 2, ...: its steps are all different, so that every pair of neighbours comes once.
@@ -73,19 +70,11 @@ Nested = Mapping[str, Mapping[T, Mapping[str, Sequence[T]]]]
 class Crossing(Generic[T]):
     """Factors with their levels, the slowest first, and the rule of order of each.
 
-    Parameters
-    ----------
-    factors : mapping of str to sequence
-        The levels of each factor.
-    rules : mapping of str to str
-        One of `ORDERS` for each factor; those that are not named are fixed.
-    nested : mapping
-        Of a factor, then one of its levels, then a faster factor: the levels that this one has there.
+    - `factors`: The levels of each factor.
+    - `rules`: One of `ORDERS` for each factor; those that are not named are fixed.
+    - `nested`: Of a factor, then one of its levels, then a faster factor: the levels that this one has there.
 
-    Raises
-    ------
-    InvalidParameter
-        If a rule is unknown, or balances a factor whose nested levels differ in number.
+    Raises `InvalidParameter` if a rule is unknown, or balances a factor whose nested levels differ in number.
     """
 
     factors: Mapping[str, Sequence[T]]
@@ -147,10 +136,7 @@ def stream(seed: int, *place: int) -> np.random.Generator:
 
     A number of a place is one word of the key, and the seed at most four, so that no two places make the same words.
 
-    Raises
-    ------
-    InvalidParameter
-        If a number is below 0, the seed above 2**128 - 1 or one of a place above 2**32 - 1.
+    Raises `InvalidParameter` if a number is below 0, the seed above 2**128 - 1 or one of a place above 2**32 - 1.
 
     >>> float(stream(1, 0, 7).random()) == float(stream(1, 0, 7).random()) != float(stream(1, 7, 0).random())
     True

@@ -61,10 +61,7 @@ class Inquiry:
     that is `first` comes before anything was felt. One that is `of_block` is left out where its block had no valid
     touch.
 
-    Raises
-    ------
-    InvalidParameter
-        If `form` is neither.
+    Raises `InvalidParameter` if `form` is neither.
     """
 
     form: Questionnaire | ChoiceForm

@@ -23,17 +23,10 @@ class LevelTable:
     Sensation levels through a scene make one such table for a population; or chances of the answer 1, with uniform
     criteria.
 
-    Parameters
-    ----------
-    levels : (n_levels,) array
-        Rising.
-    felt : (n_levels,) or (n_sets, n_levels) array
-        Of all sets, or of each.
+    - `levels`: (n_levels,). Rising.
+    - `felt`: (n_levels,) or (n_sets, n_levels). Of all sets, or of each.
 
-    Raises
-    ------
-    InvalidParameter
-        If levels do not rise, or a row is not as long as they are.
+    Raises `InvalidParameter` if levels do not rise, or a row is not as long as they are.
 
     >>> LevelTable(np.array([0.0, 10.0]), np.array([-3.0, 7.0])).felt.shape
     (1, 2)
@@ -73,13 +66,9 @@ def criteria(
 
     Where a number is below the guess rate any level is, minus infinity; within the lapse rate of 1 no level is.
 
-    Parameters
-    ----------
-    uniform : (n_sets, n_trials) array
-        In [0, 1).
-    shape : str
-        As of `tactometry.psychometric.PsychometricFunction`, as are the others: numbers, or arrays (n_sets, 1) or
-        (n_sets, n_trials).
+    - `uniform`: (n_sets, n_trials). In [0, 1).
+    - `shape`: As of `tactometry.psychometric.PsychometricFunction`, as are the others: numbers, or arrays (n_sets, 1)
+      or (n_sets, n_trials).
 
     >>> criteria(np.array([[0.1, 0.74, 0.99]]), "normal", 20.0, 8.0, 0.5, 0.02).round(9).tolist()
     [[-inf, 20.0, inf]]
@@ -103,17 +92,10 @@ class Delivery:
     """An output that delivers whole steps of a level, within bounds. Answers are given to what is delivered, and the
     rule is told it, as in a session.
 
-    Parameters
-    ----------
-    step : float
-        In the unit of the level; 0 delivers every level.
-    low, high : float
-        The least and the greatest that it delivers.
+    - `step`: In the unit of the level; 0 delivers every level.
+    - `low`, `high`: The least and the greatest that it delivers.
 
-    Raises
-    ------
-    InvalidParameter
-        If the step is below 0, or the bounds are no numbers in order.
+    Raises `InvalidParameter` if the step is below 0, or the bounds are no numbers in order.
 
     >>> Delivery(step=0.5, high=30.0)(np.array([12.3, 31.0])).tolist()
     [12.5, 30.0]

@@ -24,16 +24,10 @@ MOST_CELLS = 400_000
 class TrackBatch:
     """What became of tracks.
 
-    Parameters
-    ----------
-    asked, levels : (n_sets, n_trials) array
-        What the rule asked for, and what was delivered; NaN after a track's end.
-    answers : (n_sets, n_trials) array of int
-        The outcomes, 1 or 0 of most rules, or `NOT_ASKED` after the end.
-    endings : (n_sets,) array of int
-        As in `tactometry.protocols.procedures.transition`; `ending` says one in words.
-    thresholds : (n_sets,) array
-        The rule's own estimates; NaN where there is none.
+    - `asked`, `levels`: (n_sets, n_trials). What the rule asked for, and what was delivered; NaN after a track's end.
+    - `answers`: (n_sets, n_trials) of int. The outcomes, 1 or 0 of most rules, or `NOT_ASKED` after the end.
+    - `endings`: (n_sets,) of int. As in `tactometry.protocols.procedures.transition`; `ending` says one in words.
+    - `thresholds`: (n_sets,). The rule's own estimates; NaN where there is none.
     """
 
     asked: Array
@@ -81,24 +75,15 @@ def tracks(
     A trial is answered with 1 where what is felt lies above its criterion; of several criteria as many as lie below it
     tell the outcome. Levels, answers and endings are those of the rule's own run, trial by trial.
 
-    Parameters
-    ----------
-    rule : Rule
-        One with a transition of plain numbers, or `Quest` or `QuestPlus`.
-    criteria : (n_sets, n_trials) or (n_sets, n_trials, n_outcomes - 1) array
-        As `tactometry.protocols.batch.answers.criteria` makes them; NaN is above all that is felt.
-    table : LevelTable
-        What is felt at a level; without one the level itself.
-    orders : (n_sets, n_drawn) array
-        As the rule's `orders` draws them; without them the given order for all.
-    delivery : Delivery
-        What is delivered of a level; without it every level.
+    - `rule`: One with a transition of plain numbers, or `Quest` or `QuestPlus`.
+    - `criteria`: (n_sets, n_trials) or (n_sets, n_trials, n_outcomes - 1). As
+      `tactometry.protocols.batch.answers.criteria` makes them; NaN is above all that is felt.
+    - `table`: What is felt at a level; without one the level itself.
+    - `orders`: (n_sets, n_drawn). As the rule's `orders` draws them; without them the given order for all.
+    - `delivery`: What is delivered of a level; without it every level.
 
-    Raises
-    ------
-    InvalidParameter
-        If the rule is of another kind, there are no sets and trials or not the criteria of its outcomes, or tables and
-        orders are neither one nor one for each set.
+    Raises `InvalidParameter` if the rule is of another kind, there are no sets and trials or not the criteria of its
+    outcomes, or tables and orders are neither one nor one for each set.
 
     >>> from tactometry.protocols import Staircase
     >>> rule = Staircase(20.0, (4.0,), 0.0, 40.0, n_down=1)

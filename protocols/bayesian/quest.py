@@ -32,39 +32,21 @@ class Quest(WeighingRule):
     Differences from PsychoPy's QuestHandler: the level that was delivered counts as it is, not rounded to the grid; and
     where the likeliest threshold is an end of the grid the run is censored.
 
-    Parameters
-    ----------
-    start : float
-        Mean of the prior of the threshold.
-    start_sd : float
-        Standard deviation of the prior of the threshold.
-    low : float
-        Lowest level, and lowest threshold thought possible.
-    high : float
-        Highest level, and highest threshold thought possible.
-    step : float
-        Distance between neighbouring thresholds of the grid.
-    decade : float
-        A factor of ten in amplitude, in the unit of the levels: 20 for decibels, 1 for log10.
-    target : float
-        Chance of the answer 1 at the threshold. 0.82 is PsychoPy's.
-    slope : float
-        Exponent of the Weibull function; the default is that of Watson and Pelli.
-    blind_share : float
-        Share of answers given without regard to the stimulus; the default is that of Watson and Pelli.
-    guess_rate : float
-        Chance of the answer 1 where nothing is felt.
-    placing : {"quantile", "mean", "mode"}
-        What of the posterior the next level is.
-    n_trials : int
-        Largest number of trials of a track.
-    sd_stop : float, optional
-        It ends when the posterior's standard deviation is so small, in the unit of the levels.
+    - `start`: Mean of the prior of the threshold.
+    - `start_sd`: Standard deviation of the prior of the threshold.
+    - `low`: Lowest level, and lowest threshold thought possible.
+    - `high`: Highest level, and highest threshold thought possible.
+    - `step`: Distance between neighbouring thresholds of the grid.
+    - `decade`: A factor of ten in amplitude, in the unit of the levels: 20 for decibels, 1 for log10.
+    - `target`: Chance of the answer 1 at the threshold. 0.82 is PsychoPy's.
+    - `slope`: Exponent of the Weibull function; the default is that of Watson and Pelli.
+    - `blind_share`: Share of answers given without regard to the stimulus; the default is that of Watson and Pelli.
+    - `guess_rate`: Chance of the answer 1 where nothing is felt.
+    - `placing`: What of the posterior the next level is.
+    - `n_trials`: Largest number of trials of a track.
+    - `sd_stop`: It ends when the posterior's standard deviation is so small, in the unit of the levels.
 
-    Raises
-    ------
-    InvalidParameter
-        If a number is out of its domain.
+    Raises `InvalidParameter` if a number is out of its domain.
 
     >>> rule = Quest(start=20.0, start_sd=10.0, low=0.0, high=40.0, step=0.5, placing="mean")
     >>> rule.level, rule.after(1).level < 20 < rule.after(0).level

@@ -37,21 +37,13 @@ class QuestPlus(WeighingRule):
     unit of the levels). Where that parameter is most likely the first or last of its grid, the answers tell a bound
     only and the run is censored. Answers that no cell of the grid allows end it as aborted; `remark` says which.
 
-    Parameters
-    ----------
-    levels : tuple of float
-        The candidates.
-    grid : OutcomeModel
-        `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the first
-        parameter is the threshold.
-    prior : mapping of str to sequence of float
-        Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
+    - `levels`: The candidates.
+    - `grid`: `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the
+      first parameter is the threshold.
+    - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
-    Raises
-    ------
-    InvalidParameter
-        If there are fewer than two levels, a level is not finite or stands twice, a number is out of its domain, or a
-        prior does not fit.
+    Raises `InvalidParameter` if there are fewer than two levels, a level is not finite or stands twice, a number is out
+    of its domain, or a prior does not fit.
 
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus(
@@ -154,10 +146,7 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
     def marginal(self, parameter: str) -> Array:
         """The posterior of one parameter, (n_values,).
 
-        Raises
-        ------
-        InvalidParameter
-            If there is no such parameter.
+        Raises `InvalidParameter` if there is no such parameter.
         """
         names = list(self.rule.grid.parameters)
         one_of("QuestPlus.marginal", parameter, names)
@@ -206,17 +195,10 @@ class SharedQuestPlus:
     `procedures()` gives each track as a procedure for a block that interleaves them. A track whose spread was within
     the rule's `sd_stop` may go on again when another track's answers move what they share; `n_trials` bounds each.
 
-    Parameters
-    ----------
-    rule : QuestPlus
-        That of every track.
-    tracks : tuple of str
-        Their names.
+    - `rule`: That of every track.
+    - `tracks`: Their names.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no track, or a name stands twice.
+    Raises `InvalidParameter` if there is no track, or a name stands twice.
 
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)

@@ -21,10 +21,7 @@ MOST_VALUES = 10_000
 def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
     """Values with equal steps or equal ratios: the lowest, the highest and how many, by the names that a caller gave.
 
-    Raises
-    ------
-    InvalidParameter
-        If they make no rising grid; `owner` and the name open the sentence.
+    Raises `InvalidParameter` if they make no rising grid; `owner` and the name open the sentence.
 
     >>> grid_values("levels", "log", low=1.0, high=100.0, n=3)
     (1.0, 10.0, 100.0)
@@ -48,50 +45,28 @@ def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...
 class QuestPlusSettings:
     """QUEST+: each trial presents the level that is expected to tell most about the psychometric function.
 
-    Parameters
-    ----------
-    low : float
-        Lowest level that is presented.
-    high : float
-        Highest level that is presented.
-    n_levels : int
-        Number of levels from `low` to `high`.
-    spacing : str
-        ``linear`` for levels in decibels, ``log`` for levels above 0 in a linear unit (with the shape ``weibull``).
-    width_low : float
-        Smallest width thought possible, in the unit of the levels, or in natural logarithms for ``weibull``.
-    width_high : float
-        Largest width thought possible, in the same unit.
-    n_widths : int
-        Number of widths from `width_low` to `width_high`, with equal ratios.
-    width_prior_factor : float
-        If given, the widths' prior is log-normal about the geometric middle of their grid with this factor, above 1,
-        for a standard deviation; else it is flat on the grid.
-    threshold_low : float, optional
-        Lowest threshold thought possible; by default the lowest level.
-    threshold_high : float, optional
-        Highest threshold thought possible; by default the highest level.
-    n_thresholds : int, optional
-        Number of thresholds between them; by default that of the levels.
-    shape : str
-        Of the psychometric function: ``gumbel``, ``normal``, ``logistic``, ``reversed_gumbel`` or ``weibull``.
-    guess_rates : tuple of float
-        Guess rates thought possible; a single one is taken as known.
-    lapse_rates : tuple of float
-        Lapse rates thought possible; a single one is taken as known.
-    n_trials : int
-        Largest number of trials of a track.
-    sd_stop : float, optional
-        It ends when the threshold's standard deviation is so small, in the unit of the levels.
-    aim : {"threshold", "parameters"}
-        What is to be known: the threshold alone, or all parameters.
-    criterion : {"entropy", "variance"}
-        What of it a level is to make least.
+    - `low`: Lowest level that is presented.
+    - `high`: Highest level that is presented.
+    - `n_levels`: Number of levels from `low` to `high`.
+    - `spacing`: ``linear`` for levels in decibels, ``log`` for levels above 0 in a linear unit (with the shape
+      ``weibull``).
+    - `width_low`: Smallest width thought possible, in the unit of the levels, or in natural logarithms for ``weibull``.
+    - `width_high`: Largest width thought possible, in the same unit.
+    - `n_widths`: Number of widths from `width_low` to `width_high`, with equal ratios.
+    - `width_prior_factor`: If given, the widths' prior is log-normal about the geometric middle of their grid with this
+      factor, above 1, for a standard deviation; else it is flat on the grid.
+    - `threshold_low`: Lowest threshold thought possible; by default the lowest level.
+    - `threshold_high`: Highest threshold thought possible; by default the highest level.
+    - `n_thresholds`: Number of thresholds between them; by default that of the levels.
+    - `shape`: Of the psychometric function: ``gumbel``, ``normal``, ``logistic``, ``reversed_gumbel`` or ``weibull``.
+    - `guess_rates`: Guess rates thought possible; a single one is taken as known.
+    - `lapse_rates`: Lapse rates thought possible; a single one is taken as known.
+    - `n_trials`: Largest number of trials of a track.
+    - `sd_stop`: It ends when the threshold's standard deviation is so small, in the unit of the levels.
+    - `aim`: What is to be known: the threshold alone, or all parameters.
+    - `criterion`: What of it a level is to make least.
 
-    Raises
-    ------
-    InvalidParameter
-        As `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
+    Raises `InvalidParameter` as `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
 
     >>> settings = QuestPlusSettings(low=0.0, high=40.0, n_levels=41, width_low=4.0, width_high=16.0, n_widths=3)
     >>> rule = settings.procedure()
@@ -153,35 +128,19 @@ class PsiSettings:
     standard deviations (the inverse slopes) have equal ratios, the prior is flat on both, and the expected entropy of
     threshold and slope together is least. `psi_marginal` minimises that of the threshold alone (Prins 2013).
 
-    Parameters
-    ----------
-    low : float
-        Lowest level, and lowest threshold thought possible.
-    high : float
-        Highest level, and highest threshold thought possible.
-    n_levels : int
-        Number of levels, and of thresholds, from `low` to `high`.
-    sd_low : float
-        Smallest standard deviation of the normal thought possible, in the unit of the levels.
-    sd_high : float
-        Largest standard deviation of the normal thought possible, in the unit of the levels.
-    n_sds : int
-        Number of standard deviations from `sd_low` to `sd_high`.
-    guess_rate : float
-        Guess rate, taken as known; 0.5 is that of two-interval forced choice (unverified default).
-    lapse_rate : float
-        Lapse rate, taken as known; 0.02 is that of 4 % blind answers in two intervals (unverified default).
-    psi_marginal : bool
-        Only the threshold is to be known.
-    n_trials : int
-        Largest number of trials of a track.
-    sd_stop : float, optional
-        It ends when the threshold's standard deviation is so small, in the unit of the levels.
+    - `low`: Lowest level, and lowest threshold thought possible.
+    - `high`: Highest level, and highest threshold thought possible.
+    - `n_levels`: Number of levels, and of thresholds, from `low` to `high`.
+    - `sd_low`: Smallest standard deviation of the normal thought possible, in the unit of the levels.
+    - `sd_high`: Largest standard deviation of the normal thought possible, in the unit of the levels.
+    - `n_sds`: Number of standard deviations from `sd_low` to `sd_high`.
+    - `guess_rate`: Guess rate, taken as known; 0.5 is that of two-interval forced choice (unverified default).
+    - `lapse_rate`: Lapse rate, taken as known; 0.02 is that of 4 % blind answers in two intervals (unverified default).
+    - `psi_marginal`: Only the threshold is to be known.
+    - `n_trials`: Largest number of trials of a track.
+    - `sd_stop`: It ends when the threshold's standard deviation is so small, in the unit of the levels.
 
-    Raises
-    ------
-    InvalidParameter
-        As `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
+    Raises `InvalidParameter` as `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
 
     >>> PsiSettings(low=0.0, high=40.0, n_levels=41, sd_low=1.0, sd_high=8.0, n_sds=4).procedure().level
     23.0

@@ -71,10 +71,8 @@ def entropies(log_weights: Array, weights: Array) -> Array:
 def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, Sequence[float]], where: str) -> Array:
     """The sum of the parameters' log priors, (n_cells,); a parameter without one is flat.
 
-    Raises
-    ------
-    InvalidParameter
-        If a prior is of no parameter, of another length, or not of finite numbers from 0 with one above it.
+    Raises `InvalidParameter` if a prior is of no parameter, of another length, or not of finite numbers from 0 with one
+    above it.
     """
     of_kind(where, Mapping, prior=prior)
     for name, weights in prior.items():

@@ -55,18 +55,11 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     (1997), chapter 3. A run whose answers are all 1 or all 0 tells only on which side of its levels the threshold lies,
     and ends as censored.
 
-    Parameters
-    ----------
-    levels : tuple of float
-        The levels that are presented, each once in a repeat.
-    repeats : int
-        How often each is presented.
+    - `levels`: The levels that are presented, each once in a repeat.
+    - `repeats`: How often each is presented.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no level, a level is not finite or stands twice, `repeats` is below 1, or there are more than
-        `MOST_TRIALS`.
+    Raises `InvalidParameter` if there is no level, a level is not finite or stands twice, `repeats` is below 1, or
+    there are more than `MOST_TRIALS`.
 
     >>> rule = ConstantStimuli(levels=(1.0, 2.0), repeats=1)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).finished

@@ -96,26 +96,15 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     when more than half of all series have none, the run is censored, or aborted if it has as many 1 as 0: such answers
     contradict each other and bound nothing.
 
-    Parameters
-    ----------
-    low : float
-        Lowest level that is presented.
-    high : float
-        Highest level that is presented.
-    step : float
-        Distance between neighbouring levels.
-    n_series : int
-        How many series there are.
-    n_start_steps : int
-        `begin` with a generator moves the start of each series inwards by 0 to this many steps, against the habit of
-        counting.
-    direction : {"alternating", "ascending", "descending"}
-        Which way series go.
+    - `low`: Lowest level that is presented.
+    - `high`: Highest level that is presented.
+    - `step`: Distance between neighbouring levels.
+    - `n_series`: How many series there are.
+    - `n_start_steps`: `begin` with a generator moves the start of each series inwards by 0 to this many steps, against
+      the habit of counting.
+    - `direction`: Which way series go.
 
-    Raises
-    ------
-    InvalidParameter
-        If bounds, step or counts make no series of at least two levels.
+    Raises `InvalidParameter` if bounds, step or counts make no series of at least two levels.
 
     >>> rule = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=2)
     >>> for answer in (1, 1, 0, 0, 0, 1):

@@ -53,24 +53,14 @@ class Practice(SteppingRule["PracticeRun"]):
 
     It ends as ``converged`` when the criterion was met, else as ``trials``.
 
-    Parameters
-    ----------
-    levels : tuple of float
-        Easy ones, in turn.
-    n_correct : int
-        Number of correct answers among the last `n_of` that ends the practice.
-    n_of : int
-        Number of last answers among which `n_correct` must be correct.
-    n_trials : int
-        Largest number of trials; the practice then ends without its criterion.
-    on_miss : str
-        With ``ask``, the experimenter chooses after a practice that missed its criterion: practice again, go on, or end
-        the session. With ``go_on`` the session goes on.
+    - `levels`: Easy ones, in turn.
+    - `n_correct`: Number of correct answers among the last `n_of` that ends the practice.
+    - `n_of`: Number of last answers among which `n_correct` must be correct.
+    - `n_trials`: Largest number of trials; the practice then ends without its criterion.
+    - `on_miss`: With ``ask``, the experimenter chooses after a practice that missed its criterion: practice again, go
+      on, or end the session. With ``go_on`` the session goes on.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no level, or the counts make no criterion.
+    Raises `InvalidParameter` if there is no level, or the counts make no criterion.
 
     >>> rule = Practice(levels=(40.0, 30.0), n_correct=2, n_of=3, n_trials=10)
     >>> rule.after(1).level, rule.after(1).after(0).after(1).ending

@@ -73,10 +73,8 @@ class Procedure(ABC):
     def after(self, response: int | bool, delivered: float | None = None) -> "Procedure":
         """The procedure after a response to the level that was delivered (default: the one asked for).
 
-        Raises
-        ------
-        InvalidParameter
-            If the response is no outcome of the rule, the level not a finite number, or the procedure has finished.
+        Raises `InvalidParameter` if the response is no outcome of the rule, the level not a finite number, or the
+        procedure has finished.
         """
 
     @property
@@ -244,10 +242,7 @@ class Run(Procedure, Generic[RuleT]):
 def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
     """`response` as the number of an outcome, from 0.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is none of them: an unanswered trial must be asked again, not counted as wrong.
+    Raises `InvalidParameter` if it is none of them: an unanswered trial must be asked again, not counted as wrong.
     """
     if n_outcomes == 2 and isinstance(response, int | float | np.bool_ | np.number) and response in (0, 1):
         return int(response)

@@ -141,33 +141,18 @@ class Staircase(UpDown):
     `n_reversals` reversals or `n_trials` trials, whichever comes first (PsychoPy: when both are reached); and
     `n_at_bound` moves in a row that ask for a level beyond `low` or `high` end it as censored (PsychoPy goes on).
 
-    Parameters
-    ----------
-    start : float
-        Level of the first trial.
-    steps : tuple of float
-        By how much a level changes: the first step until the first reversal, and so on; the last one stays.
-    low : float
-        Lowest level that is presented.
-    high : float
-        Highest level that is presented.
-    n_up : int
-        So many wrong answers in a row raise the level.
-    n_down : int
-        So many right answers in a row lower it.
-    n_reversals : int
-        It ends after so many reversals.
-    n_trials : int
-        Largest number of trials of a track.
-    n_at_bound : int
-        So many moves in a row beyond a bound end it as censored.
-    initial_rule : bool
-        Until the first reversal one answer moves the level.
+    - `start`: Level of the first trial.
+    - `steps`: By how much a level changes: the first step until the first reversal, and so on; the last one stays.
+    - `low`: Lowest level that is presented.
+    - `high`: Highest level that is presented.
+    - `n_up`: So many wrong answers in a row raise the level.
+    - `n_down`: So many right answers in a row lower it.
+    - `n_reversals`: It ends after so many reversals.
+    - `n_trials`: Largest number of trials of a track.
+    - `n_at_bound`: So many moves in a row beyond a bound end it as censored.
+    - `initial_rule`: Until the first reversal one answer moves the level.
 
-    Raises
-    ------
-    InvalidParameter
-        If bounds, start, steps or counts make no staircase.
+    Raises `InvalidParameter` if bounds, start, steps or counts make no staircase.
 
     >>> rule = Staircase(start=20.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=2, n_reversals=4, n_trials=50)
     >>> rule.after(1).level, rule.after(1).after(0).level
@@ -206,19 +191,11 @@ class WeightedStaircase(UpDown):
     With `n_down` 1 it is Kaernbach's (Perception & Psychophysics 49, 227, 1991), above 1 Garcia-Perez's weighted
     transformed one (Vision Research 38, 1861, 1998). Reversals, bounds and endings are those of `Staircase`.
 
-    Parameters
-    ----------
-    steps_up : tuple of float
-        Steps upwards, one after each number of reversals; the last one stays.
-    steps_down : tuple of float
-        Steps downwards, as many as `steps_up`.
-    start, low, high, n_down, n_reversals, n_trials, n_at_bound
-        As in `Staircase`.
+    - `steps_up`: Steps upwards, one after each number of reversals; the last one stays.
+    - `steps_down`: Steps downwards, as many as `steps_up`.
+    - `start`, `low`, `high`, `n_down`, `n_reversals`, `n_trials`, `n_at_bound`: As in `Staircase`.
 
-    Raises
-    ------
-    InvalidParameter
-        If the pairs do not match, or as `Staircase`.
+    Raises `InvalidParameter` if the pairs do not match, or as `Staircase`.
 
     >>> rule = WeightedStaircase(start=20.0, steps_up=(6.0,), steps_down=(2.0,), low=0.0, high=40.0)
     >>> rule.target, rule.after(1).level, rule.after(0).level

@@ -38,14 +38,9 @@ RuleT = TypeVar("RuleT", bound=SteppingRule[Any])
 class SteppingRun(Run[RuleT]):
     """How far such a rule has come.
 
-    Parameters
-    ----------
-    order : tuple of float
-        What was drawn before the first answer.
-    state : tuple
-        What the transition makes of the answers; before the first one where none is given.
-    marks : tuple of float
-        One for each answer: a level that the estimate rests on, else NaN.
+    - `order`: What was drawn before the first answer.
+    - `state`: What the transition makes of the answers; before the first one where none is given.
+    - `marks`: One for each answer: a level that the estimate rests on, else NaN.
     """
 
     order: tuple[float, ...] = ()

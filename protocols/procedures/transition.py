@@ -38,19 +38,12 @@ def ending_of(code: int) -> Ending | None:
 class Transition:
     """The rule of a kind of procedure.
 
-    Parameters
-    ----------
-    start : callable
-        ``start(numbers, order)``: the state before the first answer.
-    level : callable
-        ``level(numbers, order, state)``: the next level, also of a run that has ended.
-    after : callable
-        ``after(numbers, order, state, answers, levels)``: the state after the last answer, and what that answer is
-        marked with: a level that an estimate rests on (a reversal, a transition), else NaN.
-    ending : callable
-        ``ending(numbers, order, state, answers)``: `GOES_ON`, or how it ended.
-    threshold : callable
-        ``threshold(marks)``: the rule's own estimate from the marks of all answers, NaN where there is none.
+    - `start`: ``start(numbers, order)``: the state before the first answer.
+    - `level`: ``level(numbers, order, state)``: the next level, also of a run that has ended.
+    - `after`: ``after(numbers, order, state, answers, levels)``: the state after the last answer, and what that answer
+      is marked with: a level that an estimate rests on (a reversal, a transition), else NaN.
+    - `ending`: ``ending(numbers, order, state, answers)``: `GOES_ON`, or how it ended.
+    - `threshold`: ``threshold(marks)``: the rule's own estimate from the marks of all answers, NaN where there is none.
     """
 
     start: Callable[[Numbers, Order], State]
