@@ -10,8 +10,8 @@ import numpy as np
 from tactometry.arguments.require import expect, one_of, positive, whole, within, without_none
 from tactometry.session.run import Course
 
-from .procedures.practice import Practice, PracticeRun
-from .procedures.procedure import FixedOrder, Procedure, after_answer
+from .procedures.practice import Practice
+from .procedures.procedure import FixedOrder, Procedure, Run, after_answer
 from .tasks.task import Alternative, TrialOutcome
 from .tasks.touch import Touch
 
@@ -54,7 +54,7 @@ class Track:
     @property
     def missed_practice(self) -> Practice | None:
         """Rule of a practice that ended without meeting its criterion, else None."""
-        rule = self.procedure.rule if isinstance(self.procedure, PracticeRun) else self.procedure
+        rule = self.procedure.rule if isinstance(self.procedure, Run) else self.procedure
         return rule if isinstance(rule, Practice) and self.ending in ("trials", "aborted") else None
 
     @property

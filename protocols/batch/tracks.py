@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter
 from ..bayesian.weighing import WeighingRule, edges, normalised
 from ..procedures.procedure import Ending, Rule
 from ..procedures.stepping import SteppingRule
-from ..procedures.transition import ABORTED, CENSORED, CONVERGED, GOES_ON, TRIALS, Numbers, ending_of
+from ..procedures.transition import ABORTED, CENSORED_ABOVE, CONVERGED, GOES_ON, TRIALS, Numbers, ending_of
 from .answers import AS_ASKED, Array, Delivery, LevelTable
 
 NOT_ASKED = -1
@@ -99,7 +99,7 @@ def tracks(
         weigh(rule, drawn, table, delivery, made)
     else:
         raise InvalidParameter(f"tracks.rule: found {rule.name}, expected a rule with a transition, or of weights")
-    made.thresholds[made.endings >= CENSORED] = np.nan
+    made.thresholds[made.endings >= CENSORED_ABOVE] = np.nan
     return made
 
 
@@ -137,8 +137,9 @@ def _check(n_sets: int, table: LevelTable | None, orders: Array | None) -> None:
 
 
 def _arrays(numbers: Numbers) -> tuple[Any, ...]:
-    """With an array for each sequence: tuples of different length would be types of their own, compiled anew."""
-    return tuple(np.array(value, dtype=np.float64) if isinstance(value, tuple) else value for value in numbers)
+    """Return numbers with an array for each sequence: for each length of a tuple, numba would compile anew."""
+    arrays = [np.array(value, dtype=np.float64) if isinstance(value, tuple) else value for value in numbers]
+    return type(numbers)(*arrays) if arrays else ()
 
 
 def weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delivery: Delivery, made: TrackBatch) -> None:

@@ -1,4 +1,4 @@
-"""Rules whose every step is a `Transition` of a few plain numbers: all but those that weigh a grid of functions."""
+"""Rules whose steps are a `Transition` of plain numbers: all but those that weigh a grid of functions."""
 
 from abc import abstractmethod
 from dataclasses import dataclass, field, replace
@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .procedure import Ending, Rule, Run
+from .procedure import Ending, Rule, RuleThreshold, Run
 from .transition import Numbers, State, Transition, ending_of
 
 RunT = TypeVar("RunT", bound="SteppingRun[Any]")
@@ -63,6 +63,9 @@ class SteppingRun(Run[RuleT]):
         """The rule's own, None where it has none yet."""
         level = self.rule.transition.threshold(self.marks)
         return None if isnan(level) else level
+
+    def _estimate(self) -> RuleThreshold:
+        return RuleThreshold(self._threshold(), note=self.rule.unreplayed)
 
     def _updated(self) -> Self:
         step = self.rule.transition.after
