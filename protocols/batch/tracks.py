@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
-from ..bayesian.weighing import WeighingRule, edges, normalised
+from ..bayesian.weighing import WeighingRule, judged, normalised
 from ..procedures.procedure import Ending, Rule
 from ..procedures.stepping import SteppingRule
-from ..procedures.transition import ABORTED, CENSORED_ABOVE, CONVERGED, GOES_ON, TRIALS, Numbers, ending_of
+from ..procedures.transition import ABORTED, CENSORED_ABOVE, GOES_ON, Numbers, ending_of
 from .answers import AS_ASKED, Array, Delivery, LevelTable
 
 NOT_ASKED = -1
@@ -167,7 +167,7 @@ def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delive
         logs, weights = normalised(learnt)
         codes = np.full(len(going), GOES_ON, dtype=np.int8)
         if rule.sd_stop is not None or n + 1 == n_trials:  # most trials need no look at the weights
-            made.thresholds[going], codes = _judged(rule, weights, n + 1)
+            made.thresholds[going], _, codes = judged(rule, weights, n + 1)
         codes[~possible] = ABORTED
         made.endings[going] = codes
         left = codes == GOES_ON
@@ -175,16 +175,3 @@ def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delive
             return
         if not left.all():
             going, logs, weights = going[left], logs[left], weights[left]
-
-
-def _judged(rule: WeighingRule, weights: Array, n_answers: int) -> tuple[Array, NDArray[np.int8]]:
-    """Means of the threshold, and codes of endings, each (n_sets,)."""
-    values = rule.thresholds
-    marginals = weights.reshape(len(weights), len(values), -1).sum(axis=2)
-    mean = marginals @ values
-    sd = np.sqrt(np.einsum("st,st->s", marginals, (values - mean[:, None]) ** 2))
-    at_end = TRIALS if n_answers >= rule.n_trials else GOES_ON
-    codes = np.where(sd <= (-1.0 if rule.sd_stop is None else rule.sd_stop), CONVERGED, at_end).astype(np.int8)
-    # At an end of the grid a small spread is the grid's own: the run is censored, however it ended.
-    at_edge = edges(values, marginals)
-    return mean, np.where((codes != GOES_ON) & (at_edge != GOES_ON), at_edge, codes)

@@ -4,15 +4,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar, runtime_checkable
+from typing import Annotated, Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
+from annotated_types import Ge
 
 from tactometry.arguments.constraints import excerpt
 from tactometry.arguments.magnitudes import is_number
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
+Count = Annotated[int, Ge(1)]
 MOST_TRIALS = 1_000_000
 """More make no session: at 5 s each they last 58 days."""
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
