@@ -31,21 +31,12 @@ UNTOUCHED = Touched(0.0, None, None)
 class Block:
     """Tracks that are presented together, and how.
 
-    Parameters
-    ----------
-    tracks : tuple of Track
-        More than one are interleaved.
-    task : Task
-        What is asked in a trial.
-    options : BlockOptions
-        How the trials follow each other.
-    practice : bool
-        Mark the rows as practice.
+    - `tracks`: More than one are interleaved.
+    - `task`: What is asked in a trial.
+    - `options`: How the trials follow each other.
+    - `practice`: Mark the rows as practice.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no track, or something else in the place of one or of the task.
+    Raises `InvalidParameter` if there is no track, or something else in the place of one or of the task.
     """
 
     tracks: tuple[Track, ...]

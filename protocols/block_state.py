@@ -10,7 +10,8 @@ import numpy as np
 from tactometry.arguments.require import expect, one_of, positive, whole, within, without_none
 from tactometry.session.run import Course
 
-from .procedures.procedure import FixedOrder, Procedure, after_answer
+from .procedures.practice import Practice
+from .procedures.procedure import FixedOrder, Procedure, Run, after_answer
 from .tasks.task import Alternative, TrialOutcome
 from .tasks.touch import Touch
 
@@ -51,6 +52,12 @@ class Track:
         return self.aborted or self.skipped
 
     @property
+    def missed_practice(self) -> Practice | None:
+        """Rule of a practice that ended without meeting its criterion, else None."""
+        rule = self.procedure.rule if isinstance(self.procedure, Run) else self.procedure
+        return rule if isinstance(rule, Practice) and self.ending in ("trials", "aborted") else None
+
+    @property
     def ending(self) -> str | None:
         if not self.begun:
             return "not begun"
@@ -67,31 +74,19 @@ PartCourse = Course[tuple[tuple[Track, ...], int]]
 class BlockOptions:
     """How the trials of a block follow each other: the keys of a study's table `task` that hold for every kind.
 
-    Parameters
-    ----------
-    catch_rate : float
-        The part of a track's presentations without stimulus, where the task takes them.
-    n_attempts : int
-        A presentation that is not valid comes again: at the end of the block if the procedure's order is fixed, else
-        when its track is due. So many invalid ones in a row, or attempts at one trial, abort the track.
-    interleaving : str
-        Each trial draws one of the unfinished tracks (``random``), or each round presents all of them once, in random
-        order (``balanced``).
-    feedback : bool
-        Say right or wrong after each answer.
-    rest_after : int or None
-        So many valid trials lie between two rests.
-    rest_every_s : float or None
-        A rest comes after the first valid trial that begins so long after the rest before it, or after the block began.
-    rest_s : float or None
-        A rest lasts at least so long, counted down.
-    longest_s : float or None
-        A block that lasts longer ends; what is unfinished is aborted.
+    - `catch_rate`: The part of a track's presentations without stimulus, where the task takes them.
+    - `n_attempts`: A presentation that is not valid comes again: at the end of the block if the procedure's order is
+      fixed, else when its track is due. So many invalid ones in a row, or attempts at one trial, abort the track.
+    - `interleaving`: Each trial draws one of the unfinished tracks (``random``), or each round presents all of them
+      once, in random order (``balanced``).
+    - `feedback`: Say right or wrong after each answer.
+    - `rest_after`: So many valid trials lie between two rests.
+    - `rest_every_s`: A rest comes after the first valid trial that begins so long after the rest before it, or after
+      the block began.
+    - `rest_s`: A rest lasts at least so long, counted down.
+    - `longest_s`: A block that lasts longer ends; what is unfinished is aborted.
 
-    Raises
-    ------
-    InvalidParameter
-        If a number is out of its domain or the interleaving unknown.
+    Raises `InvalidParameter` if a number is out of its domain or the interleaving unknown.
     """
 
     catch_rate: float = 0.0

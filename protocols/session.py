@@ -11,7 +11,18 @@ from tactometry.choice_form import NOT_SAID, PREFER_NOT, SAY, ChoiceForm, Choice
 from tactometry.questionnaire import Questionnaire
 from tactometry.session.answer import Chosen, Done, Rated
 from tactometry.session.intervention import Intervention
-from tactometry.session.request import ABOUT, CONSENT, Choose, Enter, Record, Show
+from tactometry.session.request import (
+    ABOUT,
+    AGAIN,
+    CONSENT,
+    END_SESSION,
+    MISSED_LABELS,
+    MISSED_PRACTICE,
+    Choose,
+    Enter,
+    Record,
+    Show,
+)
 from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
@@ -50,10 +61,7 @@ class Inquiry:
     that is `first` comes before anything was felt. One that is `of_block` is left out where its block had no valid
     touch.
 
-    Raises
-    ------
-    InvalidParameter
-        If `form` is neither.
+    Raises `InvalidParameter` if `form` is neither.
     """
 
     form: Questionnaire | ChoiceForm
@@ -195,25 +203,49 @@ def session(
         if isinstance(part, Inquiry) and part.of_block and not felt:
             continue
         felt = felt if isinstance(part, Inquiry) else []
-        said = yield from heard(_instructions(parts, number))
-        is_left = yield from between_blocks(said, f"block {number}")
-        at_s = begun.at_s
-        if not is_left:
-            shown: Done = yield _page(parts, number)
-            said, at_s = (*said, *shown.interventions), shown.at_s
-            is_left = yield from between_blocks(shown.interventions, f"block {number}")
-        wanted += said
-        if is_left:
+        at_s = yield from _opened([*_instructions(parts, number), _page(parts, number)], f"block {number}", wanted)
+        if at_s is None:
             tracks += [replace(track, skipped=True) for track in part.tracks]
             continue
         # Between parts only: a part that has begun comes to its end, or to that of its own time.
         if longest_s is not None and at_s - begun.at_s > longest_s:
             tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break
-        ended, trial = yield from hearing(noting(part.course(number, trial, rng), felt), wanted)
+        again = True
+        while again:
+            ended, trial = yield from hearing(noting(part.course(number, trial, rng), felt), wanted)
+            again = yield from _practises_again(ended, _page(parts, number), wanted)
         tracks += ended
     yield from between_blocks((yield from heard([Show("end")])))
     return tuple(tracks)
+
+
+def _practises_again(tracks: Sequence[Track], page: Show, wanted: list[Intervention]) -> Course[bool]:
+    """Ask the experimenter how to go on after a missed practice; return True if it is repeated, after its `page`.
+
+    What the experimenter wants is added to `wanted`.
+    """
+    missed = [track.missed_practice for track in tracks]
+    if _ends(wanted) or not any(rule and rule.on_miss == "ask" for rule in missed):
+        return False
+    chosen: Chosen = yield Choose(MISSED_PRACTICE, tuple(MISSED_LABELS), tuple(MISSED_LABELS.values()))
+    if chosen.option == END_SESSION:
+        wanted.append(Intervention("end"))
+    if chosen.option != AGAIN:
+        return False
+    return (yield from _opened([page], "the repeated practice", wanted)) is not None
+
+
+def _opened(pages: Sequence[Show], ahead: str, wanted: list[Intervention]) -> Course[float | None]:
+    """Show the pages before a part; return when the last one was left, or None if the experimenter skips the part."""
+    at_s = 0.0
+    for page in pages:
+        shown: Done = yield page
+        wanted += shown.interventions
+        at_s = shown.at_s
+        if (yield from between_blocks(shown.interventions, ahead)):
+            return None
+    return at_s
 
 
 def _declined(wanted: list[Intervention]) -> Course[bool]:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tactometry.analysis.threshold.modes import TrackModes, fit_modes
 from tactometry.protocols.batch.answers import LevelTable, criteria
-from tactometry.protocols.batch.streams import stream
 from tactometry.protocols.batch.tracks import tracks
+from tactometry.protocols.order import stream
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.protocols.procedures.stepping import SteppingRule
 

@@ -17,8 +17,8 @@ from .experiment import Experiment
 from .prompts import by_language
 from .session_plan import all_sessions, stream
 
-WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "declined"))
-"""Pages that a block shows in the midst of its trials, and those of consent."""
+WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "declined", "practice_missed"))
+"""Pages within a block, and those of consent and of a missed practice."""
 
 
 def rehearse(experiment: Experiment) -> None:

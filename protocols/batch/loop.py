@@ -10,7 +10,7 @@ from tactometry.compiled import called, entry, sources
 
 from ..procedures import transition as codes
 from ..procedures.transition import GOES_ON, Transition
-from .delivery import nearest
+from .answers import nearest
 
 
 def _felt(level: float, levels: Any, felt: Any) -> Any:

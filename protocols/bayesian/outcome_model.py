@@ -113,21 +113,14 @@ class DenseLikelihoods:
 class FunctionModel:
     """Any parameters and outcomes, by a function of log probabilities.
 
-    Parameters
-    ----------
-    parameters : mapping of str to tuple of float
-        The grid of each parameter by its name; the first is the one of interest.
-    n_outcomes : int
-        How many answers there are, at least 2; they are told to the procedure as 0, 1, ...
-    log_probability : callable
-        ``log_probability(level, outcome, **parameters)``: the level a float, the parameters arrays that broadcast
-        against each other; gives log P(outcome), -inf where it is impossible. Those of all outcomes add up to 1.
+    - `parameters`: The grid of each parameter by its name; the first is the one of interest.
+    - `n_outcomes`: How many answers there are, at least 2; they are told to the procedure as 0, 1, ...
+    - `log_probability`: ``log_probability(level, outcome, **parameters)``: the level a float, the parameters arrays
+      that broadcast against each other; gives log P(outcome), -inf where it is impossible. Those of all outcomes add up
+      to 1.
 
-    Raises
-    ------
-    InvalidParameter
-        If a grid is empty or not finite, there are fewer than two outcomes, or at a level the probabilities do not add
-        up to 1.
+    Raises `InvalidParameter` if a grid is empty or not finite, there are fewer than two outcomes, or at a level the
+    probabilities do not add up to 1.
 
     >>> def coin(level, outcome, *, bias):
     ...     return np.log(np.where(outcome == 1, bias, 1 - bias))
@@ -158,21 +151,14 @@ class FunctionModel:
 class TableModel:
     """Any parameters and outcomes, by a table of probabilities at given levels.
 
-    Parameters
-    ----------
-    parameters : mapping of str to tuple of float
-        As in `FunctionModel`.
-    levels : tuple of float
-        Rising.
-    table : array, (n_outcomes, n_levels, n_values of the 1st parameter, ... of the last)
-        Probabilities; over outcomes they add up to 1.
+    - `parameters`: As in `FunctionModel`.
+    - `levels`: Rising.
+    - `table`: array, (n_outcomes, n_levels, n_values of the 1st parameter, ... of the last). Probabilities; over
+      outcomes they add up to 1.
 
     A level between two of the table has the probabilities on the straight line between theirs; one beyond is refused.
 
-    Raises
-    ------
-    InvalidParameter
-        If the table's shape is another, a value is no probability, or levels do not rise.
+    Raises `InvalidParameter` if the table's shape is another, a value is no probability, or levels do not rise.
 
     >>> model = TableModel({"bias": (0.25, 0.75)}, (0.0, 1.0), np.array([[[0.75, 0.25]] * 2, [[0.25, 0.75]] * 2]))
     >>> np.exp(model.log_likelihood(0.5, 1))

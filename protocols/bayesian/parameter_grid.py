@@ -28,11 +28,8 @@ class ParameterGrid:
     decibels the shape ``gumbel`` is Weibull's function of the amplitude; ``weibull`` takes the amplitude itself, with
     widths in natural logarithms.
 
-    Raises
-    ------
-    InvalidParameter
-        If a list is empty, holds a value twice, or a value that is not of its domain, or guess and lapse rates leave
-        nothing between them.
+    Raises `InvalidParameter` if a list is empty, holds a value twice, or a value that is not of its domain, or guess
+    and lapse rates leave nothing between them.
 
     >>> ParameterGrid(thresholds=(10.0, 20.0), widths=(4.0, 8.0), lapse_rates=(0.0, 0.02, 0.04)).size
     (2, 6)
@@ -78,10 +75,7 @@ class ParameterGrid:
     def distances(self, levels: Sequence[float]) -> Array:
         """Level less threshold, or the logarithm of their ratio for ``weibull``, (n_levels, n_thresholds).
 
-        Raises
-        ------
-        InvalidParameter
-            If a level is below 0 and the shape is ``weibull``.
+        Raises `InvalidParameter` if a level is below 0 and the shape is ``weibull``.
         """
         x, t = np.ix_(np.asarray(levels, dtype=np.float64), np.asarray(self.thresholds, dtype=np.float64))
         if not shape_named(self.shape).on_log_levels:

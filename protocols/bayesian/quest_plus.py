@@ -9,10 +9,11 @@ from typing import Literal, Self, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.arguments.constraints import Positive, constrained
 from tactometry.arguments.require import at_most, expect, lookup, numbers, of_kind, one_of
 from tactometry.errors import rewording
 
-from ..procedures.procedure import DelegatingProcedure, Procedure
+from ..procedures.procedure import Count, DelegatingProcedure, Procedure
 from .outcome_model import Array, DenseLikelihoods, Likelihoods, OutcomeModel, p_log_p, size, tabulate
 from .weighing import Posterior, WeighingRule, WeighingRun, entropies, log_prior
 
@@ -25,6 +26,7 @@ TIE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
+@constrained
 class QuestPlus(WeighingRule):
     """Bayesian placement by minimum expected entropy or variance, for any model of answers.
 
@@ -37,21 +39,13 @@ class QuestPlus(WeighingRule):
     unit of the levels). Where that parameter is most likely the first or last of its grid, the answers tell a bound
     only and the run is censored. Answers that no cell of the grid allows end it as aborted; `remark` says which.
 
-    Parameters
-    ----------
-    levels : tuple of float
-        The candidates.
-    grid : OutcomeModel
-        `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the first
-        parameter is the threshold.
-    prior : mapping of str to sequence of float
-        Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
+    - `levels`: The candidates.
+    - `grid`: `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the
+      first parameter is the threshold.
+    - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
-    Raises
-    ------
-    InvalidParameter
-        If there are fewer than two levels, a level is not finite or stands twice, a number is out of its domain, or a
-        prior does not fit.
+    Raises `InvalidParameter` if there are fewer than two levels, a level is not finite or stands twice, a number is out
+    of its domain, or a prior does not fit.
 
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus(
@@ -63,8 +57,8 @@ class QuestPlus(WeighingRule):
 
     levels: tuple[float, ...]
     grid: OutcomeModel
-    n_trials: int = 60
-    sd_stop: float | None = None
+    n_trials: Count = 60
+    sd_stop: Positive | None = None
     aim: Aim = "parameters"
     criterion: Criterion = "entropy"
     prior: Mapping[str, Sequence[float]] = field(default_factory=dict)
@@ -79,9 +73,8 @@ class QuestPlus(WeighingRule):
         one_of("QuestPlus.aim", self.aim, get_args(Aim))
         one_of("QuestPlus.criterion", self.criterion, get_args(Criterion))
         of_kind("QuestPlus", OutcomeModel, grid=self.grid)
-        n_combinations = prod(map(len, self.grid.parameters.values()))
-        at_most("QuestPlus: levels times combinations of parameters", len(self.levels) * n_combinations, MOST_CHANCES)
-        self._check_stop()
+        n_chances = n_levels * prod(size(self.grid))
+        at_most("QuestPlus: levels times combinations of parameters", n_chances, MOST_CHANCES)
         # the first trial waits for neither the tables nor its level
         if self.aim == "parameters" and self.criterion == "entropy":
             self.likelihoods.prepare()
@@ -118,7 +111,7 @@ class QuestPlus(WeighingRule):
 
     @cached_property
     def dense(self) -> DenseLikelihoods:
-        """All chances in one table, for stacks of sets."""
+        """Chances in one table, for stacks of sets."""
         return tabulate(self.grid, self.levels)
 
     def places(self, log_weights: Array, weights: Array) -> Array:
@@ -126,16 +119,12 @@ class QuestPlus(WeighingRule):
         return np.asarray(self.levels, dtype=np.float64)[least(losses)]
 
     def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
-        places = self._places_of(levels)
+        index = {level: n for n, level in enumerate(self.levels)}
+        places = np.array([index.get(level, -1) for level in levels.tolist()], dtype=np.intp)
         found = np.asarray(self.dense.logarithms[answers, places])
         for n in np.flatnonzero(places < 0):  # delivered, and none of the candidates
             found[n] = self.grid.log_likelihood(float(levels[n]), int(answers[n]))
         return found
-
-    def _places_of(self, levels: Array) -> NDArray[np.intp]:
-        """Of levels (n_sets,) among the candidates; -1 of others."""
-        index = {level: n for n, level in enumerate(self.levels)}
-        return np.array([index.get(level, -1) for level in levels.tolist()], dtype=np.intp)
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
         tabled = self.likelihoods.log_likelihood(self.levels.index(level), outcome) if level in self.levels else None
@@ -144,7 +133,7 @@ class QuestPlus(WeighingRule):
 
 @dataclass(frozen=True, eq=False)
 class QuestPlusRun(WeighingRun[QuestPlus]):
-    """Looks at every level for what its answer is expected to tell."""
+    """Run of a `QuestPlus`."""
 
     @property
     def posterior(self) -> Array:
@@ -152,13 +141,7 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
         return self.state.weights.reshape(size(self.rule.grid))
 
     def marginal(self, parameter: str) -> Array:
-        """The posterior of one parameter, (n_values,).
-
-        Raises
-        ------
-        InvalidParameter
-            If there is no such parameter.
-        """
+        """Return the posterior of one parameter, (n_values,)."""
         names = list(self.rule.grid.parameters)
         one_of("QuestPlus.marginal", parameter, names)
         cells = self.state.weights.reshape([len(values) for values in self.rule.grid.parameters.values()])
@@ -166,21 +149,21 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
         return np.asarray(cells.sum(axis=others), dtype=np.float64)
 
     def mean(self, parameter: str) -> float:
-        """The posterior mean of one parameter."""
+        """Return the posterior mean of one parameter."""
         return float(self.marginal(parameter) @ np.asarray(self.rule.grid.parameters[parameter]))
 
     @cached_property
     def level(self) -> float:
-        """The level with the least expected loss; the first of equals."""
+        """First level with the least expected loss."""
         return self.rule.levels[int(least(self.expected_loss()))]
 
     def expected_loss(self) -> Array:
-        """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance."""
+        """Return expected entropy (nat) or variance after one more answer at each level, (n_levels,)."""
         return expected_losses(self.rule, self.rule.likelihoods, self.state.weights, self.state.entropy)
 
     @property
     def remark(self) -> str | None:
-        """One sentence on a run that has no threshold."""
+        """Reason why a run has no threshold, or None."""
         first = next(iter(self.rule.grid.parameters))
         if self.ending == "aborted":
             return (
@@ -206,17 +189,7 @@ class SharedQuestPlus:
     `procedures()` gives each track as a procedure for a block that interleaves them. A track whose spread was within
     the rule's `sd_stop` may go on again when another track's answers move what they share; `n_trials` bounds each.
 
-    Parameters
-    ----------
-    rule : QuestPlus
-        That of every track.
-    tracks : tuple of str
-        Their names.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is no track, or a name stands twice.
+    Raises `InvalidParameter` if there is no track, or a name stands twice.
 
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
@@ -241,11 +214,11 @@ class SharedQuestPlus:
         return all(self.procedure(track).finished for track in self.tracks)
 
     def procedure(self, track: str) -> QuestPlusRun:
-        """How a track stands. Tell answers to the pool, not to this."""
+        """Return the run of a track. Report answers to the pool, not to this run."""
         return lookup("SharedQuestPlus.track", track, self._views)
 
     def procedures(self) -> tuple["SharedTrack", ...]:
-        """One for each track."""
+        """Return a procedure for each track."""
         return tuple(SharedTrack(self, track) for track in self.tracks)
 
     @cached_property
@@ -262,23 +235,27 @@ class SharedQuestPlus:
         return replace(self.runs.get(track, self.rule.begin()), state=state)
 
     def _log_joint(self, track: str) -> Array:
-        """log p(t) L(t, s), (n_first, n_rest)."""
+        """Return log p(t) L(t, s), (n_first, n_rest)."""
         first, shared = self._log_priors
         return np.asarray(first[:, None] + self.log_likelihoods.get(track, 0.0) + np.zeros(len(shared)))
 
     @cached_property
     def _log_priors(self) -> tuple[Array, Array]:
-        """Of the first parameter, and of all others together."""
-        first, *shared = self.rule.grid.parameters
-        return self._log_prior(first), self._log_prior(*shared)
-
-    def _log_prior(self, *names: str) -> Array:
-        parameters = {name: self.rule.grid.parameters[name] for name in names}
-        prior = {name: weights for name, weights in self.rule.prior.items() if name in names}
-        return log_prior(parameters, prior, "SharedQuestPlus")
+        """Log priors of the first parameter, and of all others together."""
+        parameters, prior = self.rule.grid.parameters, self.rule.prior
+        first, *shared = parameters
+        of_each = [
+            log_prior(
+                {name: parameters[name] for name in names},
+                {name: prior[name] for name in names if name in prior},
+                "SharedQuestPlus",
+            )
+            for names in ([first], shared)
+        ]
+        return of_each[0], of_each[1]
 
     def after(self, track: str, response: int | bool, delivered: float | None = None) -> Self:
-        """The pool after an answer to the level that was delivered on one track."""
+        """Return the pool after an answer to the level that was delivered on one track."""
         with rewording(lambda words: f"SharedQuestPlus track {track!r}, {words}"):
             run = self.procedure(track).after(response, delivered)
         pool = replace(self, runs={**self.runs, track: run})
@@ -309,28 +286,28 @@ class SharedTrack(DelegatingProcedure):
 
     @property
     def view(self) -> QuestPlusRun:
-        """The track's run with what all tracks say: threshold, spread, marginals, `remark`."""
+        """Run of the track, with the evidence of all tracks."""
         return self.pool.procedure(self.track)
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """The track after an answer of its own."""
+        """Return the track after an answer on it."""
         return replace(self, pool=self.pool.after(self.track, response, delivered))
 
     def learning_from(self, other: Procedure) -> Self:
-        """The track after an answer on another track of the same pool."""
+        """Return the track after an answer on another track of the same pool."""
         if isinstance(other, SharedTrack) and other.pool.rule is self.pool.rule:
             return replace(self, pool=other.pool)
         return self
 
 
 def least(losses: Array) -> NDArray[np.intp]:
-    """The first place of the least losses (n_levels, ...), up to `TIE`."""
+    """Return the first place of the least losses (n_levels, ...), up to `TIE`."""
     lowest = losses.min(axis=0)
     return np.asarray((losses <= lowest + TIE * (1 + np.abs(lowest))).argmax(axis=0))
 
 
 def expected_losses(rule: QuestPlus, likelihoods: Likelihoods, weights: Array, entropy: Array | float) -> Array:
-    """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance.
+    """Return expected entropy (nat) or variance after one more answer at each level, (n_levels,).
 
     Weights are (n_cells,), or (n_cells, n_sets) with the entropy of each where `likelihoods` takes stacks.
     """
@@ -345,21 +322,18 @@ def expected_losses(rule: QuestPlus, likelihoods: Likelihoods, weights: Array, e
 
 
 def _expected_variance(rule: QuestPlus, likelihoods: Likelihoods, weights: Array) -> Array:
-    """The expected variance of the first parameter, or the sum over all, each against that of its prior."""
+    """Return the expected variance of the first parameter, or the sum over all, each relative to its prior."""
+    values = [np.asarray(each, dtype=np.float64) for each in rule.grid.parameters.values()]
+    axes = [axis.ravel() for axis in np.meshgrid(*values, indexing="ij")]
     if rule.aim == "threshold":
-        return _variance_of(_axis(rule, 0), likelihoods, weights)
-    axes = [_axis(rule, n) for n, values in enumerate(rule.grid.parameters.values()) if len(values) > 1]
-    prior = rule.prior_state.weights
-    spreads = [float(prior @ (axis - float(prior @ axis)) ** 2) for axis in axes]
-    pairs = zip(axes, spreads, strict=True)
-    relative = [_variance_of(axis, likelihoods, weights) / spread for axis, spread in pairs if spread > 0]
-    return sum(relative, start=np.zeros((len(rule.levels), *weights.shape[1:])))
+        return _variance_of(axes[0], likelihoods, weights)
 
-
-def _axis(rule: QuestPlus, n: int) -> Array:
-    """The value of the nth parameter in each cell, (n_cells,)."""
-    axes = np.meshgrid(*rule.grid.parameters.values(), indexing="ij")
-    return np.asarray(axes[n], dtype=np.float64).ravel()
+    prior, total = rule.prior_state.weights, np.zeros((len(rule.levels), *weights.shape[1:]))
+    for axis in axes:
+        spread = float(prior @ (axis - float(prior @ axis)) ** 2)
+        if np.ptp(axis) > 0 and spread > 0:
+            total += _variance_of(axis, likelihoods, weights) / spread
+    return total
 
 
 def _variance_of(axis: Array, likelihoods: Likelihoods, weights: Array) -> Array:
@@ -370,5 +344,5 @@ def _variance_of(axis: Array, likelihoods: Likelihoods, weights: Array) -> Array
 
 
 def _sum_p_log_p(probabilities: Array) -> Array:
-    """Over outcomes, the first axis."""
+    """Return the sum of p log p over outcomes, the first axis."""
     return np.asarray(p_log_p(probabilities).sum(axis=0), dtype=np.float64)

@@ -1,6 +1,5 @@
 """The method of constant stimuli."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
@@ -11,25 +10,27 @@ from numpy.typing import NDArray
 from tactometry.arguments.require import distinct, expect, numbers, some, whole
 from tactometry.errors import count_of
 
-from .procedure import MOST_TRIALS, FixedOrder, RuleThreshold, checked_outcome
+from .procedure import MOST_TRIALS, FixedOrder, checked_outcome
 from .stepping import SteppingRule, SteppingRun
-from .transition import CENSORED_ABOVE, CENSORED_BELOW, GOES_ON, TRIALS, Numbers, Order, State, Transition
+from .transition import (
+    CENSORED_ABOVE,
+    CENSORED_BELOW,
+    GOES_ON,
+    TRIALS,
+    Numbers,
+    Order,
+    State,
+    Transition,
+    no_answer,
+    no_threshold,
+    one_more,
+)
 
 
 # order: the levels in their order; state: how many of them were presented or left out
-def _start(numbers: Numbers, order: Order) -> State:
-    return (0,)
-
-
 def _level(numbers: Numbers, order: Order, state: State) -> float:
     n_done: int = state[0]
     return order[min(n_done, len(order) - 1)]  # a run that has ended still has a level
-
-
-def _after(
-    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
-) -> tuple[State, float]:
-    return (state[0] + 1,), math.nan
 
 
 def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
@@ -41,11 +42,6 @@ def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]
     return CENSORED_ABOVE if n_yes == 0 < len(answers) else TRIALS
 
 
-def _threshold(marks: Sequence[float]) -> float:
-    """None: a fit makes one."""
-    return math.nan
-
-
 @dataclass(frozen=True)
 class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     """Each of `levels` is presented `repeats` times, in an order that no response changes.
@@ -55,18 +51,11 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     (1997), chapter 3. A run whose answers are all 1 or all 0 tells only on which side of its levels the threshold lies,
     and ends as censored.
 
-    Parameters
-    ----------
-    levels : tuple of float
-        The levels that are presented, each once in a repeat.
-    repeats : int
-        How often each is presented.
+    - `levels`: The levels that are presented, each once in a repeat.
+    - `repeats`: How often each is presented.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no level, a level is not finite or stands twice, `repeats` is below 1, or there are more than
-        `MOST_TRIALS`.
+    Raises `InvalidParameter` if there is no level, a level is not finite or stands twice, `repeats` is below 1, or
+    there are more than `MOST_TRIALS`.
 
     >>> rule = ConstantStimuli(levels=(1.0, 2.0), repeats=1)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).finished
@@ -77,7 +66,7 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     repeats: int
 
     name = "constant_stimuli"
-    transition = Transition(_start, _level, _after, _ending, _threshold)
+    transition = Transition(no_answer, _level, one_more, _ending, no_threshold)
     unreplayed = "no rule: the levels of constant stimuli do not depend on the answers"
 
     def __post_init__(self) -> None:
@@ -124,7 +113,3 @@ class ConstantStimuliRun(SteppingRun[ConstantStimuli], FixedOrder):
 
     def skip(self) -> Self:
         return replace(self, state=(self.state[0] + 1,))
-
-    def _estimate(self) -> RuleThreshold:
-        """None: the rule makes no estimate, a fit does (`tactometry.analysis.threshold.fitting.fit`)."""
-        return RuleThreshold(note=self.rule.unreplayed)

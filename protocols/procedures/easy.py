@@ -18,16 +18,10 @@ class EasyTrials(DelegatingProcedure):
     A staircase does not learn of the answers to easy trials, a Bayesian procedure does. They count towards the largest
     number of trials.
 
-    Parameters
-    ----------
-    procedure : Procedure
-        The procedure that chooses all other levels.
-    easy_level : float
-        The level of the easy trials.
-    places : frozenset of int
-        Which trials of the track are easy, from 0.
-    n_answers : int
-        Number of answers so far.
+    - `procedure`: The procedure that chooses all other levels.
+    - `easy_level`: The level of the easy trials.
+    - `places`: Which trials of the track are easy, from 0.
+    - `n_answers`: Number of answers so far.
 
     >>> from tactometry.protocols import Staircase
     >>> rule = Staircase(20.0, (4.0,), 0.0, 40.0, n_down=1)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,6 @@ from .transition import (
     CENSORED_BELOW,
     GOES_ON,
     TRIALS,
-    Numbers,
     Order,
     State,
     Transition,
@@ -33,40 +32,48 @@ UNCHANGED = math.inf
 """The mark of an answer that ends a series without a transition."""
 
 
-# numbers: low, step, number of steps, number of series, place in `DIRECTIONS`
+class LimitsNumbers(NamedTuple):
+    """Numbers of the rule; `direction` is a place in `DIRECTIONS`."""
+
+    low: float
+    step: float
+    n_steps: int
+    n_series: int
+    direction: int
+
+
 # order: where each series begins, in steps inwards
 # state: series that are over, answers in the present one, how many of the former had no transition
-def _start(numbers: Numbers, order: Order) -> State:
+def _start(numbers: LimitsNumbers, order: Order) -> State:
     return 0, 0, 0
 
 
-def _level(numbers: Numbers, order: Order, state: State) -> float:
-    low, step, n_steps, n_series, direction = numbers
-    n_over, n_in_series, _ = state
-    n = min(order[min(n_over, n_series - 1)] + n_in_series, n_steps)  # a run that has ended still has a level
-    ascending = n_over % 2 == 1 if direction == ALTERNATING else direction == ASCENDING
-    level: float = low + step * (n if ascending else n_steps - n)
-    return level
+def _level(numbers: LimitsNumbers, order: Order, state: State) -> float:
+    n_over: int = state[0]
+    n_in_series: int = state[1]
+    inwards = order[min(n_over, numbers.n_series - 1)] + n_in_series
+    n = min(int(inwards), numbers.n_steps)  # a run that has ended still has a level
+    ascending = n_over % 2 == 1 if numbers.direction == ALTERNATING else numbers.direction == ASCENDING
+    return numbers.low + numbers.step * (n if ascending else numbers.n_steps - n)
 
 
 def _after(
-    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+    numbers: LimitsNumbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
 ) -> tuple[State, float]:
-    """The next level of the series, or the first of the next one; a transition lies half-way between the last two."""
-    _, _, n_steps, _, direction = numbers
+    """Go on in the series, or begin the next one; a transition lies half-way between the last two levels."""
     n_over, n_in_series, n_unchanged = state
-    ascending = n_over % 2 == 1 if direction == ALTERNATING else direction == ASCENDING
+    ascending = n_over % 2 == 1 if numbers.direction == ALTERNATING else numbers.direction == ASCENDING
     turned = (answers[-1] == 1) == ascending  # rising levels change the answer to 1, falling ones to 0
-    if not turned and order[n_over] + n_in_series < n_steps:
+    if not turned and order[n_over] + n_in_series < numbers.n_steps:
         return (n_over, n_in_series + 1, n_unchanged), math.nan
     if turned and n_in_series > 0:
         return (n_over + 1, 0, n_unchanged), 0.5 * (levels[-2] + levels[-1])
     return (n_over + 1, 0, n_unchanged + 1), UNCHANGED
 
 
-def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
+def _ending(numbers: LimitsNumbers, order: Order, state: State, answers: Sequence[int]) -> int:
     n_over, _, n_unchanged = state
-    if n_over < numbers[3]:
+    if n_over < numbers.n_series:
         return GOES_ON
     if 2 * n_unchanged <= n_over:
         return TRIALS
@@ -96,26 +103,15 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     when more than half of all series have none, the run is censored, or aborted if it has as many 1 as 0: such answers
     contradict each other and bound nothing.
 
-    Parameters
-    ----------
-    low : float
-        Lowest level that is presented.
-    high : float
-        Highest level that is presented.
-    step : float
-        Distance between neighbouring levels.
-    n_series : int
-        How many series there are.
-    n_start_steps : int
-        `begin` with a generator moves the start of each series inwards by 0 to this many steps, against the habit of
-        counting.
-    direction : {"alternating", "ascending", "descending"}
-        Which way series go.
+    - `low`: Lowest level that is presented.
+    - `high`: Highest level that is presented.
+    - `step`: Distance between neighbouring levels.
+    - `n_series`: How many series there are.
+    - `n_start_steps`: `begin` with a generator moves the start of each series inwards by 0 to this many steps, against
+      the habit of counting.
+    - `direction`: Which way series go.
 
-    Raises
-    ------
-    InvalidParameter
-        If bounds, step or counts make no series of at least two levels.
+    Raises `InvalidParameter` if bounds, step or counts make no series of at least two levels.
 
     >>> rule = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=2)
     >>> for answer in (1, 1, 0, 0, 0, 1):
@@ -155,8 +151,8 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
         return math.floor((self.high - self.low) / self.step * (1 + 1e-12))
 
     @property
-    def numbers(self) -> Numbers:
-        return self.low, self.step, self.n_steps, self.n_series, DIRECTIONS.index(self.direction)
+    def numbers(self) -> LimitsNumbers:
+        return LimitsNumbers(self.low, self.step, self.n_steps, self.n_series, DIRECTIONS.index(self.direction))
 
     @property
     def n_trials_at_most(self) -> int:

@@ -4,15 +4,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar, runtime_checkable
+from typing import Annotated, Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
+from annotated_types import Ge
 
 from tactometry.arguments.constraints import excerpt
 from tactometry.arguments.magnitudes import is_number
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
+Count = Annotated[int, Ge(1)]
 MOST_TRIALS = 1_000_000
 """More make no session: at 5 s each they last 58 days."""
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
@@ -73,10 +75,8 @@ class Procedure(ABC):
     def after(self, response: int | bool, delivered: float | None = None) -> "Procedure":
         """The procedure after a response to the level that was delivered (default: the one asked for).
 
-        Raises
-        ------
-        InvalidParameter
-            If the response is no outcome of the rule, the level not a finite number, or the procedure has finished.
+        Raises `InvalidParameter` if the response is no outcome of the rule, the level not a finite number, or the
+        procedure has finished.
         """
 
     @property
@@ -244,10 +244,7 @@ class Run(Procedure, Generic[RuleT]):
 def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
     """`response` as the number of an outcome, from 0.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is none of them: an unanswered trial must be asked again, not counted as wrong.
+    Raises `InvalidParameter` if it is none of them: an unanswered trial must be asked again, not counted as wrong.
     """
     if n_outcomes == 2 and isinstance(response, int | float | np.bool_ | np.number) and response in (0, 1):
         return int(response)

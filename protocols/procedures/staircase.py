@@ -5,6 +5,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean, stdev
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,55 +13,71 @@ from tactometry.arguments.require import below, expect, finite, numbers, some, w
 
 from .procedure import RuleThreshold
 from .stepping import SteppingRule, SteppingRun
-from .transition import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, Numbers, Order, State, Transition
+from .transition import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, Order, State, Transition
 
 UP, STAY, DOWN = 1, 0, -1
 DISCARDED = 2
 """Reversals that the estimate leaves out: those of the large first steps."""
 
 
-# numbers: start, low, high, steps up, steps down, n_up, n_down, initial_rule, n_reversals, n_trials, n_at_bound
+class StaircaseNumbers(NamedTuple):
+    """Numbers of both staircases."""
+
+    start: float
+    low: float
+    high: float
+    steps_up: tuple[float, ...]
+    steps_down: tuple[float, ...]
+    n_up: int
+    n_down: int
+    initial_rule: bool
+    n_reversals: int
+    n_trials: int
+    n_at_bound: int
+
+
 # state: level asked, direction of the last move, streak, number of reversals, moves in a row beyond a bound
-def _start(numbers: Numbers, order: Order) -> State:
-    return numbers[0], STAY, 0, 0, 0
+def _start(numbers: StaircaseNumbers, order: Order) -> State:
+    return numbers.start, STAY, 0, 0, 0
 
 
-def _level(numbers: Numbers, order: Order, state: State) -> float:
+def _level(numbers: StaircaseNumbers, order: Order, state: State) -> float:
     asked: float = state[0]
     return asked
 
 
 def _after(
-    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+    numbers: StaircaseNumbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
 ) -> tuple[State, float]:
-    """A step from the level that was delivered, marked if it turns round; it counts as pinned if a bound stood there
-    already."""
-    _, low, high, ups, downs, n_up, n_down, initial_rule, _, _, _ = numbers
+    """Step from the delivered level, marked at a reversal. At a bound the step counts as pinned."""
+    low, high = numbers.low, numbers.high
     _, last, streak, n_reversals, n_pinned = state
     level = levels[-1]
     streak = max(streak, 0) + 1 if answers[-1] else min(streak, 0) - 1
-    is_first = initial_rule and n_reversals == 0
-    down, up = streak >= (1 if is_first else n_down), -streak >= (1 if is_first else n_up)
+
+    is_first = numbers.initial_rule and n_reversals == 0
+    down = streak >= (1 if is_first else numbers.n_down)
+    up = -streak >= (1 if is_first else numbers.n_up)
     if not (down or up):
         return (min(max(level, low), high), last, streak, n_reversals, n_pinned), math.nan
+
     direction = DOWN if down else UP
     turned = last == -direction  # never at the first move, whose predecessor is STAY
     n_reversals += 1 if turned else 0
-    steps = downs if down else ups
+    steps = numbers.steps_down if down else numbers.steps_up
     asked = level + direction * steps[min(n_reversals, len(steps) - 1)]
     pinned = level <= low if down else level >= high
     n_pinned = (1 if turned else n_pinned + 1) if pinned else 0
     return (min(max(asked, low), high), direction, 0, n_reversals, n_pinned), level if turned else math.nan
 
 
-def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
-    _, _, _, _, _, _, _, _, most_reversals, n_trials, n_at_bound = numbers
+def _ending(numbers: StaircaseNumbers, order: Order, state: State, answers: Sequence[int]) -> int:
     _, direction, _, n_reversals, n_pinned = state
-    if n_pinned >= n_at_bound:
+    if n_pinned >= numbers.n_at_bound:
         return CENSORED_ABOVE if direction == UP else CENSORED_BELOW
-    if n_reversals >= most_reversals:
+    if n_reversals >= numbers.n_reversals:
         return CONVERGED
-    return TRIALS if len(answers) >= n_trials else GOES_ON
+    return TRIALS if len(answers) >= numbers.n_trials else GOES_ON
 
 
 def _threshold(marks: Sequence[float]) -> float:
@@ -94,9 +111,21 @@ class UpDown(SteppingRule["StaircaseRun"]):
         """The sizes of steps up and of steps down: number k after k reversals, the last from then on."""
 
     @property
-    def numbers(self) -> Numbers:
-        counts = self.n_up, self.n_down, self.initial_rule, self.n_reversals, self.n_trials, self.n_at_bound
-        return self.start, self.low, self.high, *self.schedules, *counts
+    def numbers(self) -> StaircaseNumbers:
+        steps_up, steps_down = self.schedules
+        return StaircaseNumbers(
+            self.start,
+            self.low,
+            self.high,
+            steps_up,
+            steps_down,
+            self.n_up,
+            self.n_down,
+            self.initial_rule,
+            self.n_reversals,
+            self.n_trials,
+            self.n_at_bound,
+        )
 
     @property
     @abstractmethod
@@ -141,33 +170,18 @@ class Staircase(UpDown):
     `n_reversals` reversals or `n_trials` trials, whichever comes first (PsychoPy: when both are reached); and
     `n_at_bound` moves in a row that ask for a level beyond `low` or `high` end it as censored (PsychoPy goes on).
 
-    Parameters
-    ----------
-    start : float
-        Level of the first trial.
-    steps : tuple of float
-        By how much a level changes: the first step until the first reversal, and so on; the last one stays.
-    low : float
-        Lowest level that is presented.
-    high : float
-        Highest level that is presented.
-    n_up : int
-        So many wrong answers in a row raise the level.
-    n_down : int
-        So many right answers in a row lower it.
-    n_reversals : int
-        It ends after so many reversals.
-    n_trials : int
-        Largest number of trials of a track.
-    n_at_bound : int
-        So many moves in a row beyond a bound end it as censored.
-    initial_rule : bool
-        Until the first reversal one answer moves the level.
+    - `start`: Level of the first trial.
+    - `steps`: By how much a level changes: the first step until the first reversal, and so on; the last one stays.
+    - `low`: Lowest level that is presented.
+    - `high`: Highest level that is presented.
+    - `n_up`: So many wrong answers in a row raise the level.
+    - `n_down`: So many right answers in a row lower it.
+    - `n_reversals`: It ends after so many reversals.
+    - `n_trials`: Largest number of trials of a track.
+    - `n_at_bound`: So many moves in a row beyond a bound end it as censored.
+    - `initial_rule`: Until the first reversal one answer moves the level.
 
-    Raises
-    ------
-    InvalidParameter
-        If bounds, start, steps or counts make no staircase.
+    Raises `InvalidParameter` if bounds, start, steps or counts make no staircase.
 
     >>> rule = Staircase(start=20.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=2, n_reversals=4, n_trials=50)
     >>> rule.after(1).level, rule.after(1).after(0).level
@@ -206,19 +220,11 @@ class WeightedStaircase(UpDown):
     With `n_down` 1 it is Kaernbach's (Perception & Psychophysics 49, 227, 1991), above 1 Garcia-Perez's weighted
     transformed one (Vision Research 38, 1861, 1998). Reversals, bounds and endings are those of `Staircase`.
 
-    Parameters
-    ----------
-    steps_up : tuple of float
-        Steps upwards, one after each number of reversals; the last one stays.
-    steps_down : tuple of float
-        Steps downwards, as many as `steps_up`.
-    start, low, high, n_down, n_reversals, n_trials, n_at_bound
-        As in `Staircase`.
+    - `steps_up`: Steps upwards, one after each number of reversals; the last one stays.
+    - `steps_down`: Steps downwards, as many as `steps_up`.
+    - `start`, `low`, `high`, `n_down`, `n_reversals`, `n_trials`, `n_at_bound`: As in `Staircase`.
 
-    Raises
-    ------
-    InvalidParameter
-        If the pairs do not match, or as `Staircase`.
+    Raises `InvalidParameter` if the pairs do not match, or as `Staircase`.
 
     >>> rule = WeightedStaircase(start=20.0, steps_up=(6.0,), steps_down=(2.0,), low=0.0, high=40.0)
     >>> rule.target, rule.after(1).level, rule.after(0).level

@@ -1,4 +1,4 @@
-"""Rules whose every step is a `Transition` of a few plain numbers: all but those that weigh a grid of functions."""
+"""Rules whose steps are a `Transition` of plain numbers: all but those that weigh a grid of functions."""
 
 from abc import abstractmethod
 from dataclasses import dataclass, field, replace
@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .procedure import Ending, Rule, Run
+from .procedure import Ending, Rule, RuleThreshold, Run
 from .transition import Numbers, State, Transition, ending_of
 
 RunT = TypeVar("RunT", bound="SteppingRun[Any]")
@@ -38,14 +38,9 @@ RuleT = TypeVar("RuleT", bound=SteppingRule[Any])
 class SteppingRun(Run[RuleT]):
     """How far such a rule has come.
 
-    Parameters
-    ----------
-    order : tuple of float
-        What was drawn before the first answer.
-    state : tuple
-        What the transition makes of the answers; before the first one where none is given.
-    marks : tuple of float
-        One for each answer: a level that the estimate rests on, else NaN.
+    - `order`: What was drawn before the first answer.
+    - `state`: What the transition makes of the answers; before the first one where none is given.
+    - `marks`: One for each answer: a level that the estimate rests on, else NaN.
     """
 
     order: tuple[float, ...] = ()
@@ -68,6 +63,9 @@ class SteppingRun(Run[RuleT]):
         """The rule's own, None where it has none yet."""
         level = self.rule.transition.threshold(self.marks)
         return None if isnan(level) else level
+
+    def _estimate(self) -> RuleThreshold:
+        return RuleThreshold(self._threshold(), note=self.rule.unreplayed)
 
     def _updated(self) -> Self:
         step = self.rule.transition.after

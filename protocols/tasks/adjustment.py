@@ -18,19 +18,11 @@ class AdjustmentTask(Task):
     The row's `level` is the start, its response the level that was left standing. Gescheider, Psychophysics: The
     Fundamentals, 3rd ed. (1997), chapter 3.
 
-    Parameters
-    ----------
-    step : float
-        What an arrow key changes.
-    low : float
-        Lowest level that can be set.
-    high : float
-        Highest level that can be set.
+    - `step`: What an arrow key changes.
+    - `low`: Lowest level that can be set.
+    - `high`: Highest level that can be set.
 
-    Raises
-    ------
-    InvalidParameter
-        If the bounds or the step leave nothing to adjust.
+    Raises `InvalidParameter` if the bounds or the step leave nothing to adjust.
     """
 
     step: float
@@ -49,10 +41,7 @@ class AdjustmentTask(Task):
     def check_starts(self, low: float, high: float) -> None:
         """Refuse a procedure whose levels, where trials start, leave the bounds.
 
-        Raises
-        ------
-        InvalidParameter
-            If `low` or `high` is beyond them.
+        Raises `InvalidParameter` if `low` or `high` is beyond them.
         """
         starts = f"levels from {low:g} to {high:g} where an adjustment starts"
         bounds = f"them within the bounds of the task ({self.low:g} to {self.high:g})"

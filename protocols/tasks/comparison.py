@@ -19,10 +19,7 @@ class Comparison(AgainstStandard):
     correct if the level was higher, and not defined at equality. `target` is the interval of the level. Gescheider,
     Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
 
-    Raises
-    ------
-    InvalidParameter
-        If the standard is not a finite number.
+    Raises `InvalidParameter` if the standard is not a finite number.
     """
 
     name = "comparison"

@@ -17,15 +17,9 @@ class Magnitude(Task):
 
     Stevens, American Journal of Psychology 69, 1 (1956). The procedure is told whether anything was felt (above 0).
 
-    Parameters
-    ----------
-    high : float, optional
-        Highest number that can be given; without it numbers have no upper bound.
+    - `high`: Highest number that can be given; without it numbers have no upper bound.
 
-    Raises
-    ------
-    InvalidParameter
-        If `high` is given and not a finite number above 0.
+    Raises `InvalidParameter` if `high` is given and not a finite number above 0.
     """
 
     high: float | None = None

@@ -23,15 +23,9 @@ class Measurement(Task):
     The row holds the reading as `response` (nm) and as `level_measured` in the unit of the levels. A reading of 0 is
     below what the instrument resolves: it has no level in decibels.
 
-    Parameters
-    ----------
-    level_unit : str
-        That of the stimulus, ``dB re 1 um`` or ``m``.
+    - `level_unit`: That of the stimulus, ``dB re 1 um`` or ``m``.
 
-    Raises
-    ------
-    InvalidParameter
-        If the unit is another.
+    Raises `InvalidParameter` if the unit is another.
     """
 
     level_unit: LevelUnit = "dB re 1 um"

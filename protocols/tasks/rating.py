@@ -60,10 +60,7 @@ def _replies(page: Fill, filled: Filled) -> list[Reply]:
 class Rating(Task):
     """A stimulus, felt `n_touches` times, then a questionnaire about it. A row for each item.
 
-    Raises
-    ------
-    InvalidParameter
-        If `form` is no questionnaire, or `n_touches` below 1.
+    Raises `InvalidParameter` if `form` is no questionnaire, or `n_touches` below 1.
     """
 
     form: Questionnaire
@@ -90,14 +87,9 @@ class Rating(Task):
 class RatingTable:
     """A questionnaire by its name.
 
-    Parameters
-    ----------
-    form : str
-        The questionnaire: a shipped one, or one of `[forms]`.
-    shuffled : bool
-        Whether its items come in an order drawn for each participant.
-    n_touches : int
-        How often the stimulus is felt before it is rated.
+    - `form`: The questionnaire: a shipped one, or one of `[forms]`.
+    - `shuffled`: Whether its items come in an order drawn for each participant.
+    - `n_touches`: How often the stimulus is felt before it is rated.
     """
 
     form: str

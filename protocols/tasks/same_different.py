@@ -17,10 +17,7 @@ class SameDifferent(AgainstStandard):
 
     The response is 1 for "different". Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
 
-    Raises
-    ------
-    InvalidParameter
-        If the standard is not a finite number.
+    Raises `InvalidParameter` if the standard is not a finite number.
     """
 
     name = "same_different"

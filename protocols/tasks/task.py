@@ -131,15 +131,9 @@ class Task(Protocol):
 class AgainstStandard(Task):
     """A task that holds a level against a standard.
 
-    Parameters
-    ----------
-    standard_level : float
-        The level that every other level is compared with.
+    - `standard_level`: The level that every other level is compared with.
 
-    Raises
-    ------
-    InvalidParameter
-        If the standard is not a finite number.
+    Raises `InvalidParameter` if the standard is not a finite number.
     """
 
     standard_level: float
@@ -167,10 +161,7 @@ class AsksForm(Protocol):
 class Over:
     """The factor whose levels are the alternatives of a trial, or are paired.
 
-    Parameters
-    ----------
-    over : str
-        Name of the factor whose levels a trial chooses among.
+    - `over`: Name of the factor whose levels a trial chooses among.
     """
 
     over: str
@@ -180,23 +171,14 @@ class Over:
 class TaskKind:
     """How a study file asks for a task, and what is known of it before a session: the `TASK` of each task's file.
 
-    Parameters
-    ----------
-    table : type
-        What reads its own keys of the table `task`; `Over` for a task whose trials choose among `alternatives`.
-    example : mapping
-        Keys that `table` takes, with levels from 0 to 40.
-    questions : mapping of str to Decision
-        How a simulated participant answers each `Choose` of a trial, by its `question`.
-    made : callable
-        From the table, and a finder of questionnaires by name, to the task.
-    n_together : int or None
-        So many alternatives make a track, every choice of them one; None: all alternatives make one track.
-    own_levels : tuple of str
-        Attributes of the task that are levels which it plays itself, beside those of the procedure.
-    check_levels : callable
-        Given the task, and the lowest and the highest level of the procedure, raises `InvalidParameter` where the task
-        cannot take them.
+    - `table`: What reads its own keys of the table `task`; `Over` for a task whose trials choose among `alternatives`.
+    - `example`: Keys that `table` takes, with levels from 0 to 40.
+    - `questions`: How a simulated participant answers each `Choose` of a trial, by its `question`.
+    - `made`: From the table, and a finder of questionnaires by name, to the task.
+    - `n_together`: So many alternatives make a track, every choice of them one; None: all alternatives make one track.
+    - `own_levels`: Attributes of the task that are levels which it plays itself, beside those of the procedure.
+    - `check_levels`: Given the task, and the lowest and the highest level of the procedure, raises `InvalidParameter`
+      where the task cannot take them.
     """
 
     table: type

@@ -30,18 +30,11 @@ class GatedTouch:
     """A finger that presses `force_n` within `tolerance` (relative; None: `fair_tolerance`) for `hold_s` until the
     stimulus begins, at most `timeout_s` later, and while it lasts.
 
-    Parameters
-    ----------
-    duration_s : float
-        How long it lasts, which is that of the stimulus.
-    force_n : float
-        The force that is asked for.
-    hold_s : float
-        How long the force must be held before the stimulus begins.
-    timeout_s : float
-        A touch that has not begun after this time does not count.
-    tolerance : float, optional
-        How far the force may be off, relative; by default 0.2, below 0.5 N 0.3.
+    - `duration_s`: How long it lasts, which is that of the stimulus.
+    - `force_n`: The force that is asked for.
+    - `hold_s`: How long the force must be held before the stimulus begins.
+    - `timeout_s`: A touch that has not begun after this time does not count.
+    - `tolerance`: How far the force may be off, relative; by default 0.2, below 0.5 N 0.3.
     """
 
     duration_s: float
@@ -82,14 +75,9 @@ class Sliding(GatedTouch):
 
     The speed is gated within `speed_tolerance` (relative; None: not gated).
 
-    Parameters
-    ----------
-    speed_m_per_s : float
-        The speed that is asked for.
-    length_m : float
-        Length of the path, out and back.
-    speed_tolerance : float, optional
-        How far the speed may be off, relative; without it the speed is not gated.
+    - `speed_m_per_s`: The speed that is asked for.
+    - `length_m`: Length of the path, out and back.
+    - `speed_tolerance`: How far the speed may be off, relative; without it the speed is not gated.
     """
 
     speed_m_per_s: float = field(kw_only=True)

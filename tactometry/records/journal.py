@@ -20,11 +20,11 @@ import msgspec
 
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file, whole_lines
-from ..session.answer import Done, Marked
-from ..session.event import Event, decode_event, intervention_of, trial_facts
+from ..session.answer import Chosen, Done, Marked
+from ..session.event import Event, decode_event, intervention_of, missed_text, trial_facts
 from ..session.intervention import Intervention, left
 from ..session.replay import Replay, rows
-from ..session.request import REQUESTS, Fact, Intervene, Record, Request, flaw
+from ..session.request import MISSED_PRACTICE, REQUESTS, Choose, Fact, Intervene, Record, Request, flaw
 from ..trials.trial import Trial
 from .head import FORMAT, Head, as_kept, head_of
 
@@ -121,13 +121,16 @@ class Recording:
 
 
 def consequence(line: Line) -> Event | None:
-    """What is told of a row with which something ends unfinished, and of an intervention; None of any other line."""
+    """Return the event of a row that ends something unfinished, an intervention or a missed practice, else None."""
     match line:
         case Entry(Record(trial, aborted), Done(at_s)) if aborted is not None:
             facts: dict[str, Fact] = {"block": trial.block, "trial": trial.trial, "attempt": trial.attempt}
             return Event("abort", at_s, trial.timestamp_utc, {**facts, "text": aborted})
         case Entry(Intervene(intervention, said), Done(at_s)):
             return Event("intervention", at_s, None, {**trial_facts(intervention), "text": said})
+        case Entry(Choose(question), Chosen() as chosen) if question == MISSED_PRACTICE:
+            at_s = round(chosen.onset_s + chosen.latency_s, 6)
+            return Event("intervention", at_s, chosen.timestamp_utc, {"text": missed_text(chosen.option)})
     return None
 
 

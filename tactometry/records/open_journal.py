@@ -17,7 +17,7 @@ from ..files.durable import NO_LINK, draft, open_private, put_in_place, read_fil
 from ..session.answer import Marked
 from ..session.event import Event
 from ..session.replay import Replay
-from ..session.request import CONSENT, Choose, Fill, Intervene, Record, Request, Show
+from ..session.request import CONSENT, MISSED_PRACTICE, Choose, Fill, Intervene, Record, Request, Show
 from .head import Head
 from .journal import Entry, Line, Recording, checksum, decode_journal, encode, encode_entry, encode_line
 
@@ -119,7 +119,7 @@ class Journal:
     def append(self, request: Request[Any], answer: object) -> None:
         self._write(
             encode_entry(request, answer, self._before),
-            durable=self._syncs_trials and (isinstance(request, LASTING) or _is_consent(request)),
+            durable=self._syncs_trials and (isinstance(request, LASTING) or _is_decision(request)),
         )
 
     def note(self, event: Event) -> None:
@@ -155,12 +155,13 @@ def _until_last(kinds: tuple[type[Request[Any]], ...], lines: Sequence[Line]) ->
 
 def _is_kept(kinds: tuple[type[Request[Any]], ...], line: Line) -> bool:
     if isinstance(line, Entry):
-        return isinstance(line.request, kinds) or _is_consent(line.request)
+        return isinstance(line.request, kinds) or _is_decision(line.request)
     return isinstance(line, Marked)
 
 
-def _is_consent(request: Request[Any]) -> bool:
-    return isinstance(request, Choose) and request.question == CONSENT
+def _is_decision(request: Request[Any]) -> bool:
+    """Return True for a choice that decides how the session goes on."""
+    return isinstance(request, Choose) and request.question in (CONSENT, MISSED_PRACTICE)
 
 
 @contextmanager

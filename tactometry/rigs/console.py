@@ -13,6 +13,7 @@ from ..session.answer import Adjusted, Chosen, Done, Filled, Marked, Played, Rat
 from ..session.event import EventLog
 from ..session.request import (
     CONSENT,
+    MISSED_PRACTICE,
     Adjust,
     Choose,
     Enter,
@@ -164,7 +165,7 @@ class Console(DeviceRig):
         labels = [self._texts.label(label) for label in request.labels]
         words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
         question = self._texts.message(request.question)
-        of_trial = "" if request.question == CONSENT else f"{self._next()} "
+        of_trial = "" if request.question in (CONSENT, MISSED_PRACTICE) else f"{self._next()} "
         prompt = f"{of_trial}{question} ({words}):"
         *others, last = map(str, request.options)
         expected = self._phrases.of("either", options=", ".join(others), last=last) if others else last

@@ -20,6 +20,8 @@ from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touc
 from ..session.request import (
     ABOUT,
     CONSENT,
+    GO_ON,
+    MISSED_PRACTICE,
     TRAJECTORY_M,
     Adjust,
     Choose,
@@ -231,6 +233,8 @@ class SimulatedRig(LiveRig):
     def _choose(self, request: Choose) -> Chosen:
         if request.question == CONSENT:
             return Chosen(1, *self._timing(1))
+        if request.question == MISSED_PRACTICE:
+            return Chosen(GO_ON, *self._timing(1))
         if request.question.startswith(ABOUT):  # whoever it is: each answer is as likely
             return Chosen(int(self._rng.choice(request.options)), *self._timing(1))
         decision = lookup("question to the simulated participant", request.question, self.decisions)

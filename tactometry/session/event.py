@@ -11,9 +11,10 @@ from ..errors import InvalidParameter
 from ..safety.limits import Exposure
 from ..signal import FloatArray
 from ..trials.columns import Column
+from ..trials.tasks import PRACTICE_MISSED
 from .answer import Marked, TracePart
 from .intervention import WANTED, Intervention
-from .request import Fact, Request
+from .request import MISSED_LABELS, Fact, Request
 
 Kind = Literal[
     "trial",
@@ -122,6 +123,15 @@ def trial_facts(intervention: Intervention) -> dict[str, Fact]:
 def order_facts(intervention: Intervention) -> dict[str, Fact]:
     """What the experimenter wants, as the facts of an event of kind ``order``."""
     return {**trial_facts(intervention), "text": intervention.wanted}
+
+
+def missed_text(option: int) -> str:
+    """Return the text of an event about the choice after a missed practice.
+
+    >>> missed_text(2)
+    'the practice missed its criterion: go on'
+    """
+    return f"{PRACTICE_MISSED}{MISSED_LABELS[option].replace('_', ' ')}"
 
 
 def intervention_of(event: Event) -> Intervention | None:

@@ -10,9 +10,9 @@ from statistics import median
 from typing import Any, Final
 
 from ..trials.trial import Key, Reason, Tally, Trial, without
-from .answer import Adjusted, Done, Played, Touched
-from .event import Event
-from .request import Fact, Intervene, Press, Record, Request, Show, Slide
+from .answer import Adjusted, Chosen, Done, Played, Touched
+from .event import Event, missed_text
+from .request import MISSED_PRACTICE, Choose, Fact, Intervene, Press, Record, Request, Show, Slide
 
 TURNING: Final = frozenset(("staircase", "weighted_staircase"))
 """Procedures whose levels turn round at reversals."""
@@ -181,6 +181,8 @@ class Progress:
                 return self._recorded(trial, aborted, at_s)
             case Intervene(), Done():
                 return self._changed(request)
+            case Choose(question), Chosen(option) if question == MISSED_PRACTICE:
+                return replace(self, interventions=(*self.interventions, missed_text(option)))
             case Show(message, values), Done(at_s):
                 return self._shown(message, values, at_s)
             case ((Press() | Slide()), Touched()):

@@ -68,6 +68,8 @@ TASKS: Final[Mapping[str, TaskRows]] = {
 }
 PRACTICE_CRITERION: Final = (4, 5)
 """Practice ends when so many of the last so many answers were right, unless a study states other numbers."""
+PRACTICE_MISSED: Final = "the practice missed its criterion: "
+"""Start of the text of an event; what the experimenter chose follows."""
 FORM_TASK: Final = "rating"
 """The task of the rows that hold answers to a questionnaire, about a stimulus or on its own."""
 

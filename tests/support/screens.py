@@ -10,6 +10,7 @@ from tactometry.questionnaire import load
 from tactometry.rigs.bench import form_of
 from tactometry.rigs.pages import entry, form, layout, touch_picture
 from tactometry.rigs.texts import languages, texts_in
+from tactometry.session.request import MISSED_LABELS
 
 FORMS = (("attrakdiff", "fr"), ("attrakdiff", "en"), ("sus", "en"), ("nasa-tlx", "en"), ("pleasantness-vas", "en"))
 
@@ -80,6 +81,7 @@ def question_pages(texts, aspect):
         "which": page("which_interval", "1", "2"),
         "which_of_four": page("which_interval", "1", "2", "3", "4"),
         "same": page("same_different", texts.label("same"), texts.label("different")),
+        "practice_missed": page("practice_missed", *map(texts.label, MISSED_LABELS.values())),
     }
 
 
