@@ -165,6 +165,8 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
     tables |= _curve_tables(table, estimates, used, judged, factors) | _force_tables(forces, factors)
     tables |= _compared_tables(values) | {"categories": categories(trials)}
+    jnds = next((one.group for one in values.outcomes if one.dependent == "jnd"), None)
+    tables |= {TESTS: standard_tests(table, used, factors, jnds)}
     tables |= {"sittings": sittings(origin.heads), "happenings": happenings(everything.path)}
     values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
     return replace(values, warnings=warnings_of(values), methods=methods(values))  # last: they tell of all tables
@@ -242,7 +244,6 @@ def _curve_tables(
         "mean_rates": cells.mean_rates(counts, factors),
         "counts": counts,
         "tracks": tracks(judged, factors),
-        TESTS: standard_tests(table, used, factors),
         FLOORS: lowest_levels(every, factors),
         LAPSES: lapse_table(estimates, factors),
     }
