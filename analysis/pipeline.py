@@ -42,7 +42,7 @@ def analyse(
     *,
     report: str | Path | None = None,
     pdf: bool = False,
-    within: Sequence[str] | None = None,
+    within: Sequence[str] | str | None = None,
     column_map: ColumnMap | None = None,
     level_scale: str | None = None,
     plan: AnalysisPlan | None = None,
@@ -62,7 +62,7 @@ def analyse(
         An HTML file to write; the tables go into the folder ``<name>_tables`` beside it.
     pdf : bool
         Also print the report to ``<name>.pdf`` through an installed browser or WeasyPrint.
-    within : sequence of str, optional
+    within : str or sequence of str, optional
         Factors, or none where it is empty; by default the columns between ``trial`` and ``procedure``.
     column_map : ColumnMap, optional
         How a foreign table's columns are called.
@@ -97,7 +97,7 @@ def analyse(
         check_report(report)  # before the analysis, which may take minutes
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
     analysis = analyse_trials(
-        replace(trials, notes=(*warnings, *_group_notes(trials, within or ()), *trials.notes)),
+        replace(trials, notes=(*warnings, *_group_notes(trials, trials.factors if within else ()), *trials.notes)),
         plan or plan_of(path),
         replay if level_scale in (None, "linear") else None,
     )
