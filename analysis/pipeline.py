@@ -42,7 +42,7 @@ def analyse(
     *,
     report: str | Path | None = None,
     pdf: bool = False,
-    within: Sequence[str] | None = None,
+    within: Sequence[str] | str | None = None,
     column_map: ColumnMap | None = None,
     level_scale: str | None = None,
     plan: AnalysisPlan | None = None,
@@ -62,7 +62,7 @@ def analyse(
         An HTML file to write; the tables go into the folder ``<name>_tables`` beside it.
     pdf : bool
         Also print the report to ``<name>.pdf`` through an installed browser or WeasyPrint.
-    within : sequence of str, optional
+    within : str or sequence of str, optional
         Factors, or none where it is empty; by default the columns between ``trial`` and ``procedure``.
     column_map : ColumnMap, optional
         How a foreign table's columns are called.
@@ -97,7 +97,7 @@ def analyse(
         check_report(report)  # before the analysis, which may take minutes
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
     analysis = analyse_trials(
-        replace(trials, notes=(*warnings, *_group_notes(trials, within or ()), *trials.notes)),
+        replace(trials, notes=(*warnings, *_group_notes(trials, trials.factors if within else ()), *trials.notes)),
         plan or plan_of(path),
         replay if level_scale in (None, "linear") else None,
     )
@@ -165,6 +165,8 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
     tables |= _curve_tables(table, estimates, used, judged, factors) | _force_tables(forces, factors)
     tables |= _compared_tables(values) | {"categories": categories(trials)}
+    jnds = next((one.group for one in values.outcomes if one.dependent == "jnd"), None)
+    tables |= {TESTS: standard_tests(table, used, factors, jnds)}
     tables |= {"sittings": sittings(origin.heads), "happenings": happenings(everything.path)}
     values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
     return replace(values, warnings=warnings_of(values), methods=methods(values))  # last: they tell of all tables
@@ -242,7 +244,6 @@ def _curve_tables(
         "mean_rates": cells.mean_rates(counts, factors),
         "counts": counts,
         "tracks": tracks(judged, factors),
-        TESTS: standard_tests(table, used, factors),
         FLOORS: lowest_levels(every, factors),
         LAPSES: lapse_table(estimates, factors),
     }

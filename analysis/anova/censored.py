@@ -27,6 +27,7 @@ from .post_hoc import all_together, two_one_sided, with_verdicts
 from .strata import StrataFit, fit_strata
 from .within_subjects import INTERVAL, EffectTest, effect_table
 
+LEAVE_OUT = "leave the conditions out in which most values are bounds"
 WIDEST_SE = 10.0
 """A mean of a larger standard error, in standard deviations of the known values, is not held by them."""
 
@@ -112,6 +113,9 @@ def censored_anova(
     )
     fit = _held_fit(design)
     tested = _tests(design, fit)
+    least = min((effect.df[1] for effect in tested), default=1.0)
+    found, expected = f"{least:.1f} degrees of freedom of an error", f"at least 1; {LEAVE_OUT}"
+    expect_defined(least >= 1, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
     # With groups the first effect is theirs, and each effect within is followed by its interaction, which shares its
     # error.
     errors = tested[1::2] if between else tested
@@ -131,7 +135,7 @@ def _held_fit(design: BoundedDesign) -> StrataFit:
         errors = np.array([np.nan])
     holds = np.isfinite(errors).all() and fit.converged and errors[: fit.means.size].max() < WIDEST_SE
     found = "no maximum of the likelihood"
-    expected = "known values that hold each mean; leave the conditions out in which most values are bounds"
+    expected = f"known values that hold each mean; {LEAVE_OUT}"
     expect_defined(holds, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
     return fit
 

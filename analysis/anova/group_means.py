@@ -33,6 +33,7 @@ LOW, HIGH = "lower_bound", "upper_bound"
 LEVELS = ("threshold", "pse")
 """Values whose bound is an end of the levels."""
 MEANS = ("mean", "mean_low", "mean_high", "sd", "within_low", "within_high")
+COUNTS = ("n", "n_below", "n_above", "n_interval", "n_missing")
 _SIDES = ((HIGH, LOW), (LOW, HIGH))
 OUT = ("threshold_below_range", "threshold_above_range")
 """Statuses of values whose one bound says on which side of the levels they lie."""

@@ -116,6 +116,8 @@ def fit_hierarchical(
     _check(conditions, width_by, interval, (guess_rate, lapse_rate))
     names = np.asarray([str(name) for name in participants])
     x, k, n = (rows[0] for rows in count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels))
+    for name, values in {"participants": participants, **conditions}.items():
+        expect(len(values) == x.size, name, f"{len(values)} rows", f"{x.size}, one for each level")
     used = n > 0
     factors = {name: np.asarray(values)[used] for name, values in conditions.items()}
     if not used.any():

@@ -57,6 +57,8 @@ def count_arrays(
     k = _numbers("n_correct", n_correct)
     n = _numbers("n_trials", n_trials)
     try:
+        if x.ndim and k.ndim and x.shape[-1] != k.shape[-1]:
+            raise ValueError  # one count would be read as that of every level
         x, k, n = (np.atleast_2d(v) for v in np.broadcast_arrays(x, k, n))
     except ValueError:
         raise InvalidParameter(

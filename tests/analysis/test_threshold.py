@@ -338,6 +338,10 @@ def test_a_bootstrap_that_draws_the_same_answers_again_is_not_biased_by_them() -
             {"n_trials": [20, 20]},
             "levels, n_correct, n_trials: found the shapes (1, 3), (1, 3), (1, 2), expected equal ones",
         ),
+        (
+            {"n_correct": [9]},
+            "levels, n_correct, n_trials: found the shapes (1, 3), (1, 1), (1, 3), expected equal ones",
+        ),
         ({"levels": [[1, 2, 3]]}, "levels: found 2 dimensions, expected one; stacks of data sets go to fit_many"),
         (
             {"shape": "norml"},
