@@ -19,8 +19,6 @@ WIDTH: Final = 80
 
 
 class TableName(click.ParamType[str]):
-    """The name of a table."""
-
     name = "NAME"
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -50,7 +48,7 @@ def command(name: str | None) -> None:
 
 
 def where_keys_are_told(error: BaseException | None) -> str:
-    """What a refusal of an unknown or missing key ends with: the command that tells those of its table."""
+    """Return the command that lists the keys of a table, if an error is an unknown or missing key."""
     while error is not None and not isinstance(error, InvalidKey):
         error = error.__context__
     if error is None:
@@ -62,7 +60,6 @@ def where_keys_are_told(error: BaseException | None) -> str:
 
 
 def _names(names: list[str]) -> str:
-    """The names by their first word, a line each."""
     groups: dict[str, list[str]] = {}
     for name in names:
         first, _, rest = name.partition(".")
@@ -84,7 +81,6 @@ def _record(table: "KeyTable") -> dict[str, Any]:
 
 
 def _text(table: "KeyTable") -> str:
-    """Heading, keys and an example."""
     from rich.console import Console
     from rich.table import Column, Table
 

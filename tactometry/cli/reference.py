@@ -24,13 +24,12 @@ progress on a terminal alone.
 
 
 def text() -> str:
-    """The page, as it should be."""
+    """Return the page of the commands."""
     root = click.Context(tactometry, info_name="tactometry")
     return "\n".join([HEAD, *_sections(tactometry, root)])
 
 
 def _sections(group: click.Group, context: click.Context) -> Iterator[str]:
-    """The commands of a group, and of those that are groups themselves, in their order."""
     for name in group.list_commands(context):
         command = group.get_command(context, name)
         if command is not None:

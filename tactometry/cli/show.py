@@ -60,7 +60,6 @@ def _whose(touches: "Sequence[TouchTrace]") -> dict[str, Any]:
 
 
 def _record(touch: "TouchTrace") -> dict[str, Any]:
-    """What is told of a touch, by name."""
     answer, emitted = touch.answer, touch.emitted
     names = ("gate_s", "invalid_reason", "force_mean_n", "force_in_band", "speed_mean_m_per_s", "n_gaps")
     known = {name: value for name in names if (value := getattr(answer, name, None)) is not None}
@@ -78,7 +77,6 @@ def _record(touch: "TouchTrace") -> dict[str, Any]:
 
 
 def _text(record: dict[str, Any]) -> Iterator[str]:
-    """A line for each thing that is known."""
     yield " - ".join(record["touch"].splitlines())
     for name, value in record.items():
         if name not in ("touch", "files") and value is not None:

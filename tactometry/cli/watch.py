@@ -50,9 +50,9 @@ def _tell(url: str) -> None:
 
 @contextmanager
 def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
-    """The address of a page that follows a session, from a process of its own; it ends with the body, or with us.
+    """Yield the address of a page that follows a session, served by another process until the body ends.
 
-    Raises `DeviceFailed` if there is none, with what that process says.
+    Raises `DeviceFailed` if the page cannot be served.
     """
     session = ["--participant", participant, "--session", str(n_session)]
     command = [sys.executable, "-m", "tactometry", "watch", str(root), *session, "--wait", "--until-input-ends"]

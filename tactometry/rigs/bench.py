@@ -1,6 +1,6 @@
 """The bench: a participant at a screen, with an output under the finger.
 
-Whatever goes wrong, or is stopped with Escape, the output is at zero before anything else is closed.
+On any failure, or Escape, the output is set to zero before anything else is closed.
 """
 
 import functools
@@ -47,10 +47,10 @@ HINT_CONTINUE = "hint_continue"
 
 
 class Bench(DeviceRig):
-    """A rig with a person at it.
+    """A rig with a person.
 
-    Without a measured height of the display a `Slide` takes `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that it
-    was not measured. The log also keeps the clocks and the timing of each trial.
+    Without a measured display height a `Slide` assumes `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says so. The log
+    also keeps clocks and timing of each trial.
     """
 
     def _open(self) -> None:
@@ -67,7 +67,7 @@ class Bench(DeviceRig):
             self._terminal.tell(f"output {output.name}: nothing is played, and no level counts as delivered")
 
     def facts(self) -> Facts:
-        """Display, keyboard, devices and clock, for the head of the journal."""
+        """Return display, keyboard, devices and clock for the head of the journal."""
         return {
             "rig": "bench",
             **self._screen.facts(),
@@ -110,7 +110,7 @@ class Bench(DeviceRig):
         return touched
 
     def _course(self, request: Press | Slide, why: str) -> TouchCourse:
-        """A touch with its words; `why` names a message that stands below them, or none."""
+        """Prepare a touch; `why` names the message shown below its instruction."""
         places, words = Trace(), "press"
         dress: Dress = as_it_is
         if isinstance(request, Slide):
@@ -121,9 +121,9 @@ class Bench(DeviceRig):
         return TouchCourse(request, self._setup, places, measured, self._texts.message("release"), dress, told)
 
     def _dry_run(self, request: Press | Slide) -> None:
-        """Show what is on the screen during a touch, and let it be tried until it is held, without a stimulus.
+        """Explain the screen of a touch, and let the participant try it without a stimulus.
 
-        It is kept as an event: no row is of it, and no trace.
+        It is kept as an event, without row and trace.
         """
         self._known.add(type(request))
         begin_s = time.perf_counter()
@@ -178,8 +178,7 @@ class Bench(DeviceRig):
         return state, self._timing(onset_s, end_s)
 
     def _timing(self, onset_s: float, end_s: float) -> tuple[float, float, str, bool]:
-        """Onset in the session, latency and time of day of an answer, and whether it counts: the experimenter wants no
-        repetition."""
+        """Return onset in the session, latency and time of day of an answer, and whether it counts."""
         self._trial_log.note_answer(end_s)
         self._terminal.add(f"answered in {end_s - onset_s:.2f} s")
         return *self._times(onset_s, end_s), not self._supervisor.repeat
@@ -255,7 +254,7 @@ class Bench(DeviceRig):
         return self._done_between()
 
     def _message(self, request: Show, hint: str, left_s: int = 0) -> Page:
-        """A text with its progress; a page that ends by itself may say how many seconds are left."""
+        """Return a page of text with progress, and the seconds left if it ends by itself."""
         block, n_blocks = (request.values.get(name) for name in ("block", "n_blocks"))
         progress = (block - 1) / n_blocks if isinstance(block, int) and isinstance(n_blocks, int) else None
         words = self._texts.page(request, left_s)
@@ -289,7 +288,7 @@ def n_positions(request: Fill) -> int:
 
 
 def form_of(request: Fill, texts: Texts) -> form.Form:
-    """The page in the participant's language."""
+    """Return the page in the participant's language."""
     first, several = request.page == 1, request.n_pages > 1
     words = form.FormWords(
         hint=texts.message(form.hint_for(request.steps)),
@@ -308,7 +307,7 @@ def form_of(request: Fill, texts: Texts) -> form.Form:
 
 
 def place_at(value: float | None, request: Fill) -> int | None:
-    """The place that is nearest to a value.
+    """Return the place nearest to a value.
 
     >>> place_at(3.0, Fill("f", (), low=1.0, high=7.0, steps=7))
     2
@@ -325,14 +324,14 @@ def marks_of(request: Fill) -> form.Marks:
 
 
 def values_of(marks: form.Marks, request: Fill) -> Values:
-    """The value of each mark; None where there is none."""
+    """Return the value of each mark; None where there is none."""
     n, low, high = n_positions(request), request.low, request.high
     return tuple(None if place is None else value_at(place, n, low, high) for place in marks.places)
 
 
 @dataclass
 class Keeping:
-    """Keeps the marks of a page as they change, each frame that it is called in."""
+    """Keeps the marks of a page as they change; called in each frame."""
 
     request: Fill
     keep: Callable[[Marked], None]

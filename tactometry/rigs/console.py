@@ -1,4 +1,4 @@
-"""A terminal that asks: for trying a protocol out, and for sessions without a screen."""
+"""A terminal as a rig: to try a protocol out, and for sessions without a screen."""
 
 import math
 import sys
@@ -47,7 +47,7 @@ WAYS: Final[Mapping[str, tuple[int, float | None]]] = {"-": (1, None), "<": (-1,
 
 
 class Lines(ExperimenterTerminal):
-    """A line for whatever is told, in any file: participant and experimenter read the same."""
+    """Prints everything as lines to any file, for participant and experimenter."""
 
     def __init__(self, output: TextIO, language: str) -> None:
         super().__init__(language=language)
@@ -61,12 +61,11 @@ class Lines(ExperimenterTerminal):
 
 
 class Console(DeviceRig):
-    """Prints each request to `output` and reads the answers, a line each, from `source`.
+    """Prints each request to `output` and reads an answer line from `source`.
 
-    Where the output of the `equipment` is a null output, stimuli are rendered and held against the limits, and nothing
-    is emitted or delivered; with another they play through its guard, under the conditions of the sensors, as on a
-    bench. A line that is no answer is asked again, up to `N_TRIES` times; Escape and the end of the input stop the
-    session. A page is left with return at a terminal; where lines come from elsewhere, none is for it.
+    With a null output, stimuli are rendered and checked but not delivered; another output plays under its guard and the
+    sensors' conditions, as on a bench. An invalid line is asked again, up to `N_TRIES` times; Escape and the end of the
+    input stop the session. Pages wait for return only at a terminal.
     """
 
     def __init__(
@@ -102,9 +101,9 @@ class Console(DeviceRig):
         }
 
     def _ask(self, prompt: str, read: Callable[[str], T], expected: str = "") -> tuple[T, float, float, str]:
-        """An answer, the onset of its question, its latency, and the time of day when it was given.
+        """Return an answer, the onset of its question, its latency, and its time of day.
 
-        A line that `read` refuses is told beside what was `expected`, and the question is put again.
+        If `read` refuses a line, the `expected` answer is printed and the question repeated.
         """
         onset_s = time.perf_counter()
         for _ in range(N_TRIES):
@@ -200,7 +199,7 @@ class Console(DeviceRig):
         return Filled(tuple(values), *self._times(onset_s, time.perf_counter()), back=at < 0)
 
     def _fill_one(self, request: Fill, question: Question) -> tuple[int, float | None]:
-        """By how many questions it goes on, and the answer."""
+        """Return by how many questions to move on, and the answer."""
         statement, left, right = self._texts.question(question)
         step = (request.high - request.low) / (request.steps - 1) if request.steps else 1.0
         by = "" if step == 1 else self._phrases.of("steps", step=step)
@@ -243,7 +242,7 @@ class Console(DeviceRig):
 
 
 def _lost(trial: Trial, n_told: int, phrases: Phrases) -> str:
-    """Why a trial does not count, and its place in the table where that is not the number by which it was told."""
+    """Say why a trial does not count, with its place in the table if that differs from the announced number."""
     reason = trial.invalid_reason
     why = phrases.of("not_valid") if reason is None else phrases.of("not_valid_why", reason=phrases.of(reason))
     place = "place_again" if trial.attempt > 1 else "place"
@@ -252,7 +251,7 @@ def _lost(trial: Trial, n_told: int, phrases: Phrases) -> str:
 
 
 def _option(line: str, options: Sequence[int], labels: Sequence[str]) -> int:
-    """The option whose number or word was typed."""
+    """Return the option whose number or label was typed."""
     words = [label.casefold() for label in labels]
     number = options[words.index(line.casefold())] if line.casefold() in words else int(line)
     if number not in options:

@@ -1,4 +1,4 @@
-"""What the rigs with devices have in common: an output and sensors, a clock, and who looks after the session."""
+"""Base of rigs with devices: output, sensors, clock and supervision of the session."""
 
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -36,19 +36,18 @@ Felt = TypeVar("Felt", Played, Touched)
 
 @dataclass(frozen=True)
 class Equipment:
-    """The devices of a rig, with what plays through them.
+    """Devices of a rig, and the stimuli that play through them.
 
-    - `bank`: The stimuli by the names that requests use.
-    - `limits`: What the study allows, checked beside the limits of the output.
-    - `sensor`: Without one, the force is not measured: its fields are None and every touch is valid.
-    - `position`: Without one, the finger's speed is not measured.
+    - `bank`: Stimuli by the names that requests use.
+    - `limits`: Limits of the study, checked in addition to those of the output.
+    - `sensor`: Without one, force fields are None and every touch is valid.
+    - `position`: Without one, the speed is not measured.
     - `ramp_s`: Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
-    - `release`: Whether the force must leave its band between touches.
-    - `facts`: What the head of the journal says of the devices, once they are open, and their clocks at any time.
-    - `display_height_m`: Measured height of the visible picture, m, for the moving cue of a slide.
-    - `dry_run`: Whether a participant at a screen sees what a touch shows and tries it without a stimulus before the
-      first.
-    - `traces`: The samples of each touch that are kept, of those that there are.
+    - `release`: True if the force must leave its band between touches.
+    - `facts`: Facts of the open devices for the journal, with their clocks.
+    - `display_height_m`: Measured height of the picture, m, for the moving cue of a slide.
+    - `dry_run`: True if a touch is explained and tried without a stimulus before the first one.
+    - `traces`: Kinds of samples that are kept of each touch.
     """
 
     output: Guarded
@@ -70,13 +69,11 @@ class Equipment:
 
 
 class DeviceRig(LiveRig):
-    """Opens the devices, and closes all of them, its output first, whatever goes wrong.
+    """Opens the devices, and closes all of them, the output first, on any failure.
 
-    Raises `DeviceFailed` if a device does not open; all are closed then.
+    `screen` is the participant's, `terminal` the experimenter's; `log` keeps pauses, remarks and stimuli.
 
-    - `screen`: The participant's.
-    - `terminal`: The experimenter's.
-    - `log`: Where pauses, remarks and stimuli are kept.
+    Raises `DeviceFailed` if a device does not open.
     """
 
     def __init__(
@@ -132,7 +129,7 @@ class DeviceRig(LiveRig):
 
     @contextmanager
     def _closed_on_failure(self) -> Iterator[None]:
-        """Close the rig, output first, when the body ends by any exception.
+        """Close the rig, output first, when the body raises.
 
         Raises `DeviceFailed` if it is closed already, or PsychoPy ends the program.
         """
@@ -190,15 +187,15 @@ class DeviceRig(LiveRig):
             return self._tracer.kept(answer)
 
     def begin(self, request: Play) -> Beside:
-        """Play while somebody else draws.
+        """Play while other code draws.
 
-        Raises `DeviceFailed` or `InvalidParameter` or `LimitExceeded` if it cannot be played; the rig is closed then.
+        Raises `DeviceFailed`, `InvalidParameter` or `LimitExceeded` if it cannot be played; the rig is closed then.
         """
         with self._closed_on_failure():
             return Beside(self._setup, request, self._signal(request), self._screen.give_back)
 
     def _finish_trial(self) -> None:
-        """What is due before anything else is asked."""
+        """Do what is due before the next request."""
 
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
         self._supervisor.pause(by, over)
@@ -214,7 +211,7 @@ class DeviceRig(LiveRig):
         return Done(self._session_s(time.perf_counter()))
 
     def _done_between(self) -> Done:
-        """The answer where a course may change: with what the experimenter wanted meanwhile."""
+        """Answer a request after which interventions may take effect."""
         return replace(self._done(), interventions=self._supervisor.take_interventions())
 
     def _intervene(self, request: Intervene) -> Done:
@@ -222,7 +219,7 @@ class DeviceRig(LiveRig):
         return self._done()
 
     def _signal(self, request: Play | Press | Slide) -> Signal | None:
-        """The final samples of what is asked for, within all limits; None for a blank."""
+        """Return the final samples, within all limits; None for a blank."""
         if self._equipment.limits is not None and not isinstance(request, Play):
             self._equipment.limits.check_force(request.target_n, request.tolerance)
         return self._emitter.for_interval(request.stimulus, request.level, request.duration_s)
@@ -244,12 +241,12 @@ def _unkept(marked: Marked) -> None:
 
 
 class Tracer:
-    """From one request that is felt to the end of its answer; the sensors' own listeners hold the last minute.
+    """Keeps the samples of what is felt, from request to answer.
 
-    - `sensors`: Those that are there, and are to be kept.
-    - `emitter`: Whose output is to be kept where it followed the finger; None: it is not.
-    - `log`: Where the samples are kept; None: nowhere.
-    - `session_s`: The time of the session of a stamp on `time.perf_counter`, s.
+    - `sensors`: Sensors whose samples are kept.
+    - `emitter`: Source of emitted signals that followed the finger; None keeps none.
+    - `log`: Store of the samples; None keeps none.
+    - `session_s`: Converts a stamp on `time.perf_counter` to session time, s.
     """
 
     def __init__(
@@ -262,12 +259,12 @@ class Tracer:
         self._sensors, self._emitter, self._log, self._session_s = sensors, emitter, log, session_s
 
     def begin(self) -> None:
-        """What the sensors said before does not belong to what is felt now."""
+        """Discard earlier sensor samples."""
         for sensor in self._sensors.values():
             sensor.read()
 
     def kept(self, answer: A) -> A:
-        """An answer; of what was felt with the places where its samples are kept."""
+        """Add to an answer the places where its samples are kept."""
         if self._log is None or not isinstance(answer, Played | Touched | Adjusted):
             return answer
         tables = {kind: self._read(sensor) for kind, sensor in self._sensors.items()}  # all at once

@@ -1,4 +1,4 @@
-"""A rig whose participant is simulated, in simulated time."""
+"""A rig with a simulated participant, in simulated time."""
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
@@ -46,14 +46,14 @@ if TYPE_CHECKING:
 
 
 class Sensation(Protocol):
-    """What a finger feels of a signal: a sensation level in dB re the detection threshold, -inf for nothing."""
+    """Model of a finger: sensation level of a signal in dB re the detection threshold, -inf for nothing."""
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float: ...
 
 
 @runtime_checkable
 class OfFingers(Sensation, Protocol):
-    """What each of several fingers feels of a signal."""
+    """Model of several fingers."""
 
     def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]: ...
 
@@ -66,13 +66,13 @@ Meeting = tuple[str, float, float]
 
 
 def meeting(stimulus: str, request: Play | Press | Slide | Adjust) -> Meeting:
-    """How a request meets the finger, or would with another stimulus."""
+    """Return the stimulus, force and speed of a request, for any stimulus name."""
     force_n, speed_m_per_s = getattr(request, "target_n", None), getattr(request, "speed_m_per_s", None)
     return stimulus, force_n or 0.0, speed_m_per_s or 0.0
 
 
 def value_of(liking: float, scale: Rate | Fill) -> float:
-    """A liking from -1 to 1 as an answer on a scale."""
+    """Convert a liking from -1 to 1 to an answer on a scale."""
     fraction = (1 + liking) / 2
     if scale.steps is None:
         return round(scale.low + fraction * (scale.high - scale.low), 3)
@@ -85,20 +85,22 @@ N_SIGNALS = 128
 
 
 def rendering(bank: Mapping[str, Stimulus], limits: Limits) -> Rendering:
-    """Levels come again and again: each of the last `N_SIGNALS` is rendered and checked once."""
+    """Render and check signals, caching the last `N_SIGNALS`."""
     return functools.lru_cache(N_SIGNALS)(lambda stimulus, level: render(bank, stimulus, level, limits))
 
 
 @dataclass(eq=False)
 class SimulatedRig(LiveRig):
-    """Answers as `observer` does from what `sensation` says that the skin receives.
+    """Answers as `observer` does to what `sensation` computes; checks limits as a bench does.
 
-    `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model,
-    `felt` tells in words through what, for the journal; `rendered` makes the signals where several sessions share it.
-    `feelings` says how this person feels a cell, where not as the models do, `shift` by how much it is off after so
-    many trials with these answers; `rater` fills in questionnaires, where not by how good the strength feels.
-    Everything random of trial n comes from `rng_of(n)`, so that a session that is resumed goes on as if it had never
-    stopped. Limits are checked as on a bench.
+    - `decisions`: How each question is answered.
+    - `by_stimulus`: Models of single stimuli.
+    - `felt`: Description of the models for the journal.
+    - `rendered`: Signals shared by several sessions.
+    - `feelings`: Deviations of this person by cell.
+    - `shift`: Change of this person after so many trials and answers.
+    - `rater`: Answers questionnaires, if not by the liking of the strength.
+    - `rng_of`: All randomness of trial n, so that a resumed session goes on unchanged.
     """
 
     bank: Mapping[str, Stimulus]
@@ -137,7 +139,6 @@ class SimulatedRig(LiveRig):
         return self._touches.rng
 
     def _as_it_is(self, n_trials: int) -> Observer:
-        """The observer in this trial."""
         if self.shift is None:
             return self.observer
         assert isinstance(self.observer, Shifted)  # or the study was refused
@@ -155,7 +156,7 @@ class SimulatedRig(LiveRig):
         pass
 
     def _feel(self, request: Play | Press | Slide, contact: Contact, grip: Grip | None = None) -> str | None:
-        """The digest of what is felt; None of a blank."""
+        """Feel a stimulus and return its digest; None for a blank."""
         stimulus, level = request.stimulus, request.level
         self._met = meeting(stimulus, request)
         if level is None:
@@ -171,7 +172,7 @@ class SimulatedRig(LiveRig):
     def _fingers(
         self, request: Play | Press | Slide, level: float, contact: Contact
     ) -> Callable[[str], tuple[float, ...]] | None:
-        """What each finger would feel of any stimulus of the trial in this touch; None where one place feels."""
+        """Return what each finger would feel of any stimulus of the trial; None for a model with one place."""
         if not issubclass(type(self._skin(request.stimulus)), OfFingers):
             return None
 
@@ -196,7 +197,7 @@ class SimulatedRig(LiveRig):
         return feeling.felt_db(level, lambda: skin.sensation_db(signal, contact))
 
     def _pass(self, duration_s: float) -> float:
-        """The present time, which then passes by."""
+        """Return the present time, and let `duration_s` pass."""
         now_s = self._now_s
         self._now_s = round(now_s + duration_s, 9)
         return now_s
@@ -258,7 +259,7 @@ class SimulatedRig(LiveRig):
         return Filled(values, *self._timing(len(values)))
 
     def _places(self, request: Fill) -> list[float]:
-        """The answers to a page, from -1 (left) to 1 (right)."""
+        """Answer a page, from -1 (left) to 1 (right)."""
         if self.rater is not None:
             return self.rater.answers(request, self._met, self._liking(), self._rng)
         return [(-1 if question.reversed else 1) * self._liking() for question in request.questions]
@@ -270,7 +271,7 @@ class SimulatedRig(LiveRig):
         return self._felt[-1].level_db if self._felt else 0.0
 
     def _adjust(self, request: Adjust) -> Adjusted:
-        """Up until it is felt, or down until it is not felt any more."""
+        """Step up until it is felt, or down until it is not."""
         begin_s, felt = self._now_s, self._feels(request, 0)
         step, n_steps = (-1 if felt else 1), 0
         while self._feels(request, n_steps) == felt and request.low <= request.level(n_steps + step) <= request.high:
@@ -301,7 +302,7 @@ class SimulatedRig(LiveRig):
 
 
 def _whole_between(low: float, high: float, rng: np.random.Generator) -> float:
-    """A whole number within these bounds, each as likely; the middle where there is none.
+    """Draw a whole number within bounds; their middle if there is none.
 
     >>> _whole_between(18.0, 18.5, np.random.default_rng(1)), _whole_between(0.25, 0.75, np.random.default_rng(1))
     (18.0, 0.5)

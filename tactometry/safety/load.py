@@ -1,8 +1,7 @@
-"""What an output drives: the current, charge and displacement that a voltage makes there.
+"""Current, charge and displacement that a voltage makes at a load.
 
-Between two samples the voltage is taken as a straight line, before the first and after the last as a line from and to
-zero. `Load` is exact for that course. The quantities that are called filtered are those after a reconstruction filter
-(`reconstruction`).
+The voltage is a straight line between two samples, and from and to zero at the ends; `Load` is exact for it. Quantities
+called filtered are those after a reconstruction filter (`reconstruction`).
 """
 
 import math
@@ -19,12 +18,11 @@ from .reconstruction import course_peak
 
 @dataclass(frozen=True, eq=False)
 class PassedCharge:
-    """Charge through the leak of a load in the course of one signal.
+    """Charge through the leak of a load during one signal.
 
     - `passed_c`, `absolute_c`: Integral of v/R and of abs(v)/R from the beginning to each sample, and to the end of the
       line that returns to zero, C.
-    - `rise_s`: Finite for a signal that the finger's position weakens as it plays: only `absolute_c` bounds its charge
-      then.
+    - `rise_s`: Finite for a signal that the finger weakens: then only `absolute_c` bounds its charge.
 
     >>> balanced = Signal(np.array([[100.0] * 50 + [-100.0] * 50]), rate_hz=100.0, unit="V")
     >>> charge = Load("electrode", 1e-9, leak_resistance_ohm=1e6).passed_c(balanced)
@@ -57,10 +55,10 @@ class PassedCharge:
         return _largest(within)
 
     def stopped_c(self, after_s: float, late_s: float) -> float:
-        """Upper bound of the charge of a signal that is stopped, C.
+        """Return an upper bound of the charge of a stopped signal, C.
 
         - `after_s`: From the first sample to the stop, s.
-        - `late_s`: Longest time until the output is at zero after a stop, s.
+        - `late_s`: Longest time from a stop to zero output, s.
         """
         last = self.passed_c.shape[1] - 1
         begin = min(max(math.floor(after_s * self.rate_hz), 0), last)
@@ -103,10 +101,10 @@ class Load:
         expect(sound, "Load.displacement_m_per_v", gains, "finite numbers above 0")
 
     def current_peak_a(self, signal: Signal, rise_s: float = math.inf) -> float:
-        """Largest abs(C dv/dt + v/R) on any channel, A.
+        """Return the largest abs(C dv/dt + v/R) on any channel, A.
 
-        Of a signal whose samples are weakened as it plays, by parts that change from 0 to 1 in `rise_s` at the fastest,
-        a bound: (g v)' is g v' + g' v.
+        For samples weakened by parts that change from 0 to 1 in `rise_s` at the fastest, a bound: (g v)' is g v' + g'
+        v.
         """
         peak_a = max(self._channel_current_a(channel, signal.rate_hz) for channel in signal.samples)
         return peak_a + self.capacitance_f * signal.peak / rise_s
@@ -118,9 +116,9 @@ class Load:
         return max(_largest(slope + v / self.leak_resistance_ohm) for v in (before, after))
 
     def charge_peak_c(self, signal: Signal, rise_s: float = math.inf) -> float:
-        """Largest abs(C v + integral of v/R) on any channel, C: the charge that has passed since the start.
+        """Return the largest abs(C v + integral of v/R) on any channel, C, since the start.
 
-        With a finite `rise_s`, as for the current, a bound: that of all charge with one sign.
+        With a finite `rise_s` a bound: that of all charge with one sign.
         """
         if math.isfinite(rise_s):
             return self.capacitance_f * signal.peak + self.passed_c(signal, rise_s).net_c
@@ -133,9 +131,9 @@ class Load:
         return max(_largest(at_samples), _largest(self._turning_c(before, after, slope, at_samples)))
 
     def passed_c(self, signal: Signal, rise_s: float = math.inf) -> "PassedCharge":
-        """Return the charge through the leak in the course of a signal.
+        """Return the charge through the leak during a signal.
 
-        With a finite `rise_s`, as for the current, a bound: the charge if all samples had the same sign.
+        With a finite `rise_s` a bound: the charge if all samples had the same sign.
         """
         return PassedCharge(self._passed(signal), self._passed(signal, absolute=True), signal.rate_hz, rise_s)
 
@@ -147,7 +145,7 @@ class Load:
         return passed
 
     def displacement_peak_m(self, signal: Signal) -> float:
-        """A bound that no course of these channels passes: the sum of m per V times the peak of each, m."""
+        """Return the sum of m per V times the peak of each channel, m, an upper bound of any course."""
         return float(np.sum(self._gains(signal) * _channel_peaks(signal)))
 
     def _gains(self, signal: Signal) -> FloatArray:
@@ -195,7 +193,7 @@ class Load:
     def _turning_c(
         self, before: FloatArray, after: FloatArray, slope: FloatArray, at_samples: FloatArray
     ) -> FloatArray:
-        """The charge wherever the current changes its sign between two samples."""
+        """Return the charge wherever the current changes its sign between two samples."""
         if math.isinf(self.leak_resistance_ohm):
             return np.empty(0)
         # the current C dv/dt + v/R is 0 there

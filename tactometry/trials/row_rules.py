@@ -1,4 +1,4 @@
-"""Whether the rows of a trials file can be what they claim to be."""
+"""Checks of the rows of a trials file."""
 
 import csv
 import io
@@ -23,9 +23,9 @@ REQUIRED = tuple(column.name for column in (*FIRST, *ALWAYS))
 
 @dataclass(frozen=True)
 class Defect:
-    """What is wrong, and where: `row` is the line of the file, from 1 (the header).
+    """A defect: `row` is the line of the file, from 1 (the header).
 
-    Defects of one `kind` in one file may stand as one: `n_rows` counts them, `others` are the rows of some more.
+    Defects of one `kind` in a file may be merged: `n_rows` counts them, `others` are more rows.
     """
 
     file: str
@@ -40,7 +40,7 @@ class Defect:
 
 
 def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> str:
-    """Where something stands, behind the name of a file: its first row, and how many more there are.
+    """Format the first row and how many more there are.
 
     >>> rows_text(None), rows_text(3), rows_text(3, (4, 9), 3), rows_text(2, (3, 4, 5, 6), 737)
     ('', ', row 3', ', row 3 and 2 more (4, 9)', ', row 2 and 736 more (3, 4, 5, 6, ...)')
@@ -53,7 +53,7 @@ def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> s
 
 
 def merge_alike(defects: Iterable[Defect]) -> list[Defect]:
-    """Defects of one kind in one file as one, in the place of the first."""
+    """Merge defects of one kind in one file, in the place of the first."""
     kinds: dict[object, list[Defect]] = {}
     for n, defect in enumerate(defects):
         kinds.setdefault((defect.file, defect.kind) if defect.kind else n, []).append(defect)
@@ -95,7 +95,7 @@ MAY_BE_EMPTY = frozenset(RULES) - {"participant", "session", "block", "trial", "
 
 
 def defects(content: bytes, file: str) -> Iterator[Defect]:
-    """Every defect of a trials file, in order of its rows."""
+    """Yield every defect of a trials file, in order of its rows."""
     try:
         table = list(csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""), strict=True))
     except (UnicodeDecodeError, csv.Error) as error:

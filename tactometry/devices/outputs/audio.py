@@ -86,7 +86,7 @@ class AudioSettings:
 
 
 class AudioOutput(AmplifiedDriver):
-    """An output stream that runs as long as the output is open: zeros, and the frames of one signal at a time."""
+    """An output stream that runs while the output is open: zeros, or the frames of one signal."""
 
     follows = True
 
@@ -117,7 +117,7 @@ class AudioOutput(AmplifiedDriver):
 
     @property
     def stop_delay_s(self) -> float:
-        """What is buffered, a block and the fade; an open card says how much it buffers, and how far it led of late."""
+        """Buffered audio, a block and the fade; an open card reports its latency and recent leads."""
         latency_s = 0.0 if self._stream is None else self._stream.latency
         buffered_s = max(self._settings.latency_s, latency_s, *list(self._dry.leads_s))
         return buffered_s + self._settings.block_s + self.fall_s
@@ -129,8 +129,8 @@ class AudioOutput(AmplifiedDriver):
     def open(self) -> None:
         """Claim the card and play zeros.
 
-        Raises `DeviceFailed` if there is no PortAudio or no such device, it does not take the channels or the rate, or
-        other programs share it and nobody said that they may.
+        Raises `DeviceFailed` if PortAudio or the device is missing, the format is refused, or other programs share the
+        card and `shared` is not set.
         """
         sounddevice, settings = library(), self._settings
         if not settings.shared:
@@ -160,7 +160,7 @@ class AudioOutput(AmplifiedDriver):
         return self._gain.to_volts(self._numbers(signal).astype(np.float64) / full_scale, signal.rate_hz)
 
     def _round_to_zero(self, signal: Signal) -> NDArray[np.generic]:
-        """Rounded towards zero, so that no limit is passed by rounding."""
+        """Round towards zero, so that rounding passes no limit."""
         units = self._gain.to_units(signal)
         kind = np.dtype(self._settings.sample_format)
         if kind.kind == "i":
@@ -190,8 +190,9 @@ class AudioOutput(AmplifiedDriver):
         return course.onset_s
 
     def _position_latency_s(self) -> float:
-        """From a place of the finger to the voltage that answers it: the card's longest lead of late covers the bursts
-        in which a sound server asks for blocks."""
+        """Time from a finger position to the voltage that answers it; the longest recent lead covers bursts of a sound
+        server.
+        """
         stated_s, longest_lead_s = self._settings.position_latency_s, max(list(self._dry.leads_s), default=0.0)
         return longest_lead_s + self._settings.block_s + POSITION_AGE_S if stated_s is None else stated_s
 
@@ -237,7 +238,7 @@ class AudioOutput(AmplifiedDriver):
         out[: len(piece)] = piece
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int:
-        """Gaps since the last signal began, up to its end; one that lasts now is one."""
+        """Return gaps since the last signal began, up to its end; a current gap counts."""
         course = self._course
         if course is None:
             return 0
@@ -246,7 +247,7 @@ class AudioOutput(AmplifiedDriver):
         return course.n_gaps + lasts or int(course.is_late(time.perf_counter(), self.rate_hz))
 
     def _asks_within(self, longest_s: float) -> bool:
-        """Whether the device asks for samples; not waited for if `longest_s` is 0."""
+        """Return True if the device asks for samples in time; 0 does not wait."""
         n_frames, end_s = self._n_frames, time.perf_counter() + longest_s
         while longest_s and self._n_frames == n_frames:
             if time.perf_counter() > end_s:
@@ -265,7 +266,7 @@ class AudioOutput(AmplifiedDriver):
 
 
 def _check_own(sounddevice: Any, device: str) -> None:
-    """Refuse a device that other programs play to as well; one that is not there is refused as it is opened."""
+    """Refuse a device that other programs share; a missing one is refused when it is opened."""
     try:
         card = sounddevice.query_devices(device, "output")
         interface = str(sounddevice.query_hostapis(card["hostapi"])["name"])
@@ -294,10 +295,9 @@ def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
 
 
 def system_volume(device: str) -> float | None:
-    """The volume of the sink that a device leads to, 1 for 100 % and 0 where it is muted.
+    """Return the volume of a device's sink, 1 for 100 % and 0 if muted; None if unknown.
 
-    None where no sound server is between, or where its volume cannot be read: a card's own mixer, macOS and Windows
-    are not read. Of several channels the loudest counts.
+    Only PulseAudio and PipeWire are read; of several channels the loudest counts.
     """
     if device not in SERVERS:
         return None
@@ -310,7 +310,7 @@ def system_volume(device: str) -> float | None:
 
 
 def _volume_of(sink: Any) -> float:
-    """The volume of a sink as ``pactl`` describes it.
+    """Return the volume of a sink as ``pactl`` describes it.
 
     >>> _volume_of({"mute": False, "volume": {"left": {"value": 65536}, "right": {"value": 32768}}})
     1.0

@@ -43,7 +43,7 @@ class FileSettings:
 
 
 class FileOutput(UnconnectedDriver):
-    """Writes each signal to a file of its own and never over another."""
+    """Writes each signal to a new file."""
 
     def __init__(self, settings: FileSettings) -> None:
         self.name = f"file {settings.folder}"
@@ -80,9 +80,9 @@ class FileOutput(UnconnectedDriver):
 
 
 def read_signal(path: Path) -> Signal:
-    """What a file output wrote.
+    """Read a file that a file output wrote.
 
-    Raises `InvalidFile` if there is no such file. Raises `InvalidParameter` if it is no NPZ or WAV of samples.
+    Raises `InvalidFile` if it is missing, `InvalidParameter` if it is no NPZ or WAV of samples.
     """
     content = read_file(path, "a signal as NPZ or WAV")
     try:
