@@ -50,10 +50,10 @@ def sources(*functions: Callable[..., object]) -> str:
 
 def uniform(values: Iterable[object]) -> tuple[Any, ...]:
     """Return the values as a plain tuple: arrays by rows, whole numbers as floats."""
-    return tuple(map(_uniform, values))
 
+    def plain(value: object) -> object:
+        if isinstance(value, np.ndarray):
+            return np.ascontiguousarray(value)
+        return float(value) if isinstance(value, int | np.integer) and not isinstance(value, bool) else value
 
-def _uniform(value: object) -> object:
-    if isinstance(value, np.ndarray):
-        return np.ascontiguousarray(value)
-    return float(value) if isinstance(value, int | np.integer) and not isinstance(value, bool) else value
+    return tuple(map(plain, values))

@@ -92,7 +92,8 @@ class Gathered:
     def add(self, error: TactometryError) -> None:
         """Keep the mistakes of an error, the first of each place."""
         for part in each_of(error):
-            if (place := _place_of(part)) not in self._places:
+            place = str(part).partition(": found ")[0].removeprefix(": ")
+            if place not in self._places:
                 self._places.add(place)
                 self.errors.append(part)
 
@@ -100,10 +101,6 @@ class Gathered:
         """Raise what was kept: one mistake, or `Mistakes`."""
         if self.errors:
             raise self.errors[0] if len(self.errors) == 1 else Mistakes(self.errors)
-
-
-def _place_of(error: TactometryError) -> str:
-    return str(error).partition(": found ")[0].removeprefix(": ")
 
 
 def reworded(error: TactometryError, kind: type[TactometryError], tell: Callable[[str], str]) -> TactometryError:

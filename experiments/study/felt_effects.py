@@ -8,8 +8,8 @@ from math import inf
 from tactometry.config.strict import fields_of, is_required
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
-from tactometry.followed import felt_under, straight_way
 from tactometry.loading import resolve
+from tactometry.position_dependent import felt_under, straight_way
 from tactometry.session.request import TRAJECTORY_M
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, Surface

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tactometry.contact import Contact
-from tactometry.followed import felt_under, straight_way
+from tactometry.position_dependent import felt_under, straight_way
 from tactometry.protocols.batch.answers import LevelTable
 from tactometry.protocols.procedures.procedure import OfLevels
 from tactometry.session.request import TRAJECTORY_M

@@ -74,7 +74,12 @@ def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
             lambda value: isinstance(value, str) and value in inner, f"one of {', '.join(inner)}", choices=inner
         )
     if origin is Mapping:
-        return _mapped(rule_of(inner[1], high, unbounded))
+        part = rule_of(inner[1], high, unbounded)
+        return AnnotationRule(
+            lambda value: isinstance(value, Mapping) and all(map(part.fits, value.values())),
+            f"a mapping to {part.words}",
+            part=part,
+        )
     if origin in (tuple, Sequence, list):
         parts = [rule_of(part, high, unbounded) for part in inner if part is not Ellipsis]
         return _each(parts[0], high if inner[0] is float else None) if len(parts) == 1 else _row(parts)
@@ -201,13 +206,6 @@ def _each(rule: AnnotationRule, high: float | None) -> AnnotationRule:
             lambda value: _is_listed(value) and row(value) and np.ndim(value) == 1, words, part=rule, good=good
         )
     return AnnotationRule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
-
-
-def _mapped(rule: AnnotationRule) -> AnnotationRule:
-    def fits(value: Any) -> bool:
-        return isinstance(value, Mapping) and all(map(rule.fits, value.values()))
-
-    return AnnotationRule(fits, f"a mapping to {rule.words}", part=rule)
 
 
 def _of_class(kind: type) -> AnnotationRule:

@@ -2,7 +2,7 @@
 
 import functools
 import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, TypeVar, cast, get_origin
 
 import numpy as np
@@ -66,7 +66,9 @@ def _with_check(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
             if name in by_name and not by_name[name].fits(value):
                 raise _refusal(f"{owner}.{name}", value, by_name[name])
         if demands:
-            _meet(demands, owner, (*zip(names, args, strict=False), *kwargs.items()))
+            for name, value in (*zip(names, args, strict=False), *kwargs.items()):
+                if name in demands and value is not None:
+                    demands[name](f"{owner}.{name}", value)
         if not (makes_arrays and any(isinstance(value, list | tuple) for value in (*args, *kwargs.values()))):
             return function(*args, **kwargs)
         named = {name: _as_array(by_name.get(name), value) for name, value in kwargs.items()}
@@ -74,12 +76,6 @@ def _with_check(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
 
     guarded.__signature__ = in_short(signature)  # type: ignore[attr-defined]
     return guarded
-
-
-def _meet(demands: Mapping[str, Demand], owner: str, values: Iterable[tuple[str, Any]]) -> None:
-    for name, value in values:
-        if name in demands and value is not None:
-            demands[name](f"{owner}.{name}", value)
 
 
 def _as_array(rule: AnnotationRule | None, value: Any) -> Any:

@@ -59,11 +59,7 @@ def is_number(value: Any) -> TypeGuard[float]:
     """
     if type(value) is float:
         return isfinite(value)
-    return not isinstance(value, bool) and isinstance(value, Real) and _fits_double(value)
-
-
-def _fits_double(value: Real) -> bool:
     try:
-        return isfinite(float(value))
+        return not isinstance(value, bool) and isinstance(value, Real) and isfinite(float(value))
     except OverflowError:
         return False

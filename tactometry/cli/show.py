@@ -1,6 +1,6 @@
 """`tactometry show`: what happened in one trial."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,7 +44,7 @@ def command(
                     drawing.figure.savefig(drawn, metadata={"CreationDate": None, "Subject": drawing.about})
     records = [{"touch": heading(touch), **_record(touch)} for touch in touches]
     told = f"figure: {drawn}" if drawn else f"trial {trial}: nothing was felt in it"
-    whose = _whose(touches)
+    whose = {name: getattr(touch.head, name) for touch in touches[:1] for name in ("participant", "session")}
     lines = [
         ", ".join(f"{name} {value}" for name, value in whose.items()),
         *("\n".join(_text(record)) for record in records),
@@ -53,10 +53,6 @@ def command(
         "\n".join([*filter(None, lines), told]),
         {"trial": trial, **whose, "touches": records, "figure": drawn and str(drawn)},
     )
-
-
-def _whose(touches: "Sequence[TouchTrace]") -> dict[str, Any]:
-    return {name: getattr(touch.head, name) for touch in touches[:1] for name in ("participant", "session")}
 
 
 def _record(touch: "TouchTrace") -> dict[str, Any]:

@@ -41,11 +41,7 @@ def command(
     )
     with suppress(AttributeError, OSError):  # not everywhere; who looks on takes no time from the session
         os.nice(NICENESS)
-    serve(Scenery(watcher), port, _tell, sys.stdin.buffer if until_input_ends else None)
-
-
-def _tell(url: str) -> None:
-    say(url, {"url": url})
+    serve(Scenery(watcher), port, lambda url: say(url, {"url": url}), sys.stdin.buffer if until_input_ends else None)
 
 
 @contextmanager

@@ -163,13 +163,12 @@ class Touches:
         """Random stream of this trial, behind its touches."""
         if self._rng is None:
             ahead = self._ahead.pop(self._n, None)
-            self._rng = ahead.rng if ahead is not None and ahead.drawn.size == self._n_drawn else self._anew()
+            if ahead is not None and ahead.drawn.size == self._n_drawn:
+                self._rng = ahead.rng
+            else:
+                self._rng = self._rng_of(self._n)
+                self._rng.standard_normal(self._n_drawn)
         return self._rng
-
-    def _anew(self) -> np.random.Generator:
-        rng = self._rng_of(self._n)
-        rng.standard_normal(self._n_drawn)
-        return rng
 
     def touch(self, request: Press | Slide) -> KeptTouch:
         """Return the next touch of this trial."""

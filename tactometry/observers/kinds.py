@@ -23,7 +23,7 @@ import math
 from contextlib import suppress
 from types import NoneType
 
-from ..own_code import MARK, Expected, class_beside, guarded, not_allowed
+from ..user_code import MARK, Expected, class_beside, guarded, not_allowed
 
 USUAL: Final = "signal_detection"
 """What a table that names no kind means."""
@@ -169,7 +169,7 @@ OTHERS: Final = ("stated", "check", "__post_init__")
 
 @functools.cache
 def guarded_observer(kind: type) -> type:
-    """Return a class whose calls return a plain answer or raise one sentence (`own_code.guarded`)."""
+    """Return a class whose calls return a plain answer or raise one sentence (`user_code.guarded`)."""
     observer = Expected("an observer (observers/decisions.py)", _is_observer, _of_guarded_class)
     return guarded(kind, {**ANSWERS, **dict.fromkeys(PEOPLE, observer), **dict.fromkeys(OTHERS)})
 

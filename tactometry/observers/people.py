@@ -170,7 +170,10 @@ class People:
 
     def traits(self, rng: np.random.Generator) -> Traits:
         """Draw the traits of one person."""
-        z = dict(zip(TRAITS, (self._root() @ rng.standard_normal(len(TRAITS))).tolist(), strict=True))
+        drawn = rng.standard_normal(len(TRAITS))
+        if self.correlations:
+            drawn = _cholesky(correlation_matrix(self.correlations)) @ drawn
+        z = dict(zip(TRAITS, drawn.tolist(), strict=True))
         return Traits(
             sensitivity=z["sensitivity"],
             criterion=self.criterion_sd * z["criterion"],
@@ -181,9 +184,6 @@ class People:
             force_factor=exp(self.force_bias_cv * z["force"]),
             speed_factor=exp(self.speed_bias_cv * z["speed"]),
         )
-
-    def _root(self) -> NDArray[np.float64]:
-        return np.eye(len(TRAITS)) if not self.correlations else _cholesky(correlation_matrix(self.correlations))
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
         """Raise `InvalidParameter` for names that are no factor or level of a study."""

@@ -88,7 +88,9 @@ class PsychometricObserver(ObserverWithTraits):
             self,
             sensitivity_db=self.sensitivity_db + self.between_sd_db * traits.sensitivity,
             width=self.width / traits.exponent_factor,
-            conditions=tuple(_narrower(of, traits.exponent_factor) for of in self.conditions),
+            conditions=tuple(
+                {**of, "width": of["width"] / traits.exponent_factor} if "width" in of else of for of in self.conditions
+            ),
             lapse_rate=traits.lapse_rate(self.lapse_rate),
             latency_s=self.latency_s * traits.latency_factor,
         )
@@ -156,7 +158,3 @@ def _rate(shape: str, width: float, guess_rate: float, lapse_rate: float, level:
     if level == -math.inf:
         return guess_rate
     return float(PsychometricFunction(shape, 0.0, width, guess_rate, lapse_rate).probability(level))
-
-
-def _narrower(of: Mapping[str, Any], factor: float) -> dict[str, Any]:
-    return {name: value / factor if name == "width" else value for name, value in of.items()}

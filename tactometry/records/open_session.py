@@ -17,7 +17,7 @@ from ..files.rows import delimited_text
 from ..provenance import sha256
 from ..safety.limits import Exposure
 from ..session.answer import Marked, TracePart
-from ..session.event import COLUMNS, Event, HearEvent, HearRequest, TraceKind, decode_event, events_tsv
+from ..session.event import COLUMNS, Event, OnEvent, OnRequest, TraceKind, decode_event, events_tsv
 from ..session.intervention import Intervention
 from ..session.replay import Replay
 from ..session.request import Intervene, Record, Request
@@ -94,7 +94,7 @@ class OpenSession:
         self._file = self._events_file = -1
         self._repaired: list[str] = []
         self._writing = threading.Lock()
-        self._followers: list[tuple[HearRequest, HearEvent]] = []
+        self._followers: list[tuple[OnRequest, OnEvent]] = []
         self.recorded_s: float | None = None
         """When the last trial was on the disk, on `time.perf_counter`."""
         _refuse_alike(root, session)
@@ -135,17 +135,17 @@ class OpenSession:
         with self._writing:
             self.journal.note(event)
             self._tell(event)
-            for _, hear_event in self._followers:
-                hear_event(event)
+            for _, on_event in self._followers:
+                on_event(event)
 
-    def follow(self, hear: HearRequest, hear_event: HearEvent) -> None:
+    def follow(self, on_request: OnRequest, on_event: OnEvent) -> None:
         """Report recorded requests and events, and each new one once it is kept."""
         for line in self.journal.recording.lines:
             if isinstance(line, Entry):
-                hear(*line)
+                on_request(*line)
             elif isinstance(line, Event):
-                hear_event(line)
-        self._followers.append((hear, hear_event))
+                on_event(line)
+        self._followers.append((on_request, on_event))
 
     def keep_path(self, digest: str, lines: bytes) -> None:
         """Add the path of a finger to the file of positions, before its touch is recorded."""
@@ -192,8 +192,8 @@ class OpenSession:
                 self.tally = tally(trials)
             if (event := consequence(Entry(request, answer))) is not None:
                 self._tell(event)
-            for hear, _ in self._followers:
-                hear(request, answer)
+            for on_request, _ in self._followers:
+                on_request(request, answer)
 
     def finish(self) -> None:
         self.journal.finish()

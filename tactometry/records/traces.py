@@ -10,7 +10,7 @@ import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, TypeGuard
+from typing import Any, Final
 
 import numpy as np
 
@@ -238,18 +238,14 @@ def read_sidecar(path: Path) -> TraceDescription:
     """
     said = json_object(path, "the sampling rate and the columns of its samples")
     rate_hz: Any = said.get("SamplingFrequency")
-    names = said.get("Columns")
+    names: Any = said.get("Columns")
     if type(rate_hz) not in (int, float) or not 0 < rate_hz <= HIGHEST_RATE_HZ:
         above = f"a number of Hz above 0 and at most {HIGHEST_RATE_HZ:g}"
         raise InvalidFile(f"{path}: SamplingFrequency: found {rate_hz!r:.60}, expected {above}")
-    if not _are_names(names):
+    are_texts = isinstance(names, list) and bool(names) and all(isinstance(name, str) and name for name in names)
+    if not are_texts or len(set(names)) != len(names):
         raise InvalidFile(f"{path}: Columns: found {names!r:.60}, expected a list of different names")
     return TraceDescription(float(rate_hz), tuple(_explained(path, name, said.get(name)) for name in names))
-
-
-def _are_names(names: object) -> TypeGuard[list[str]]:
-    are_texts = isinstance(names, list) and bool(names) and all(isinstance(name, str) and name for name in names)
-    return are_texts and isinstance(names, list) and len(set(names)) == len(names)
 
 
 def _explained(path: Path, name: str, said: object) -> Column:

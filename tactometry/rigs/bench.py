@@ -35,7 +35,7 @@ from .pages.page import Answer, Page
 from .pages.presenter import Dress, as_it_is
 from .texts import Texts
 from .touch.gated_samples import Trace
-from .touch.touch import TouchCourse, moving_cue
+from .touch.touch import TouchRun, moving_cue
 from .touch.watchdog import RepeatedStimulus, play_to_end, watchdog
 
 S = TypeVar("S")
@@ -89,27 +89,21 @@ class Bench(DeviceRig):
         page = layout.marker_page(request.interval, playing=True)
         return self._in_session(play_to_end(self._setup, request, page, self._signal(request)))
 
-    def _press(self, request: Press) -> Touched:
-        return self._touch(request)
-
-    def _slide(self, request: Slide) -> Touched:
-        return self._touch(request)
-
-    def _touch(self, request: Press | Slide) -> Touched:
+    def _feel(self, request: Press | Slide) -> Touched:
         if self._equipment.dry_run and type(request) not in self._known:
             self._dry_run(request)
         self._supervisor.under_way = True
         level = "blank" if request.level is None else f"{request.level:g}"
         self._terminal.add(f"trial {self._tally.n_presented + 1}: {request.stimulus} {level}")
-        course = self._course(request, "" if self._lost is None else f"lost_{self._lost}")
-        felt, gate_delay_s = course.carry_out(self._signal(request))
+        touch_run = self._touch_run(request, "" if self._lost is None else f"lost_{self._lost}")
+        felt, gate_delay_s = touch_run.carry_out(self._signal(request))
         self._trial_log.note_decision(gate_delay_s)
         touched = self._touched_in_session(felt)
         if touched.valid and self._supervisor.repeat:
             return replace(touched, valid=False, invalid_reason="experimenter")
         return touched
 
-    def _course(self, request: Press | Slide, why: str) -> TouchCourse:
+    def _touch_run(self, request: Press | Slide, why: str) -> TouchRun:
         """Prepare a touch; `why` names the message shown below its instruction."""
         places, words = Trace(), "press"
         dress: Dress = as_it_is
@@ -118,7 +112,7 @@ class Bench(DeviceRig):
             words, dress = "slide", moving_cue(request, height_m, places)
         measured = self._texts.message(words if self._setup.sensor is None else f"{words}_force")
         told = self._texts.message(why) if why else ""
-        return TouchCourse(request, self._setup, places, measured, self._texts.message("release"), dress, told)
+        return TouchRun(request, self._setup, places, measured, self._texts.message("release"), dress, told)
 
     def _dry_run(self, request: Press | Slide) -> None:
         """Explain the screen of a touch, and let the participant try it without a stimulus.
@@ -132,7 +126,7 @@ class Bench(DeviceRig):
         self._terminal.add(f"dry run ({kind})")
         touched, why = None, "dry_run"
         for _ in range(N_DRY_RUNS):
-            touched, _ = self._course(replace(request, level=None, interval=None), why).carry_out(None)
+            touched, _ = self._touch_run(replace(request, level=None, interval=None), why).carry_out(None)
             if touched.valid:
                 break
             why = f"lost_{touched.invalid_reason}"

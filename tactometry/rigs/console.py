@@ -34,7 +34,7 @@ from .pages import layout
 from .pages.page import Display
 from .texts import Phrases, Texts
 from .touch.gated_samples import Trace
-from .touch.touch import TouchCourse
+from .touch.touch import TouchRun
 from .touch.watchdog import play_to_end
 
 T = TypeVar("T")
@@ -143,21 +143,18 @@ class Console(DeviceRig):
             return Played(self._done().at_s, None, "")
         return self._in_session(play_to_end(self._setup, request, layout.waiting_page(), signal))
 
-    def _press(self, request: Press) -> Touched:
-        what = self._phrases.of("press", force_n=request.target_n, duration_s=request.duration_s)
-        return self._touch(request, what)
-
-    def _slide(self, request: Slide) -> Touched:
-        how = {"speed_mm_per_s": 1e3 * request.speed_m_per_s, "duration_s": request.duration_s}
-        return self._touch(request, self._phrases.of("slide", force_n=request.target_n, **how))
-
-    def _touch(self, request: Press | Slide, what: str) -> Touched:
+    def _feel(self, request: Press | Slide) -> Touched:
+        how = {"force_n": request.target_n, "duration_s": request.duration_s}
+        if isinstance(request, Slide):
+            what = self._phrases.of("slide", speed_mm_per_s=1e3 * request.speed_m_per_s, **how)
+        else:
+            what = self._phrases.of("press", **how)
         signal = self._signal(request)
         lifts = self._setup.sensor is not None and self._equipment.output.emits
         self._present(f"{what}{self._phrases.of('lift') if lifts else ''}", request.interval)
         if not self._equipment.output.emits:
             return Touched(self._done().at_s, None, None)
-        return self._touched_in_session(TouchCourse(request, self._setup, Trace()).carry_out(signal)[0])
+        return self._touched_in_session(TouchRun(request, self._setup, Trace()).carry_out(signal)[0])
 
     def _choose(self, request: Choose) -> Chosen:
         labels = [self._texts.label(label) for label in request.labels]

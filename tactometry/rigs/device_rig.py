@@ -12,13 +12,13 @@ from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import RAMP_S
 from ..devices.sensors.streamed import StreamedSensor
 from ..errors import DeviceFailed, ended_by_signal
-from ..followed import FingerPath
+from ..position_dependent import FingerPath
 from ..safety.limits import FORCE_PEAK_N, Limits
-from ..session.answer import Adjusted, Done, Marked, Played, Touched, TracePart
+from ..session.answer import Adjusted, Done, Marked, Played, Touched
 from ..session.event import TRACE_KINDS, EventLog, TraceKind
 from ..session.request import A, Facts, Intervene, Play, Press, Request, Slide
 from ..session.run import LiveRig
-from ..signal import FloatArray, Signal, Stimulus
+from ..signal import Signal, Stimulus
 from ..trials.trial import Tally, Trial, tally
 from .emitter import Emitter
 from .experimenter.supervisor import Supervisor, utc_text
@@ -28,7 +28,7 @@ from .pages.page import Display
 from .pages.presenter import Presenter
 from .texts import Texts
 from .touch.gated_samples import Release
-from .touch.touch import Beside
+from .touch.touch import ConcurrentPlay
 from .touch.watchdog import TouchSetup
 
 Felt = TypeVar("Felt", Played, Touched)
@@ -106,11 +106,11 @@ class DeviceRig(LiveRig):
             pause=self._pause,
             say=terminal.say,
             force_peak_n=FORCE_PEAK_N if limits is None else limits.force_peak_n,
-            keep_path=_nowhere if log is None else log.keep_path,
+            keep_path=(lambda digest, lines: None) if log is None else log.keep_path,
         )
         followed = self._emitter if "emitted" in equipment.traces else None
         self._tracer = Tracer(equipment.traced, followed, log, self._session_s)
-        self._keep_marks = _unkept if log is None else log.keep_marks
+        self._keep_marks: Callable[[Marked], None] = (lambda marked: None) if log is None else log.keep_marks
         self._tally = Tally()
         self.closed = False
         with self._closed_on_failure():
@@ -123,9 +123,9 @@ class DeviceRig(LiveRig):
             if device is not None:
                 device.open()
         if self._equipment.sensor is not None:
-            self._equipment.sensor.subscribe(self._setup.release.hear)
+            self._equipment.sensor.subscribe(self._setup.release.on_samples)
         if self._path is not None and self._equipment.position is not None:
-            self._equipment.position.subscribe(self._path.hear)
+            self._equipment.position.subscribe(self._path.on_samples)
 
     @contextmanager
     def _closed_on_failure(self) -> Iterator[None]:
@@ -186,13 +186,13 @@ class DeviceRig(LiveRig):
             self._screen.give_back()
             return self._tracer.kept(answer)
 
-    def begin(self, request: Play) -> Beside:
+    def begin(self, request: Play) -> ConcurrentPlay:
         """Play while other code draws.
 
         Raises `DeviceFailed`, `InvalidParameter` or `LimitExceeded` if it cannot be played; the rig is closed then.
         """
         with self._closed_on_failure():
-            return Beside(self._setup, request, self._signal(request), self._screen.give_back)
+            return ConcurrentPlay(self._setup, request, self._signal(request), self._screen.give_back)
 
     def _finish_trial(self) -> None:
         """Do what is due before the next request."""
@@ -232,14 +232,6 @@ class DeviceRig(LiveRig):
         return replace(self._in_session(touched), gate_s=gate_s)
 
 
-def _nowhere(digest: str, lines: bytes) -> None:
-    """Where no log is kept, no path is."""
-
-
-def _unkept(marked: Marked) -> None:
-    """Where no log is kept, no marks are."""
-
-
 class Tracer:
     """Keeps the samples of what is felt, from request to answer.
 
@@ -267,17 +259,16 @@ class Tracer:
         """Add to an answer the places where its samples are kept."""
         if self._log is None or not isinstance(answer, Played | Touched | Adjusted):
             return answer
-        tables = {kind: self._read(sensor) for kind, sensor in self._sensors.items()}  # all at once
-        parts = [self._measured(self._log, kind, table) for kind, table in tables.items() if len(table)]
-        if not isinstance(answer, Adjusted):  # a level that is set plays on and on: what was emitted is no one signal
-            signal = self._emitter.followed(answer.digest) if self._emitter and answer.digest else None
-            emitted = [] if signal is None else [self._log.keep_trace("emitted", signal.samples.T, signal.rate_hz)]
-            parts += emitted
+        parts = []
+        samples = {kind: sensor.read() for kind, sensor in self._sensors.items()}  # all at once
+        for kind, (times_s, values) in samples.items():
+            if len(times_s):
+                table = np.column_stack([times_s + self._session_s(0.0), values])
+                parts.append(self._log.keep_trace(kind, table, self._sensors[kind].reader.source.rate_hz))
+
+        # a level that is set plays on and on: what was emitted is no one signal
+        digest = None if isinstance(answer, Adjusted) else answer.digest
+        signal = self._emitter.followed_signal(digest) if self._emitter and digest else None
+        if signal is not None:
+            parts.append(self._log.keep_trace("emitted", signal.samples.T, signal.rate_hz))
         return replace(answer, trace=tuple(parts))
-
-    def _read(self, sensor: StreamedSensor) -> FloatArray:
-        times_s, values = sensor.read()
-        return np.column_stack([times_s + self._session_s(0.0), values])
-
-    def _measured(self, log: EventLog, kind: TraceKind, table: FloatArray) -> TracePart:
-        return log.keep_trace(kind, table, self._sensors[kind].reader.source.rate_hz)

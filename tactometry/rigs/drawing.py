@@ -42,7 +42,7 @@ class Canvas:
         assets = Path(psychopy.visual.__file__).parents[1] / "assets" / "fonts"
         with (assets / "NotoSans-Regular.ttf").open("rb") as face:
             psychopy.pyglet.font.add_file(face)
-        self._list, self._picture = functools.cache(self._recorded), functools.cache(self._new_picture)
+        self._list, self._picture = functools.cache(self._recorded), functools.cache(self._image)
         self._stimuli: list[Any] = []
         """What was recorded: the letters of a text whose font nobody holds any more are forgotten by OpenGL."""
 
@@ -92,7 +92,7 @@ class Canvas:
             return self._visual.Rect(self._window, width=1, height=1, **look)
         return self._visual.Circle(self._window, radius=1, edges=edges, **look)
 
-    def _new_picture(self, item: Picture) -> Any:
+    def _image(self, item: Picture) -> Any:
         size = item.width, item.height
         return self._visual.ImageStim(self._window, item.path, pos=(item.x, item.y), size=size, autoLog=False)
 
@@ -126,7 +126,7 @@ EMPTY = ("_toDraw", "_toDrawDepths", "_toCall", "_toLog", "_editableChildren")
 """Lists that are empty meanwhile: stimuli with autoDraw, what waits for a flip, what a click may write in."""
 
 
-class Loan:
+class BorrowedWindow:
     """Takes a window of a PsychoPy script when a page is drawn, and gives it back.
 
     - `keyboard`: New key presses are ours, waiting ones are the script's.
@@ -145,7 +145,8 @@ class Loan:
             return
         window = self._window
         window._setCurrent()  # the script may have several
-        ours = {name: value for name, value in self._ours().items() if name in vars(window)}
+        page_state = {**OURS, **{name: [] for name in EMPTY}, "_viewMatrixNeedsUpdate": True}
+        ours = {name: value for name, value in page_state.items() if name in vars(window)}
         self._theirs = {name: vars(window)[name] for name in ours}
         self._looks = window.blendMode, window._color, window.mouseVisible, window.viewport, window.scissor
         vars(window).update(ours)
@@ -155,9 +156,6 @@ class Loan:
         window.clearBuffer()
         self._typed, self._pressed = self._exchange([], [])
         window.winHandle.push_handlers(**self._handlers)
-
-    def _ours(self) -> dict[str, Any]:
-        return {**OURS, **{name: [] for name in EMPTY}, "_viewMatrixNeedsUpdate": True}
 
     def give_back(self) -> None:
         """Restore the window; its picture stays until the script's next flip."""

@@ -11,7 +11,7 @@ from ..devices.deadline import BEGIN_WITHIN_S
 from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import LONGEST_WORD_S, RAMP_S, with_ramps
 from ..errors import DeviceFailed, InvalidParameter
-from ..followed import Course, FingerPath, FollowedSignal, FollowsFinger
+from ..position_dependent import FingerPath, FollowedSignal, FollowsFinger, PlayedPath
 from ..safety.limits import Limits
 from ..signal import Signal, Stimulus
 
@@ -71,14 +71,14 @@ class Emitter:
             raise InvalidParameter(NO_POSITION)
         return FollowedSignal(signal.samples, signal.rate_hz, signal.unit, stimulus, self._path)
 
-    def course(self, signal: Signal | None) -> Course | None:
+    def played_path(self, signal: Signal | None) -> PlayedPath | None:
         """Return what the last signal became, if it followed a finger."""
-        return self._output.course() if isinstance(signal, FollowedSignal) else None
+        return self._output.played_path() if isinstance(signal, FollowedSignal) else None
 
-    def followed(self, digest: str) -> Signal | None:
+    def followed_signal(self, digest: str) -> Signal | None:
         """Return the last emitted signal if it followed a finger and has this digest."""
-        course = self._output.course()
-        return course.signal if course is not None and course.signal.digest() == digest else None
+        path = self._output.played_path()
+        return path.signal if path is not None and path.signal.digest() == digest else None
 
     def for_interval(self, name: str, level: float | None, duration_s: float) -> Signal | None:
         """Return the final samples for an interval of `duration_s`; None for a blank.
@@ -106,8 +106,8 @@ class Emitter:
         """Return the digest of what was emitted; None if nothing was."""
         if signal is None or not self._output.emits:
             return None
-        course = self.course(signal)
-        return signal.digest() if course is None else course.signal.digest()
+        path = self.played_path(signal)
+        return signal.digest() if path is None else path.signal.digest()
 
     def emit(self, signal: Signal | None) -> float:
         """Begin to play, or play nothing; return the onset on `time.perf_counter`, s."""

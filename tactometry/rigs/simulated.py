@@ -10,11 +10,11 @@ import numpy as np
 
 from ..arguments.require import expect, lookup
 from ..contact import Contact
-from ..followed import FollowsFinger, felt_under, straight_way
 from ..observers.changes import Answer, Shift, Shifted
 from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger, Touches
 from ..observers.people import Feeling
+from ..position_dependent import FollowsFinger, felt_under, straight_way
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.request import (
@@ -39,7 +39,7 @@ from ..session.run import LiveRig
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
 from .emitter import render
-from .judgement import broken_condition, compliance_fields
+from .touch_validity import broken_condition, compliance_fields
 
 if TYPE_CHECKING:
     from ..observers.raters import Rater
@@ -130,19 +130,16 @@ class SimulatedRig(LiveRig):
     def _begin_trial(self, n_trials: int) -> None:
         self._n_trials = n_trials
         self._touches.begin(n_trials)
-        self._observer = self._as_it_is(n_trials)
+        self._observer = self.observer
+        if self.shift is not None:
+            assert isinstance(self.observer, Shifted)  # or the study was refused
+            self._observer = self.observer.shifted(self.shift(n_trials, self._answers))
         self._felt: list[Felt] = []
         self._met: Meeting | None = None
 
     @property
     def _rng(self) -> np.random.Generator:
         return self._touches.rng
-
-    def _as_it_is(self, n_trials: int) -> Observer:
-        if self.shift is None:
-            return self.observer
-        assert isinstance(self.observer, Shifted)  # or the study was refused
-        return self.observer.shifted(self.shift(n_trials, self._answers))
 
     def facts(self) -> Facts:
         return {"rig": "simulated", "clock": "simulated", **({"felt": self.felt} if self.felt else {})}
@@ -155,7 +152,7 @@ class SimulatedRig(LiveRig):
     def close(self) -> None:
         pass
 
-    def _feel(self, request: Play | Press | Slide, contact: Contact, grip: Grip | None = None) -> str | None:
+    def _sense(self, request: Play | Press | Slide, contact: Contact, grip: Grip | None = None) -> str | None:
         """Feel a stimulus and return its digest; None for a blank."""
         stimulus, level = request.stimulus, request.level
         self._met = meeting(stimulus, request)
@@ -203,19 +200,13 @@ class SimulatedRig(LiveRig):
         return now_s
 
     def _play(self, request: Play) -> Played:
-        digest = self._feel(request, Contact(0.0)) or ""
+        digest = self._sense(request, Contact(0.0)) or ""
         return Played(self._pass(request.duration_s), request.level, digest)
 
-    def _press(self, request: Press) -> Touched:
-        return self._touch(request)
-
-    def _slide(self, request: Slide) -> Touched:
-        return self._touch(request)
-
-    def _touch(self, request: Press | Slide) -> Touched:
+    def _feel(self, request: Press | Slide) -> Touched:
         grip, force, speed = self._touches.touch(request)
         reason = broken_condition(request, force, speed)
-        digest = self._feel(request, Contact(force.mean_n, grip.speed_m_per_s), grip)
+        digest = self._sense(request, Contact(force.mean_n, grip.speed_m_per_s), grip)
         self._pass(request.hold_s)
         return Touched(
             onset_s=self._pass(request.duration_s),
@@ -255,14 +246,12 @@ class SimulatedRig(LiveRig):
         return Rated(value if request.high is None else min(value, request.high), *self._timing(1))
 
     def _fill(self, request: Fill) -> Filled:
-        values = tuple(value_of(place, request) for place in self._places(request))
+        if self.rater is None:
+            places = [(-1 if question.reversed else 1) * self._liking() for question in request.questions]
+        else:
+            places = self.rater.answers(request, self._met, self._liking(), self._rng)
+        values = tuple(value_of(place, request) for place in places)
         return Filled(values, *self._timing(len(values)))
-
-    def _places(self, request: Fill) -> list[float]:
-        """Answer a page, from -1 (left) to 1 (right)."""
-        if self.rater is not None:
-            return self.rater.answers(request, self._met, self._liking(), self._rng)
-        return [(-1 if question.reversed else 1) * self._liking() for question in request.questions]
 
     def _liking(self) -> float:
         return self._observer.liking(self._last_db(), self._rng)

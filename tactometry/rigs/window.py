@@ -20,7 +20,7 @@ from ..arguments.require import expect
 from ..devices.clock_map import clock_offset_s
 from ..errors import DeviceFailed
 from ..session.request import Facts
-from .drawing import Canvas, Loan
+from .drawing import BorrowedWindow, Canvas
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from .keyboard import (
     ConnectedScreen,
@@ -126,13 +126,13 @@ class Window(Display):
             self._opened.callback(window.close)
         try:
             self._keyboard = (keyboard_of_script if adopted else open_keyboard)(self._psychopy)
-            heard: dict[str, Callable[..., Any]] = {
+            handlers: dict[str, Callable[..., Any]] = {
                 "on_mouse_press": self._on_mouse_press,
                 "on_mouse_drag": self._on_mouse_drag,
                 "on_close": self._on_close,
             }
-            self._loan = Loan(self._psychopy, window, self._keyboard, heard)
-            self._opened.callback(self._loan.give_back if adopted else self._keyboard.stop)
+            self._borrowed = BorrowedWindow(self._psychopy, window, self._keyboard, handlers)
+            self._opened.callback(self._borrowed.give_back if adopted else self._keyboard.stop)
             self._canvas = Canvas(self._psychopy, self._window)
             self._fresh, self._held = FreshPresses(), HeldKeys(self._keyboard.getState)
             self._pressed: list[Input] = []
@@ -146,11 +146,11 @@ class Window(Display):
 
     def give_back(self) -> None:
         if self._adopted:
-            self._loan.give_back()
+            self._borrowed.give_back()
 
     def _rhythm(self) -> Rhythm:
         """Measure the frame period, up to `N_MEASUREMENTS` times, as opening a window disturbs it."""
-        self._loan.take()
+        self._borrowed.take()
         nominal_hz = nominal_rate_hz(_mode_of(self._window.winHandle.screen))
         for _ in range(N_MEASUREMENTS):
             flips_s = [self._flip() for _ in range(N_MEASURED_FRAMES + 1)]
@@ -269,7 +269,7 @@ class Window(Display):
         return image
 
     def _draw(self, page: Page) -> None:
-        self._loan.take()
+        self._borrowed.take()
         self._canvas.draw(page)
 
 

@@ -202,7 +202,10 @@ class Limits:
         >>> both.voltage_peak_v, both.duration_s, both.current_peak_a
         (100.0, 1.0, 0.001)
         """
-        smallest: dict[str, Any] = {name: _smaller(getattr(self, name), getattr(other, name)) for name in _COMPARABLE}
+        smallest: dict[str, Any] = {}
+        for name in _COMPARABLE:
+            stated = [value for each in (self, other) if (value := getattr(each, name)) is not None]
+            smallest[name] = min(stated, default=None)
         duties = [(limits.duty, limits.duty_window_s) for limits in (self, other) if limits.duty is not None]
         if not duties:
             return replace(self, **smallest)
@@ -242,7 +245,7 @@ class Exposure:
         kept_s = tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s)
         return replace(self.passed(self.playing_c), intervals_s=kept_s, playing_c=charge_c)
 
-    def beside(self, others_s: Iterable[tuple[float, float]]) -> "Exposure":
+    def with_others(self, others_s: Iterable[tuple[float, float]]) -> "Exposure":
         return replace(self, intervals_s=tuple(sorted((*self.intervals_s, *others_s))))
 
     def passed(self, charge_c: float) -> "Exposure":
@@ -270,10 +273,6 @@ class Exposure:
 
 
 _COMPARABLE = [field.name for field in fields(Limits) if field.name not in ("duty", "duty_window_s")]
-
-
-def _smaller(one: float | None, other: float | None) -> float | None:
-    return min((value for value in (one, other) if value is not None), default=None)
 
 
 def _check(name: str, what: str, value: float, limit: float, unit: str, cure: str, tolerance: float = ROUNDING) -> None:

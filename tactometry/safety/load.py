@@ -13,7 +13,7 @@ import numpy as np
 from ..arguments.constraints import Positive, constrained
 from ..arguments.require import expect
 from ..signal import FloatArray, Signal
-from .reconstruction import course_peak
+from .reconstruction import course_peak, largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class PassedCharge:
     @property
     def net_c(self) -> float:
         """Charge of the complete signal, C: the largest of any channel."""
-        return _largest(self.absolute_c[:, -1] if math.isfinite(self.rise_s) else self.passed_c[:, -1])
+        return largest(self.absolute_c[:, -1] if math.isfinite(self.rise_s) else self.passed_c[:, -1])
 
     @property
     def largest_c(self) -> float:
@@ -52,7 +52,7 @@ class PassedCharge:
         signed, absolute = (np.diff(course, axis=1, prepend=0.0) for course in (self.passed_c, self.absolute_c))
         before = self.passed_c - signed
         within = np.maximum(np.abs(before), np.abs(self.passed_c)) + (absolute - np.abs(signed)) / 2
-        return _largest(within)
+        return largest(within)
 
     def stopped_c(self, after_s: float, late_s: float) -> float:
         """Return an upper bound of the charge of a stopped signal, C.
@@ -65,11 +65,7 @@ class PassedCharge:
         end = min(max(math.ceil((after_s + late_s) * self.rate_hz), begin), last)
         following = self.absolute_c[:, end] - self.absolute_c[:, begin]
         course = self.absolute_c if math.isfinite(self.rise_s) else self.passed_c
-        return _largest(np.abs(course[:, begin]) + following)
-
-
-def _largest(values: FloatArray) -> float:
-    return float(max(values.max(initial=0.0), -values.min(initial=0.0)))
+        return largest(np.abs(course[:, begin]) + following)
 
 
 @dataclass(frozen=True)
@@ -106,14 +102,13 @@ class Load:
         For samples weakened by parts that change from 0 to 1 in `rise_s` at the fastest, a bound: (g v)' is g v' + g'
         v.
         """
-        peak_a = max(self._channel_current_a(channel, signal.rate_hz) for channel in signal.samples)
-        return peak_a + self.capacitance_f * signal.peak / rise_s
-
-    def _channel_current_a(self, samples_v: FloatArray, rate_hz: float) -> float:
-        before, after, slope = _lines(samples_v, rate_hz)
-        slope *= self.capacitance_f
-        # along a straight line the current is one too: its largest value is at an end
-        return max(_largest(slope + v / self.leak_resistance_ohm) for v in (before, after))
+        peaks_a = []
+        for channel in signal.samples:
+            before, after, slope = _lines(channel, signal.rate_hz)
+            slope *= self.capacitance_f
+            # along a straight line the current is one too: its largest value is at an end
+            peaks_a += [largest(slope + v / self.leak_resistance_ohm) for v in (before, after)]
+        return max(peaks_a) + self.capacitance_f * signal.peak / rise_s
 
     def charge_peak_c(self, signal: Signal, rise_s: float = math.inf) -> float:
         """Return the largest abs(C v + integral of v/R) on any channel, C, since the start.
@@ -128,7 +123,7 @@ class Load:
         before, after, slope = _lines(samples_v, rate_hz)
         at_samples = np.cumsum((before + after) / (2 * rate_hz * self.leak_resistance_ohm))
         at_samples += self.capacitance_f * after
-        return max(_largest(at_samples), _largest(self._turning_c(before, after, slope, at_samples)))
+        return max(largest(at_samples), largest(self._turning_c(before, after, slope, at_samples)))
 
     def passed_c(self, signal: Signal, rise_s: float = math.inf) -> "PassedCharge":
         """Return the charge through the leak during a signal.
@@ -156,7 +151,9 @@ class Load:
 
     def filtered_current_a(self, signal: Signal, bound_a: float, rise_s: float = math.inf) -> float:
         """Return the peak current after a reconstruction filter, A, or some number up to `bound_a` if it is below."""
-        weakened_a = self.capacitance_f * _strongest_v(signal, rise_s) / rise_s
+        weakened_a = 0.0
+        if math.isfinite(rise_s):
+            weakened_a = self.capacitance_f * max(signal.peak, filtered_peak_v(signal, signal.peak)) / rise_s
         per_volt, per_change = 1 / self.leak_resistance_ohm, self.capacitance_f * signal.rate_hz
         rest_a = bound_a - weakened_a
         return weakened_a + max(
@@ -208,11 +205,6 @@ class Load:
 def filtered_peak_v(signal: Signal, bound_v: float) -> float:
     """Return the peak voltage after a reconstruction filter, V, or some number up to `bound_v` if it is below."""
     return max(course_peak(channel, bound_v) for channel in signal.samples)
-
-
-def _strongest_v(signal: Signal, rise_s: float) -> float:
-    """Return the peak voltage on both sides of a filter, V; 0 of a signal that nothing weakens."""
-    return max(signal.peak, filtered_peak_v(signal, signal.peak)) if math.isfinite(rise_s) else 0.0
 
 
 def _channel_peaks(signal: Signal) -> FloatArray:

@@ -139,9 +139,9 @@ def intervention_of(event: Event) -> Intervention | None:
         return None
 
 
-HearRequest = Callable[[Request[Any], Any], None]
+OnRequest = Callable[[Request[Any], Any], None]
 """Hears of a request and its answer."""
-HearEvent = Callable[[Event], None]
+OnEvent = Callable[[Event], None]
 
 
 class EventLog(Protocol):
@@ -161,7 +161,7 @@ class EventLog(Protocol):
 
     def note(self, event: Event) -> None: ...
 
-    def follow(self, hear: HearRequest, hear_event: HearEvent) -> None:
+    def follow(self, on_request: OnRequest, on_event: OnEvent) -> None:
         """Report what is recorded already, and what will be."""
 
     def keep_path(self, digest: str, lines: bytes) -> None:

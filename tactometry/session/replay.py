@@ -1,6 +1,6 @@
 """A recording that answers if it is asked the same requests again."""
 
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, is_dataclass, replace
 from itertools import takewhile
 from typing import Any
@@ -8,7 +8,7 @@ from typing import Any
 from ..errors import Diverged
 from ..trials.trial import Trial, without
 from .answer import Answer, Done, Marked
-from .request import A, Fill, Intervene, Question, Record, Request, Show
+from .request import A, Fill, Intervene, Record, Request, Show
 
 OF_RECORDING = "use the study, the seed and the version of the recording"
 
@@ -121,13 +121,11 @@ def _in_its_languages(asked: Request[Any], recorded: Request[Any]) -> Request[An
     """Limit the words of a questionnaire to the languages of the recorded page."""
     if not (isinstance(asked, Fill) and isinstance(recorded, Fill) and len(asked.questions) == len(recorded.questions)):
         return asked
-    pairs = zip(asked.questions, recorded.questions, strict=True)
-    return replace(asked, questions=tuple(_in_languages(question, then.words) for question, then in pairs))
-
-
-def _in_languages(question: Question, languages: Container[str]) -> Question:
-    words = {language: said for language, said in question.words.items() if language in languages}
-    return replace(question, words=words)
+    questions = []
+    for question, then in zip(asked.questions, recorded.questions, strict=True):
+        words = {language: said for language, said in question.words.items() if language in then.words}
+        questions.append(replace(question, words=words))
+    return replace(asked, questions=tuple(questions))
 
 
 def _is_page(request: Request[Any]) -> bool:

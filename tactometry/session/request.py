@@ -253,19 +253,19 @@ def flaw(request: object, answer: object) -> str | None:
         case Choose(options=options), Chosen(option) if option not in options:
             return f"the option {option}, expected one of {', '.join(map(str, options))}"
         case Enter(low=low, high=high), Rated(value):
-            return _beside((value,), low, LARGEST_ANSWER if high is None else high)
+            return _out_of_range((value,), low, LARGEST_ANSWER if high is None else high)
         case Rate(low=low, high=high), Rated(value):
-            return _beside((value,), low, high, SLACK)
+            return _out_of_range((value,), low, high, SLACK)
         case Fill(questions=questions), Filled(values) if len(values) != len(questions):
             return f"{len(values)} values, expected one for each of {len(questions)} questions"
         case Fill(low=low, high=high), Filled(values):
-            return _beside(values, low, high, SLACK)
+            return _out_of_range(values, low, high, SLACK)
         case Adjust(low=low, high=high), Adjusted(level):
-            return _beside((level,), low, high, SLACK)
+            return _out_of_range((level,), low, high, SLACK)
     return None
 
 
-def _beside(values: Sequence[float | None], low: float, high: float, slack: float = 0.0) -> str | None:
+def _out_of_range(values: Sequence[float | None], low: float, high: float, slack: float = 0.0) -> str | None:
     """Describe the first value out of range."""
     least, most = low - slack * max(abs(low), abs(high)), high + slack * max(abs(low), abs(high))
     for value in values:

@@ -5,7 +5,7 @@ from typing import Any, Protocol, TypeVar
 
 from .answer import Done
 from .replay import Replay
-from .request import A, Intervene, Request, Rig
+from .request import A, Feel, Intervene, Request, Rig
 
 T = TypeVar("T")
 Course = Generator[Request[Any], Any, T]
@@ -24,10 +24,11 @@ class Keeper(Protocol):
 
 
 class LiveRig:
-    """A rig with a private method for each kind of request: `answer` passes a `Press` to `_press`."""
+    """A rig with a private method for each kind of request: `answer` passes a `Play` to `_play`, `Press` to `_feel`."""
 
     def answer(self, request: Request[A]) -> A:
-        method: Callable[[Request[A]], A] = getattr(self, f"_{type(request).__name__.lower()}")
+        kind = Feel if isinstance(request, Feel) else type(request)
+        method: Callable[[Request[A]], A] = getattr(self, f"_{kind.__name__.lower()}")
         return method(request)
 
     def _intervene(self, request: Intervene) -> Done:

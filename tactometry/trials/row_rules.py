@@ -116,7 +116,10 @@ def defects(content: bytes, file: str) -> Iterator[Defect]:
             continue
         row = dict(zip(header, cells, strict=True))
         yield from _row_defects(row, file, number)
-        yield from _repetitions(row, seen, file, number) if row.get("trial") else ()
+        key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
+        first = seen.setdefault(key, number) if row.get("trial") else number
+        if first != number:
+            yield Defect(file, number, f"found the trial of row {first} again, expected each trial once", "doubled")
 
 
 def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
@@ -132,7 +135,8 @@ def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
 
 def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Defect]:
     for name, text in row.items():
-        rule = _response_rule(row) if name == "response" else RULES.get(name)
+        task = TASKS.get(row.get("task", "")) if name == "response" else None
+        rule = RULES.get(name) if task is None else task.response
         empty = text == "" and (name in MAY_BE_EMPTY or name == "response")
         if rule is not None and not empty and not rule.holds(text):
             yield Defect(
@@ -142,15 +146,3 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
         if row.get(mark) == "1" and row.get(name):
             text = f"column {name!r}: found {row[name]!r} in a {mark} trial, expected nothing"
             yield Defect(file, number, text, kind)
-
-
-def _response_rule(row: Mapping[str, str]) -> CellRule | None:
-    task = TASKS.get(row.get("task", ""))
-    return None if task is None else task.response
-
-
-def _repetitions(row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int) -> Iterator[Defect]:
-    key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
-    if key in seen:
-        yield Defect(file, number, f"found the trial of row {seen[key]} again, expected each trial once", "doubled")
-    seen.setdefault(key, number)

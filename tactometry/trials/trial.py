@@ -104,11 +104,12 @@ def without(trials: Iterable[Trial], retracted: Collection[Key]) -> tuple[Trial,
     >>> without([Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1, correct=True)], {(1, 1, 1)})[0].invalid_reason
     'experimenter'
     """
-    return tuple(_retract(trial) if trial.valid and trial.key in retracted else trial for trial in trials)
-
-
-def _retract(trial: Trial) -> Trial:
-    return replace(trial, valid=False, correct=None, invalid_reason="experimenter")
+    return tuple(
+        replace(trial, valid=False, correct=None, invalid_reason="experimenter")
+        if trial.valid and trial.key in retracted
+        else trial
+        for trial in trials
+    )
 
 
 def validity(trial: Trial) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...arguments.constraints import NotNegative, Positive, constrained
 from ...arguments.require import at_most, expect
 from ...errors import DeviceFailed
-from ...followed import Course, FollowedSignal
+from ...position_dependent import FollowedSignal, PlayedPath
 from ...signal import Signal
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
@@ -95,7 +95,7 @@ class AudioOutput(AmplifiedDriver):
         self._settings = settings
         self._stream: Any = None
         self._device: str | None = None
-        self._course: FrameFeed | None = None
+        self._feed: FrameFeed | None = None
         self._n_frames, self._dry = 0, DryRuns(settings.latency_s)
         self._clocks = ClockMap()
         self._numbers = functools.lru_cache(maxsize=1)(self._round_to_zero)
@@ -174,20 +174,22 @@ class AudioOutput(AmplifiedDriver):
         if self._stream is None or not self._stream.active:
             raise DeviceFailed(f"output {self.name!r}: it is not open, or stopped by itself; nothing was played")
         n_fade = max(1, round(FADE_S * self.rate_hz))
-        frames = self._frames(self._numbers(signal))
+        numbers, channels = self._numbers(signal), self._settings.channels
+        frames = np.zeros((numbers.shape[1], max(channels) + 1), numbers.dtype)
+        frames[:, list(channels)] = numbers.T
         if isinstance(signal, FollowedSignal):
-            course: FrameFeed = FollowingFeed(frames, n_fade, signal, self._position_latency_s())
+            feed: FrameFeed = FollowingFeed(frames, n_fade, signal, self._position_latency_s())
         else:
-            course = FrameFeed(frames, n_fade)
-        if self._course is not None and not self._course.finished:
-            self._course.stop()
-            if not self._course.ended.wait(LONGEST_START_S):
+            feed = FrameFeed(frames, n_fade)
+        if self._feed is not None and not self._feed.finished:
+            self._feed.stop()
+            if not self._feed.ended.wait(LONGEST_START_S):
                 raise self._silent()
-        self._course = course
-        if signal.samples.size and not course.begun.wait(LONGEST_START_S):
-            course.stop()
+        self._feed = feed
+        if signal.samples.size and not feed.begun.wait(LONGEST_START_S):
+            feed.stop()
             raise self._silent()
-        return course.onset_s
+        return feed.onset_s
 
     def _position_latency_s(self) -> float:
         """Time from a finger position to the voltage that answers it; the longest recent lead covers bursts of a sound
@@ -196,55 +198,49 @@ class AudioOutput(AmplifiedDriver):
         stated_s, longest_lead_s = self._settings.position_latency_s, max(list(self._dry.leads_s), default=0.0)
         return longest_lead_s + self._settings.block_s + POSITION_AGE_S if stated_s is None else stated_s
 
-    def course(self) -> Course | None:
-        feed = self._course
+    def played_path(self) -> PlayedPath | None:
+        feed = self._feed
         if not isinstance(feed, FollowingFeed):
             return None
         feed.ended.wait(LONGEST_START_S)
         numbers = feed.frames()[:, list(self._settings.channels)].T
         full_scale = FULL_SCALE[self._settings.sample_format]
         volts = self._gain.to_volts(numbers.astype(np.float64) / full_scale, self.rate_hz)
-        return Course(volts, feed.latency_s, feed.late, feed.unknown)
+        return PlayedPath(volts, feed.latency_s, feed.late, feed.unknown)
 
     def _silent(self) -> DeviceFailed:
         return DeviceFailed(f"output {self.name!r}: the device asked for no samples in {LONGEST_START_S:g} s")
 
-    def _frames(self, numbers: NDArray[np.generic]) -> NDArray[np.generic]:
-        channels = self._settings.channels
-        frames = np.zeros((numbers.shape[1], max(channels) + 1), numbers.dtype)
-        frames[:, list(channels)] = numbers.T
-        return frames
-
     def _fill(self, out: NDArray[np.generic], n_frames: int, times: Any, status: Any) -> None:
         now_s = time.perf_counter()
-        course = self._course  # read once: `play` puts another in its place while this runs in PortAudio's thread
+        feed = self._feed  # read once: `play` puts another in its place while this runs in PortAudio's thread
         lead_s = max(0.0, times.outputBufferDacTime - times.currentTime)
         block_s = n_frames / self.rate_hz
         underflow = bool(status.output_underflow)
         gap_s = self._dry.after(now_s=now_s, lead_s=lead_s, block_s=block_s, underflow=underflow)
-        if course is not None and gap_s is not None:
-            course.n_gaps += course.is_torn_by(gap_s, self.rate_hz)
+        if feed is not None and gap_s is not None:
+            feed.n_gaps += feed.is_torn_by(gap_s, self.rate_hz)
         self._clocks = self._clocks.after(self._n_frames / self.rate_hz, now_s)
         self._n_frames += n_frames
         out[:] = 0  # before and after a signal, and behind its last frame
-        if course is None or course.finished:
+        if feed is None or feed.finished:
             return
-        if not course.begun.is_set():
-            course.n_gaps += self._dry.is_dry  # its first frames are lost in the gap before it
-            course.begin(now_s, lead_s)
+        if not feed.begun.is_set():
+            feed.n_gaps += self._dry.is_dry  # its first frames are lost in the gap before it
+            feed.begin(now_s, lead_s)
         # a device whose lead is not known plays up to `latency_s` behind its first block
-        course.give_up_if_late(self.rate_hz, FADE_S + (0.0 if self._dry.has_lead else self._settings.latency_s))
-        piece = course.take(n_frames)
+        feed.give_up_if_late(self.rate_hz, FADE_S + (0.0 if self._dry.has_lead else self._settings.latency_s))
+        piece = feed.take(n_frames)
         out[: len(piece)] = piece
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int:
         """Return gaps since the last signal began, up to its end; a current gap counts."""
-        course = self._course
-        if course is None:
+        feed = self._feed
+        if feed is None:
             return 0
-        lasts = not self._asks_within(longest_wait_s) and course.is_torn_by(self._dry.dry_s, self.rate_hz)
+        lasts = not self._asks_within(longest_wait_s) and feed.is_torn_by(self._dry.dry_s, self.rate_hz)
         # frames that are late were held up by a gap: by one that nobody told of, if there is no other
-        return course.n_gaps + lasts or int(course.is_late(time.perf_counter(), self.rate_hz))
+        return feed.n_gaps + lasts or int(feed.is_late(time.perf_counter(), self.rate_hz))
 
     def _asks_within(self, longest_s: float) -> bool:
         """Return True if the device asks for samples in time; 0 does not wait."""
@@ -256,8 +252,8 @@ class AudioOutput(AmplifiedDriver):
         return True
 
     def stop(self) -> None:
-        if self._course is not None:
-            self._course.stop()
+        if self._feed is not None:
+            self._feed.stop()
 
     def close(self) -> None:
         stream, self._stream = self._stream, None

@@ -100,7 +100,8 @@ class Ledger:
         with self._turn:
             with self._connected() as database:
                 now = Moment.now()
-                allow(self._of_others(database, now))
+                others = _rows(database, "output = ? AND opened != ?", self._output, self._opened)
+                allow(tuple((begin.ago_s(now), lasted_s) for _, begin, lasted_s in others))
                 self._shorten(database, now)  # the new signal replaces it
                 row = (self._output, self._opened, now.boot_id, now.boot_s, now.utc_s, duration_s)
                 columns = "output, opened, boot_id, boot_s, utc_s, duration_s"
@@ -130,10 +131,6 @@ class Ledger:
             if self._database is not None:
                 self._database.close()
             self._database = None
-
-    def _of_others(self, database: sqlite3.Connection, now: Moment) -> Emissions:
-        rows = _rows(database, "output = ? AND opened != ?", self._output, self._opened)
-        return tuple((begin.ago_s(now), duration_s) for _, begin, duration_s in rows)
 
     @contextmanager
     def _connected(self) -> Iterator[sqlite3.Connection]:

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ...followed import FollowedSignal
+from ...position_dependent import FollowedSignal
 from ...signal import FloatArray
 from ..clock_map import boot_clock_s
 

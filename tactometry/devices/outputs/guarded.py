@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ...errors import LimitExceeded
-from ...followed import Course, FollowedSignal
+from ...position_dependent import FollowedSignal, PlayedPath
 from ...safety.limits import Exposure, Limits
 from ...safety.load import Load, PassedCharge
 from ...signal import Signal
@@ -137,7 +137,7 @@ class Guarded:
 
         def allow(emitted: Emissions) -> None:
             others_s = ((now_s - ago_s, now_s - ago_s + other_s) for ago_s, other_s in emitted)
-            limits.check_exposure(self._exposure.beside(others_s), now_s, duration_s, charge_c)
+            limits.check_exposure(self._exposure.with_others(others_s), now_s, duration_s, charge_c)
 
         if self.ledger is None or not self.ledger.is_open:  # a driver that is not open plays nothing on its load
             allow(())
@@ -174,9 +174,9 @@ class Guarded:
             limits.check_filtered(final, self.load, _rise_s(signal))
         return final
 
-    def course(self) -> Course | None:
+    def played_path(self) -> PlayedPath | None:
         """Return what the last signal became, if it followed a finger."""
-        return self.driver.course()
+        return self.driver.played_path()
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
         return self.driver.n_gaps(longest_wait_s)

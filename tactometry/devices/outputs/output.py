@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arguments.require import not_negative
 from ...errors import DeviceFailed
-from ...followed import Course, FollowedSignal
+from ...position_dependent import FollowedSignal, PlayedPath
 from ...signal import Signal
 from .gain import Gain, SignalChain
 
@@ -86,7 +86,7 @@ class Driver(ABC):
         The signal is finite, and the output is at zero after it.
         """
 
-    def course(self) -> Course | None:
+    def played_path(self) -> PlayedPath | None:
         """Wait for the end of the last signal and return what it became, if it followed a finger."""
         return None
 

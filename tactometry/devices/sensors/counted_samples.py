@@ -53,7 +53,11 @@ class CountedSamples:
 
         Raises `DeviceFailed` if the device's clock does not run as ours.
         """
-        new = [(self._device_s(ticks), values) for counter, ticks, values in samples if self._is_new(counter, ticks)]
+        new = []
+        for counter, ticks, values in samples:
+            if self._is_new(counter, ticks):
+                self._ticks += (ticks - self._ticks) % 2**32
+                new.append((self._ticks * self._tick_s, values))
         # all of the block first, so that its least delayed sample stamps the others too
         for device_s, _ in new:
             self._clocks = self._clocks.after(device_s, arrival_s)
@@ -105,7 +109,3 @@ class CountedSamples:
                 self.n_lost += n_missing
         self._counter = counter
         return True
-
-    def _device_s(self, ticks: int) -> float:
-        self._ticks += (ticks - self._ticks) % 2**32
-        return self._ticks * self._tick_s

@@ -204,10 +204,11 @@ class Reader:
         """
         # a new tuple, never a list that grows: the reader's thread goes through the old one undisturbed
         self._subscribers = (*self._subscribers, on_block)
-        return lambda: self._unsubscribe(on_block)
 
-    def _unsubscribe(self, on_block: Callable[[SampleBlock], None]) -> None:
-        self._subscribers = tuple(other for other in self._subscribers if other is not on_block)
+        def unsubscribe() -> None:
+            self._subscribers = tuple(other for other in self._subscribers if other is not on_block)
+
+        return unsubscribe
 
     def open(self) -> None:
         """Begin to read; a second opening of a shared reader changes nothing. Raises `DeviceFailed`."""

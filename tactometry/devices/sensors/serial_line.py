@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from ...arguments.constraints import Positive, PositiveWhole, constrained
-from ...errors import DeviceFailed, library_needed
+from ...errors import DeviceFailed, library_needed, reason
 from .counted_samples import CountedSamples
 from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
 
@@ -70,9 +70,9 @@ class SerialSource(Source):
             line.open()
             line.reset_input_buffer()
         except (serial.SerialException, OSError, ValueError) as error:
-            raise DeviceFailed(
-                f"{self.name}: cannot open the line ({_reason(error)}), expected a device to read"
-            ) from None
+            number = getattr(error, "errno", None)
+            why = os.strerror(number) if number else reason(error)
+            raise DeviceFailed(f"{self.name}: cannot open the line ({why}), expected a device to read") from None
         self._framing, self._line = Framing(self.n_channels, n_skipped=self._framing.n_skipped), line
         self._opened.callback(line.close)
         self._samples.may_begin_anew()
@@ -82,7 +82,8 @@ class SerialSource(Source):
         try:
             data = _available(self._line, self._framing.n_missing)
         except (serial.SerialException, OSError, TypeError) as error:  # TypeError: pyserial's, of a line without a file
-            raise DeviceFailed(f"{self.name}: the line went away ({' '.join(str(error).split())})") from None
+            words = " ".join(str(error).split())
+            raise DeviceFailed(f"{self.name}: the line went away ({words})") from None
         arrival_s = now_s()
         self._framing, frames = self._framing.after(data)
         return self._samples.block(frames, arrival_s) if frames else None
@@ -97,11 +98,6 @@ def _available(line: Any, n_missing: int) -> bytes:
     if ready and not data:
         raise OSError("the device hung up")
     return data
-
-
-def _reason(error: Exception) -> str:
-    number = getattr(error, "errno", None)
-    return os.strerror(number) if number else " ".join(str(error).split())
 
 
 def _library() -> Any:

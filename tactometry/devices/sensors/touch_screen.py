@@ -106,9 +106,8 @@ class TouchSource(Source):
             raise DeviceFailed(f"{self.name}: the device went away ({error.strerror})") from None
         if ready and not data:
             raise DeviceFailed(f"{self.name}: the device went away")
-        return self._block(data) if ready else self._rest_sample()
-
-    def _rest_sample(self) -> SampleBlock | None:
+        if ready:
+            return self._block(data)
         return SampleBlock(np.array([now_s()]), np.array([self._reported.values])) if self._reported.touching else None
 
     def _block(self, data: bytes) -> SampleBlock | None:

@@ -87,7 +87,7 @@ def experimenter_terminal(source: TextIO, output: TextIO) -> ExperimenterTermina
 class LiveTerminal(ExperimenterTerminal):
     """An `ExperimenterTerminal` with a status area; requires `can_stand`."""
 
-    def __init__(self, source: TextIO, output: TextIO, heard_files: Sequence[int] = ()) -> None:
+    def __init__(self, source: TextIO, output: TextIO, redirected_files: Sequence[int] = ()) -> None:
         self._drawing, self._n_rows, self._width = threading.RLock(), 0, USUAL_WIDTH
         self._trial, self._typed, self._opened = "", Typed(), ExitStack()
         self._decode = codecs.getincrementaldecoder("utf-8")("replace")
@@ -97,7 +97,7 @@ class LiveTerminal(ExperimenterTerminal):
         atexit.register(self.close)
         super().__init__(source, output)
         self._opened.callback(self._leave)
-        self._opened.enter_context(heard(heard_files, self.tell))  # to their last word, before it is left
+        self._opened.enter_context(redirected(redirected_files, self.tell))  # to their last word, before it is left
 
     def _read(self, file: int) -> None:
         while data := available(file):
@@ -139,7 +139,11 @@ class LiveTerminal(ExperimenterTerminal):
             if self._output is None:
                 return
             told = "" if above is None else f"{above}\n"
-            standing = rows(self._trial, self.standing, self._typed.text, self._columns())
+            try:
+                width = os.get_terminal_size(self._kept_file).columns or USUAL_WIDTH
+            except OSError:
+                width = USUAL_WIDTH
+            standing = rows(self._trial, self.standing, self._typed.text, width)
             drawn = f"{self._erased()}{told}" + "\n".join(standing)
             self._n_rows = len(standing)
             self._put(drawn)
@@ -151,12 +155,6 @@ class LiveTerminal(ExperimenterTerminal):
                 data = data[os.write(self._kept_file, data) :]
         except OSError:  # the terminal is gone, the session is not
             self._output = None
-
-    def _columns(self) -> int:
-        try:
-            return os.get_terminal_size(self._kept_file).columns or USUAL_WIDTH
-        except OSError:
-            return USUAL_WIDTH
 
     def close(self) -> None:
         """Restore the terminal below the messages."""
@@ -183,16 +181,16 @@ def one_by_one(file: int) -> Callable[[], None]:
 
 
 @contextmanager
-def heard(files: Sequence[int], tell: Callable[[str], None]) -> Iterator[None]:
+def redirected(files: Sequence[int], tell: Callable[[str], None]) -> Iterator[None]:
     """Pass each line that is written to these file numbers to `tell`, also an unfinished last one."""
     with ExitStack() as last_first:
         for file in files:
-            last_first.enter_context(_heard(file, tell))
+            last_first.enter_context(_redirected(file, tell))
         yield
 
 
 @contextmanager
-def _heard(file: int, tell: Callable[[str], None]) -> Iterator[None]:
+def _redirected(file: int, tell: Callable[[str], None]) -> Iterator[None]:
     before, (source, sink) = os.dup(file), os.pipe()
     listener = threading.Thread(target=_listen, args=(source, tell), name=f"messages {file}", daemon=True)
     os.dup2(sink, file)

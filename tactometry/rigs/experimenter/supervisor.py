@@ -216,6 +216,11 @@ class TrialLog:
         trial, self._trial = self._trial, None
         if trial is None:
             return
+        log = self._supervisor.log
+        recorded_s = None if log is None else log.recorded_s
+        key_to_record_s = None
+        if recorded_s is not None and self._answered_s is not None:
+            key_to_record_s = round(recorded_s - self._answered_s, 6)
         self._supervisor.note(
             "trial",
             block=trial.block,
@@ -223,15 +228,9 @@ class TrialLog:
             attempt=trial.attempt,
             **timing_of(self._screen.frame_intervals_s(), self._screen.period_s),
             gate_delay_s=round(max(self._delays_s), 6) if self._delays_s else None,
-            key_to_record_s=self._key_to_record_s(),
+            key_to_record_s=key_to_record_s,
         )
         self._delays_s, self._answered_s = [], None
-
-    def _key_to_record_s(self) -> float | None:
-        recorded_s = None if self._supervisor.log is None else self._supervisor.log.recorded_s
-        if recorded_s is None or self._answered_s is None:
-            return None
-        return round(recorded_s - self._answered_s, 6)
 
     def _note_clocks(self) -> None:
         offsets = {name: value for name, value in self._facts().items() if name.endswith(CLOCK)}

@@ -178,10 +178,10 @@ class StatusLine:
         self._warned: str | None = None
         self._show(Progress())
 
-    def hear(self, request: Request[Any], answer: object) -> None:
+    def on_request(self, request: Request[Any], answer: object) -> None:
         self._show(self._progress.after(request, answer))
 
-    def hear_event(self, event: Event) -> None:
+    def on_event(self, event: Event) -> None:
         self._show(self._progress.after_event(event))
 
     def _show(self, progress: Progress) -> None:

@@ -183,17 +183,13 @@ def _row(
 def _scale(form: Form, place: int | None, y: float, length: float) -> list[Item]:
     xs = [((k + 0.5) / form.n_positions - 0.5) * length for k in range(form.n_positions)]
     if form.rings:
-        return [*layout.rings(xs, y, min(0.02, 0.4 * length / form.n_positions), place), *_digits(xs, y)]
+        rings = layout.rings(xs, y, min(0.02, 0.4 * length / form.n_positions), place)
+        digits = [Text(str(k), x, y - 0.034, 0.022, QUIET) for k, x in enumerate(xs, 1)]
+        return [*rings, *(digits if len(xs) <= MOST_DIGITS else [])]
     line = Box(0, y, length, 0.004, fill=EDGE)
     ends = [Box(side * length / 2, y, 0.005, 0.05, fill=INK) for side in (-1, 1)]
     mark = [] if place is None else [Box(xs[place], y, 0.012, 0.06, fill=GOOD)]
     return [line, *ends, *mark]
-
-
-def _digits(xs: Sequence[float], y: float) -> list[Item]:
-    if len(xs) > MOST_DIGITS:
-        return []
-    return [Text(str(k), x, y - 0.034, 0.022, QUIET) for k, x in enumerate(xs, 1)]
 
 
 def _box(button: Button, words: str) -> list[Item]:

@@ -68,7 +68,9 @@ def message_page(
     first, _, body = words.strip().partition("\n\n")
     items: list[Item] = [heading(first, 0.43 if image else 0.33 if body else 0.05, aspect)]
     if image is not None:
-        items.append(_picture(*image, width))
+        path, ratio = image
+        height = min(TALLEST, width / ratio)
+        items.append(Picture(path, 0, 0.18, ratio * height, height))
     if body:
         items.append(Text(body.strip(), 0, -0.16 if image else 0, BODY, wrap_width=width))
     if progress is not None:
@@ -81,11 +83,6 @@ def message_page(
         items += progress_bar
     items.append(Text(hint, 0, -0.42, HINT, QUIET, width))
     return Page(tuple(items), (Button("continue", CONTINUE_KEYS, 0, 0, aspect, 1.0),))
-
-
-def _picture(path: str, ratio: float, width: float) -> Picture:
-    height = min(TALLEST, width / ratio)
-    return Picture(path, 0, 0.18, ratio * height, height)
 
 
 def bar_page(words: str, hint: str, aspect: float, length: float) -> Page:
@@ -131,15 +128,12 @@ def list_page(words: str, options: Sequence[int], labels: Sequence[str], hint: s
         Button(option, (str(option), f"num_{option}"), 0, LIST_TOP - (k + 0.5) * pitch, width, 0.84 * pitch)
         for k, option in enumerate(options)
     )
-    rows = [item for button, label in zip(buttons, labels, strict=True) for item in _list_row(button, label)]
+    rows: list[Item] = []
+    for button, label in zip(buttons, labels, strict=True):
+        digit = Text(button.keys[0], 0.06 - width / 2, button.y, BODY, QUIET)
+        label_text = Text(label, 0.12 - width / 2, button.y, BODY, wrap_width=width - 0.16, align="left")
+        rows += [button.outline(INK), digit, label_text]
     return Page((heading(words, 0.37, aspect), *rows, hint_line(hint, aspect)), buttons)
-
-
-def _list_row(button: Button, label: str) -> list[Item]:
-    left = button.x - button.width / 2
-    digit = Text(button.keys[0], left + 0.06, button.y, BODY, QUIET)
-    words = Text(label, left + 0.12, button.y, BODY, wrap_width=button.width - 0.16, align="left")
-    return [button.outline(INK), digit, words]
 
 
 def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str, ...]]:
@@ -249,7 +243,13 @@ def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
     length = min(1.1, 0.75 * aspect)
     pitch = length / scale.n_positions
     places = [(k + 0.5) * pitch - length / 2 for k in range(scale.n_positions)]
-    drawn = _numbered_rings(places, pitch, mark) if scale.rings else _line(length, places, mark)
+    if scale.rings:
+        digits = [Text(str(k), x, -0.085, HINT, QUIET) for k, x in enumerate(places[:9], 1)]
+        drawn = [*rings(places, 0, min(0.04, 0.4 * pitch), mark), *digits]
+    else:
+        ends = [Box(side * length / 2, 0, 0.006, 0.08, fill=INK) for side in (-1, 1)]
+        mark_box = [] if mark is None else [Box(places[mark], 0, 0.014, 0.12, fill=GOOD)]
+        drawn = [Box(0, 0, length, 0.006, fill=INK), *ends, *mark_box]
     items = (
         heading(scale.words, 0.26, aspect),
         Text(scale.low, -length / 2 + 0.01, 0.13, BODY, wrap_width=length / 2, align="left"),
@@ -273,17 +273,6 @@ def rings(places: Sequence[float], y: float, radius: float, mark: int | None) ->
     discs = [Disc(x, y, radius, fill=PAPER, line=INK) for x in places]
     dot = [] if mark is None else [Disc(places[mark], y, 0.7 * radius, fill=GOOD)]
     return [line, *discs, *dot]
-
-
-def _numbered_rings(places: Sequence[float], pitch: float, mark: int | None) -> list[Item]:
-    digits = [Text(str(k), x, -0.085, HINT, QUIET) for k, x in enumerate(places[:9], 1)]
-    return [*rings(places, 0, min(0.04, 0.4 * pitch), mark), *digits]
-
-
-def _line(length: float, places: Sequence[float], mark: int | None) -> list[Item]:
-    ends = [Box(side * length / 2, 0, 0.006, 0.08, fill=INK) for side in (-1, 1)]
-    mark_box = [Box(places[mark], 0, 0.014, 0.12, fill=GOOD)] if mark is not None else []
-    return [Box(0, 0, length, 0.006, fill=INK), *ends, *mark_box]
 
 
 def confirm_box(button: Button, *, ready: bool = True) -> tuple[Item, Item]:

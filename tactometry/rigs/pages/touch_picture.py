@@ -38,17 +38,14 @@ def picture_page(words: str, meanings: Mapping[str, str], hint: str, aspect: flo
         page = layout.force_page(page, 1.0, 1.0, 0.2)
     if "dot" in meanings:
         page = layout.track_page(page, CUE, LENGTH, FINGER if "ring" in meanings else None)
-    touch = list(page.items)
-    picture = _scaled([*touch, *numbers], -0.25 * layout.MARGIN * aspect - 0.09, 0.0)
+    x = -0.25 * layout.MARGIN * aspect - 0.09
+    moved = [replace(item, x=x + SCALE * item.x, y=SCALE * item.y) for item in (*page.items, *numbers)]
+    picture = map(_scaled, moved)
     items = (layout.heading(words, 0.39, aspect), *picture, *_legend(tuple(meanings.values()), aspect))
     return Page((*items, message.items[-1]), message.buttons)
 
 
-def _scaled(items: Sequence[Item], x: float, y: float) -> list[Item]:
-    return [_item_scaled(replace(item, x=x + SCALE * item.x, y=y + SCALE * item.y)) for item in items]
-
-
-def _item_scaled(item: Item) -> Item:
+def _scaled(item: Item) -> Item:
     if isinstance(item, Text):
         return replace(item, height=SCALE * item.height)
     if isinstance(item, Disc):

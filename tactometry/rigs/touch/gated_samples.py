@@ -13,7 +13,7 @@ from ...gates import Compliance, ForceGate, SpeedCompliance, SpeedGate, complian
 from ...safety.limits import FORCE_PEAK_N
 from ...signal import FloatArray
 from ...trials.trial import Reason
-from ..judgement import fault_of_speed
+from ..touch_validity import fault_of_speed
 
 G = TypeVar("G", ForceGate, SpeedGate)
 
@@ -39,7 +39,7 @@ class Trace:
         self.last_s: float | None = None
         self.last: FloatArray | None = None
 
-    def hear(self, times_s: FloatArray, values: FloatArray) -> None:
+    def on_samples(self, times_s: FloatArray, values: FloatArray) -> None:
         now_s = time.perf_counter()
         if times_s.size:
             self._blocks.append((times_s, values))
@@ -84,7 +84,7 @@ class Since:
         self._began_s: float | None = None
         self._heard_s = time.perf_counter()
 
-    def hear(self, began_s: float | None) -> None:
+    def update(self, began_s: float | None) -> None:
         """Set the stamp at which the condition began; None if it is over."""
         if began_s != self._began_s:
             self._began_s, self._heard_s = began_s, time.perf_counter()
@@ -112,13 +112,13 @@ class GatedSamples(ABC, Generic[G]):
     def _is_good(self, value: float) -> bool:
         """Return True if playing may go on after this sample."""
 
-    def hear(self, times_s: FloatArray, values: FloatArray) -> None:
-        self._trace.hear(times_s, values)
+    def on_samples(self, times_s: FloatArray, values: FloatArray) -> None:
+        self._trace.on_samples(times_s, values)
         along = values if values.ndim == 1 else values[:, 0]  # of positions the first axis
         for time_s, value in zip(times_s.tolist(), along.tolist(), strict=True):
             was_open = self.gate.open
             self.gate = self.gate.after(time_s, value)
-            self._since.hear(self.gate.since_s)
+            self._since.update(self.gate.since_s)
             if self.gate.open and not was_open:
                 self.opened_s = time_s
             if self._is_good(value) or self._good_s is None:
@@ -205,10 +205,10 @@ class Release:
     It receives the force all the time; if not `needed`, it always happened.
 
     >>> release, gate = Release(), ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.5)
-    >>> release.hear(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
+    >>> release.on_samples(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
     >>> release.happened(gate), release.begin(), release.happened(gate)
     (True, None, False)
-    >>> release.hear(np.array([0.2]), np.array([1.1]))
+    >>> release.on_samples(np.array([0.2]), np.array([1.1]))
     >>> release.happened(gate)
     False
     """
@@ -218,7 +218,7 @@ class Release:
         self._lock = threading.Lock()
         self._low_n, self._high_n = math.inf, -math.inf
 
-    def hear(self, times_s: FloatArray, forces_n: FloatArray) -> None:
+    def on_samples(self, times_s: FloatArray, forces_n: FloatArray) -> None:
         del times_s
         known_n = [force_n for force_n in forces_n.tolist() if math.isfinite(force_n)]
         with self._lock:
@@ -233,7 +233,7 @@ class Release:
     def happened(self, gate: ForceGate) -> bool:
         """Return True if the force was outside the band of a gate since `begin`."""
         with self._lock:
-            heard = self._low_n <= self._high_n
+            known = self._low_n <= self._high_n
             # where both extremes are in the band, so was all between them
             stayed = gate.holds(self._low_n) and gate.holds(self._high_n)
-            return not self._needed or (heard and not stayed)
+            return not self._needed or (known and not stayed)

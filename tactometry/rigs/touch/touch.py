@@ -10,20 +10,20 @@ from typing import Any
 import numpy as np
 
 from ...devices.sensors.streamed import StreamedSensor
-from ...followed import HELD_S, Course, path_lines
 from ...gates import VALID_PART, ForceGate, SpeedGate
+from ...position_dependent import HELD_S, PlayedPath, path_lines
 from ...provenance import digest_of
 from ...safety.limits import FORCE_PEAK_N
 from ...session.answer import Played, Touched
 from ...session.request import Play, Press, Slide
 from ...signal import Signal
 from ...trials.trial import Reason
-from ..judgement import broken_condition, compliance_fields
 from ..pages import layout
 from ..pages.page import Page
 from ..pages.presenter import Dress, as_it_is
+from ..touch_validity import broken_condition, compliance_fields
 from .gated_samples import MOVING_S, AppliedForce, FingerMotion, Release, Trace
-from .trigger import Trigger, hearing, quick_turns
+from .trigger import Trigger, quick_turns, receiving
 from .watchdog import TouchSetup, silence, watchdog
 
 TOLD_EVERY_S = 1.0
@@ -36,15 +36,11 @@ def moving_cue(request: Slide, display_height_m: float, places: Trace) -> Dress:
 
     def with_track(page: Page, now_s: float) -> Page:
         phase = (now_s - begin_s) * request.speed_m_per_s / request.length_m
-        return layout.track_page(page, layout.sweep(phase), length, _finger(places, request.length_m))
+        place_m = math.nan if places.last is None else float(places.last[0])  # 0 is the beginning of the path
+        finger = 2 * place_m / request.length_m - 1 if math.isfinite(place_m) else None
+        return layout.track_page(page, layout.sweep(phase), length, finger)
 
     return with_track
-
-
-def _finger(places: Trace, length_m: float) -> float | None:
-    """Return the place of the finger on its path (-1..1), which begins at position 0 of the first axis."""
-    place_m = None if places.last is None else float(places.last[0])
-    return None if place_m is None or not math.isfinite(place_m) else 2 * place_m / length_m - 1
 
 
 class Held:
@@ -102,7 +98,7 @@ class Held:
 
 
 @dataclass(frozen=True)
-class TouchCourse:
+class TouchRun:
     """Carries out a request to press or slide; `places` receives positions, `why` explains the last invalid touch.
 
     A stimulus is cut short by a pause or by the sensors.
@@ -119,7 +115,7 @@ class TouchCourse:
     def carry_out(self, signal: Signal | None) -> tuple[Touched, float | None]:
         """Carry out the touch; return the answer (onset on `time.perf_counter`) and the gate's delay, s."""
         sensor = self.setup.sensor
-        with hearing(self.setup.position, self.places.hear):
+        with receiving(self.setup.position, self.places.on_samples):
             touched, delay_s = (
                 (self._play_ungated(signal), None) if sensor is None else self._play_gated(signal, sensor)
             )
@@ -146,8 +142,8 @@ class TouchCourse:
     def _answer(
         self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: Any
     ) -> Touched:
-        course = self.setup.emitter.course(signal)
-        if course is not None and course.unknown > 1 - VALID_PART:
+        path = self.setup.emitter.played_path(signal)
+        if path is not None and path.unknown > 1 - VALID_PART:
             reason = reason or "sensor_lost"
         return Touched(
             onset_s,
@@ -156,15 +152,15 @@ class TouchCourse:
             valid=reason is None,
             invalid_reason=reason,
             n_gaps=n_gaps,
-            positions_digest=None if course is None else self._positions_digest(onset_s, course),
-            positions_late=None if course is None else round(course.late, 6),
+            positions_digest=None if path is None else self._positions_digest(onset_s, path),
+            positions_late=None if path is None else round(path.late, 6),
             **kept,
         )
 
-    def _positions_digest(self, onset_s: float, course: Course) -> str:
+    def _positions_digest(self, onset_s: float, path: PlayedPath) -> str:
         """Keep the positions that a texture followed, and return their digest."""
-        begin_s = onset_s - course.latency_s
-        times_s, positions_m = self.places.between(begin_s - HELD_S, begin_s + course.signal.duration_s)
+        begin_s = onset_s - path.latency_s
+        times_s, positions_m = self.places.between(begin_s - HELD_S, begin_s + path.signal.duration_s)
         new = np.diff(times_s, prepend=-np.inf) > 0  # as the texture heard them: of those of one stamp the first
         along_m = positions_m[:, 0] if positions_m.ndim == 2 else positions_m
         lines = path_lines(times_s[new] - begin_s, along_m[new])
@@ -187,9 +183,11 @@ class TouchCourse:
         )
         with ExitStack() as last_first:
             last_first.enter_context(quick_turns())
-            last_first.enter_context(hearing(sensor, held.applied_force.hear, trigger.consider))
+            last_first.enter_context(receiving(sensor, held.applied_force.on_samples, trigger.consider))
             if held.finger_motion is not None:
-                last_first.enter_context(hearing(self.setup.position, held.finger_motion.hear, trigger.consider))
+                last_first.enter_context(
+                    receiving(self.setup.position, held.finger_motion.on_samples, trigger.consider)
+                )
             last_first.callback(trigger.disarm)  # the first to run on any way out: nothing fires behind it
             begun = self._await_begin(held, trigger, sensor)
             if begun is None:
@@ -275,7 +273,7 @@ class TouchCourse:
         return self._answer(signal, onset_s, reason, n_gaps, **compliance_fields(force, speed))
 
 
-class Beside:
+class ConcurrentPlay:
     """Plays while other code draws, supervised by the force sensor.
 
     - `signal`: None for a blank.

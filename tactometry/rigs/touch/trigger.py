@@ -93,14 +93,16 @@ def quick_turns() -> Iterator[None]:
 
 
 @contextmanager
-def hearing(sensor: StreamedSensor | None, hear: OnSamples, then: Callable[[], None] = lambda: None) -> Iterator[None]:
-    """Pass samples to `hear`, then call `then`, in the sensor's thread until the body ends."""
+def receiving(
+    sensor: StreamedSensor | None, on_samples: OnSamples, then: Callable[[], None] = lambda: None
+) -> Iterator[None]:
+    """Pass samples to `on_samples`, then call `then`, in the sensor's thread until the body ends."""
     if sensor is None:
         yield
         return
 
     def pass_on(times_s: FloatArray, values: FloatArray) -> None:
-        hear(times_s, values)
+        on_samples(times_s, values)
         then()
 
     end = sensor.subscribe(pass_on)

@@ -16,7 +16,7 @@ from ..emitter import Emitter
 from ..pages.page import Page
 from ..pages.presenter import Presenter
 from .gated_samples import SILENT_S, Release, Trace
-from .trigger import hearing
+from .trigger import receiving
 
 SILENT = "the force sensor is silent"
 
@@ -59,10 +59,10 @@ def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
     sensor, force_peak_n = setup.sensor, setup.force_peak_n
     trace, lost, force_n = Trace(), False, 0.0
 
-    def hear(times_s: FloatArray, forces_n: FloatArray) -> None:
+    def on_samples(times_s: FloatArray, forces_n: FloatArray) -> None:
         nonlocal force_n
         known = np.isfinite(forces_n)
-        trace.hear(times_s[known], forces_n[known])
+        trace.on_samples(times_s[known], forces_n[known])
         force_n = float(forces_n[known][-1]) if known.any() else force_n
 
     def wrong() -> str | None:
@@ -84,7 +84,7 @@ def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
             setup.pause(wrong() or SILENT, lambda: wrong() is None)
             lost = False
 
-    with hearing(sensor, hear, consider):
+    with receiving(sensor, on_samples, consider):
         yield look
 
 

@@ -43,7 +43,7 @@ class FingerPath:
     """The recent path of a finger along its first axis, written by a sensor's thread and read by an output's.
 
     >>> path = FingerPath()
-    >>> path.hear(np.array([0.0, 0.1]), np.array([[0.0, 5.0], [0.01, 5.0]]))
+    >>> path.on_samples(np.array([0.0, 0.1]), np.array([[0.0, 5.0], [0.01, 5.0]]))
     >>> path.at(np.array([-0.1, 0.05, 0.15, 0.3])).tolist()
     [nan, 0.005, 0.01, nan]
     """
@@ -54,7 +54,7 @@ class FingerPath:
         self.last_s = -math.inf
         """The last stamp; before the first, minus infinity."""
 
-    def hear(self, times_s: FloatArray, positions_m: FloatArray) -> None:
+    def on_samples(self, times_s: FloatArray, positions_m: FloatArray) -> None:
         """Add samples with stamps (s), except lost ones and those not later than the last."""
         for time_s, place_m in zip(times_s.tolist(), positions_m[:, 0].tolist(), strict=True):
             if time_s > self.last_s and math.isfinite(place_m):
@@ -95,7 +95,7 @@ class FollowedSignal(Signal):
 
 
 @dataclass(frozen=True)
-class Course:
+class PlayedPath:
     """What a signal became under a finger.
 
     - `signal`: What was emitted.

@@ -143,7 +143,9 @@ def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any
                 return value
             if expected.fits(value, (*asked, *named.values())):
                 return expected.plain(value)
-            where, found = _line_of(getattr(kind, name)), f"{_briefly(value)} as the answer of {name}"
+            code = getattr(getattr(kind, name), "__code__", None)
+            where = f"{code.co_filename}, line {code.co_firstlineno}" if code else str(getattr(kind, name))
+            found = f"{_briefly(value)} as the answer of {name}"
         except TactometryError:
             raise
         except BaseException as error:  # whatever foreign code may raise
@@ -166,8 +168,3 @@ def place_of(error: BaseException, folder: Path) -> str:
     """Return the line of a file in a folder that raised an error; empty if none did."""
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent == folder]
     return f"{frames[-1].filename}, line {frames[-1].lineno}" if frames else ""
-
-
-def _line_of(method: Any) -> str:
-    code = getattr(method, "__code__", None)
-    return f"{code.co_filename}, line {code.co_firstlineno}" if code else str(method)
