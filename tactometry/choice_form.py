@@ -45,18 +45,11 @@ class ChoiceItem:
     """One question: what the tables call it, its words by language, and its options in their order; or in their place
     the bounds `low` and `high` of a number, which could tell who somebody is.
 
-    Parameters
-    ----------
-    id : str
-        What the tables call it.
-    prompt : mapping of str to str
-        The question, by language.
-    options : tuple of Option
-        Two to nine, in their order.
-    low : float, optional
-        Lowest number of an answer, in place of options.
-    high : float, optional
-        Highest number of an answer, in place of options.
+    - `id`: What the tables call it.
+    - `prompt`: The question, by language.
+    - `options`: Two to nine, in their order.
+    - `low`: Lowest number of an answer, in place of options.
+    - `high`: Highest number of an answer, in place of options.
     """
 
     id: str
@@ -67,12 +60,12 @@ class ChoiceItem:
 
     @property
     def bounds(self) -> tuple[float, float] | None:
-        """Those of a number; None where it has options."""
+        """Bounds of a number; None if it has options."""
         return None if self.low is None or self.high is None else (self.low, self.high)
 
     @property
     def codes(self) -> tuple[int, ...]:
-        """Of all answers, the one that is not given last."""
+        """Codes of all answers, `NOT_SAID` last."""
         return (*(option.code for option in self.options), NOT_SAID)
 
     @property
@@ -80,7 +73,7 @@ class ChoiceItem:
         return set.intersection(set(self.prompt), *(set(option.words) for option in self.options))
 
     def category(self, code: int, language: str = "en") -> str:
-        """What a code stands for; empty for `NOT_SAID`, and for one that is no option.
+        """Return what a code stands for; empty for `NOT_SAID` and unknown codes.
 
         >>> load("demographics").items[1].category(1)
         'right'
@@ -128,7 +121,7 @@ class ChoiceForm:
 
     @property
     def numbers(self) -> tuple[str, ...]:
-        """The questions that are answered by a number, which could tell who somebody is."""
+        """Questions that are answered by a number, which might identify a person."""
         return tuple(item.id for item in self.items if item.bounds is not None)
 
     def item(self, name: str) -> ChoiceItem | None:
@@ -160,22 +153,22 @@ def is_choices(table: object) -> bool:
 
 
 def choice_form_of(table: Mapping[str, Any], path: str) -> ChoiceForm:
-    """A form from the table of a file; `path` opens each key path.
+    """Build a form from the table of a file; `path` opens each key path.
 
-    Raises `InvalidParameter` if a key is unknown, missing or of another type, or the form is impossible.
+    Raises `InvalidParameter` if a key is wrong or the form is impossible.
     """
     return build(ChoiceForm, table, path)
 
 
 def choice_forms_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, ChoiceForm]:
-    """Those of a study's own, by name, from its `[forms.NAME]`."""
+    """Return the forms of a study by name, from its `[forms.NAME]`."""
     own = {name: table for name, table in tables.items() if is_choices(table)}
     return {name: choice_form_of({"name": name, **table}, f"forms.{name}") for name, table in own.items()}
 
 
 @cache
 def shipped_choices() -> tuple[str, ...]:
-    """The names of the forms that are shipped.
+    """Return the names of the shipped forms.
 
     >>> shipped_choices()
     ('demographics',)
@@ -185,7 +178,7 @@ def shipped_choices() -> tuple[str, ...]:
 
 @cache
 def load(name: str) -> ChoiceForm:
-    """A form that is shipped."""
+    """Load a shipped form."""
     return load_shipped(FOLDER, name, "form", _parse)
 
 

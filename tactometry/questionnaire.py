@@ -1,8 +1,8 @@
-"""Questionnaires: their items, poles and scoring, read from one data file each.
+"""Questionnaires: items, poles and scoring, read from a file each.
 
-A file in `tactometry/questionnaires/` is a questionnaire; `parse` reads one from anywhere. An item is presented with
-its left word and its right word; the raw answer grows from left to right. A *reversed* item has its positive pole on
-the left, so that a high raw answer is a low score.
+A file in `tactometry/questionnaires/` is a questionnaire; `parse` reads one from anywhere. The raw answer grows from
+the left word to the right word. A *reversed* item has its positive pole on the left, so that a high raw answer is a low
+score.
 """
 
 import math
@@ -27,20 +27,12 @@ FOLDER: Final = "tactometry.questionnaires"
 class Item:
     """One question.
 
-    Parameters
-    ----------
-    id : str
-        Name of the item in tables.
-    dimension : str
-        Dimension whose score the item belongs to.
-    reversed : bool
-        Whether the positive pole is presented on the left.
-    order : int
-        Place in the published order, from 1.
-    poles : mapping of str to (negative, positive)
-        The two words, by language; empty where the questionnaire has the same two `ends` for every item.
-    statement : mapping of str to str
-        What is rated, by language; empty for a semantic differential, whose poles say all.
+    - `id`: Name of the item in tables.
+    - `dimension`: Dimension whose score the item belongs to.
+    - `reversed`: Whether the positive pole is presented on the left.
+    - `order`: Place in the published order, from 1.
+    - `poles`: The two words, by language; empty where the questionnaire has the same two `ends` for every item.
+    - `statement`: What is rated, by language; empty for a semantic differential, whose poles say all.
     """
 
     id: str
@@ -56,14 +48,9 @@ class Item:
 class Dimension:
     """A score: the mean of its items, or of the items of its parts.
 
-    Parameters
-    ----------
-    min_answered : int
-        Number of answered items that a score needs.
-    title : mapping of str to str
-        Name of the dimension in reports, by language.
-    parts : tuple of str
-        Dimensions whose items it joins; without them its own items.
+    - `min_answered`: Number of answered items that a score needs.
+    - `title`: Name of the dimension in reports, by language.
+    - `parts`: Dimensions whose items it joins; without them its own items.
     """
 
     min_answered: Annotated[int, Ge(1)]
@@ -75,32 +62,18 @@ class Dimension:
 class Questionnaire:
     """Items on one scale, in the published order.
 
-    Parameters
-    ----------
-    low : float
-        Raw answer at the left end.
-    high : float
-        Raw answer at the right end.
-    steps : int or None
-        How many raw answers there are, evenly spaced; None for a continuous line.
-    score_low : float
-        Score of the worst answer, which an item that is not reversed has at `low`.
-    score_high : float
-        Score of the best answer, which an item that is not reversed has at `high`.
-    ends : mapping of str to (left, right)
-        The words at the ends of every item, as presented, by language; empty where each item has its own poles.
-    reference : str
-        Where it was published; translations and choices that nobody verified are named there.
-    stem : mapping of str to str
-        What opens every page of it, by language: what the answers are about.
-    name : str
-        What studies and tables call it.
-    title : str
-        What reports call it.
-    items : tuple of Item
-        The statements or pairs of poles, in any order.
-    dimensions : mapping of str to Dimension
-        The scores, by name.
+    - `low`: Raw answer at the left end.
+    - `high`: Raw answer at the right end.
+    - `steps`: How many raw answers there are, evenly spaced; None for a continuous line.
+    - `score_low`: Score of the worst answer, which an item that is not reversed has at `low`.
+    - `score_high`: Score of the best answer, which an item that is not reversed has at `high`.
+    - `ends`: The words at the ends of every item, as presented, by language; empty where each item has its own poles.
+    - `reference`: Where it was published; translations and choices that nobody verified are named there.
+    - `stem`: What opens every page of it, by language: what the answers are about.
+    - `name`: What studies and tables call it.
+    - `title`: What reports call it.
+    - `items`: The statements or pairs of poles, in any order.
+    - `dimensions`: The scores, by name.
 
     >>> attrakdiff = load("attrakdiff")
     >>> attrakdiff.items[0].id, attrakdiff.words("PQ1", "en"), attrakdiff.score("PQ1", 1)
@@ -143,24 +116,24 @@ class Questionnaire:
         object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
 
     def __deepcopy__(self, memo: dict[int, object]) -> Self:
-        """Itself: a table that names it copies it with each operation."""
+        """Return itself: a table that names it copies it with each operation."""
         return self
 
     @property
     def languages(self) -> tuple[str, ...]:
-        """The languages in which every item can be presented."""
+        """Languages in which every item can be presented."""
         sides = [set(item.poles or self.ends) for item in self.items]
         statements = [set(item.statement) for item in self.items if item.statement]
         return tuple(sorted(set.intersection(*sides, *statements)))
 
     def item(self, name: str) -> Item:
-        """The item of this id."""
+        """Return the item of this id."""
         return lookup(f"item of {self.name}", name, {item.id: item for item in self.items})
 
     def words(self, name: str, language: str) -> tuple[str, str, str]:
-        """The statement (empty if there is none), the left word and the right word of an item, as presented.
+        """Return statement (may be empty), left word and right word of an item, as presented.
 
-        Raises `InvalidParameter` if the item or the language is not there.
+        Raises `InvalidParameter` if the item or the language does not exist.
         """
         item = self.item(name)
         one_of(f"language of {self.name}", language, self.languages)
@@ -168,21 +141,21 @@ class Questionnaire:
         return item.statement.get(language, ""), left, right
 
     def items_of(self, dimension: str) -> tuple[str, ...]:
-        """The ids of the items whose mean is the score of a dimension."""
+        """Return the ids of the items whose mean is the score of a dimension."""
         names = (dimension, *self.dimensions[dimension].parts)
         return tuple(item.id for item in self.items if item.dimension in names)
 
     def takes(self, raw: float) -> bool:
-        """Whether a number is a raw answer of the scale."""
+        """Return True if a number is a raw answer of the scale."""
         if not self.low <= raw <= self.high:
             return False
         place = (raw - self.low) / (self.high - self.low) * ((self.steps or 2) - 1)
         return self.steps is None or math.isclose(place, round(place), abs_tol=1e-9)
 
     def score(self, name: str, raw: float) -> float:
-        """The score of a raw answer to an item.
+        """Return the score of a raw answer to an item.
 
-        Raises `InvalidParameter` if the item is unknown, or `raw` is no answer that the scale takes.
+        Raises `InvalidParameter` if the item is unknown, or the answer not on the scale.
         """
         item = self.item(name)
         scale = f"{self.low:g} to {self.high:g}{'' if self.steps is None else f' in {self.steps} steps'}"
@@ -191,9 +164,7 @@ class Questionnaire:
         return self.score_low + (self.score_high - self.score_low) * from_worst / (self.high - self.low)
 
     def scores(self, answers: Mapping[str, float | None]) -> dict[str, float | None]:
-        """The score of each dimension from raw answers by item; None where too few of its items are answered.
-
-        Items that are missing, or None, are not answered.
+        """Return the score of each dimension from raw answers by item; None if too few items are answered.
 
         Raises `InvalidParameter` if an item is unknown or an answer is not on the scale.
 
@@ -237,17 +208,17 @@ def _check_order(form: Questionnaire) -> None:
 
 
 def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:
-    """A questionnaire from the table of a file; `path` opens each key path. Without ``steps`` its scale is a line.
+    """Build a questionnaire from a table of a file; `path` opens each key path.
 
-    Raises `InvalidParameter` if a key is unknown, missing or of another type, or the questionnaire is impossible.
+    Raises `InvalidParameter` if a key is wrong or the questionnaire is impossible.
     """
     return build(Questionnaire, table, path)
 
 
 def parse(content: bytes, where: str) -> Questionnaire:
-    """A questionnaire from the bytes of its file; `where` opens every sentence.
+    """Parse the bytes of a questionnaire file; `where` opens error messages.
 
-    Raises `InvalidFile` if the bytes are no TOML, or the questionnaire holds anything unknown, missing or impossible.
+    Raises `InvalidFile` if they are no TOML, or anything is unknown, missing or impossible.
     """
     table = table_of(content, where, "a questionnaire")
     with errors_in(where):
@@ -255,14 +226,14 @@ def parse(content: bytes, where: str) -> Questionnaire:
 
 
 def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
-    """The questionnaires of a study's own, by name, from its `[forms.NAME]`; forms of choices are none."""
+    """Return the questionnaires of a study by name, from its `[forms.NAME]`, without forms of choices."""
     scales = {name: table for name, table in tables.items() if not is_choices(table)}
     return {name: questionnaire_of({"name": name, **table}, f"forms.{name}") for name, table in scales.items()}
 
 
 @cache
 def shipped_names() -> tuple[str, ...]:
-    """The names of the questionnaires that are shipped.
+    """Return the names of the shipped questionnaires.
 
     >>> "attrakdiff" in shipped_names()
     True
@@ -272,5 +243,5 @@ def shipped_names() -> tuple[str, ...]:
 
 @cache
 def load(name: str) -> Questionnaire:
-    """A questionnaire that is shipped."""
+    """Load a shipped questionnaire."""
     return load_shipped(FOLDER, name, "questionnaire", parse)

@@ -16,7 +16,7 @@ from tactometry.protocols.tasks.rating import fill_in
 from tactometry.protocols.tasks.task import Presentation, Reply, TrialOutcome
 from tactometry.questionnaire import Questionnaire, shipped_names
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
-from tactometry.rigs.touch.touch import Beside
+from tactometry.rigs.touch.touch import ConcurrentPlay
 from tactometry.session.answer import Played, Touched
 from tactometry.session.request import Play, Press, Slide
 from tactometry.session.run import Course
@@ -117,7 +117,7 @@ class Guest:
         shown = Presentation(condition.stimulus, level, condition.touch, condition.alternatives)
         return self._carry_out(self.experiment.task.trial(shown, self._rng))
 
-    def begin(self, level: float | None, **factors: float | str) -> Beside:
+    def begin(self, level: float | None, **factors: float | str) -> ConcurrentPlay:
         """Begin to play with no condition on the finger, while the script draws: `look` each frame, `end` in the end.
 
         Raises

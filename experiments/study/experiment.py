@@ -16,12 +16,11 @@ from tactometry.arguments.require import at_most
 from tactometry.choice_form import ChoiceForm, choice_forms_of
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import Gathered, rewording
-from tactometry.followed import FollowsFinger
 from tactometry.observers.changes import Answer, Shift
 from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
 from tactometry.observers.people import Feeling, SimulatedPerson
-from tactometry.own_code import not_allowed
+from tactometry.position_dependent import FollowsFinger
 from tactometry.protocols.block_state import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import session, words_of
@@ -33,6 +32,7 @@ from tactometry.session.run import Course
 from tactometry.signal import Stimulus
 from tactometry.trials.columns import Column, table_columns
 from tactometry.trials.tasks import TASKS
+from tactometry.user_code import not_allowed
 
 from .cells import WiredCell, Wiring
 from .checks import Strongest, check_forces, check_places, check_rules, check_signal

@@ -9,10 +9,10 @@ from statistics import NormalDist
 import numpy as np
 
 from tactometry.contact import Contact
-from tactometry.followed import felt_under, straight_way
 from tactometry.observers.people import Feeling, Stated
 from tactometry.observers.psychometric import OF_WIDTH, PsychometricObserver
 from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.position_dependent import felt_under, straight_way
 from tactometry.protocols.batch.answers import LevelTable
 from tactometry.protocols.procedures.procedure import OfLevels
 from tactometry.protocols.tasks.comparison import Comparison

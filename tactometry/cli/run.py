@@ -83,7 +83,7 @@ def command(
 
 
 def _check_duration(experiment: Experiment, who: Who, *, begun: bool) -> None:
-    """Tell of a long session; refuse one that nobody sits through, unless it has begun."""
+    """Warn of a long session, and refuse an excessive one unless it has begun."""
     planned = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     try:
         caution = check_duration(experiment, planned)
@@ -125,7 +125,6 @@ def _print_plan(experiment: Experiment, who: Who) -> None:
 
 
 def _report(root: Path, recorded: Recorded) -> int:
-    """Print what was recorded: status 1 if a block, or one of its tracks, did not come to its end."""
     counts = recorded.endings
     failed = bool(UNFINISHED & counts.keys())
     missed = "; the practice ended without meeting its criterion" if recorded.practice_missed else ""
@@ -144,7 +143,7 @@ def _report(root: Path, recorded: Recorded) -> int:
 
 
 def _advice(counts: dict[str, int], root: Path) -> str:
-    """What to do next. Where nobody agreed to take part, no touch was invalid.
+    """Return the next step for the user.
 
     >>> _advice({"not begun": 2}, Path("d")), _advice({"skipped": 1, "aborted": 1}, Path("d"))
     ('nothing to analyse: no block came to its end', 'tactometry analyse d')
@@ -156,7 +155,7 @@ def _advice(counts: dict[str, int], root: Path) -> str:
 
 
 def _ending_words(counts: dict[str, int]) -> str:
-    """How the procedures of a session ended, in words.
+    """Describe how the procedures of a session ended.
 
     >>> _ending_words({"trials": 2, "aborted": 1})
     '; 3 procedures: 2 came to their last trial, 1 aborted'

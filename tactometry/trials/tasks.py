@@ -1,7 +1,6 @@
-"""Every task, by its name: what its rows hold. A task has one line here, and a file of its name in two rooms.
+"""Tasks by name, with what their rows contain.
 
-`protocols/tasks/NAME.py` says how it is asked, `analysis/tasks/NAME.py` what is made of its answers; both are found by
-the name.
+`protocols/tasks/NAME.py` defines how a task is asked, `analysis/tasks/NAME.py` how it is analysed.
 """
 
 from collections.abc import Mapping
@@ -75,7 +74,7 @@ FORM_TASK: Final = "rating"
 
 
 def tasks_with_level(*uses: LevelUse) -> tuple[str, ...]:
-    """The tasks whose levels an analysis uses in one of these ways.
+    """Return the tasks whose levels an analysis uses in one of these ways.
 
     >>> tasks_with_level("ratio")
     ('magnitude',)

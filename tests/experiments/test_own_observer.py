@@ -12,7 +12,7 @@ from study_texts import TUTORIAL
 from tables import trial_rows
 
 from tactometry.errors import Terminated
-from tactometry.own_code import guarded
+from tactometry.user_code import guarded
 
 GUESSER = (ROOT / "tests" / "recipes" / "tactometry" / "observers" / "guesser.py").read_text("utf-8")
 CODE = GUESSER.replace("from ..arguments", "from tactometry.arguments").replace(

@@ -12,7 +12,7 @@ from patience import LONGEST_WAIT_S
 from tactometry.devices.sensors.reader import Reader
 from tactometry.errors import DeviceFailed
 from tactometry.rigs.emitter import Emitter
-from tactometry.rigs.touch.trigger import TURN_S, Trigger, hearing, quick_turns
+from tactometry.rigs.touch.trigger import TURN_S, Trigger, quick_turns, receiving
 from tactometry.signal import Signal
 
 
@@ -198,7 +198,7 @@ def test_the_decision_follows_what_was_heard_and_ends_with_it():
     sensor, heard = Teller(), []
 
     def fail():
-        with hearing(sensor, lambda *block: heard.append(block), lambda: heard.append("then")):
+        with receiving(sensor, lambda *block: heard.append(block), lambda: heard.append("then")):
             sensor.hear(1, 2)
             raise KeyError
 
@@ -209,7 +209,7 @@ def test_the_decision_follows_what_was_heard_and_ends_with_it():
 
 
 def test_without_a_sensor_nothing_is_heard():
-    with hearing(None, pytest.fail):
+    with receiving(None, pytest.fail):
         pass
 
 

@@ -190,7 +190,7 @@ class Asking:
         self.output._fill(np.zeros((240, 1)), 240, times, SimpleNamespace(output_underflow=False))
 
     def begin(self, lead_s, n_blocks=2000):
-        self.output._course = FrameFeed(np.ones((240 * n_blocks, 1)), n_fade=1)
+        self.output._feed = FrameFeed(np.ones((240 * n_blocks, 1)), n_fade=1)
         self.ask(lead_s)
 
 

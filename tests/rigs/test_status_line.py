@@ -175,8 +175,8 @@ def test_before_a_track_is_aborted_it_is_told_once_for_each_presentation(desk):
     status = StatusLine(terminal, PARTS)
     for number in range(1, 5):
         lost = Trial(**{**vars(TRIAL), "attempt": number, "valid": False, "invalid_reason": "too_light"})
-        status.hear(Record(lost), Done(5.0 * number))
-        status.hear_event(Event("remark", 5.0 * number + 1, facts={"text": "x"}))
+        status.on_request(Record(lost), Done(5.0 * number))
+        status.on_event(Event("remark", 5.0 * number + 1, facts={"text": "x"}))
     said = [row for row in seen.rows() if row.startswith("!")]
     assert said == [
         "! the last 3 touches did not count: 2 more abort this condition",

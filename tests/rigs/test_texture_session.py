@@ -33,9 +33,9 @@ from tactometry.experiments.bench.preflight_finger import position
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
-from tactometry.followed import N_KEPT, Course, FingerPath, FollowedSignal, felt_under
+from tactometry.position_dependent import N_KEPT, FingerPath, FollowedSignal, PlayedPath, felt_under
 from tactometry.rigs.touch.gated_samples import Trace
-from tactometry.rigs.touch.touch import TouchCourse
+from tactometry.rigs.touch.touch import TouchRun
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
 from tactometry.signal import Signal
@@ -198,7 +198,7 @@ def feed(texture, positions, stamps_s, **keys):
     """A feed of a constant voltage whose first frame leaves at 1 s; the finger was at these positions."""
     stimulus = FollowedTexture(texture, duration_s=0.1, ramp_s=0.0, **keys)
     path = FingerPath()
-    path.hear(np.asarray(stamps_s), np.asarray(positions)[:, None])
+    path.on_samples(np.asarray(stamps_s), np.asarray(positions)[:, None])
     signal = FollowedSignal(np.full((1, 2000), 1.0), 20e3, "V", stimulus, path)
     made = FollowingFeed(np.full((2000, 1), 1000.0), 20, signal, latency_s=0.05)
     made.onset_s = 1.0
@@ -287,8 +287,8 @@ def test_the_guard_knows_a_signal_that_follows_from_its_strongest_samples(tmp_pa
 def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
     path = FingerPath()
     for n in range(N_KEPT + 10):
-        path.hear(np.array([1e-3 * n, 1e-3 * n - 0.5]), np.array([[1.0 * n], [-1.0]]))
-    path.hear(np.array([1e3]), np.array([[np.nan]]))
+        path.on_samples(np.array([1e-3 * n, 1e-3 * n - 0.5]), np.array([[1.0 * n], [-1.0]]))
+    path.on_samples(np.array([1e3]), np.array([[np.nan]]))
     assert path.last_s == pytest.approx(1e-3 * (N_KEPT + 9))
     times_s = 1e-3 * np.arange(N_KEPT - 100, N_KEPT + 10)
     np.testing.assert_allclose(path.at(times_s), times_s * 1e3)
@@ -298,10 +298,10 @@ def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
 def test_of_places_with_one_stamp_the_first_is_followed_and_kept():
     """A touch screen whose kernel stamps nothing is read late on a busy computer: several places come at once."""
     places, path, kept = Trace(), FingerPath(), []
-    for hear in (places.hear, path.hear):
-        hear(np.array([1.0, 1.0, 1.1]), np.array([[0.0], [5.0], [0.1]]))
-    course = Course(Signal(np.zeros((1, 100)), 1e3, "V"), latency_s=0.0, late=0.0, unknown=0.0)
+    for on_samples in (places.on_samples, path.on_samples):
+        on_samples(np.array([1.0, 1.0, 1.1]), np.array([[0.0], [5.0], [0.1]]))
+    course = PlayedPath(Signal(np.zeros((1, 100)), 1e3, "V"), latency_s=0.0, late=0.0, unknown=0.0)
     setup = SimpleNamespace(keep_path=lambda digest, lines: kept.append(lines))
-    TouchCourse(None, setup, places)._positions_digest(1.05, course)
+    TouchRun(None, setup, places)._positions_digest(1.05, course)
     assert kept == [b"-0.050000\t0.000000000\n0.050000\t0.100000000\n"]
     assert path.at(np.array([1.05])) == pytest.approx(0.05)
