@@ -203,7 +203,7 @@ def _convex_inverse(matrix: Array) -> Array:
 
     On the scale of the diagonal each eigenvalue is replaced by its size, at least 1e-8.
     """
-    is_finite = np.isfinite(matrix).all(axis=(1, 2))[:, None, None]
+    is_finite = np.asarray(np.isfinite(matrix).all(axis=(1, 2)))[:, None, None]
     known = np.where(is_finite, matrix, np.eye(N_PARAMETERS))
     scale = np.sqrt(np.abs(np.diagonal(known, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
     outer = scale[:, :, None] * scale[:, None, :]

@@ -48,7 +48,7 @@ def test_the_mode_is_the_higher_of_a_shallow_and_a_steep_summit(k, guess_rate) -
 )
 def test_of_summits_that_differ_by_their_lapse_rate_the_higher_is_found(k, threshold, lapse_rate) -> None:
     """The modes are psignifit 4.3's; of each a summit lower by 0.01 and 0.06 lies at another lapse rate."""
-    found = fit(range(1, 8), k, 20, shape="normal", guess_rate=0.5, method="map")
+    found = fit(range(1, 8), k, 20, shape="normal", guess_rate=0.5)
     assert (found.threshold, found.lapse_rate) == pytest.approx((threshold, lapse_rate), abs=1e-3)
 
 
