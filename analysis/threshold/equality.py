@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
 from ..arrays import Array
-from .fitting import fit_many, log_posterior
+from .fitting import fitting
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
 from .log_posterior import LogPosterior
-from .mode import find_mode
+from .methods import Fitting
 from .posterior import find_box, log_density_grid, nodes_in
 from .result import ThresholdFit
 from .status import Status
@@ -44,11 +44,10 @@ def fit_comparisons(
     >>> 39.5 < found.threshold < 40.5, 1 < found.jnd < 3
     (True, True)
     """
-    posterior = log_posterior(levels, n_more, n_trials, **options)
-    fits = fit_many(levels, n_more, n_trials, interval=interval, **options)
-    counts = posterior.counts
+    fitted = fitting(levels, n_more, n_trials, interval=interval, **options)
+    counts, fits = fitted.posterior.counts, fitted.results()
     lowest, highest = (counts.centre + side * counts.spread / 2 for side in (-1, 1))
-    found = zip(fits, equalities(posterior, interval), lowest.tolist(), highest.tolist(), strict=True)
+    found = zip(fits, equalities(fitted), lowest.tolist(), highest.tolist(), strict=True)
     return tuple(_compared(*one) for one in found)
 
 
@@ -91,19 +90,21 @@ def _outside(fit: ThresholdFit, equality: Equality, *, is_below: bool) -> Thresh
     return replace(fit, **unknown, status=status, note=status.note)
 
 
-def equalities(posterior: LogPosterior, interval: float = 0.95) -> list[Equality | None]:
+def equalities(fitted: Fitting) -> list[Equality | None]:
     """Return the equality of each data set; None with fewer than two levels.
 
     The rate is that of all answers, whatever the asymptotes: a standard compared with itself is called "more" in half
     of the trials, also where it is often not felt. The shape of the curve is the cumulative normal.
     """
-    chosen = np.flatnonzero(posterior.counts.n_levels > 1)
-    boxes = find_box(posterior[chosen], find_mode(posterior[chosen])) if len(chosen) else None
-    found: list[Equality | None] = [None] * len(posterior)
-    for place, n in enumerate(chosen.tolist()):
-        assert boxes is not None
+    posterior, marginals = fitted.posterior, fitted.marginals
+    found: list[Equality | None] = []
+    for n, n_levels in enumerate(posterior.counts.n_levels.tolist()):
         one = slice(n, n + 1)
-        found[n] = _equality(posterior[one], boxes.low[place], boxes.high[place], interval)
+        low, high = marginals.low[n], marginals.high[n]
+        if n_levels > 1 and np.isnan(low).any():  # the data set shared its grid with others
+            box = find_box(posterior[one], fitted.mode[one])
+            low, high = box.low[0], box.high[0]
+        found.append(_equality(posterior[one], low, high, fitted.interval) if n_levels > 1 else None)
     return found
 
 

@@ -189,19 +189,29 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
 
 
 def _without(matrix: Array, held: Bools) -> Array:
-    """The matrix with rows and columns of the held parameters replaced by those of the unit matrix."""
+    """Replace rows and columns of held parameters by those of the unit matrix.
+
+    An infinite curvature becomes NaN, which discards the step.
+    """
     either = held[:, :, None] | held[:, None, :]
-    return np.where(either, np.eye(N_PARAMETERS), matrix)
+    finite = np.where(np.isfinite(matrix), matrix, np.nan)
+    return np.where(either, np.eye(N_PARAMETERS), finite)
 
 
-def _convex_inverse(matrix: Array, damping: Array) -> Array:
-    """The inverse of a positive definite neighbour: on the scale of its diagonal each eigenvalue is replaced
-    by its absolute value, at least 1e-8, plus the damping."""
-    scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
+def _convex_inverse(matrix: Array) -> Array:
+    """Invert positive definite neighbours of matrices; NaN where a matrix is not finite.
+
+    On the scale of the diagonal each eigenvalue is replaced by its size, at least 1e-8.
+    """
+    is_finite = np.asarray(np.isfinite(matrix).all(axis=(1, 2)))[:, None, None]
+    known = np.where(is_finite, matrix, np.eye(N_PARAMETERS))
+    scale = np.sqrt(np.abs(np.diagonal(known, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
     outer = scale[:, :, None] * scale[:, None, :]
-    values, vectors = np.linalg.eigh(matrix / outer)
-    values = np.maximum(np.abs(values), 1e-8) + damping[:, None]
-    return np.asarray(np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer)
+
+    values, vectors = np.linalg.eigh(known / outer)
+    values = np.maximum(np.abs(values), 1e-8)
+    inverse = np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer
+    return np.where(is_finite, inverse, np.nan)
 
 
 def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
@@ -209,7 +219,7 @@ def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
     low, high = posterior.prior.bounds()
     # On a bound there is no curvature to rest on, whichever way the density rises there.
     held = _is_held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
-    inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
+    inverse = _convex_inverse(_without(-here.hessian, held))
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
     on_bound = held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)
     return Mode(theta, here.value, covariance, np.asarray(~on_bound))

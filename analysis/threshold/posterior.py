@@ -55,7 +55,8 @@ class Marginals(Rows):
     `threshold` and `width` (n_sets, 3) are the lower end of the central interval, the median and the upper end; all on
     the scale of `Counts.u`. `overdispersion` (n_sets,) is the posterior mean of eta, 0 for the binomial. `log_evidence`
     (n_sets,) is the logarithm of the likelihood's mean over the prior; `beyond` (n_sets, 2) the posterior's share of
-    curves whose rise lies below, and above, all levels tested.
+    curves whose rise lies below, and above, all levels tested; `low` and `high` (n_sets, 4) are the box that the
+    posterior was integrated over, NaN where data sets shared a grid.
     """
 
     mean: Array
@@ -64,11 +65,13 @@ class Marginals(Rows):
     overdispersion: Array
     log_evidence: Array
     beyond: Array
+    low: Array
+    high: Array
 
     @classmethod
     def empty(cls, n: int) -> "Marginals":
-        mean, threshold, width, beyond = (np.full((n, size), np.nan) for size in (N_PARAMETERS, 3, 3, 2))
-        return cls(mean, threshold, width, np.zeros(n), np.full(n, np.nan), beyond)
+        of_each, three, two = (np.full((n, size), np.nan) for size in (N_PARAMETERS, 3, 2))
+        return cls(of_each, three, three, np.zeros(n), np.full(n, np.nan), two, of_each, of_each)
 
 
 @dataclass(frozen=True)
@@ -90,7 +93,8 @@ def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals
     centre, scale, start, stop = lenses.T
     threshold = centre[:, None] + scale[:, None] * np.sinh(quantiles(threshold, start, stop, interval))
     width = np.exp(quantiles(log_width, boxes.low[:, LOG_WIDTH], boxes.high[:, LOG_WIDTH], interval))
-    return Marginals(mean, threshold, width, eta, log_total - posterior.prior.log_mass(), beyond)
+    log_evidence = log_total - posterior.prior.log_mass()
+    return Marginals(mean, threshold, width, eta, log_evidence, beyond, boxes.low, boxes.high)
 
 
 def _lenses(boxes: _Box, mode: Mode) -> Array:

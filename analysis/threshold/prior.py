@@ -31,13 +31,13 @@ FLOOR = np.array([-np.inf, -np.inf, 1e-9, 1e-9])
 
 @dataclass(frozen=True)
 class Prior(Rows):
-    """What is known before the data.
+    """Prior of data sets side by side.
 
-    `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the
-    width have no prior (maximum likelihood), the free rates keep theirs. A `threshold` (n_sets,) holds it
-    there. With `scale_free_width` the width's flat part is flat in its logarithm instead. The priors of free
-    rates are Beta(1, `lapse_beta`) and Beta(1, `guess_beta`); with `equal_asymptotes` both are one, at the place of the
-    lapse rate. The least width is `narrowest_spacings` of the smallest spacing.
+    `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the width
+    have no prior (maximum likelihood), the free rates keep theirs. With `scale_free_width` the width's flat part is
+    flat in its logarithm instead. The priors of free rates are Beta(1, `lapse_beta`) and Beta(1, `guess_beta`); with
+    `equal_asymptotes` both are one, at the place of the lapse rate. The least width is `narrowest_spacings` of the
+    smallest spacing.
     """
 
     gap: Array
@@ -47,7 +47,6 @@ class Prior(Rows):
     n_catch: Array
     on_curve: bool = True
     scale_free_width: bool = False
-    threshold: Array | None = None
     overdispersion: Array | None = None
     lapse_beta: float = BETA_B
     guess_beta: float = BETA_B
@@ -87,8 +86,6 @@ class Prior(Rows):
         for place, rate in ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate)):
             if place not in self.free:
                 low[:, place] = high[:, place] = rate or 0.0
-        if self.threshold is not None:
-            low[:, THRESHOLD] = high[:, THRESHOLD] = self.threshold
         return low, high
 
     def log_density(self, theta: Array) -> Array:

@@ -77,7 +77,8 @@ def _marginals_on_grid(posterior: LogPosterior, mode: Mode, interval: float) -> 
     means = [(mass @ x) / mass.sum(axis=1) for mass, x in values]
     mean = prior.tied(np.stack(means, axis=1))
     log_evidence = log_total - prior.log_mass()
-    shared = Marginals(mean, threshold, width, np.zeros(len(mean)), log_evidence, beyond)
+    no_box = np.full(mean.shape, np.nan)
+    shared = Marginals(mean, threshold, width, np.zeros(len(mean)), log_evidence, beyond, no_box, no_box)
     return shared, _is_resolved(prior, grid, along)
 
 

@@ -80,39 +80,16 @@ beside 1 for the curves of the fit. Unverified defaults: with them the census (d
 shares of wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers at a
 ceiling do."""
 
-TOO_NARROW = ("ml", "map", "profile")
-"""Methods whose intervals are known to be too narrow after an adaptive track."""
-AFTER_A_TRACK = (
-    "trials stand on the levels as an adaptive track leaves them, where intervals of ml, map and profile hold the "
-    "truth too seldom (84 % of map's and 91 % of profile's after 60 trials of QUEST+); take method='posterior'"
-)
-UNEVEN, FEW = 1e-3, 10
-
-
-def stand_as_after_a_track(counts: Counts) -> Bools:
-    """Whether some levels have more trials than an even spread explains (chi square), or hardly any has two: constant
-    stimuli are even."""
-    n, n_levels = counts.n_trials.sum(axis=1), np.maximum(counts.n_levels, 1)
-    even = np.maximum(n / n_levels, 1.0)[:, None]
-    squares = np.where(counts.n_trials > 0, (counts.n_trials - even) ** 2 / even, 0.0)
-    is_uneven = ChiSquare.sf(squares.sum(axis=1), np.maximum(n_levels - 1, 1)) < UNEVEN
-    is_scattered = (n_levels > FEW) & (n < 2 * n_levels)
-    return np.asarray(is_uneven | is_scattered)
-
-
 Statuses = NDArray[np.object_]
 
 
-def notes(counts: Counts, status: Statuses, method: str, interval: float) -> list[str]:
-    """What is said beside each status."""
+def notes(counts: Counts, status: Statuses, interval: float) -> list[str]:
+    """Return the explanation of each status."""
     said = [Status(word).note for word in status]
     for i in np.flatnonzero((status == Status.TOO_FEW_LEVELS) & (counts.n_levels == 1)):
         k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
         low, high = proportion_interval(k, n, interval)
         said[i] = f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
-    if method in TOO_NARROW:
-        for i in np.flatnonzero((status == Status.OK) & stand_as_after_a_track(counts)):
-            said[i] = AFTER_A_TRACK
     return said
 
 

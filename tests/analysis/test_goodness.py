@@ -131,7 +131,7 @@ def test_each_fault_is_found_by_its_test(fault, test, power):
 
 def test_the_deviance_is_that_of_the_fit():
     k, n = np.array([10, 11, 12, 15, 18, 16, 20]), 20
-    found = fit(LEVELS, k, n, shape="normal", guess_rate=0.5, method="map")
+    found = fit(LEVELS, k, n, shape="normal", guess_rate=0.5)
     counts = normalise(LEVELS[None], k[None].astype(float), np.full((1, 7), 20.0))
     zero = np.zeros(1)
     theta = find_mode(LogPosterior(SHAPES["normal"], counts, Prior(counts.gap, None, 0.5, zero, zero))).theta

@@ -24,9 +24,9 @@ def test_a_mode_is_that_of_a_single_fit(rule):
     drawn = criteria(np.random.default_rng().random((60, 100)), "gumbel", 20.0, 8.0, 0.5, 0.02)
     made = tracks(rule, drawn)
     found = fit_modes(made.levels, made.answers, **GIVEN)
-    single = fit_many(made.levels, made.answers, 1, method="map", **GIVEN)
+    single = fit_many(made.levels, made.answers, 1, **GIVEN)
     held = np.array([one.status is Status.OK for one in single]) & found.regular
-    thresholds = np.array([np.nan if one.threshold is None else one.threshold for one in single])
+    thresholds = np.array([np.nan if one.threshold is None else one.threshold_mode for one in single])
     widths = np.array([np.nan if one.width is None else one.width for one in single])
     away = np.abs(found.thresholds - thresholds) > 1e-5
     assert held.sum() > 40

@@ -9,9 +9,8 @@ from places import SHARED
 from scipy.stats import betabinom, binom
 
 from tactometry.analysis.threshold.counts import normalise
-from tactometry.analysis.threshold.fitting import fit
+from tactometry.analysis.threshold.fitting import METHODS, fit
 from tactometry.analysis.threshold.likelihood import expansion, log_weight, overdispersed_expansion
-from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
 NAMES = {"norm": "normal", "rgumbel": "reversed_gumbel"}
@@ -132,14 +131,14 @@ def test_overdispersed_answers_are_seen_and_widen_the_interval() -> None:
 )
 def test_without_overdispersion_the_mode_is_the_higher_of_the_binomials_two(k) -> None:
     """Poor fits with a shallow summit without lapses, which the coarse grid leads to, below a steep one."""
-    options = {"shape": "normal", "guess_rate": 0.5, "method": "map"}
+    options = {"shape": "normal", "guess_rate": 0.5}
     binomial, found = (fit(np.arange(1.0, 8), k, 20, overdispersion=free, **options) for free in (False, True))
     assert found.overdispersion == 0
     for name in ("threshold", "width", "lapse_rate"):
         assert getattr(found, name) == pytest.approx(getattr(binomial, name), rel=1e-6)
 
 
-@pytest.mark.parametrize("method", ["posterior", "map", "ml"])
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     ("k", "mode", "median", "mean"),
     [
@@ -162,8 +161,3 @@ def test_mean_threshold_is_that_of_estimate_mean() -> None:
     options = {"shape": "normal", "guess_rate": 0.5, "overdispersion": True}
     found, mean = (fit(range(1, 7), [9, 14, 11, 22, 17, 24], 24, estimate=of, **options) for of in ("mode", "mean"))
     assert found.threshold_mean == mean.threshold_mean == mean.threshold
-
-
-def test_methods_without_overdispersion_say_so() -> None:
-    with pytest.raises(InvalidParameter, match="method: found 'profile' with overdispersion, expected one of ml, map"):
-        fit([1, 2, 3], [1, 5, 9], 10, shape="normal", guess_rate=0.0, method="profile", overdispersion=True)

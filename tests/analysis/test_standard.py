@@ -14,7 +14,7 @@ from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.tasks.comparison import FIT
 from tactometry.analysis.tasks.standard import floor_warnings, lowest_levels, standard_sentences, standard_tests
 from tactometry.analysis.threshold.equality import equalities, fit_comparisons
-from tactometry.analysis.threshold.fitting import log_posterior
+from tactometry.analysis.threshold.fitting import fitting
 from tactometry.experiments.census.comparisons import N_AT_STANDARD, STANDARD, STANDARD_LEVELS, answers_to_standard
 
 STUDY = "texture-discrimination"
@@ -86,7 +86,7 @@ def test_flat_interval_is_no_test_of_standard(status, differs) -> None:
 
 def test_flat_comparison_has_interval_of_pse() -> None:
     (found,) = estimates([replace(cell(9), n_yes=(8, 10, 11, 10, 12))], 2)
-    (equality,) = equalities(log_posterior(found.cell.levels, found.cell.n_yes, 20, **FIT))
+    (equality,) = equalities(fitting(found.cell.levels, found.cell.n_yes, 20, **FIT))
     assert (found.fit.status, found.fit.threshold) == ("flat", None)
     ends = (found.fit.interval_low, found.fit.interval_high)
     assert ends != (None, None)

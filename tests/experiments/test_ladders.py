@@ -31,7 +31,7 @@ def reduced(problem: Problem) -> Problem:
     return replace(problem, rungs=tuple(rung for group in groups for rung in group[: N_RUNGS.get(problem.name)]))
 
 
-DEAR = ("procedures", "threshold-bootstrap", "group-threshold", "scene-hybrid-screen")
+DEAR = ("procedures", "group-threshold", "scene-hybrid-screen")
 CLIMBED = [pytest.param(name, marks=pytest.mark.slow if name in DEAR else ()) for name in LADDERS]
 
 
