@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 BORDERS: Final = 3
 """Width that a column adds to its text; the table adds one."""
+MOST_FOLDED: Final = 60
+"""Rows of a table with one cell a row that a terminal still shows."""
 
 
 def tables(analysis: "Analysis", width: int) -> "Iterator[tuple[Table | None, Sequence[str]]]":
@@ -37,14 +39,14 @@ def text_table(cells: TextGrid, title: str, width: int, n_keys: int, across: str
     Returns
     -------
     rich.table.Table | None
-        None if that is too wide as well.
+        None if that is too wide as well, or has more than `MOST_FOLDED` rows.
     """
     from rich.table import Table
 
     widths = _widths(cells, width)
     if widths is None:
         cells = _one_cell_a_row(cells, n_keys, across)
-        widths = _widths(cells, width)
+        widths = _widths(cells, width) if len(cells.rows) <= MOST_FOLDED else None
     if widths is None:
         return None
     # rich folds a title at the width of its table.
