@@ -96,7 +96,7 @@ class Unfelt:
         """
         where = f" at {self.condition}" if self.condition else ""
         if self.is_standard:
-            return f"WARNING: the standard ({self.level}) is {self._distance}{where}: low levels are often not felt"
+            return f"WARNING: the standard ({self.level}) is {self._distance}{where}: some participants may not feel it"
         if self.sensation_db is None:
             return f"WARNING: even the strongest level ({self.level}) is not felt at all{where}"
         return f"WARNING: even the strongest level ({self.level}) is {self._distance}{where}"

@@ -147,3 +147,4 @@ def test_standard_has_mean_jnd_of_group_table(tmp_path, capsys) -> None:
 def test_dry_run_warns_of_standard_near_threshold(capsys) -> None:
     said = output(capsys, "run", STUDY, "--participant", "P01", "--dry-run")
     assert "WARNING: the standard (40 dB re 1 V) is 6.9 dB above the predicted threshold" in said
+    assert "some participants may not feel it" in said
