@@ -164,9 +164,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     )
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
     tables |= _curve_tables(table, estimates, used, judged, factors) | _force_tables(forces, factors)
-    tables |= _compared_tables(values) | {"categories": categories(trials)}
-    jnds = next((one.group for one in values.outcomes if one.dependent == "jnd"), None)
-    tables |= {TESTS: standard_tests(table, used, factors, jnds)}
+    tables |= _compared_tables(values) | {TESTS: _standard(values, table, used), "categories": categories(trials)}
     tables |= {"sittings": sittings(origin.heads), "happenings": happenings(everything.path)}
     values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
     return replace(values, warnings=warnings_of(values), methods=methods(values))  # last: they tell of all tables
@@ -247,6 +245,11 @@ def _curve_tables(
         FLOORS: lowest_levels(every, factors),
         LAPSES: lapse_table(estimates, factors),
     }
+
+
+def _standard(analysis: Analysis, table: pd.DataFrame, used: pd.DataFrame) -> pd.DataFrame:
+    jnds = next((one.group for one in analysis.outcomes if one.dependent == "jnd"), None)
+    return standard_tests(table, used, analysis.factors, jnds)
 
 
 def _force_tables(forces: pd.DataFrame | None, factors: Sequence[str]) -> dict[str, pd.DataFrame]:

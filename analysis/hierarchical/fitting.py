@@ -116,8 +116,7 @@ def fit_hierarchical(
     _check(conditions, width_by, interval, (guess_rate, lapse_rate))
     names = np.asarray([str(name) for name in participants])
     x, k, n = (rows[0] for rows in count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels))
-    for name, values in {"participants": participants, **conditions}.items():
-        expect(len(values) == x.size, name, f"{len(values)} rows", f"{x.size}, one for each level")
+    _check_rows({"participants": participants, **conditions}, x.size)
     used = n > 0
     factors = {name: np.asarray(values)[used] for name, values in conditions.items()}
     if not used.any():
@@ -144,6 +143,11 @@ def _check(
     expect(len(conditions) > 0, "conditions", "no factor", "at least one, with one value if nothing varied")
     between("fit_hierarchical", 0, 1, interval=interval)
     check_rates("fit_hierarchical", *rates)
+
+
+def _check_rows(columns: Mapping[str, Sequence[object]], n_rows: int) -> None:
+    for name, values in columns.items():
+        expect(len(values) == n_rows, name, f"{len(values)} rows", f"{n_rows}, one for each level")
 
 
 def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
