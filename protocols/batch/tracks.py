@@ -11,8 +11,7 @@ from tactometry.errors import InvalidParameter
 
 from ..bayesian.weighing import WeighingRule, judged, normalised
 from ..procedures.procedure import Ending, Rule
-from ..procedures.stepping import SteppingRule
-from ..procedures.transition import ABORTED, CENSORED_ABOVE, GOES_ON, Numbers, ending_of
+from ..procedures.stepping import ABORTED, CENSORED_ABOVE, GOES_ON, Numbers, SteppingRule, ending_of
 from .answers import AS_ASKED, Array, Delivery, LevelTable
 
 NOT_ASKED = -1
@@ -26,7 +25,7 @@ class TrackBatch:
 
     - `asked`, `levels`: (n_sets, n_trials). What the rule asked for, and what was delivered; NaN after a track's end.
     - `answers`: (n_sets, n_trials) of int. The outcomes, 1 or 0 of most rules, or `NOT_ASKED` after the end.
-    - `endings`: (n_sets,) of int. As in `tactometry.protocols.procedures.transition`; `ending` says one in words.
+    - `endings`: (n_sets,) of int. As in `tactometry.protocols.procedures.stepping`; `ending` says one in words.
     - `thresholds`: (n_sets,). The rule's own estimates; NaN where there is none.
     """
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tactometry.arguments.require import expect, numbers, of_kind, one_of
 
 from ..procedures.procedure import Ending, Rule, RuleThreshold, Run
-from ..procedures.transition import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, ending_of
+from ..procedures.stepping import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, ending_of
 from .outcome_model import Array
 
 HIGHEST = 1 + 1e-9

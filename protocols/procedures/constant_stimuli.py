@@ -7,12 +7,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import distinct, expect, numbers, some, whole
+from tactometry.arguments.constraints import constrained
+from tactometry.arguments.require import distinct, expect, numbers, some
 from tactometry.errors import count_of
 
-from .procedure import MOST_TRIALS, FixedOrder, checked_outcome
-from .stepping import SteppingRule, SteppingRun
-from .transition import (
+from .procedure import MOST_TRIALS, Count, FixedOrder, checked_outcome
+from .stepping import (
     CENSORED_ABOVE,
     CENSORED_BELOW,
     GOES_ON,
@@ -20,6 +20,8 @@ from .transition import (
     Numbers,
     Order,
     State,
+    SteppingRule,
+    SteppingRun,
     Transition,
     no_answer,
     no_threshold,
@@ -43,6 +45,7 @@ def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]
 
 
 @dataclass(frozen=True)
+@constrained
 class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     """Each of `levels` is presented `repeats` times, in an order that no response changes.
 
@@ -63,7 +66,7 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     """
 
     levels: tuple[float, ...]
-    repeats: int
+    repeats: Count
 
     name = "constant_stimuli"
     transition = Transition(no_answer, _level, one_more, _ending, no_threshold)
@@ -71,7 +74,6 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
 
     def __post_init__(self) -> None:
         numbers("ConstantStimuli.levels", self.levels)
-        whole("ConstantStimuli", lowest=1, repeats=self.repeats)
         some("ConstantStimuli.levels", self.levels)
         once = "each level once; raise repeats to present it more often"
         distinct("ConstantStimuli.levels", self.levels, once)
@@ -106,7 +108,7 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
 
 @dataclass(frozen=True)
 class ConstantStimuliRun(SteppingRun[ConstantStimuli], FixedOrder):
-    """The levels in their `order`."""
+    """Run of `ConstantStimuli`; its `order` holds the levels."""
 
     def take(self, response: int | bool) -> Self:
         return replace(self, responses=(*self.responses, checked_outcome(response, 2, "ConstantStimuli")))

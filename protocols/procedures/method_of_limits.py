@@ -3,16 +3,17 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
+from annotated_types import Ge, Interval
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import expect, finite, one_of, whole
+from tactometry.arguments.constraints import Finite, constrained
+from tactometry.arguments.require import expect, one_of
 
 from .procedure import MOST_TRIALS, RuleThreshold
-from .stepping import SteppingRule, SteppingRun
-from .transition import (
+from .stepping import (
     ABORTED,
     CENSORED_ABOVE,
     CENSORED_BELOW,
@@ -20,6 +21,8 @@ from .transition import (
     TRIALS,
     Order,
     State,
+    SteppingRule,
+    SteppingRun,
     Transition,
 )
 
@@ -84,7 +87,7 @@ def _ending(numbers: LimitsNumbers, order: Order, state: State, answers: Sequenc
 
 
 def _threshold(marks: Sequence[float]) -> float:
-    """The mean of the transitions."""
+    """Mean of the transitions."""
     n, total = 0, 0.0
     for mark in marks:
         if math.isfinite(mark):
@@ -93,6 +96,7 @@ def _threshold(marks: Sequence[float]) -> float:
 
 
 @dataclass(frozen=True)
+@constrained
 class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     """Series of rising or falling levels, each until the answer changes.
 
@@ -120,12 +124,12 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     ((7.0, 3.0), 5.0)
     """
 
-    low: float
-    high: float
-    step: float
-    n_series: int = 10
+    low: Finite
+    high: Finite
+    step: Finite
+    n_series: Annotated[int, Interval(ge=0, le=MOST_TRIALS)] = 10
     direction: Direction = "alternating"
-    n_start_steps: int = 0
+    n_start_steps: Annotated[int, Ge(0)] = 0
 
     name = "method_of_limits"
     transition = Transition(_start, _level, _after, _ending, _threshold)
@@ -133,9 +137,6 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
 
     def __post_init__(self) -> None:
         one_of("MethodOfLimits.direction", self.direction, DIRECTIONS)
-        finite("MethodOfLimits", low=self.low, high=self.high, step=self.step)
-        whole("MethodOfLimits", lowest=0, highest=MOST_TRIALS, n_series=self.n_series)
-        whole("MethodOfLimits", lowest=0, n_start_steps=self.n_start_steps)
         are_steps = self.step > 0 and self.low < self.high <= self.low + N_STEPS * self.step
         range_ = f"{self.step:g} from low {self.low:g} to high {self.high:g}"
         few = f"above 0, low below high, and at most {N_STEPS} steps between them"
@@ -159,7 +160,7 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
         return self.n_series * (self.n_steps + 1)
 
     def begin(self, rng: np.random.Generator | None = None) -> "MethodOfLimitsRun":
-        """With a generator each series starts at another level, drawn from `n_start_steps` + 1 of them."""
+        """Return a run; a generator draws where each series starts, from `n_start_steps` + 1 levels."""
         if rng is None:
             return MethodOfLimitsRun(self, order=(0,) * self.n_series)
         drawn = rng.integers(self.n_start_steps + 1, size=self.n_series)
@@ -172,13 +173,12 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
 
 @dataclass(frozen=True)
 class MethodOfLimitsRun(SteppingRun[MethodOfLimits]):
-    """The series so far: where each begins in steps inwards is their `order`."""
+    """Run of a `MethodOfLimits`; its `order` holds where each series begins, in steps inwards."""
 
     @property
     def transitions(self) -> tuple[float | None, ...]:
-        """Of the series that are over; None for one without."""
+        """Transitions of the series that are over, None for one without."""
         return tuple(None if mark == UNCHANGED else mark for mark in self.marks if not math.isnan(mark))
 
     def _estimate(self) -> RuleThreshold:
-        """The mean of the transitions; None where there is none."""
         return RuleThreshold(self._threshold(), note=f"of {self.name}")

@@ -6,11 +6,24 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from tactometry.arguments.require import expect, numbers, one_of, some, whole
+from tactometry.arguments.constraints import constrained
+from tactometry.arguments.require import expect, numbers, one_of, some
 from tactometry.trials.tasks import PRACTICE_CRITERION
 
-from .stepping import SteppingRule, SteppingRun
-from .transition import CONVERGED, GOES_ON, TRIALS, Order, State, Transition, no_answer, no_threshold, one_more
+from .procedure import Count
+from .stepping import (
+    CONVERGED,
+    GOES_ON,
+    TRIALS,
+    Order,
+    State,
+    SteppingRule,
+    SteppingRun,
+    Transition,
+    no_answer,
+    no_threshold,
+    one_more,
+)
 
 
 class PracticeNumbers(NamedTuple):
@@ -37,6 +50,7 @@ OnMiss = Literal["go_on", "ask"]
 
 
 @dataclass(frozen=True)
+@constrained
 class Practice(SteppingRule["SteppingRun[Practice]"]):
     """Easy levels in turn until `n_correct` of the last `n_of` answers were right, `n_trials` at most.
 
@@ -57,9 +71,9 @@ class Practice(SteppingRule["SteppingRun[Practice]"]):
     """
 
     levels: tuple[float, ...]
-    n_correct: int = PRACTICE_CRITERION[0]
-    n_of: int = PRACTICE_CRITERION[1]
-    n_trials: int = 20
+    n_correct: Count = PRACTICE_CRITERION[0]
+    n_of: Count = PRACTICE_CRITERION[1]
+    n_trials: Count = 20
     on_miss: OnMiss = "go_on"
 
     name = "practice"
@@ -68,7 +82,6 @@ class Practice(SteppingRule["SteppingRun[Practice]"]):
 
     def __post_init__(self) -> None:
         numbers("Practice.levels", self.levels)
-        whole("Practice", lowest=1, n_correct=self.n_correct, n_of=self.n_of, n_trials=self.n_trials)
         some("Practice.levels", self.levels)
         one_of("Practice.on_miss", self.on_miss, get_args(OnMiss))
         for name, most in (("n_correct", "n_of"), ("n_of", "n_trials")):

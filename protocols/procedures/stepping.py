@@ -1,16 +1,73 @@
-"""Rules whose steps are a `Transition` of plain numbers: all but those that weigh a grid of functions."""
+"""Rules whose steps are pure functions of plain numbers, which a session calls and a batch compiles (`Transition`)."""
 
+import math
 from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import isnan
-from typing import Any, ClassVar, Self, TypeVar
+from typing import Any, ClassVar, Self, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .procedure import Ending, Rule, RuleThreshold, Run
-from .transition import Numbers, State, Transition, ending_of
+
+Numbers = tuple[Any, ...]
+Order = Sequence[float]
+State = tuple[Any, ...]
+GOES_ON, CONVERGED, TRIALS, CENSORED_ABOVE, CENSORED_BELOW, ABORTED = range(6)
+"""Codes of `Transition.ending`. Runs that end with the last three have no threshold."""
+
+
+@dataclass(frozen=True)
+class Transition:
+    """Steps of a kind of procedure, as functions that call only what numba knows.
+
+    `numbers` are those of the rule, a named tuple of numbers and of sequences of numbers; `order` is what was drawn for
+    the run before its first answer, empty for most rules; `state` is a tuple of numbers, each either always whole or
+    never; `answers` and `levels` are the history with the last answer.
+
+    - `start`: ``start(numbers, order)``: the state before the first answer.
+    - `level`: ``level(numbers, order, state)``: the next level, also of a run that has ended.
+    - `after`: ``after(numbers, order, state, answers, levels)``: the state after the last answer, and its mark: a level
+      that an estimate rests on (a reversal, a transition), else NaN.
+    - `ending`: ``ending(numbers, order, state, answers)``: `GOES_ON`, or how it ended.
+    - `threshold`: ``threshold(marks)``: the rule's own estimate from the marks of all answers, NaN without one.
+    """
+
+    start: Callable[..., State]
+    level: Callable[..., float]
+    after: Callable[..., tuple[State, float]]
+    ending: Callable[..., int]
+    threshold: Callable[[Sequence[float]], float]
+
+
+def ending_of(code: int) -> Ending | None:
+    """Return the ending of a code.
+
+    >>> ending_of(GOES_ON), ending_of(CENSORED_BELOW)
+    (None, 'censored_below')
+    """
+    endings: tuple[Ending, ...] = get_args(Ending)
+    return endings[code - 1] if code else None
+
+
+def no_answer(numbers: Numbers, order: Order) -> State:
+    """Start of a rule whose state is the number of answers."""
+    return (0,)
+
+
+def one_more(
+    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+) -> tuple[State, float]:
+    """Count an answer, without a mark."""
+    return (state[0] + 1,), math.nan
+
+
+def no_threshold(marks: Sequence[float]) -> float:
+    """Return NaN: the rule makes no estimate."""
+    return math.nan
+
 
 RunT = TypeVar("RunT", bound="SteppingRun[Any]")
 
@@ -23,10 +80,10 @@ class SteppingRule(Rule[RunT]):
     @property
     @abstractmethod
     def numbers(self) -> Numbers:
-        """As the functions of the transition take them."""
+        """Numbers as the functions of the transition take them."""
 
     def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
-        """What is drawn before the first answers of so many runs, (n_sets, n_drawn); most rules draw nothing."""
+        """Draw the orders of so many runs, (n_sets, n_drawn); most rules draw nothing."""
         del rng
         return np.zeros((n_sets, 0))
 
@@ -36,10 +93,10 @@ RuleT = TypeVar("RuleT", bound=SteppingRule[Any])
 
 @dataclass(frozen=True)
 class SteppingRun(Run[RuleT]):
-    """How far such a rule has come.
+    """Run of such a rule.
 
     - `order`: What was drawn before the first answer.
-    - `state`: What the transition makes of the answers; before the first one where none is given.
+    - `state`: The state of the transition; by default that before the first answer.
     - `marks`: One for each answer: a level that the estimate rests on, else NaN.
     """
 
@@ -60,9 +117,8 @@ class SteppingRun(Run[RuleT]):
         return ending_of(self.rule.transition.ending(self.rule.numbers, self.order, self.state, self.responses))
 
     def _threshold(self) -> float | None:
-        """The rule's own, None where it has none yet."""
         level = self.rule.transition.threshold(self.marks)
-        return None if isnan(level) else level
+        return None if math.isnan(level) else level
 
     def _estimate(self) -> RuleThreshold:
         return RuleThreshold(self._threshold(), note=self.rule.unreplayed)

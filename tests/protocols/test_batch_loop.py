@@ -10,8 +10,7 @@ import pytest
 from tactometry.protocols import Staircase
 from tactometry.protocols.batch.loop import loop_of
 from tactometry.protocols.batch.tracks import tracks
-from tactometry.protocols.procedures.stepping import SteppingRule
-from tactometry.protocols.procedures.transition import Transition
+from tactometry.protocols.procedures.stepping import SteppingRule, Transition
 
 SOURCE = """
 def start(numbers, order):

@@ -10,8 +10,7 @@ import numpy as np
 from tactometry.arguments.require import finite, within
 
 from .procedure import RuleThreshold
-from .stepping import SteppingRule, SteppingRun
-from .transition import GOES_ON, TRIALS, Numbers, Order, State, Transition
+from .stepping import GOES_ON, TRIALS, Numbers, Order, State, SteppingRule, SteppingRun, Transition
 
 
 # numbers: start, step, low, high, target, n_trials; state: level asked
