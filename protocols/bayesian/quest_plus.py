@@ -75,10 +75,7 @@ class QuestPlus(WeighingRule):
         of_kind("QuestPlus", OutcomeModel, grid=self.grid)
         n_chances = n_levels * prod(size(self.grid))
         at_most("QuestPlus: levels times combinations of parameters", n_chances, MOST_CHANCES)
-        # the first trial waits for neither the tables nor its level
-        if self.aim == "parameters" and self.criterion == "entropy":
-            self.likelihoods.prepare()
-        _ = self.level, self.log_likelihood(self.levels[0], 0)
+        _ = self.level, self.log_likelihood(self.levels[0], 0)  # makes the tables before the first trial
 
     @property
     def n_outcomes(self) -> int:
