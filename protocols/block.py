@@ -33,8 +33,6 @@ class Block:
     - `task`: What is asked in a trial.
     - `options`: How the trials follow each other.
     - `practice`: Mark the rows as practice.
-
-    Raises `InvalidParameter` if there is no track, or something else in the place of one or of the task.
     """
 
     tracks: tuple[Track, ...]

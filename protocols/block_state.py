@@ -83,8 +83,6 @@ class BlockOptions:
       the block began.
     - `rest_s`: A rest lasts at least so long, counted down.
     - `longest_s`: A block that lasts longer ends; what is unfinished is aborted.
-
-    Raises `InvalidParameter` if a number is out of its domain or the interleaving unknown.
     """
 
     catch_rate: Annotated[float, Interval(ge=0, le=0.5)] = 0.0

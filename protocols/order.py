@@ -70,8 +70,6 @@ class Crossing(Generic[T]):
 
     - `rules`: One of `ORDERS` by factor; other factors are fixed.
     - `nested`: By factor, level of it, and faster factor: the levels of the latter there.
-
-    Raises `InvalidParameter` if a rule is unknown, or balances a factor whose nested levels differ in number.
     """
 
     factors: Mapping[str, Sequence[T]]

@@ -26,8 +26,6 @@ class LevelTable:
     - `levels`: (n_levels,). Rising.
     - `felt`: (n_levels,) or (n_sets, n_levels). Of all sets, or of each.
 
-    Raises `InvalidParameter` if levels do not rise, or a row is not as long as they are.
-
     >>> LevelTable(np.array([0.0, 10.0]), np.array([-3.0, 7.0])).felt.shape
     (1, 2)
     """
@@ -94,8 +92,6 @@ class Delivery:
 
     - `step`: In the unit of the level; 0 delivers every level.
     - `low`, `high`: The least and the greatest that it delivers.
-
-    Raises `InvalidParameter` if the step is below 0, or the bounds are no numbers in order.
 
     >>> Delivery(step=0.5, high=30.0)(np.array([12.3, 31.0])).tolist()
     [12.5, 30.0]

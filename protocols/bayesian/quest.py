@@ -49,8 +49,6 @@ class Quest(WeighingRule):
     - `n_trials`: Largest number of trials of a track.
     - `sd_stop`: It ends when the posterior's standard deviation is so small, in the unit of the levels.
 
-    Raises `InvalidParameter` if a number is out of its domain.
-
     >>> rule = Quest(start=20.0, start_sd=10.0, low=0.0, high=40.0, step=0.5, placing="mean")
     >>> rule.level, rule.after(1).level < 20 < rule.after(0).level
     (20.0, True)

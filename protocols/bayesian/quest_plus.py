@@ -44,9 +44,6 @@ class QuestPlus(WeighingRule):
       first parameter is the threshold.
     - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
-    Raises `InvalidParameter` if there are fewer than two levels, a level is not finite or stands twice, a number is out
-    of its domain, or a prior does not fit.
-
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus(
     ...     levels=tuple(range(-40, 1)), grid=ParameterGrid(tuple(range(-40, 1)), widths=(10.0,)), n_trials=2
@@ -185,8 +182,6 @@ class SharedQuestPlus:
 
     `procedures()` gives each track as a procedure for a block that interleaves them. A track whose spread was within
     the rule's `sd_stop` may go on again when another track's answers move what they share; `n_trials` bounds each.
-
-    Raises `InvalidParameter` if there is no track, or a name stands twice.
 
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)

@@ -57,9 +57,6 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     - `levels`: The levels that are presented, each once in a repeat.
     - `repeats`: How often each is presented.
 
-    Raises `InvalidParameter` if there is no level, a level is not finite or stands twice, `repeats` is below 1, or
-    there are more than `MOST_TRIALS`.
-
     >>> rule = ConstantStimuli(levels=(1.0, 2.0), repeats=1)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).finished
     (1.0, 2.0, True)

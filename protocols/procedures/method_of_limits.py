@@ -115,8 +115,6 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
       the habit of counting.
     - `direction`: Which way series go.
 
-    Raises `InvalidParameter` if bounds, step or counts make no series of at least two levels.
-
     >>> rule = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=2)
     >>> for answer in (1, 1, 0, 0, 0, 1):
     ...     rule = rule.after(answer)

@@ -63,8 +63,6 @@ class Practice(SteppingRule["SteppingRun[Practice]"]):
     - `on_miss`: With ``ask``, the experimenter chooses after a practice that missed its criterion: practice again, go
       on, or end the session. With ``go_on`` the session goes on.
 
-    Raises `InvalidParameter` if there is no level, or the counts make no criterion.
-
     >>> rule = Practice(levels=(40.0, 30.0), n_correct=2, n_of=3, n_trials=10)
     >>> rule.after(1).level, rule.after(1).after(0).after(1).ending
     (30.0, 'converged')

@@ -175,8 +175,6 @@ class Staircase(UpDown):
     - `n_at_bound`: So many moves in a row beyond a bound end it as censored.
     - `initial_rule`: Until the first reversal one answer moves the level.
 
-    Raises `InvalidParameter` if bounds, start, steps or counts make no staircase.
-
     >>> rule = Staircase(start=20.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=2, n_reversals=4, n_trials=50)
     >>> rule.after(1).level, rule.after(1).after(0).level
     (16.0, 18.0)
@@ -218,8 +216,6 @@ class WeightedStaircase(UpDown):
     - `steps_up`: Steps upwards, one after each number of reversals; the last one stays.
     - `steps_down`: Steps downwards, as many as `steps_up`.
     - `start`, `low`, `high`, `n_down`, `n_reversals`, `n_trials`, `n_at_bound`: As in `Staircase`.
-
-    Raises `InvalidParameter` if the pairs do not match, or as `Staircase`.
 
     >>> rule = WeightedStaircase(start=20.0, steps_up=(6.0,), steps_down=(2.0,), low=0.0, high=40.0)
     >>> rule.target, rule.after(1).level, rule.after(0).level
