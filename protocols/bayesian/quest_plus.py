@@ -20,9 +20,9 @@ from .weighing import Posterior, WeighingRule, WeighingRun, entropies, log_prior
 Aim = Literal["parameters", "threshold"]
 Criterion = Literal["entropy", "variance"]
 MOST_CHANCES = 100_000_000
-"""What a table of one outcome may hold: 800 MB."""
+"""Largest number of entries in a table of one outcome: 800 MB."""
 TIE = 1e-12
-"""Expected losses this near to the least are equal: the order of a sum must not decide where a session goes."""
+"""Expected losses this near to the least are equal, so that rounding does not choose a level."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,14 +30,12 @@ TIE = 1e-12
 class QuestPlus(WeighingRule):
     """Bayesian placement by minimum expected entropy or variance, for any model of answers.
 
-    Watson, J. Vision 17(3):10 (2017). `aim` ``parameters`` is QUEST+: the entropy of the whole posterior, or the sum of
-    the parameters' variances, each in units of its prior variance. ``threshold`` minimises the entropy or variance of
-    the marginal of the first parameter, with the others as nuisance (Prins, J. Vision 13(7):3, 2013). Ties go to the
-    first level.
+    Watson, J. Vision 17(3):10 (2017). The `aim` ``parameters`` minimises the entropy of the posterior, or the sum of
+    the parameters' variances relative to their priors; ``threshold`` that of the first parameter alone (Prins, J.
+    Vision 13(7):3, 2013). Ties go to the first level.
 
-    It ends after `n_trials`, or when the first parameter's posterior standard deviation is at most `sd_stop` (in the
-    unit of the levels). Where that parameter is most likely the first or last of its grid, the answers tell a bound
-    only and the run is censored. Answers that no cell of the grid allows end it as aborted; `remark` says which.
+    A run ends after `n_trials`, or at a posterior standard deviation of the first parameter of `sd_stop`. It is
+    censored if this parameter is most likely at an end of its grid, and aborted if no cell allows the answers.
 
     - `levels`: The candidates.
     - `grid`: `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the
@@ -45,9 +43,8 @@ class QuestPlus(WeighingRule):
     - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
     >>> from tactometry.protocols import ParameterGrid
-    >>> rule = QuestPlus(
-    ...     levels=tuple(range(-40, 1)), grid=ParameterGrid(tuple(range(-40, 1)), widths=(10.0,)), n_trials=2
-    ... )
+    >>> levels = tuple(range(-40, 1))
+    >>> rule = QuestPlus(levels, ParameterGrid(levels, widths=(10.0,)), n_trials=2)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).ending
     (-17, -21, 'trials')
     """
@@ -175,13 +172,9 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
 class SharedQuestPlus:
     """`QuestPlus` on several tracks whose posterior shares every parameter but the first.
 
-    Given the shared parameters, thresholds are independent, so that the joint posterior of all thresholds is exact
-    from one likelihood table (n_first, n_rest) a track: a track weighs its own table with the evidence of all others,
-    ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. Expected entropy (Watson 2017) is that of the
-    track's own threshold and the shared parameters; an answer tells nothing of the other thresholds that these do not.
-
-    `procedures()` gives each track as a procedure for a block that interleaves them. A track whose spread was within
-    the rule's `sd_stop` may go on again when another track's answers move what they share; `n_trials` bounds each.
+    Thresholds are independent given the shared parameters, so one likelihood table (n_first, n_rest) a track is exact:
+    ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. A track that was within `sd_stop` may go on
+    again after answers on another track; `n_trials` bounds each.
 
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
@@ -217,34 +210,20 @@ class SharedQuestPlus:
     def _views(self) -> Mapping[str, QuestPlusRun]:
         from scipy.special import logsumexp  # slow to load
 
-        evidence = {track: logsumexp(self._log_joint(track), axis=0) for track in self.tracks}
-        return {track: self._view(track, evidence) for track in self.tracks}
+        prior = self.rule.prior_state.weights.reshape(size(self.rule.grid))
+        with np.errstate(divide="ignore"):
+            first, shared = np.log(prior.sum(axis=1)), np.log(prior.sum(axis=0))
+        unanswered = np.zeros(prior.shape)
+        joint = {track: first[:, None] + self.log_likelihoods.get(track, unanswered) for track in self.tracks}
+        evidence = {track: logsumexp(table, axis=0) for track, table in joint.items()}
 
-    def _view(self, track: str, evidence: Mapping[str, Array]) -> QuestPlusRun:
-        of_others = sum((table for name, table in evidence.items() if name != track), start=self._log_priors[1])
-        state = Posterior.of((self._log_joint(track) + of_others).ravel())
-        assert state is not None  # answers that nothing allows are not taken in
-        return replace(self.runs.get(track, self.rule.begin()), state=state)
-
-    def _log_joint(self, track: str) -> Array:
-        """Return log p(t) L(t, s), (n_first, n_rest)."""
-        first, shared = self._log_priors
-        return np.asarray(first[:, None] + self.log_likelihoods.get(track, 0.0) + np.zeros(len(shared)))
-
-    @cached_property
-    def _log_priors(self) -> tuple[Array, Array]:
-        """Log priors of the first parameter, and of all others together."""
-        parameters, prior = self.rule.grid.parameters, self.rule.prior
-        first, *shared = parameters
-        of_each = [
-            log_prior(
-                {name: parameters[name] for name in names},
-                {name: prior[name] for name in names if name in prior},
-                "SharedQuestPlus",
-            )
-            for names in ([first], shared)
-        ]
-        return of_each[0], of_each[1]
+        views = {}
+        for track in self.tracks:
+            of_others = sum((each for name, each in evidence.items() if name != track), start=shared)
+            state = Posterior.of((joint[track] + of_others).ravel())
+            assert state is not None  # answers that nothing allows are not taken in
+            views[track] = replace(self.runs.get(track, self.rule.begin()), state=state)
+        return views
 
     def after(self, track: str, response: int | bool, delivered: float | None = None) -> Self:
         """Return the pool after an answer to the level that was delivered on one track."""
@@ -260,15 +239,7 @@ class SharedQuestPlus:
 
 @dataclass(frozen=True, eq=False)
 class SharedTrack(DelegatingProcedure):
-    """One track of a `SharedQuestPlus` as a procedure.
-
-    >>> from tactometry.protocols import ParameterGrid
-    >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
-    >>> slow, fast = SharedQuestPlus(rule, ("30 Hz", "240 Hz")).procedures()
-    >>> slow = slow.after(1)
-    >>> fast.learning_from(slow).pool is slow.pool
-    True
-    """
+    """One track of a `SharedQuestPlus` as a procedure."""
 
     pool: SharedQuestPlus
     track: str
@@ -278,15 +249,12 @@ class SharedTrack(DelegatingProcedure):
 
     @property
     def view(self) -> QuestPlusRun:
-        """Run of the track, with the evidence of all tracks."""
         return self.pool.procedure(self.track)
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """Return the track after an answer on it."""
         return replace(self, pool=self.pool.after(self.track, response, delivered))
 
     def learning_from(self, other: Procedure) -> Self:
-        """Return the track after an answer on another track of the same pool."""
         if isinstance(other, SharedTrack) and other.pool.rule is self.pool.rule:
             return replace(self, pool=other.pool)
         return self
