@@ -67,11 +67,7 @@ def entropies(log_weights: Array, weights: Array) -> Array:
 
 
 def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, Sequence[float]], where: str) -> Array:
-    """Return the sum of the parameters' log priors, (n_cells,); a parameter without one is flat.
-
-    Raises `InvalidParameter` if a prior is of no parameter, of another length, or not of finite numbers from 0 with one
-    above it.
-    """
+    """Return the sum of the parameters' log priors, (n_cells,); a parameter without one is flat."""
     of_kind(where, Mapping, prior=prior)
     for name, weights in prior.items():
         numbers(f"{where}.prior[{name!r}]", weights)

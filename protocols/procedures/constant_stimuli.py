@@ -23,9 +23,6 @@ from .stepping import (
     SteppingRule,
     SteppingRun,
     Transition,
-    no_answer,
-    no_threshold,
-    one_more,
 )
 
 
@@ -66,7 +63,7 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     repeats: Count
 
     name = "constant_stimuli"
-    transition = Transition(no_answer, _level, one_more, _ending, no_threshold)
+    transition = Transition(_level, _ending)
     unreplayed = "no rule: the levels of constant stimuli do not depend on the answers"
 
     def __post_init__(self) -> None:

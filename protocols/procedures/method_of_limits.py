@@ -130,7 +130,7 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     n_start_steps: Annotated[int, Ge(0)] = 0
 
     name = "method_of_limits"
-    transition = Transition(_start, _level, _after, _ending, _threshold)
+    transition = Transition(_level, _ending, _start, _after, _threshold)
     unreplayed = "the series of the method of limits are not replayed"
 
     def __post_init__(self) -> None:

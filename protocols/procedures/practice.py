@@ -20,9 +20,6 @@ from .stepping import (
     SteppingRule,
     SteppingRun,
     Transition,
-    no_answer,
-    no_threshold,
-    one_more,
 )
 
 
@@ -75,7 +72,7 @@ class Practice(SteppingRule["SteppingRun[Practice]"]):
     on_miss: OnMiss = "go_on"
 
     name = "practice"
-    transition = Transition(no_answer, _level, one_more, _ending, no_threshold)
+    transition = Transition(_level, _ending)
     unreplayed = "practice measures nothing"
 
     def __post_init__(self) -> None:

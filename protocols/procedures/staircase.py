@@ -114,7 +114,7 @@ class UpDown(SteppingRule["StaircaseRun"]):
     n_at_bound: int
     initial_rule: bool
 
-    transition = Transition(_start, _level, _after, _ending, _threshold)
+    transition = Transition(_level, _ending, _start, _after, _threshold)
 
     @property
     @abstractmethod

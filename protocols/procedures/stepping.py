@@ -19,6 +19,20 @@ GOES_ON, CONVERGED, TRIALS, CENSORED_ABOVE, CENSORED_BELOW, ABORTED = range(6)
 """Codes of `Transition.ending`. Runs that end with the last three have no threshold."""
 
 
+def _no_answer(numbers: Numbers, order: Order) -> State:
+    return (0,)
+
+
+def _one_more(
+    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+) -> tuple[State, float]:
+    return (state[0] + 1,), math.nan
+
+
+def _no_threshold(marks: Sequence[float]) -> float:
+    return math.nan
+
+
 @dataclass(frozen=True)
 class Transition:
     """Steps of a kind of procedure, as functions that call only what numba knows.
@@ -27,19 +41,19 @@ class Transition:
     the run before its first answer, empty for most rules; `state` is a tuple of numbers, each either always whole or
     never; `answers` and `levels` are the history with the last answer.
 
-    - `start`: ``start(numbers, order)``: the state before the first answer.
     - `level`: ``level(numbers, order, state)``: the next level, also of a run that has ended.
-    - `after`: ``after(numbers, order, state, answers, levels)``: the state after the last answer, and its mark: a level
-      that an estimate rests on (a reversal, a transition), else NaN.
     - `ending`: ``ending(numbers, order, state, answers)``: `GOES_ON`, or how it ended.
-    - `threshold`: ``threshold(marks)``: the rule's own estimate from the marks of all answers, NaN without one.
+    - `start`: ``start(numbers, order)``: the state before the first answer; by default no answers.
+    - `after`: ``after(numbers, order, state, answers, levels)``: the state after the last answer, and its mark: a level
+      that an estimate rests on (a reversal, a transition), else NaN; by default the number of answers and NaN.
+    - `threshold`: ``threshold(marks)``: the rule's own estimate from the marks of all answers; by default NaN.
     """
 
-    start: Callable[..., State]
     level: Callable[..., float]
-    after: Callable[..., tuple[State, float]]
     ending: Callable[..., int]
-    threshold: Callable[[Sequence[float]], float]
+    start: Callable[..., State] = _no_answer
+    after: Callable[..., tuple[State, float]] = _one_more
+    threshold: Callable[[Sequence[float]], float] = _no_threshold
 
 
 def ending_of(code: int) -> Ending | None:
@@ -50,23 +64,6 @@ def ending_of(code: int) -> Ending | None:
     """
     endings: tuple[Ending, ...] = get_args(Ending)
     return endings[code - 1] if code else None
-
-
-def no_answer(numbers: Numbers, order: Order) -> State:
-    """Start of a rule whose state is the number of answers."""
-    return (0,)
-
-
-def one_more(
-    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
-) -> tuple[State, float]:
-    """Count an answer, without a mark."""
-    return (state[0] + 1,), math.nan
-
-
-def no_threshold(marks: Sequence[float]) -> float:
-    """Return NaN: the rule makes no estimate."""
-    return math.nan
 
 
 RunT = TypeVar("RunT", bound="SteppingRun[Any]")

@@ -48,7 +48,7 @@ def levels_of_source(tmp_path, monkeypatch):
         own = importlib.import_module("rule_of_a_test")
 
         class Constant(SteppingRule):
-            transition = Transition(own.start, own.level, own.after, own.ending, own.threshold)
+            transition = Transition(own.level, own.ending, own.start, own.after, own.threshold)
             name = "of a test"
             numbers = ()
             begin = None

@@ -52,7 +52,7 @@ class StochasticApproximation(SteppingRule["StochasticApproximationRun"]):
     n_trials: int = 30
 
     name: ClassVar[str] = "stochastic_approximation"
-    transition = Transition(_start, _level, _after, _ending, _threshold)
+    transition = Transition(_level, _ending, _start, _after, _threshold)
 
     def __post_init__(self) -> None:
         finite("StochasticApproximation", start=self.start, step=self.step, low=self.low, high=self.high)
