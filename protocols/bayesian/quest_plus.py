@@ -1,9 +1,9 @@
 """QUEST+: the level whose answer is expected to tell most, on one track or several that share all but a threshold."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import prod
 from typing import Literal, Self, get_args
 
 import numpy as np
@@ -15,7 +15,7 @@ from tactometry.errors import rewording
 
 from ..procedures.procedure import Count, DelegatingProcedure, Procedure
 from .outcome_model import Array, DenseLikelihoods, Likelihoods, OutcomeModel, p_log_p, size, tabulate
-from .weighing import Posterior, WeighingRule, WeighingRun, entropies, log_prior
+from .weighing import Posterior, WeighingRule, WeighingRun, entropies
 
 Aim = Literal["parameters", "threshold"]
 Criterion = Literal["entropy", "variance"]
@@ -67,7 +67,7 @@ class QuestPlus(WeighingRule):
         one_of("QuestPlus.aim", self.aim, get_args(Aim))
         one_of("QuestPlus.criterion", self.criterion, get_args(Criterion))
         of_kind("QuestPlus", OutcomeModel, grid=self.grid)
-        n_chances = n_levels * prod(size(self.grid))
+        n_chances = n_levels * math.prod(size(self.grid))
         at_most("QuestPlus: levels times combinations of parameters", n_chances, MOST_CHANCES)
         _ = self.level, self.log_likelihood(self.levels[0], 0)  # makes the tables before the first trial
 
@@ -88,7 +88,20 @@ class QuestPlus(WeighingRule):
 
     @cached_property
     def prior_state(self) -> Posterior:
-        prior = Posterior.of(log_prior(self.grid.parameters, self.prior, "QuestPlus"))
+        parameters = self.grid.parameters
+        of_kind("QuestPlus", Mapping, prior=self.prior)
+        for name, weights in self.prior.items():
+            numbers(f"QuestPlus.prior[{name!r}]", weights)
+            one_of("QuestPlus.prior", name, parameters)
+            known, n_values = np.asarray(weights, dtype=np.float64), len(parameters[name])
+            are_weights = known.shape == (n_values,) and (known >= 0).all() and 0 < known.sum() < math.inf
+            listed = f"{len(weights)} weights from {known.min(initial=0):g} on"
+            expect(are_weights, f"QuestPlus.prior[{name!r}]", listed, f"{n_values} finite numbers from 0, not all 0")
+
+        with np.errstate(divide="ignore"):
+            axes = [np.log(self.prior.get(name, np.ones(len(values)))) for name, values in parameters.items()]
+        total: Array = sum(np.ix_(*axes), start=np.zeros(()))
+        prior = Posterior.of(total.ravel())
         assert prior is not None  # every parameter has a weight above 0
         return prior
 

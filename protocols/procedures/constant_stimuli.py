@@ -85,10 +85,6 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
         blocks = [rng.permutation(self.levels) for _ in range(self.repeats)]
         return ConstantStimuliRun(self, order=tuple(float(level) for block in blocks for level in block))
 
-    @property
-    def numbers(self) -> Numbers:
-        return ()
-
     def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
         blocks = np.tile(np.asarray(self.levels, dtype=np.float64), (n_sets, self.repeats, 1))
         return (blocks if rng is None else rng.permuted(blocks, axis=2)).reshape(n_sets, -1)

@@ -36,13 +36,13 @@ UNCHANGED = math.inf
 
 
 class LimitsNumbers(NamedTuple):
-    """Numbers of the rule; `direction` is a place in `DIRECTIONS`."""
+    """Numbers of the rule; `direction_index` is a place in `DIRECTIONS`."""
 
     low: float
     step: float
     n_steps: int
     n_series: int
-    direction: int
+    direction_index: int
 
 
 # order: where each series begins, in steps inwards
@@ -56,7 +56,7 @@ def _level(numbers: LimitsNumbers, order: Order, state: State) -> float:
     n_in_series: int = state[1]
     inwards = order[min(n_over, numbers.n_series - 1)] + n_in_series
     n = min(int(inwards), numbers.n_steps)  # a run that has ended still has a level
-    ascending = n_over % 2 == 1 if numbers.direction == ALTERNATING else numbers.direction == ASCENDING
+    ascending = n_over % 2 == 1 if numbers.direction_index == ALTERNATING else numbers.direction_index == ASCENDING
     return numbers.low + numbers.step * (n if ascending else numbers.n_steps - n)
 
 
@@ -65,7 +65,7 @@ def _after(
 ) -> tuple[State, float]:
     """Go on in the series, or begin the next one; a transition lies half-way between the last two levels."""
     n_over, n_in_series, n_unchanged = state
-    ascending = n_over % 2 == 1 if numbers.direction == ALTERNATING else numbers.direction == ASCENDING
+    ascending = n_over % 2 == 1 if numbers.direction_index == ALTERNATING else numbers.direction_index == ASCENDING
     turned = (answers[-1] == 1) == ascending  # rising levels change the answer to 1, falling ones to 0
     if not turned and order[n_over] + n_in_series < numbers.n_steps:
         return (n_over, n_in_series + 1, n_unchanged), math.nan
@@ -130,6 +130,7 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     n_start_steps: Annotated[int, Ge(0)] = 0
 
     name = "method_of_limits"
+    named = LimitsNumbers
     transition = Transition(_level, _ending, _start, _after, _threshold)
     unreplayed = "the series of the method of limits are not replayed"
 
@@ -150,8 +151,8 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
         return math.floor((self.high - self.low) / self.step * (1 + 1e-12))
 
     @property
-    def numbers(self) -> LimitsNumbers:
-        return LimitsNumbers(self.low, self.step, self.n_steps, self.n_series, DIRECTIONS.index(self.direction))
+    def direction_index(self) -> int:
+        return DIRECTIONS.index(self.direction)
 
     @property
     def n_trials_at_most(self) -> int:

@@ -2,25 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
-
-import numpy as np
+from typing import Any, Literal, NamedTuple, get_args
 
 from tactometry.arguments.constraints import constrained
 from tactometry.arguments.require import expect, numbers, one_of, some
 from tactometry.trials.tasks import PRACTICE_CRITERION
 
 from .procedure import Count
-from .stepping import (
-    CONVERGED,
-    GOES_ON,
-    TRIALS,
-    Order,
-    State,
-    SteppingRule,
-    SteppingRun,
-    Transition,
-)
+from .stepping import CONVERGED, GOES_ON, TRIALS, Order, State, SteppingRule, Transition
 
 
 class PracticeNumbers(NamedTuple):
@@ -48,7 +37,7 @@ OnMiss = Literal["go_on", "ask"]
 
 @dataclass(frozen=True)
 @constrained
-class Practice(SteppingRule["SteppingRun[Practice]"]):
+class Practice(SteppingRule[Any]):
     """Easy levels in turn until `n_correct` of the last `n_of` answers were right, `n_trials` at most.
 
     It ends as ``converged`` when the criterion was met, else as ``trials``.
@@ -73,6 +62,7 @@ class Practice(SteppingRule["SteppingRun[Practice]"]):
 
     name = "practice"
     transition = Transition(_level, _ending)
+    named = PracticeNumbers
     unreplayed = "practice measures nothing"
 
     def __post_init__(self) -> None:
@@ -83,11 +73,3 @@ class Practice(SteppingRule["SteppingRun[Practice]"]):
             number, highest = getattr(self, name), getattr(self, most)
             possible = f"from 1 to {highest}, {most}; it must be possible to meet the criterion"
             expect(number <= highest, f"Practice.{name}", number, possible)
-
-    @property
-    def numbers(self) -> PracticeNumbers:
-        return PracticeNumbers(self.levels, self.n_correct, self.n_of, self.n_trials)
-
-    def begin(self, rng: np.random.Generator | None = None) -> "SteppingRun[Practice]":
-        del rng
-        return SteppingRun(self)

@@ -115,17 +115,7 @@ class UpDown(SteppingRule["StaircaseRun"]):
     initial_rule: bool
 
     transition = Transition(_level, _ending, _start, _after, _threshold)
-
-    @property
-    @abstractmethod
-    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Sizes of steps up and of steps down, by the number of reversals; the last one stays."""
-
-    @property
-    def numbers(self) -> StaircaseNumbers:
-        numbers = {name: getattr(self, name) for name in StaircaseNumbers._fields if "steps" not in name}
-        steps_up, steps_down = self.schedules
-        return StaircaseNumbers(steps_up=steps_up, steps_down=steps_down, **numbers)
+    named = StaircaseNumbers
 
     @property
     @abstractmethod
@@ -197,8 +187,12 @@ class Staircase(UpDown):
         self._check(steps=self.steps)
 
     @property
-    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        return self.steps, self.steps
+    def steps_up(self) -> tuple[float, ...]:
+        return self.steps
+
+    @property
+    def steps_down(self) -> tuple[float, ...]:
+        return self.steps
 
     @property
     def point(self) -> str:
@@ -240,10 +234,6 @@ class WeightedStaircase(UpDown):
         self._check(steps_up=self.steps_up, steps_down=self.steps_down)
         n_up, n_down = len(self.steps_up), len(self.steps_down)
         expect(n_up == n_down, "WeightedStaircase.steps_up", f"{n_up} steps and {n_down} steps_down", "pairs")
-
-    @property
-    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        return self.steps_up, self.steps_down
 
     @property
     def target(self) -> float:

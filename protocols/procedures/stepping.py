@@ -1,7 +1,6 @@
 """Rules whose steps are pure functions of plain numbers, which a session calls and a batch compiles (`Transition`)."""
 
 import math
-from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -70,14 +69,19 @@ RunT = TypeVar("RunT", bound="SteppingRun[Any]")
 
 
 class SteppingRule(Rule[RunT]):
-    """Numbers of a rule that has a `transition`."""
+    """Numbers of a rule that has a `transition`, whose functions take those `named` in a named tuple."""
 
     transition: ClassVar[Transition]
+    named: ClassVar[type[Numbers]] = tuple
 
     @property
-    @abstractmethod
     def numbers(self) -> Numbers:
-        """Numbers as the functions of the transition take them."""
+        return self.named(*(getattr(self, name) for name in getattr(self.named, "_fields", ())))
+
+    def begin(self, rng: np.random.Generator | None = None) -> RunT:
+        del rng
+        run: Any = SteppingRun(self)
+        return run  # type: ignore[no-any-return]
 
     def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
         """Draw the orders of so many runs, (n_sets, n_drawn); most rules draw nothing."""
