@@ -33,7 +33,7 @@ class Respondents:
 
 @dataclass(frozen=True, eq=False)
 class FittedTracks:
-    """True thresholds (n_sets,), how each track ended (codes of `protocols.procedures.transition`), and its fit."""
+    """True thresholds (n_sets,), how each track ended (codes of `protocols.procedures.stepping`), and its fit."""
 
     thresholds: NDArray[np.float64]
     endings: NDArray[np.int8]

@@ -10,7 +10,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.arguments.require import ascending, expect, finite, finite_array, not_negative
+from tactometry.arguments.constraints import NotNegative, constrained
+from tactometry.arguments.require import ascending, expect, finite_array
 from tactometry.psychometric import shape_named
 
 Array = NDArray[np.float64]
@@ -18,15 +19,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LevelTable:
-    """What is felt at the levels of a stimulus: a table, straight lines between its places, its ends beyond them.
+    """Perceived levels, or chances of the answer 1, at rising levels; linear between them, constant beyond.
 
-    Sensation levels through a scene make one such table for a population; or chances of the answer 1, with uniform
-    criteria.
-
-    - `levels`: (n_levels,). Rising.
-    - `felt`: (n_levels,) or (n_sets, n_levels). Of all sets, or of each.
-
-    Raises `InvalidParameter` if levels do not rise, or a row is not as long as they are.
+    - `felt`: (n_levels,) for all sets, or (n_sets, n_levels).
 
     >>> LevelTable(np.array([0.0, 10.0]), np.array([-3.0, 7.0])).felt.shape
     (1, 2)
@@ -43,11 +38,11 @@ class LevelTable:
         object.__setattr__(self, "felt", np.atleast_2d(felt))
 
     def rows(self, sets: slice) -> Self:
-        """Of a part of the sets."""
+        """Return the table of some of the sets."""
         return self if len(self.felt) == 1 else type(self)(self.levels, self.felt[sets])
 
     def at(self, levels: Array, sets: NDArray[np.intp]) -> Array:
-        """What each of some sets feels at its level, (n,)."""
+        """Return what each of some sets feels at its level, (n,)."""
         if len(self.felt) == 1:
             return np.asarray(np.interp(levels, self.levels, self.felt[0]))
         pairs = zip(levels.tolist(), self.felt[sets], strict=True)
@@ -62,13 +57,13 @@ def criteria(
     guess_rate: ArrayLike = 0.0,
     lapse_rate: ArrayLike = 0.0,
 ) -> Array:
-    """The level above which a trial is answered with 1, of uniform numbers: the inverse of the psychometric function.
+    """Return the levels above which trials are answered with 1: the inverse psychometric function of uniform numbers.
 
-    Where a number is below the guess rate any level is, minus infinity; within the lapse rate of 1 no level is.
+    A criterion is minus infinity below the guess rate, and infinity within the lapse rate of 1.
 
-    - `uniform`: (n_sets, n_trials). In [0, 1).
-    - `shape`: As of `tactometry.psychometric.PsychometricFunction`, as are the others: numbers, or arrays (n_sets, 1)
-      or (n_sets, n_trials).
+    - `uniform`: (n_sets, n_trials), in [0, 1).
+    - `shape`: As in `tactometry.psychometric.PsychometricFunction`; the other arguments are numbers, or arrays
+      (n_sets, 1) or (n_sets, n_trials).
 
     >>> criteria(np.array([[0.1, 0.74, 0.99]]), "normal", 20.0, 8.0, 0.5, 0.02).round(9).tolist()
     [[-inf, 20.0, inf]]
@@ -82,41 +77,34 @@ def criteria(
 
 
 def nearest(level: Any, step: float, low: float, high: float) -> Any:
-    """A level, or an array of them, at its nearest whole step (none: 0) and within bounds; numba knows all of it."""
+    """Round levels to whole steps (0: no steps) within bounds; compiled by numba too."""
     stepped = step * np.rint(level / step) if step > 0 else level
     return np.minimum(np.maximum(stepped, low), high)
 
 
 @dataclass(frozen=True)
+@constrained
 class Delivery:
-    """An output that delivers whole steps of a level, within bounds. Answers are given to what is delivered, and the
-    rule is told it, as in a session.
-
-    - `step`: In the unit of the level; 0 delivers every level.
-    - `low`, `high`: The least and the greatest that it delivers.
-
-    Raises `InvalidParameter` if the step is below 0, or the bounds are no numbers in order.
+    """Output that delivers whole steps of a level (0: every level) from `low` to `high`.
 
     >>> Delivery(step=0.5, high=30.0)(np.array([12.3, 31.0])).tolist()
     [12.5, 30.0]
     """
 
-    step: float = 0.0
+    step: NotNegative = 0.0
     low: float = -math.inf
     high: float = math.inf
 
     def __post_init__(self) -> None:
-        finite("Delivery", step=self.step)
-        not_negative("Delivery", step=self.step)
         expect(self.low <= self.high, "Delivery.low", f"{self.low:g}", f"at most high, {self.high:g}")
 
     @property
     def numbers(self) -> tuple[float, float, float]:
-        """As `nearest` takes them."""
+        """Step and bounds, as `nearest` takes them."""
         return float(self.step), float(self.low), float(self.high)
 
     def __call__(self, levels: Array) -> Array:
-        """What is delivered of levels."""
+        """Return the delivered levels."""
         return np.asarray(nearest(levels, *self.numbers))
 
 

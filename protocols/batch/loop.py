@@ -8,8 +8,8 @@ import numpy as np
 
 from tactometry.compiled import called, entry, sources
 
-from ..procedures import transition as codes
-from ..procedures.transition import GOES_ON, Transition
+from ..procedures import stepping as codes
+from ..procedures.stepping import GOES_ON, Transition
 from .answers import nearest
 
 

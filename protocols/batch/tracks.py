@@ -11,23 +11,22 @@ from tactometry.errors import InvalidParameter
 
 from ..bayesian.weighing import WeighingRule, judged, normalised
 from ..procedures.procedure import Ending, Rule
-from ..procedures.stepping import SteppingRule
-from ..procedures.transition import ABORTED, CENSORED_ABOVE, GOES_ON, Numbers, ending_of
+from ..procedures.stepping import ABORTED, CENSORED_ABOVE, GOES_ON, Numbers, SteppingRule, ending_of
 from .answers import AS_ASKED, Array, Delivery, LevelTable
 
 NOT_ASKED = -1
 MOST_CELLS = 400_000
-"""Of all sets at a time: their weights stay near the processor."""
+"""Largest number of weights at a time, so that they stay in the cache."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrackBatch:
-    """What became of tracks.
+    """Results of tracks, one row each.
 
-    - `asked`, `levels`: (n_sets, n_trials). What the rule asked for, and what was delivered; NaN after a track's end.
-    - `answers`: (n_sets, n_trials) of int. The outcomes, 1 or 0 of most rules, or `NOT_ASKED` after the end.
-    - `endings`: (n_sets,) of int. As in `tactometry.protocols.procedures.transition`; `ending` says one in words.
-    - `thresholds`: (n_sets,). The rule's own estimates; NaN where there is none.
+    - `asked`, `levels`: (n_sets, n_trials). Levels that the rule asked for, and those delivered; NaN after the end.
+    - `answers`: (n_sets, n_trials). The outcomes, for most rules 1 or 0, or `NOT_ASKED` after the end.
+    - `endings`: (n_sets,). Codes as in `tactometry.protocols.procedures.stepping`.
+    - `thresholds`: (n_sets,). The rule's own estimates, or NaN.
     """
 
     asked: Array
@@ -41,24 +40,26 @@ class TrackBatch:
 
     @property
     def n_trials(self) -> NDArray[np.int64]:
-        """The length of each track, (n_sets,)."""
+        """Length of each track, (n_sets,)."""
         return np.asarray((self.answers != NOT_ASKED).sum(axis=1))
 
     @classmethod
     def blank(cls, shape: tuple[int, ...]) -> Self:
-        """Before the first answer."""
-        n_sets = shape[0]
-        answers, endings = np.full(shape, NOT_ASKED, dtype=np.int8), np.full(n_sets, GOES_ON, dtype=np.int8)
-        asked, levels = np.full(shape, np.nan), np.full(shape, np.nan)
-        return cls(asked, levels, answers, endings, np.full(n_sets, np.nan))
+        """Return tracks of `shape` without answers."""
+        return cls(
+            asked=np.full(shape, np.nan),
+            levels=np.full(shape, np.nan),
+            answers=np.full(shape, NOT_ASKED, dtype=np.int8),
+            endings=np.full(shape[0], GOES_ON, dtype=np.int8),
+            thresholds=np.full(shape[0], np.nan),
+        )
 
     def rows(self, sets: slice) -> Self:
-        """A part of the sets, which shares their memory."""
-        answers, endings = self.answers[sets], self.endings[sets]
-        return type(self)(self.asked[sets], self.levels[sets], answers, endings, self.thresholds[sets])
+        """Return some of the sets, as views."""
+        return type(self)(**{name: values[sets] for name, values in vars(self).items()})
 
     def ending(self, i: int) -> Ending | None:
-        """How a track ended; None if it goes on."""
+        """Return the ending of a track, None if it goes on."""
         return ending_of(int(self.endings[i]))
 
 
@@ -70,28 +71,30 @@ def tracks(
     orders: Array | None = None,
     delivery: Delivery = AS_ASKED,
 ) -> TrackBatch:
-    """A track for each row of criteria, of at most so many trials.
+    """Run a track for each row of criteria, of at most so many trials, as the rule's own run would go.
 
-    A trial is answered with 1 where what is felt lies above its criterion; of several criteria as many as lie below it
-    tell the outcome. Levels, answers and endings are those of the rule's own run, trial by trial.
+    The answer to a trial is the number of its criteria that the perceived level exceeds.
 
     - `rule`: One with a transition of plain numbers, or `Quest` or `QuestPlus`.
-    - `criteria`: (n_sets, n_trials) or (n_sets, n_trials, n_outcomes - 1). As
-      `tactometry.protocols.batch.answers.criteria` makes them; NaN is above all that is felt.
-    - `table`: What is felt at a level; without one the level itself.
+    - `criteria`: (n_sets, n_trials) or (n_sets, n_trials, n_outcomes - 1). NaN is above every level.
+    - `table`: Perceived level at each level; without one the level itself.
     - `orders`: (n_sets, n_drawn). As the rule's `orders` draws them; without them the given order for all.
-    - `delivery`: What is delivered of a level; without it every level.
 
-    Raises `InvalidParameter` if the rule is of another kind, there are no sets and trials or not the criteria of its
-    outcomes, or tables and orders are neither one nor one for each set.
+    Raises `InvalidParameter` if the rule is of another kind, or the shapes do not fit.
 
     >>> from tactometry.protocols import Staircase
     >>> rule = Staircase(20.0, (4.0,), 0.0, 40.0, n_down=1)
     >>> tracks(rule, np.full((2, 4), 14.0)).levels.tolist()
     [[20.0, 16.0, 12.0, 16.0], [20.0, 16.0, 12.0, 16.0]]
     """
-    drawn = criteria_of(rule, criteria, "(n_sets, n_trials)")
-    _check(len(drawn), table, orders)
+    drawn, n = np.asarray(criteria), rule.n_outcomes - 1
+    drawn = drawn[..., None] if n == 1 and drawn.ndim == 2 else drawn
+    fits = drawn.ndim == 3 and min(drawn.shape) > 0 and drawn.shape[-1] == n
+    shape = "(n_sets, n_trials)" if n == 1 else f"(n_sets, n_trials, {n})"
+    expect(fits, "tracks.criteria", f"the shape {np.shape(criteria)}", shape)
+    for name, rows in (("table", None if table is None else table.felt), ("orders", orders)):
+        n_rows = len(drawn) if rows is None else len(rows)
+        expect(n_rows in (1, len(drawn)), f"tracks.{name}", f"{n_rows} rows", f"1 or {len(drawn)}")
     made = TrackBatch.blank(drawn.shape[:2])
     if isinstance(rule, SteppingRule):
         _step(rule, drawn[..., 0], table, orders, delivery, made)
@@ -111,7 +114,7 @@ def _step(
     delivery: Delivery,
     made: TrackBatch,
 ) -> None:
-    """Fill in a batch of a rule with a transition of plain numbers, in machine code."""
+    """Fill in a batch in machine code."""
     from .loop import loop_of  # slow to load
 
     orders = rule.orders(1, None) if orders is None else orders
@@ -119,21 +122,6 @@ def _step(
     marks = np.full(criteria.shape, np.nan)
     results = made.asked, made.levels, made.answers, marks, made.endings, made.thresholds
     loop_of(rule.transition)((_arrays(rule.numbers), orders), delivery.numbers, felt, criteria, results)
-
-
-def criteria_of(rule: Rule[Any], criteria: Array, axes: str) -> Array:
-    """With an axis for the criteria of a trial, one less than there are outcomes."""
-    n_axes, found, n = axes.count(",") + 1, np.shape(criteria), rule.n_outcomes - 1
-    whole = np.asarray(criteria)[..., None] if n == 1 and len(found) == n_axes else np.asarray(criteria)
-    fits = whole.ndim == n_axes + 1 and min(whole.shape) > 0 and whole.shape[-1] == n
-    expect(fits, "tracks.criteria", f"the shape {found}", axes if n == 1 else f"{axes[:-1]}, {n})")
-    return whole
-
-
-def _check(n_sets: int, table: LevelTable | None, orders: Array | None) -> None:
-    for name, rows in (("table", None if table is None else table.felt), ("orders", orders)):
-        fits = rows is None or len(rows) in (1, n_sets)
-        expect(fits, f"tracks.{name}", f"{0 if rows is None else len(rows)} rows", f"1 or {n_sets}")
 
 
 def _arrays(numbers: Numbers) -> tuple[Any, ...]:

@@ -29,11 +29,9 @@ class Quest(WeighingRule):
 
     Watson and Pelli, Perception & Psychophysics 33, 113 (1983), in the form of Psychtoolbox and PsychoPy:
     ``P(1) = d g + (1 - d) (1 - (1 - g) exp(-10^(slope (x - t + e))))`` with x in decades of amplitude, g `guess_rate`,
-    d `blind_share`, and e such that P(1) is `target` at the threshold t. The prior is normal. The quantile is the one
-    of Pelli (1987) and King-Smith, which depends on the two asymptotes only.
-
-    Differences from PsychoPy's QuestHandler: the level that was delivered counts as it is, not rounded to the grid; and
-    where the likeliest threshold is an end of the grid the run is censored.
+    d `blind_share`, and e such that P(1) is `target` at the threshold t. The prior is normal, the quantile that of
+    Pelli (1987) and King-Smith. Unlike PsychoPy's QuestHandler, it does not round delivered levels to the grid, and is
+    censored if the likeliest threshold is an end of the grid.
 
     - `start`: Mean of the prior of the threshold.
     - `start_sd`: Standard deviation of the prior of the threshold.
@@ -48,8 +46,6 @@ class Quest(WeighingRule):
     - `placing`: What of the posterior the next level is.
     - `n_trials`: Largest number of trials of a track.
     - `sd_stop`: It ends when the posterior's standard deviation is so small, in the unit of the levels.
-
-    Raises `InvalidParameter` if a number is out of its domain.
 
     >>> rule = Quest(start=20.0, start_sd=10.0, low=0.0, high=40.0, step=0.5, placing="mean")
     >>> rule.level, rule.after(1).level < 20 < rule.after(0).level

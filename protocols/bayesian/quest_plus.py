@@ -1,9 +1,9 @@
 """QUEST+: the level whose answer is expected to tell most, on one track or several that share all but a threshold."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import prod
 from typing import Literal, Self, get_args
 
 import numpy as np
@@ -15,14 +15,14 @@ from tactometry.errors import rewording
 
 from ..procedures.procedure import Count, DelegatingProcedure, Procedure
 from .outcome_model import Array, DenseLikelihoods, Likelihoods, OutcomeModel, p_log_p, size, tabulate
-from .weighing import Posterior, WeighingRule, WeighingRun, entropies, log_prior
+from .weighing import Posterior, WeighingRule, WeighingRun, entropies
 
 Aim = Literal["parameters", "threshold"]
 Criterion = Literal["entropy", "variance"]
 MOST_CHANCES = 100_000_000
-"""What a table of one outcome may hold: 800 MB."""
+"""Largest number of entries in a table of one outcome: 800 MB."""
 TIE = 1e-12
-"""Expected losses this near to the least are equal: the order of a sum must not decide where a session goes."""
+"""Expected losses this near to the least are equal, so that rounding does not choose a level."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,27 +30,21 @@ TIE = 1e-12
 class QuestPlus(WeighingRule):
     """Bayesian placement by minimum expected entropy or variance, for any model of answers.
 
-    Watson, J. Vision 17(3):10 (2017). `aim` ``parameters`` is QUEST+: the entropy of the whole posterior, or the sum of
-    the parameters' variances, each in units of its prior variance. ``threshold`` minimises the entropy or variance of
-    the marginal of the first parameter, with the others as nuisance (Prins, J. Vision 13(7):3, 2013). Ties go to the
-    first level.
+    Watson, J. Vision 17(3):10 (2017). The `aim` ``parameters`` minimises the entropy of the posterior, or the sum of
+    the parameters' variances relative to their priors; ``threshold`` that of the first parameter alone (Prins, J.
+    Vision 13(7):3, 2013). Ties go to the first level.
 
-    It ends after `n_trials`, or when the first parameter's posterior standard deviation is at most `sd_stop` (in the
-    unit of the levels). Where that parameter is most likely the first or last of its grid, the answers tell a bound
-    only and the run is censored. Answers that no cell of the grid allows end it as aborted; `remark` says which.
+    A run ends after `n_trials`, or at a posterior standard deviation of the first parameter of `sd_stop`. It is
+    censored if this parameter is most likely at an end of its grid, and aborted if no cell allows the answers.
 
     - `levels`: The candidates.
     - `grid`: `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the
       first parameter is the threshold.
     - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
-    Raises `InvalidParameter` if there are fewer than two levels, a level is not finite or stands twice, a number is out
-    of its domain, or a prior does not fit.
-
     >>> from tactometry.protocols import ParameterGrid
-    >>> rule = QuestPlus(
-    ...     levels=tuple(range(-40, 1)), grid=ParameterGrid(tuple(range(-40, 1)), widths=(10.0,)), n_trials=2
-    ... )
+    >>> levels = tuple(range(-40, 1))
+    >>> rule = QuestPlus(levels, ParameterGrid(levels, widths=(10.0,)), n_trials=2)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).ending
     (-17, -21, 'trials')
     """
@@ -73,12 +67,9 @@ class QuestPlus(WeighingRule):
         one_of("QuestPlus.aim", self.aim, get_args(Aim))
         one_of("QuestPlus.criterion", self.criterion, get_args(Criterion))
         of_kind("QuestPlus", OutcomeModel, grid=self.grid)
-        n_chances = n_levels * prod(size(self.grid))
+        n_chances = n_levels * math.prod(size(self.grid))
         at_most("QuestPlus: levels times combinations of parameters", n_chances, MOST_CHANCES)
-        # the first trial waits for neither the tables nor its level
-        if self.aim == "parameters" and self.criterion == "entropy":
-            self.likelihoods.prepare()
-        _ = self.level, self.log_likelihood(self.levels[0], 0)
+        _ = self.level, self.log_likelihood(self.levels[0], 0)  # makes the tables before the first trial
 
     @property
     def n_outcomes(self) -> int:
@@ -97,7 +88,20 @@ class QuestPlus(WeighingRule):
 
     @cached_property
     def prior_state(self) -> Posterior:
-        prior = Posterior.of(log_prior(self.grid.parameters, self.prior, "QuestPlus"))
+        parameters = self.grid.parameters
+        of_kind("QuestPlus", Mapping, prior=self.prior)
+        for name, weights in self.prior.items():
+            numbers(f"QuestPlus.prior[{name!r}]", weights)
+            one_of("QuestPlus.prior", name, parameters)
+            known, n_values = np.asarray(weights, dtype=np.float64), len(parameters[name])
+            are_weights = known.shape == (n_values,) and (known >= 0).all() and 0 < known.sum() < math.inf
+            listed = f"{len(weights)} weights from {known.min(initial=0):g} on"
+            expect(are_weights, f"QuestPlus.prior[{name!r}]", listed, f"{n_values} finite numbers from 0, not all 0")
+
+        with np.errstate(divide="ignore"):
+            axes = [np.log(self.prior.get(name, np.ones(len(values)))) for name, values in parameters.items()]
+        total: Array = sum(np.ix_(*axes), start=np.zeros(()))
+        prior = Posterior.of(total.ravel())
         assert prior is not None  # every parameter has a weight above 0
         return prior
 
@@ -181,15 +185,9 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
 class SharedQuestPlus:
     """`QuestPlus` on several tracks whose posterior shares every parameter but the first.
 
-    Given the shared parameters, thresholds are independent, so that the joint posterior of all thresholds is exact
-    from one likelihood table (n_first, n_rest) a track: a track weighs its own table with the evidence of all others,
-    ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. Expected entropy (Watson 2017) is that of the
-    track's own threshold and the shared parameters; an answer tells nothing of the other thresholds that these do not.
-
-    `procedures()` gives each track as a procedure for a block that interleaves them. A track whose spread was within
-    the rule's `sd_stop` may go on again when another track's answers move what they share; `n_trials` bounds each.
-
-    Raises `InvalidParameter` if there is no track, or a name stands twice.
+    Thresholds are independent given the shared parameters, so one likelihood table (n_first, n_rest) a track is exact:
+    ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. A track that was within `sd_stop` may go on
+    again after answers on another track; `n_trials` bounds each.
 
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
@@ -225,34 +223,20 @@ class SharedQuestPlus:
     def _views(self) -> Mapping[str, QuestPlusRun]:
         from scipy.special import logsumexp  # slow to load
 
-        evidence = {track: logsumexp(self._log_joint(track), axis=0) for track in self.tracks}
-        return {track: self._view(track, evidence) for track in self.tracks}
+        prior = self.rule.prior_state.weights.reshape(size(self.rule.grid))
+        with np.errstate(divide="ignore"):
+            first, shared = np.log(prior.sum(axis=1)), np.log(prior.sum(axis=0))
+        unanswered = np.zeros(prior.shape)
+        joint = {track: first[:, None] + self.log_likelihoods.get(track, unanswered) for track in self.tracks}
+        evidence = {track: logsumexp(table, axis=0) for track, table in joint.items()}
 
-    def _view(self, track: str, evidence: Mapping[str, Array]) -> QuestPlusRun:
-        of_others = sum((table for name, table in evidence.items() if name != track), start=self._log_priors[1])
-        state = Posterior.of((self._log_joint(track) + of_others).ravel())
-        assert state is not None  # answers that nothing allows are not taken in
-        return replace(self.runs.get(track, self.rule.begin()), state=state)
-
-    def _log_joint(self, track: str) -> Array:
-        """Return log p(t) L(t, s), (n_first, n_rest)."""
-        first, shared = self._log_priors
-        return np.asarray(first[:, None] + self.log_likelihoods.get(track, 0.0) + np.zeros(len(shared)))
-
-    @cached_property
-    def _log_priors(self) -> tuple[Array, Array]:
-        """Log priors of the first parameter, and of all others together."""
-        parameters, prior = self.rule.grid.parameters, self.rule.prior
-        first, *shared = parameters
-        of_each = [
-            log_prior(
-                {name: parameters[name] for name in names},
-                {name: prior[name] for name in names if name in prior},
-                "SharedQuestPlus",
-            )
-            for names in ([first], shared)
-        ]
-        return of_each[0], of_each[1]
+        views = {}
+        for track in self.tracks:
+            of_others = sum((each for name, each in evidence.items() if name != track), start=shared)
+            state = Posterior.of((joint[track] + of_others).ravel())
+            assert state is not None  # answers that nothing allows are not taken in
+            views[track] = replace(self.runs.get(track, self.rule.begin()), state=state)
+        return views
 
     def after(self, track: str, response: int | bool, delivered: float | None = None) -> Self:
         """Return the pool after an answer to the level that was delivered on one track."""
@@ -268,15 +252,7 @@ class SharedQuestPlus:
 
 @dataclass(frozen=True, eq=False)
 class SharedTrack(DelegatingProcedure):
-    """One track of a `SharedQuestPlus` as a procedure.
-
-    >>> from tactometry.protocols import ParameterGrid
-    >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
-    >>> slow, fast = SharedQuestPlus(rule, ("30 Hz", "240 Hz")).procedures()
-    >>> slow = slow.after(1)
-    >>> fast.learning_from(slow).pool is slow.pool
-    True
-    """
+    """One track of a `SharedQuestPlus` as a procedure."""
 
     pool: SharedQuestPlus
     track: str
@@ -286,15 +262,12 @@ class SharedTrack(DelegatingProcedure):
 
     @property
     def view(self) -> QuestPlusRun:
-        """Run of the track, with the evidence of all tracks."""
         return self.pool.procedure(self.track)
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """Return the track after an answer on it."""
         return replace(self, pool=self.pool.after(self.track, response, delivered))
 
     def learning_from(self, other: Procedure) -> Self:
-        """Return the track after an answer on another track of the same pool."""
         if isinstance(other, SharedTrack) and other.pool.rule is self.pool.rule:
             return replace(self, pool=other.pool)
         return self

@@ -66,8 +66,6 @@ class QuestPlusSettings:
     - `aim`: What is to be known: the threshold alone, or all parameters.
     - `criterion`: What of it a level is to make least.
 
-    Raises `InvalidParameter` as `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
-
     >>> settings = QuestPlusSettings(low=0.0, high=40.0, n_levels=41, width_low=4.0, width_high=16.0, n_widths=3)
     >>> rule = settings.procedure()
     >>> rule.levels[:3], rule.grid.size
@@ -141,8 +139,6 @@ class PsiSettings:
     - `psi_marginal`: Only the threshold is to be known.
     - `n_trials`: Largest number of trials of a track.
     - `sd_stop`: It ends when the threshold's standard deviation is so small, in the unit of the levels.
-
-    Raises `InvalidParameter` as `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
 
     >>> PsiSettings(low=0.0, high=40.0, n_levels=41, sd_low=1.0, sd_high=8.0, n_sds=4).procedure().level
     23.0

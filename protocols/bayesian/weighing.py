@@ -5,7 +5,6 @@ Weights are kept as logarithms, so that no cell is lost that may come back.
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self, TypeVar
@@ -13,10 +12,8 @@ from typing import Any, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import expect, numbers, of_kind, one_of
-
 from ..procedures.procedure import Ending, Rule, RuleThreshold, Run
-from ..procedures.transition import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, ending_of
+from ..procedures.stepping import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, ending_of
 from .outcome_model import Array
 
 HIGHEST = 1 + 1e-9
@@ -64,27 +61,6 @@ def normalised(log_weights: Array) -> tuple[Array, Array]:
 def entropies(log_weights: Array, weights: Array) -> Array:
     """Return entropies (...) in nat of stacks of weights (..., n_cells)."""
     return np.asarray(-np.einsum("...c,...c->...", weights, np.maximum(log_weights, LOWEST)))
-
-
-def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, Sequence[float]], where: str) -> Array:
-    """Return the sum of the parameters' log priors, (n_cells,); a parameter without one is flat.
-
-    Raises `InvalidParameter` if a prior is of no parameter, of another length, or not of finite numbers from 0 with one
-    above it.
-    """
-    of_kind(where, Mapping, prior=prior)
-    for name, weights in prior.items():
-        numbers(f"{where}.prior[{name!r}]", weights)
-        one_of(f"{where}.prior", name, parameters)
-        known = np.asarray(weights, dtype=np.float64)
-        n_values = len(parameters[name])
-        are_weights = known.shape == (n_values,) and (known >= 0).all() and 0 < known.sum() < math.inf
-        listed = f"{len(weights)} weights from {known.min(initial=0):g} on"
-        expect(are_weights, f"{where}.prior[{name!r}]", listed, f"{n_values} finite numbers from 0, not all 0")
-    with np.errstate(divide="ignore"):
-        axes = [np.log(prior.get(name, np.ones(len(values)))) for name, values in parameters.items()]
-    total: Array = sum(np.ix_(*axes), start=np.zeros(()))
-    return np.asarray(total.ravel(), dtype=np.float64)
 
 
 def judged(rule: "WeighingRule", weights: Array, n_answers: int) -> tuple[Array, Array, NDArray[np.int8]]:

@@ -7,12 +7,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import distinct, expect, numbers, some, whole
+from tactometry.arguments.constraints import constrained
+from tactometry.arguments.require import distinct, expect, numbers, some
 from tactometry.errors import count_of
 
-from .procedure import MOST_TRIALS, FixedOrder, checked_outcome
-from .stepping import SteppingRule, SteppingRun
-from .transition import (
+from .procedure import MOST_TRIALS, Count, FixedOrder, checked_outcome
+from .stepping import (
     CENSORED_ABOVE,
     CENSORED_BELOW,
     GOES_ON,
@@ -20,10 +20,9 @@ from .transition import (
     Numbers,
     Order,
     State,
+    SteppingRule,
+    SteppingRun,
     Transition,
-    no_answer,
-    no_threshold,
-    one_more,
 )
 
 
@@ -43,6 +42,7 @@ def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]
 
 
 @dataclass(frozen=True)
+@constrained
 class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     """Each of `levels` is presented `repeats` times, in an order that no response changes.
 
@@ -54,24 +54,20 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     - `levels`: The levels that are presented, each once in a repeat.
     - `repeats`: How often each is presented.
 
-    Raises `InvalidParameter` if there is no level, a level is not finite or stands twice, `repeats` is below 1, or
-    there are more than `MOST_TRIALS`.
-
     >>> rule = ConstantStimuli(levels=(1.0, 2.0), repeats=1)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).finished
     (1.0, 2.0, True)
     """
 
     levels: tuple[float, ...]
-    repeats: int
+    repeats: Count
 
     name = "constant_stimuli"
-    transition = Transition(no_answer, _level, one_more, _ending, no_threshold)
+    transition = Transition(_level, _ending)
     unreplayed = "no rule: the levels of constant stimuli do not depend on the answers"
 
     def __post_init__(self) -> None:
         numbers("ConstantStimuli.levels", self.levels)
-        whole("ConstantStimuli", lowest=1, repeats=self.repeats)
         some("ConstantStimuli.levels", self.levels)
         once = "each level once; raise repeats to present it more often"
         distinct("ConstantStimuli.levels", self.levels, once)
@@ -89,10 +85,6 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
         blocks = [rng.permutation(self.levels) for _ in range(self.repeats)]
         return ConstantStimuliRun(self, order=tuple(float(level) for block in blocks for level in block))
 
-    @property
-    def numbers(self) -> Numbers:
-        return ()
-
     def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
         blocks = np.tile(np.asarray(self.levels, dtype=np.float64), (n_sets, self.repeats, 1))
         return (blocks if rng is None else rng.permuted(blocks, axis=2)).reshape(n_sets, -1)
@@ -106,7 +98,7 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
 
 @dataclass(frozen=True)
 class ConstantStimuliRun(SteppingRun[ConstantStimuli], FixedOrder):
-    """The levels in their `order`."""
+    """Run of `ConstantStimuli`; its `order` holds the levels."""
 
     def take(self, response: int | bool) -> Self:
         return replace(self, responses=(*self.responses, checked_outcome(response, 2, "ConstantStimuli")))

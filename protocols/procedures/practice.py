@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
-import numpy as np
-
-from tactometry.arguments.require import expect, numbers, one_of, some, whole
+from tactometry.arguments.constraints import constrained
+from tactometry.arguments.require import expect, numbers, one_of, some
 from tactometry.trials.tasks import PRACTICE_CRITERION
 
-from .stepping import SteppingRule, SteppingRun
-from .transition import CONVERGED, GOES_ON, TRIALS, Order, State, Transition, no_answer, no_threshold, one_more
+from .procedure import Count
+from .stepping import CONVERGED, GOES_ON, TRIALS, Order, State, SteppingRule, Transition
 
 
 class PracticeNumbers(NamedTuple):
@@ -37,7 +36,8 @@ OnMiss = Literal["go_on", "ask"]
 
 
 @dataclass(frozen=True)
-class Practice(SteppingRule["SteppingRun[Practice]"]):
+@constrained
+class Practice(SteppingRule[Any]):
     """Easy levels in turn until `n_correct` of the last `n_of` answers were right, `n_trials` at most.
 
     It ends as ``converged`` when the criterion was met, else as ``trials``.
@@ -49,37 +49,27 @@ class Practice(SteppingRule["SteppingRun[Practice]"]):
     - `on_miss`: With ``ask``, the experimenter chooses after a practice that missed its criterion: practice again, go
       on, or end the session. With ``go_on`` the session goes on.
 
-    Raises `InvalidParameter` if there is no level, or the counts make no criterion.
-
     >>> rule = Practice(levels=(40.0, 30.0), n_correct=2, n_of=3, n_trials=10)
     >>> rule.after(1).level, rule.after(1).after(0).after(1).ending
     (30.0, 'converged')
     """
 
     levels: tuple[float, ...]
-    n_correct: int = PRACTICE_CRITERION[0]
-    n_of: int = PRACTICE_CRITERION[1]
-    n_trials: int = 20
+    n_correct: Count = PRACTICE_CRITERION[0]
+    n_of: Count = PRACTICE_CRITERION[1]
+    n_trials: Count = 20
     on_miss: OnMiss = "go_on"
 
     name = "practice"
-    transition = Transition(no_answer, _level, one_more, _ending, no_threshold)
+    transition = Transition(_level, _ending)
+    named = PracticeNumbers
     unreplayed = "practice measures nothing"
 
     def __post_init__(self) -> None:
         numbers("Practice.levels", self.levels)
-        whole("Practice", lowest=1, n_correct=self.n_correct, n_of=self.n_of, n_trials=self.n_trials)
         some("Practice.levels", self.levels)
         one_of("Practice.on_miss", self.on_miss, get_args(OnMiss))
         for name, most in (("n_correct", "n_of"), ("n_of", "n_trials")):
             number, highest = getattr(self, name), getattr(self, most)
             possible = f"from 1 to {highest}, {most}; it must be possible to meet the criterion"
             expect(number <= highest, f"Practice.{name}", number, possible)
-
-    @property
-    def numbers(self) -> PracticeNumbers:
-        return PracticeNumbers(self.levels, self.n_correct, self.n_of, self.n_trials)
-
-    def begin(self, rng: np.random.Generator | None = None) -> "SteppingRun[Practice]":
-        del rng
-        return SteppingRun(self)

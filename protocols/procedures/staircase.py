@@ -9,11 +9,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tactometry.arguments.require import below, expect, finite, numbers, some, whole
+from tactometry.arguments.constraints import Finite, constrained
+from tactometry.arguments.require import below, expect, numbers, some
 
-from .procedure import RuleThreshold
-from .stepping import SteppingRule, SteppingRun
-from .transition import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, Order, State, Transition
+from .procedure import Count, RuleThreshold
+from .stepping import (
+    CENSORED_ABOVE,
+    CENSORED_BELOW,
+    CONVERGED,
+    GOES_ON,
+    TRIALS,
+    Order,
+    State,
+    SteppingRule,
+    SteppingRun,
+    Transition,
+)
 
 UP, STAY, DOWN = 1, 0, -1
 DISCARDED = 2
@@ -81,7 +92,7 @@ def _ending(numbers: StaircaseNumbers, order: Order, state: State, answers: Sequ
 
 
 def _threshold(marks: Sequence[float]) -> float:
-    """The mean of the last reversals, as many peaks as valleys, without the first `DISCARDED`."""
+    """Mean of the last reversals, as many peaks as valleys, without the first `DISCARDED`."""
     n, total = 0, 0.0
     for mark in marks:
         n += 0 if math.isnan(mark) else 1
@@ -94,7 +105,7 @@ def _threshold(marks: Sequence[float]) -> float:
 
 
 class UpDown(SteppingRule["StaircaseRun"]):
-    """What the transformed and the weighted staircase share: everything but the sizes of their steps."""
+    """Base of both staircases, which differ in the sizes of their steps."""
 
     start: float
     n_up: int
@@ -103,62 +114,35 @@ class UpDown(SteppingRule["StaircaseRun"]):
     n_at_bound: int
     initial_rule: bool
 
-    transition = Transition(_start, _level, _after, _ending, _threshold)
-
-    @property
-    @abstractmethod
-    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """The sizes of steps up and of steps down: number k after k reversals, the last from then on."""
-
-    @property
-    def numbers(self) -> StaircaseNumbers:
-        steps_up, steps_down = self.schedules
-        return StaircaseNumbers(
-            self.start,
-            self.low,
-            self.high,
-            steps_up,
-            steps_down,
-            self.n_up,
-            self.n_down,
-            self.initial_rule,
-            self.n_reversals,
-            self.n_trials,
-            self.n_at_bound,
-        )
+    transition = Transition(_level, _ending, _start, _after, _threshold)
+    named = StaircaseNumbers
 
     @property
     @abstractmethod
     def point(self) -> str:
-        """At which level it settles, in words."""
+        """Target of the staircase, in words."""
 
     def begin(self, rng: np.random.Generator | None = None) -> "StaircaseRun":
         del rng
         return StaircaseRun(self)
 
     def _check(self, **schedules: tuple[float, ...]) -> None:
-        """Refuse bounds, a start, counts or schedules of steps that make no staircase."""
-        owner = type(self).__name__
-        finite(owner, start=self.start, low=self.low, high=self.high)
-        for name, steps in schedules.items():
-            numbers(f"{owner}.{name}", steps)
-        counts = {"n_up": self.n_up, "n_down": self.n_down, "n_reversals": self.n_reversals}
-        whole(owner, lowest=1, **counts, n_trials=self.n_trials, n_at_bound=self.n_at_bound)
+        """Refuse bounds, a start or schedules of steps that make no staircase."""
+        owner, widest = type(self).__name__, self.high - self.low
         below(owner, low=self.low, high=self.high)
         among = f"a level between low ({self.low:g}) and high ({self.high:g})"
         expect(self.low <= self.start <= self.high, f"{owner}.start", f"{self.start:g}", among)
+
         for name, steps in schedules.items():
-            _check_steps(f"{owner}.{name}", steps, self.high - self.low)
-
-
-def _check_steps(where: str, steps: tuple[float, ...], widest: float) -> None:
-    some(where, steps)
-    for n, step in enumerate(steps):
-        expected = f"above 0 and at most the range of levels ({widest:g})"
-        expect(0 < step <= widest, f"{where}[{n}]", f"{step:g}", expected)
+            numbers(f"{owner}.{name}", steps)
+            some(f"{owner}.{name}", steps)
+            for n, step in enumerate(steps):
+                expected = f"above 0 and at most the range of levels ({widest:g})"
+                expect(0 < step <= widest, f"{owner}.{name}[{n}]", f"{step:g}", expected)
 
 
 @dataclass(frozen=True)
+@constrained
 class Staircase(UpDown):
     """n-up m-down: `n_down` correct responses in a row lower the level, `n_up` wrong ones in a row raise it.
 
@@ -181,22 +165,20 @@ class Staircase(UpDown):
     - `n_at_bound`: So many moves in a row beyond a bound end it as censored.
     - `initial_rule`: Until the first reversal one answer moves the level.
 
-    Raises `InvalidParameter` if bounds, start, steps or counts make no staircase.
-
     >>> rule = Staircase(start=20.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=2, n_reversals=4, n_trials=50)
     >>> rule.after(1).level, rule.after(1).after(0).level
     (16.0, 18.0)
     """
 
-    start: float
+    start: Finite
     steps: tuple[float, ...]
-    low: float
-    high: float
-    n_up: int = 1
-    n_down: int = 2
-    n_reversals: int = 8
-    n_trials: int = 60
-    n_at_bound: int = 3
+    low: Finite
+    high: Finite
+    n_up: Count = 1
+    n_down: Count = 2
+    n_reversals: Count = 8
+    n_trials: Count = 60
+    n_at_bound: Count = 3
     initial_rule: bool = True
 
     name = "staircase"
@@ -205,8 +187,12 @@ class Staircase(UpDown):
         self._check(steps=self.steps)
 
     @property
-    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        return self.steps, self.steps
+    def steps_up(self) -> tuple[float, ...]:
+        return self.steps
+
+    @property
+    def steps_down(self) -> tuple[float, ...]:
+        return self.steps
 
     @property
     def point(self) -> str:
@@ -214,6 +200,7 @@ class Staircase(UpDown):
 
 
 @dataclass(frozen=True)
+@constrained
 class WeightedStaircase(UpDown):
     """Steps up and down of different size: the target is p = (d_up / (d_up + d_down))^(1 / n_down).
 
@@ -224,22 +211,20 @@ class WeightedStaircase(UpDown):
     - `steps_down`: Steps downwards, as many as `steps_up`.
     - `start`, `low`, `high`, `n_down`, `n_reversals`, `n_trials`, `n_at_bound`: As in `Staircase`.
 
-    Raises `InvalidParameter` if the pairs do not match, or as `Staircase`.
-
     >>> rule = WeightedStaircase(start=20.0, steps_up=(6.0,), steps_down=(2.0,), low=0.0, high=40.0)
     >>> rule.target, rule.after(1).level, rule.after(0).level
     (0.75, 18.0, 26.0)
     """
 
-    start: float
+    start: Finite
     steps_up: tuple[float, ...]
     steps_down: tuple[float, ...]
-    low: float
-    high: float
-    n_down: int = 1
-    n_reversals: int = 8
-    n_trials: int = 60
-    n_at_bound: int = 3
+    low: Finite
+    high: Finite
+    n_down: Count = 1
+    n_reversals: Count = 8
+    n_trials: Count = 60
+    n_at_bound: Count = 3
 
     name = "weighted_staircase"
     n_up = 1
@@ -251,12 +236,8 @@ class WeightedStaircase(UpDown):
         expect(n_up == n_down, "WeightedStaircase.steps_up", f"{n_up} steps and {n_down} steps_down", "pairs")
 
     @property
-    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        return self.steps_up, self.steps_down
-
-    @property
     def target(self) -> float:
-        """The probability correct at which up and down balance, with the last pair of steps."""
+        """Probability correct at which up and down balance, with the last pair of steps."""
         up, down = self.steps_up[-1], self.steps_down[-1]
         return math.pow(up / (up + down), 1 / self.n_down)
 
@@ -267,11 +248,11 @@ class WeightedStaircase(UpDown):
 
 @dataclass(frozen=True)
 class StaircaseRun(SteppingRun[UpDown]):
-    """A staircase on its way."""
+    """Run of a staircase."""
 
     @property
     def reversals(self) -> tuple[float, ...]:
-        """The levels at which it turned round."""
+        """Levels at which the staircase turned."""
         return tuple(mark for mark in self.marks if not math.isnan(mark))
 
     @property
@@ -280,8 +261,10 @@ class StaircaseRun(SteppingRun[UpDown]):
         return int(self.state[2])
 
     def mean_of_reversals(self, *, discard: int = DISCARDED) -> float | None:
-        """The mean level of the reversals without the first `discard`, made even in number; None if there are fewer
-        than two of them or the run is censored."""
+        """Return the mean of the reversals without the first `discard`, made even in number.
+
+        None if there are fewer than two of them or the run is censored.
+        """
         kept = self._late_reversals(discard)
         censored = self.ending in ("censored_above", "censored_below")
         return None if censored or len(kept) < 2 else fmean(kept)
@@ -290,7 +273,6 @@ class StaircaseRun(SteppingRun[UpDown]):
         return self.reversals[discard + (len(self.reversals) - discard) % 2 :]  # as many peaks as valleys
 
     def _estimate(self) -> RuleThreshold:
-        """`mean_of_reversals` without the first two."""
         kept = self._late_reversals()
         if len(kept) < 2:
             return RuleThreshold(note=f"too few reversals: {len(self.reversals)} {self.rule.point}")
