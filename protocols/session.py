@@ -7,8 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from tactometry.arguments.require import of_kind
-from tactometry.choice_form import NOT_SAID, PREFER_NOT, SAY, ChoiceForm, ChoiceItem
-from tactometry.questionnaire import Questionnaire
+from tactometry.questionnaire import NOT_SAID, PREFER_NOT, SAY, ChoiceForm, ChoiceItem, Questionnaire
 from tactometry.session.answer import Chosen, Done, Rated
 from tactometry.session.intervention import Intervention
 from tactometry.session.request import (

@@ -1,26 +1,38 @@
-"""Questionnaires: items, poles and scoring, read from a file each.
+"""Forms that participants fill: questionnaires on a scale, and questions with choices, as those about a person.
 
 A file in `tactometry/questionnaires/` is a questionnaire; `parse` reads one from anywhere. The raw answer grows from
 the left word to the right word. A *reversed* item has its positive pole on the left, so that a high raw answer is a low
 score.
+
+A file in `tactometry/questionnaires/choices/` is a form of choices, whose answers are codes of categories. Everybody
+may prefer not to say: that is `NOT_SAID`, and no form states it.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
-from typing import Annotated, Any, Final, Self
+from functools import cache, partial
+from typing import Annotated, Any, Final, Self, TypeVar
 
 from annotated_types import Ge
 
 from .arguments.constraints import constrained
 from .arguments.require import expect, first_repeat, lookup, one_of, some
-from .choice_form import is_choices
 from .config.strict import build
 from .config.toml import errors_in, load_shipped, shipped_in, table_of
 from .errors import InvalidParameter
 
 FOLDER: Final = "tactometry.questionnaires"
+KIND: Final = "choices"
+NOT_SAID: Final = 0
+"""The code of an answer that someone prefers not to give."""
+PREFER_NOT: Final = "prefer_not"
+SAY: Final = "say_number"
+"""Labels of that answer, and of the wish to answer by a number."""
+MOST_CODE: Final = 9
+"""Each option has a digit of its own. Years of birth or of age, which could tell who someone is, have not enough."""
+MOST_NUMBER: Final = 999_999_999
+"""A page takes nine digits, and no sign."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +106,16 @@ class Questionnaire:
     stem: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _check_scale(self)
+        is_scale = math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high
+        expect(is_scale, "low", f"{self.low:g}", f"a number below high ({self.high:g})")
+        scored = self.score_low, self.score_high
+        are_scores = all(map(math.isfinite, scored)) and self.score_low != self.score_high
+        expect(are_scores, "score_low", f"{scored[0]:g} with score_high {scored[1]:g}", "two different finite numbers")
+        enough = "at least 2; leave it out for a continuous line"
+        expect(self.steps is None or self.steps >= 2, "steps", self.steps, enough)
+        some("items", self.items)
+        for language, ends in self.ends.items():
+            _check_pair(ends, f"ends.{language}", "the left and the right end")
         for index, item in enumerate(self.items):
             path = f"items[{index}]"
             one_of(f"{path}.dimension", item.dimension, self.dimensions)
@@ -102,10 +123,9 @@ class Questionnaire:
                 _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
             two = "two poles, or ends for all items"
             expect(bool(item.poles or self.ends), f"{path}.poles", f"none for {item.id!r}", two)
-
-        _check_order(self)
+        for key in ("id", "order"):
+            _check_each_once(self.items, key)
         expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
-
         for name, dimension in self.dimensions.items():
             for part in dimension.parts:
                 is_other = part in self.dimensions and part != name
@@ -181,54 +201,170 @@ class Questionnaire:
         return math.fsum(answered) / len(answered) if enough else None
 
 
-def _check_scale(form: Questionnaire) -> None:
-    is_scale = math.isfinite(form.low) and math.isfinite(form.high) and form.low < form.high
-    expect(is_scale, "low", f"{form.low:g}", f"a number below high ({form.high:g})")
-    scored = form.score_low, form.score_high
-    are_scores = all(map(math.isfinite, scored)) and form.score_low != form.score_high
-    expect(are_scores, "score_low", f"{scored[0]:g} with score_high {scored[1]:g}", "two different finite numbers")
-    enough = "at least 2; leave it out for a continuous line"
-    expect(form.steps is None or form.steps >= 2, "steps", form.steps, enough)
-    some("items", form.items)
-    for language, ends in form.ends.items():
-        _check_pair(ends, f"ends.{language}", "the left and the right end")
-
-
 def _check_pair(words: Sequence[str], path: str, what: str) -> None:
     are_two = len(words) == 2 and all(word.strip() for word in words)
     expect(are_two, path, list(words), f"two words, {what}")
 
 
-def _check_order(form: Questionnaire) -> None:
-    for key in ("id", "order"):
-        values = [getattr(item, key) for item in form.items]
-        index = first_repeat(values)
-        if index is not None:
-            raise InvalidParameter(f"items[{index}].{key}: found {values[index]!r} twice, expected each {key} once")
+def _check_each_once(items: Sequence[object], key: str) -> None:
+    values = [getattr(item, key) for item in items]
+    index = first_repeat(values)
+    if index is not None:
+        raise InvalidParameter(f"items[{index}].{key}: found {values[index]!r} twice, expected each {key} once")
 
 
-def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:
-    """Build a questionnaire from a table of a file; `path` opens each key path.
+@dataclass(frozen=True)
+class Option:
+    """A category.
 
-    Raises `InvalidParameter` if a key is wrong or the questionnaire is impossible.
+    - `code`: What the table holds, from 1 to 9.
+    - `words`: What participants read, by language.
     """
-    return build(Questionnaire, table, path)
+
+    code: int
+    words: dict[str, str]
 
 
-def parse(content: bytes, where: str) -> Questionnaire:
-    """Parse the bytes of a questionnaire file; `where` opens error messages.
+@dataclass(frozen=True)
+class ChoiceItem:
+    """One question with options, or with the bounds of a number, which could tell who somebody is.
 
-    Raises `InvalidFile` if they are no TOML, or anything is unknown, missing or impossible.
+    - `id`: What the tables call it.
+    - `prompt`: The question, by language.
+    - `options`: Two to nine, in their order.
+    - `low`: Lowest number of an answer, in place of options.
+    - `high`: Highest number of an answer, in place of options.
     """
-    table = table_of(content, where, "a questionnaire")
-    with errors_in(where):
-        return questionnaire_of(table, "")
+
+    id: str
+    prompt: dict[str, str]
+    options: tuple[Option, ...] = ()
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def bounds(self) -> tuple[float, float] | None:
+        """Bounds of a number; None if it has options."""
+        return None if self.low is None or self.high is None else (self.low, self.high)
+
+    @property
+    def codes(self) -> tuple[int, ...]:
+        """Codes of all answers, `NOT_SAID` last."""
+        return (*(option.code for option in self.options), NOT_SAID)
+
+    @property
+    def languages(self) -> set[str]:
+        return set.intersection(set(self.prompt), *(set(option.words) for option in self.options))
+
+    def category(self, code: int, language: str = "en") -> str:
+        """Return what a code stands for; empty for `NOT_SAID` and unknown codes.
+
+        >>> load_choices("demographics").items[1].category(1)
+        'right'
+        """
+        words = {option.code: option.words for option in self.options}.get(code, {})
+        return words.get(language, next(iter(words.values()), ""))
+
+
+@dataclass(frozen=True)
+class ChoiceForm:
+    """Questions that are asked one page each, about a person.
+
+    Raises `InvalidParameter` if a question has no options, an id or a code stands twice, or no language has all words.
+
+    - `name`: What studies and tables call it.
+    - `title`: What reports call it.
+    - `reference`: Where it was published, or that the words are one's own.
+    - `kind`: ``choices``.
+    - `items`: The questions, in their order.
+
+    >>> demographics = load_choices("demographics")
+    >>> [item.id for item in demographics.items], demographics.languages
+    (['age_band', 'handedness', 'gender'], ('de', 'en', 'fr'))
+    """
+
+    name: str
+    title: str
+    reference: str
+    kind: str
+    items: tuple[ChoiceItem, ...]
+
+    def __post_init__(self) -> None:
+        one_of("kind", self.kind, (KIND,))
+        some("items", self.items)
+        _check_each_once(self.items, "id")
+        for n, item in enumerate(self.items):
+            _check_item(item, f"items[{n}]")
+        expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
+
+    @property
+    def languages(self) -> tuple[str, ...]:
+        return tuple(sorted(set.intersection(*(item.languages for item in self.items))))
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Questions that are answered by a number, which might identify a person."""
+        return tuple(item.id for item in self.items if item.bounds is not None)
+
+    def item(self, name: str) -> ChoiceItem | None:
+        return next((item for item in self.items if item.id == name), None)
+
+
+def _check_item(item: ChoiceItem, path: str) -> None:
+    expect(bool(item.id.strip()), f"{path}.id", repr(item.id), "a name, which stands in the tables")
+    if item.low is None and item.high is None:
+        expect(len(item.options) >= 2, f"{path}.options", len(item.options), "at least 2, beside the one not to say")
+    else:
+        low, high = item.bounds or (0.0, 0.0)
+        can_be_typed = 0 <= low < high <= MOST_NUMBER and not item.options
+        below = f"a number from 0 on, below high, and high at most {MOST_NUMBER}; without options"
+        expect(can_be_typed, f"{path}.low", f"{item.low} with high {item.high}", below)
+    codes = [option.code for option in item.options]
+    for n, code in enumerate(codes):
+        fits = f"a whole number from 1 to {MOST_CODE}, each once; {NOT_SAID} is 'prefer not to say'"
+        expect(1 <= code <= MOST_CODE and codes.index(code) == n, f"{path}.options[{n}].code", code, fits)
+    texts = {f"{path}.prompt": item.prompt}
+    texts |= {f"{path}.options[{n}].words": option.words for n, option in enumerate(item.options)}
+    for where, by_language in texts.items():
+        for language, text in by_language.items():
+            expect(bool(text.strip()), f"{where}.{language}", "a text that says nothing", "what participants read")
+
+
+F = TypeVar("F", Questionnaire, ChoiceForm)
+
+
+def is_choices(table: object) -> bool:
+    return isinstance(table, Mapping) and table.get("kind") == KIND
+
+
+def form_of(table: Mapping[str, Any], path: str) -> Questionnaire | ChoiceForm:
+    """Build the form of a table, or raise `InvalidParameter`; `path` opens each key path."""
+    return build(ChoiceForm, table, path) if is_choices(table) else build(Questionnaire, table, path)
 
 
 def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
     """Return the questionnaires of a study by name, from its `[forms.NAME]`, without forms of choices."""
-    scales = {name: table for name, table in tables.items() if not is_choices(table)}
-    return {name: questionnaire_of({"name": name, **table}, f"forms.{name}") for name, table in scales.items()}
+    return _named(Questionnaire, {name: table for name, table in tables.items() if not is_choices(table)})
+
+
+def choice_forms_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, ChoiceForm]:
+    """Return the forms of choices of a study by name, from its `[forms.NAME]`."""
+    return _named(ChoiceForm, {name: table for name, table in tables.items() if is_choices(table)})
+
+
+def _named(kind: type[F], tables: Mapping[str, Mapping[str, Any]]) -> dict[str, F]:
+    return {name: build(kind, {"name": name, **table}, f"forms.{name}") for name, table in tables.items()}
+
+
+def parse(content: bytes, where: str) -> Questionnaire:
+    """Parse the bytes of a questionnaire file, or raise `InvalidFile`, whose message `where` opens."""
+    return _parse(Questionnaire, content, where)
+
+
+def _parse(kind: type[F], content: bytes, where: str) -> F:
+    table = table_of(content, where, "a questionnaire")
+    with errors_in(where):
+        return build(kind, table, "")
 
 
 @cache
@@ -242,6 +378,22 @@ def shipped_names() -> tuple[str, ...]:
 
 
 @cache
+def shipped_choices() -> tuple[str, ...]:
+    """Return the names of the shipped forms of choices.
+
+    >>> shipped_choices()
+    ('demographics',)
+    """
+    return shipped_in(f"{FOLDER}.choices")
+
+
+@cache
 def load(name: str) -> Questionnaire:
     """Load a shipped questionnaire."""
     return load_shipped(FOLDER, name, "questionnaire", parse)
+
+
+@cache
+def load_choices(name: str) -> ChoiceForm:
+    """Load a shipped form of choices."""
+    return load_shipped(f"{FOLDER}.choices", name, "form", partial(_parse, ChoiceForm))

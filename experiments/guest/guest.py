@@ -9,12 +9,11 @@ from typing import Any, Self, TypeVar
 import numpy as np
 
 from tactometry.arguments.require import expect, one_of
-from tactometry.choice_form import ChoiceForm, shipped_choices
 from tactometry.protocols.procedures.procedure import Procedure
 from tactometry.protocols.session import reply_to, words_of
 from tactometry.protocols.tasks.rating import fill_in
 from tactometry.protocols.tasks.task import Presentation, Reply, TrialOutcome
-from tactometry.questionnaire import Questionnaire, shipped_names
+from tactometry.questionnaire import ChoiceForm, Questionnaire, shipped_choices, shipped_names
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
 from tactometry.rigs.touch.touch import ConcurrentPlay
 from tactometry.session.answer import Played, Touched

@@ -121,13 +121,12 @@ def form_tables() -> Iterator[KeyTable]:
     yield KeyTable(
         "forms.dimensions", f"[{forms}.dimensions.NAME]", f"{read}:Dimension", example=dimension, samples=titled
     )
-    choices = "tactometry.choice_form"
-    yield KeyTable("forms.choices", f"[{forms}]", f"{choices}:ChoiceForm", example=_CHOICES, given=named)
+    yield KeyTable("forms.choices", f"[{forms}]", f"{read}:ChoiceForm", example=_CHOICES, given=named)
     question, bounds = {**_QUESTION, "options": _OPTIONS}, {"low": _NUMBER, "high": _NUMBER}
     header = f"[[{forms}.items]]"
-    yield KeyTable("forms.choices.items", header, f"{choices}:ChoiceItem", example=question, instead=bounds)
+    yield KeyTable("forms.choices.items", header, f"{read}:ChoiceItem", example=question, instead=bounds)
     header = f"[[{forms}.items.options]]"
-    yield KeyTable("forms.choices.items.options", header, f"{choices}:Option", example=_OPTIONS[0])
+    yield KeyTable("forms.choices.items.options", header, f"{read}:Option", example=_OPTIONS[0])
 
 
 def _named(name: str) -> Callable[[], Values]:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactometry.arguments.require import at_most
-from tactometry.choice_form import ChoiceForm, choice_forms_of
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import Gathered, rewording
 from tactometry.observers.changes import Answer, Shift
@@ -25,7 +24,7 @@ from tactometry.protocols.block_state import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import session, words_of
 from tactometry.protocols.tasks.task import AsksForm, Task
-from tactometry.questionnaire import Questionnaire, questionnaires_of
+from tactometry.questionnaire import ChoiceForm, Questionnaire, choice_forms_of, questionnaires_of
 from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Meeting, Rendering, Sensation, SimulatedRig, meeting, rendering
 from tactometry.session.run import Course

@@ -6,10 +6,9 @@ from math import prod
 from pathlib import Path
 
 from tactometry.arguments.require import expect, one_of
-from tactometry.choice_form import ChoiceForm
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.protocols.session import pages
-from tactometry.questionnaire import Questionnaire
+from tactometry.questionnaire import ChoiceForm, Questionnaire
 from tactometry.rigs.texts import LIST, N_NEAREST, PageImage, Texts, image_of, languages, texts_in
 from tactometry.session.request import Show
 

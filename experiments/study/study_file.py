@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from tactometry.arguments.require import expect
-from tactometry.choice_form import choice_form_of, is_choices
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build, check_keys, fields_of
 from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
 from tactometry.errors import Gathered, InvalidFile, InvalidParameter, TactometryError, nearest, reworded
 from tactometry.files.durable import read_file
-from tactometry.questionnaire import questionnaire_of
+from tactometry.questionnaire import form_of
 
 from .study import Study
 
@@ -148,6 +147,5 @@ def _table_of_file(path: Path, name: str) -> dict[str, Any]:
     with errors_in(path):
         stated = table.pop("name", name)
         expect(stated == name, "name", repr(stated), f"{name!r}, as the study calls it; or leave it out")
-        read = choice_form_of if is_choices(table) else questionnaire_of
-        read({"name": name, **table}, "")
+        form_of({"name": name, **table}, "")
     return table

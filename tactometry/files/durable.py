@@ -158,26 +158,26 @@ def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
 
     Raises `DeviceFailed` if the disk is full or fails; the file itself is unchanged.
     """
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    drafted = path.with_name(f".{path.name}.{os.getpid()}")
     with suppress(OSError):
-        beside.unlink()  # of a process that had this number, and was killed
-    file = open_private(beside, os.O_RDWR | os.O_EXCL)
+        drafted.unlink()  # of a process that had this number, and was killed
+    file = open_private(drafted, os.O_RDWR | os.O_EXCL)
     try:
         if path.exists() and hasattr(os, "fchmod"):
             os.fchmod(file, stat.S_IMODE(path.stat().st_mode))
         write_whole(file, content, path, durable=True)
-        yield file, beside
+        yield file, drafted
     except BaseException:
         os.close(file)
         raise
     finally:
-        beside.unlink(missing_ok=True)
+        drafted.unlink(missing_ok=True)
 
 
-def put_in_place(beside: Path, path: Path) -> None:
+def put_in_place(drafted: Path, path: Path) -> None:
     """Replace a file by its draft, atomically."""
     with attempt(path, "cannot write", "room on the disk; make room and try again"):
-        beside.replace(path)
+        drafted.replace(path)
         sync_folder(path.parent)
 
 
@@ -186,8 +186,8 @@ def replace_file(path: Path, content: bytes) -> int:
 
     Raises `DeviceFailed` if the disk is full or fails; the old file stays.
     """
-    with draft(path, content) as (file, beside):
-        put_in_place(beside, path)
+    with draft(path, content) as (file, drafted):
+        put_in_place(drafted, path)
     return file
 
 
@@ -199,9 +199,9 @@ def write_first(path: Path, content: bytes) -> None:
     """Make a file unless it exists; of several processes one makes it, completely."""
     if path.exists():
         return
-    with draft(path, content) as (file, beside):
+    with draft(path, content) as (file, drafted):
         try:
-            os.link(beside, path)
+            os.link(drafted, path)
         except FileExistsError:
             pass
         except OSError:

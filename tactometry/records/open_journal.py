@@ -93,9 +93,9 @@ class Journal:
         for line in behind:
             lines.append(encode_line(line, self._before))
             self._before = checksum(lines[-1])
-        with draft(self.path, kept + b"".join(lines)) as (file, beside):
+        with draft(self.path, kept + b"".join(lines)) as (file, drafted):
             _lock(file, self.path)  # before it has the name: no other process gets in between
-            put_in_place(beside, self.path)
+            put_in_place(drafted, self.path)
         os.close(self._file)
         self._file = file
 

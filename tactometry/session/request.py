@@ -21,19 +21,13 @@ Facts = dict[str, Fact]
 
 TRAJECTORY_M = 0.1
 """Length of the path of a slide, one way (unverified default)."""
-
-
 CONSENT: Final = "agree"
 """The question whether someone wants to take part: a simulated participant does."""
-
-
 MISSED_PRACTICE: Final = "practice_missed"
 """The question to the experimenter after a practice that missed its criterion."""
 AGAIN, GO_ON, END_SESSION = 1, 2, 3
 """Options of this question. A simulated participant, who has no experimenter, goes on."""
 MISSED_LABELS: Final = {AGAIN: "again", GO_ON: "go_on", END_SESSION: "end_session"}
-
-
 ABOUT: Final = "about."
 """Opens the name of each question about a person, whom nothing was given to feel."""
 

@@ -14,10 +14,10 @@ from tables import trial_rows
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
-from tactometry.choice_form import NOT_SAID, load, shipped_choices
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
+from tactometry.questionnaire import NOT_SAID, load_choices, shipped_choices
 from tactometry.records.journal import read
 from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.request import ABOUT, Choose
@@ -151,10 +151,10 @@ def test_identifying_number_is_refused_without_permission(study, tmp_path, capsy
 @pytest.mark.parametrize("language", languages())
 @pytest.mark.parametrize("name", shipped_choices())
 def test_shipped_questions_have_words_in_every_language_of_the_pages(name, language):
-    assert language in load(name).languages
+    assert language in load_choices(name).languages
     study = TUTORIAL + INQUIRY
     texts = texts_in(language, wire(parse(study.encode(), "s.toml"), "s.toml").words_in(language))
-    for item in load(name).items:
+    for item in load_choices(name).items:
         question = f"{ABOUT}{name}.{item.id}"
         assert texts.message(question) == item.prompt[language]
         labels = [texts.label(f"{question}.{code}") for code in item.codes if code != NOT_SAID]

@@ -132,9 +132,7 @@ def test_no_session_waits_for_an_output_that_hangs_as_it_begins(in_background, m
     in_background(trigger.consider)
     assert output.begins.wait(LONGEST_WAIT_S)
     begin_s = time.perf_counter()
-    with pytest.raises(
-        DeviceFailed, match="output 'hung': it hangs, and did not begin within 0.1 s: switch its amplif"
-    ):
+    with pytest.raises(DeviceFailed, match="output 'hung': it hangs, and did not begin within 0.1 s: switch its"):
         emitter.mute(on=True)
     trigger.disarm(longest_s=0.1)
     assert time.perf_counter() - begin_s < 2.0
@@ -242,10 +240,7 @@ class Gone:
     ("error", "failure"),
     [
         (DeviceFailed("gone: it is not there"), "gone: it is not there"),
-        (
-            RuntimeError("an internal\nerror"),
-            "gone: found a failure (RuntimeError: an internal error), expected samples",
-        ),
+        (RuntimeError("an\nerror"), "gone: found a failure (RuntimeError: an error), expected samples"),
     ],
 )
 def test_while_a_sensor_is_away_its_listeners_are_told_that_nothing_came(error, failure):

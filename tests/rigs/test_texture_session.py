@@ -89,54 +89,37 @@ NO_SENSOR = "position: found none, expected the sensor that tells where the fing
 REFUSED = {
     "no position": ({"position": ""}, {}, 2, NO_SENSOR),
     "a file": (
-        {"position": POSITION},
-        {'kind = "audio"': 'kind = "file"\nfolder = "played"'},
-        3,
+        {"position": POSITION}, {'kind = "audio"': 'kind = "file"\nfolder = "played"'}, 3,
         "found a texture, whose signal follows the finger, expected one that is known when it begins; play it through",
     ),
     "no scale": (
-        {},
-        {f"metres_per_count = {METRES_PER_COUNT}": "metres_per_count = 1e300"},
-        2,
+        {}, {f"metres_per_count = {METRES_PER_COUNT}": "metres_per_count = 1e300"}, 2,
         "bench.toml, position.metres_per_count: found 1e+300, expected a number of at most 1e+09",
     ),
     "no zero": (
-        {},
-        {"channels = [0]": "channels = [0]\nzero_counts = [nan]"},
-        2,
+        {}, {"channels = [0]": "channels = [0]\nzero_counts = [nan]"}, 2,
         "bench.toml, position.zero_counts[0]: found nan, expected a finite number",
     ),
     "no such channel": (
-        {},
-        {"channels = [0]": "channels = [99]"},
-        2,
+        {}, {"channels = [0]": "channels = [99]"}, 2,
         "position.channels: found 99, expected from 0 to 5, a channel of udp 127.0.0.1:9",
     ),
     "a place of long ago": (
-        {"more": "position_latency_s = 2.5"},
-        {},
-        2,
+        {"more": "position_latency_s = 2.5"}, {}, 2,
         "bench.toml, output.position_latency_s: found 2.5, expected at most 1",
     ),
     "a block of years": (
-        {"more": "block_s = 1e11"},
-        {},
-        2,
-        "bench.toml, output.block_s: found 1e+11, expected at most 1",
+        {"more": "block_s = 1e11"}, {}, 2, "bench.toml, output.block_s: found 1e+11, expected at most 1",
     ),
     "a block of nothing": (
-        {"more": "block_s = 1e-9"},
-        {},
-        2,
+        {"more": "block_s = 1e-9"}, {}, 2,
         "bench.toml, output.block_s: found 4.8e-05 samples, expected at least one at rate_hz",
     ),
     "too slow": (
-        {"position": POSITION},
-        {"rate_hz = 1000\n": "rate_hz = 40\n"},
-        2,
+        {"position": POSITION}, {"rate_hz = 1000\n": "rate_hz = 40\n"}, 2,
         "sensors.hand.rate_hz: found 40.0 reports per second, expected more than 50 for a period of 0.002 m at 0.05",
     ),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("how", "changes", "status", "words"), REFUSED.values(), ids=REFUSED)

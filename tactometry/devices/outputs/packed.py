@@ -32,9 +32,9 @@ OPEN_WITHIN_S: Final = 5.0
 """A board that does not read yet is waited for."""
 AGAIN_WITHIN_S: Final = 0.5
 """The same, where it read before."""
-SEND_BESIDE_S: Final = 1.0
+SEND_EXTRA_S: Final = 1.0
 """A board takes a stream in the time that it lasts and this (unverified default)."""
-TAKE_BESIDE_S: Final = 0.5
+TAKE_EXTRA_S: Final = 0.5
 """A board that has not all of a stream so long after its end played nothing (unverified default)."""
 LOOK_S: Final = 0.005
 """A line that takes nothing is looked at this often."""
@@ -290,7 +290,7 @@ class PackedOutput(AmplifiedDriver):
             self._line = self._line or open_line(self._path, AGAIN_WITHIN_S)
             onset_s = time.perf_counter()
             self._over_s, self._is_torn = onset_s + signal.duration_s, False
-            self._sending = Sending(self._line, self._stream_of(signal), signal.duration_s + SEND_BESIDE_S)
+            self._sending = Sending(self._line, self._stream_of(signal), signal.duration_s + SEND_EXTRA_S)
         return onset_s
 
     def _end_whole(self) -> None:
@@ -299,7 +299,7 @@ class PackedOutput(AmplifiedDriver):
         self._finish(READ_WITHIN_S)
         if before is None:
             return
-        if is_over and self._line is not None and not self._line.was_read(TAKE_BESIDE_S):
+        if is_over and self._line is not None and not self._line.was_read(TAKE_EXTRA_S):
             self._is_torn = True
             self._let_go()
         if self._is_torn:
@@ -325,7 +325,7 @@ class PackedOutput(AmplifiedDriver):
         """Return 1 if the signal was over before the board had all of its stream: it played nothing."""
         sending, line = self._sending, self._line
         if sending is not None and line is not None and time.perf_counter() >= self._over_s:
-            within_s = max(longest_wait_s, TAKE_BESIDE_S)
+            within_s = max(longest_wait_s, TAKE_EXTRA_S)
             self._is_torn = not (sending.is_whole(within_s) and line.was_read(within_s))
         return int(self._is_torn)
 

@@ -13,7 +13,7 @@ BODY, HEADING, HINT = 0.042, 0.056, 0.032
 N_POSITIONS_CONTINUOUS = 101
 MARGIN = 0.9
 """Part of the screen's width that may be filled."""
-LONGEST_BESIDE_BAR = 0.5
+LONGEST_NEXT_TO_BAR = 0.5
 WIDEST = 1.5
 """No line of words is longer, on however wide a screen."""
 
@@ -196,7 +196,7 @@ def track_page(page: Page, cue: float, length: float, finger: float | None = Non
 
     `cue` and `finger` are places from -1 to 1. A short track lies beside the force bar, a long one below.
     """
-    y = -0.23 if length <= LONGEST_BESIDE_BAR else -0.36
+    y = -0.23 if length <= LONGEST_NEXT_TO_BAR else -0.36
     moving = [Disc(cue * length / 2, y, 0.022, fill=ACCENT)]
     if finger is not None:
         place = min(max(finger, -1.1), 1.1)  # just past an end, so that it is seen to be beyond

@@ -157,11 +157,8 @@ def test_each_question_about_a_person_and_each_rest_that_time_brings_is_put_once
     killed.begin()
     assert killed.ended() == (0, "")
     rows = trial_rows(killed.data)
-    assert [(row["item"], row["response"]) for row in rows if row["item"]] == [
-        ("age_band", "3"),
-        ("handedness", "2"),
-        ("gender", "1"),
-    ]
+    answers = [(row["item"], row["response"]) for row in rows if row["item"]]
+    assert answers == [("age_band", "3"), ("handedness", "2"), ("gender", "1")]
     assert [row["response"] for row in rows if not row["item"]] == ["1"] * 3
     asked = Counter(request.question for request in killed.requests() if isinstance(request, Choose))
     assert {name: n for name, n in asked.items() if name.startswith(ABOUT)} == {
