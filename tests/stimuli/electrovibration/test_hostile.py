@@ -15,7 +15,6 @@ from tactometry.errors import TactometryError
 from tactometry.signal import Signal
 from tactometry.stimuli import electrovibration as ev
 from tactometry.stimuli.composition.effect import Effect
-from tactometry.stimuli.electrovibration import figures
 from tactometry.stimuli.electrovibration.attraction import contact_area
 from tactometry.stimuli.electrovibration.skin import stack
 
@@ -24,8 +23,6 @@ HOSTILE: tuple[Any, ...] = (
     None, "text", "", NAN, INF, -INF, -1, 0, 1e-320, -1e-320, 1e-200, 1e200, 1e308, [], [NAN], [1e308, -1e308],
     [1.0, None], True, 1j, 10**400, -(10**30), {}, object(),
 )  # fmt: skip
-DRAWN = (None, "text", NAN, -1, 0, 1e-320, 1e308, [], [NAN], 1j)
-"""Fewer for figures, which take long."""
 
 SKIN, AREA_M2 = ev.Skin(), 1e-4
 LEAKY = ev.Layer(200e-6, 1000.0, 2e4)
@@ -232,19 +229,6 @@ for _name in ("AmplitudeModulated", "PulseTrain", "Sampled", "Sine", "Square", "
     _stimulus = CONSTRUCTORS[_name][0](**CONSTRUCTORS[_name][1])
     METHODS |= {f"{_name}.{verb}": (getattr(_stimulus, verb), {"level": 20.0}) for verb in ("at", "pieces")}
 
-FIGURES: dict[str, Call] = {
-    "input_against_position": (figures.input_against_position, {
-        "textures": {"grating": ev.Grating(1e-3)}, "length_m": 0.01, "speed_m_per_s": 0.05, "carrier_hz": 100.0,
-        "voltage_v": 100.0}),
-    "force_against_area": (figures.force_against_area, {
-        "voltage_v": 100.0, "skin": SKIN, "laws": ("interface",), "largest_m2": 1e-4}),
-    "skin_properties": (figures.skin_properties, {"layers": {"table": TABLE}}),
-    "force_for_inputs": (figures.force_for_inputs, {
-        "areas_m2": (1e-4,), "skin": SKIN, "law": "interface", "level": 40.0, "inputs": {"sine": PIECES}}),
-    "applied_forces": (figures.applied_forces, {"forces_n": {"a": [1.0, 2.0]}}),
-    "contact_ellipse": (figures.contact_ellipse, {"prints": PRINTS}),
-}  # fmt: skip
-
 CALLS = CONSTRUCTORS | FUNCTIONS | METHODS
 RESULTS = {ev.Motion, ev.StickSlip}
 """What calls return; nobody makes one."""
@@ -329,12 +313,6 @@ def test_a_hostile_value_gives_a_finite_result_or_one_sentence(name: str) -> Non
     assert complaints(name, call, valid, HOSTILE) == []
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_a_figure_of_a_hostile_value_is_refused_or_drawn(name: str) -> None:
-    call, valid = FIGURES[name]
-    assert complaints(name, call, valid, DRAWN) == []
-
-
 def public_functions(module: ModuleType) -> set[str]:
     own = (name for name, one in getmembers(module, isfunction) if one.__module__ == module.__name__)
     return {name for name in own if not name.startswith("_")}
@@ -357,14 +335,13 @@ def test_every_public_callable_is_in_the_sweep() -> None:
     modules = [public_functions(module) for module in (closed_form, contact_area, stack)]
     assert classes <= set(CONSTRUCTORS)
     assert functions.union(*modules) - {"check_resistivity"} <= set(FUNCTIONS)
-    assert public_functions(figures) == set(FIGURES)
     assert set().union(*(public_methods(public[name]) for name in classes)) <= set(METHODS)
 
 
 def test_every_argument_is_in_the_sweep() -> None:
     missing = [
         f"{name}({argument})"
-        for name, (call, valid) in (CALLS | FIGURES).items()
+        for name, (call, valid) in CALLS.items()
         for argument in set(signature(call).parameters) - set(valid)
     ]
     assert missing == []
