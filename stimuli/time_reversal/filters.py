@@ -36,17 +36,14 @@ def filtered(samples: FloatArray, rate_hz: Positive, gain: GainCurve) -> FloatAr
 class Band:
     """Passes f_min..f_max without a change of phase; raised-cosine flanks of `flank_hz` lie inside the band.
 
+    Raises `InvalidParameter` if the band is empty.
+
     Parameters
     ----------
     f_min_hz, f_max_hz : float
         0 <= f_min < f_max.
     flank_hz : float
         At least 0; at most the width of the band.
-
-    Raises
-    ------
-    InvalidParameter
-        If the band is empty.
     """
 
     f_min_hz: float

@@ -66,10 +66,7 @@ def force_form(law: str | None, skin: Skin, area_m2: NotNegative) -> ForceForm:
     ``parallel_plate``  ``e0 e_i A V^2/(2 d_i^2)``: the insulator alone, the finger a conductor
     =================== ==================================================================================
 
-    Raises
-    ------
-    InvalidParameter
-        If no law is named, the area is negative, or the law lacks a term for the gap or the body.
+    Raises `InvalidParameter` if no law is named, the area is negative, or the law lacks a term for the gap or the body.
     """
     check_law(law)
     return _FORMS[str(law)](skin, area_m2)
@@ -86,6 +83,8 @@ def electrostatic_force_n(
     polarity: "Polarity | None" = None,
 ) -> FloatArray:
     """Attraction (N) between finger and screen at the samples of a voltage, from rest.
+
+    Raises `InvalidParameter` if a value is outside of its domain, and as in `force_form`.
 
     Parameters
     ----------
@@ -105,11 +104,6 @@ def electrostatic_force_n(
     -------
     (..., n_samples) array
         Exact at the samples: the recurrence solves the circuit, nothing is stepped.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain, and as in `force_form`.
 
     >>> step = [100.0, 100.0, 100.0]
     >>> force_n = electrostatic_force_n(step, rate_hz=1e4, skin=Skin(), area_m2=1e-4, law="sc_layer")

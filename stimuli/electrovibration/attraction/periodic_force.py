@@ -50,6 +50,9 @@ def periodic_force_n(
                   (unverified)
     ============= ====================================================================================
 
+    Raises `InvalidParameter` if the law is not named or has no term for layers that leak, or a value is outside of its
+    domain.
+
     Parameters
     ----------
     voltage_v : (n_samples,) array
@@ -64,11 +67,6 @@ def periodic_force_n(
         Contact area, at least 0.
     law : {"interface", "sc_layer"}
         Must be named.
-
-    Raises
-    ------
-    InvalidParameter
-        If the law is not named or has no term for layers that leak, or a value is outside of its domain.
 
     >>> tone_v = 100 * np.sin(2 * np.pi * np.arange(64) / 64)
     >>> layers = {"insulator": Layer(1e-6, 3.9), "corneum": Layer(200e-6, 1000.0, 2e4)}

@@ -43,15 +43,12 @@ def sliding(
     The lateral force is ``mu (F_n + F_e)``. There is no slip-rate in it, so that any speed gives the same; whether the
     finger slips at all is the matter of `stick_slip`.
 
+    Raises `InvalidParameter` if the times are not as stated or the force is negative.
+
     Parameters
     ----------
     t_s : (n_times,) array
         Ascending from at least 0 to at most the end of the voltage.
-
-    Raises
-    ------
-    InvalidParameter
-        If the times are not as stated or the force is negative.
     """
     t = np.asarray(t_s, dtype=np.float64)
     return Motion(t, *_rows(t, (pieces,), form, finger, friction, force_n)[0])
@@ -71,10 +68,8 @@ def sliding_many(
 
     All share the exponentials of one plan: what differs is heights, slopes and phases.
 
-    Raises
-    ------
-    InvalidParameter
-        As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
+    Raises `InvalidParameter` as in `sliding`, and if the pieces of a stimulus do not start when those of the first one
+    do.
     """
     t = np.asarray(t_s, dtype=np.float64)
     return Motion(t, *_rows(t, stimuli, form, finger, friction, force_n).swapaxes(0, 1))

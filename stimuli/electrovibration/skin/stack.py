@@ -78,10 +78,8 @@ class Stack:
     The ratio of the voltage across layer j to the applied one is ``Z_j/(R + sum Z)`` with ``Z_j = s_j/(A (p + r_j))``,
     s the elastance and r the rate of a layer: a sum of real relaxations, whose rates interlace the rates of the layers.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no layer with a thickness that can hold a voltage, or the resistance is negative.
+    Raises `InvalidParameter` if there is no layer with a thickness that can hold a voltage, or the resistance is
+    negative.
 
     >>> stack = Stack((Layer(1e-6, 3.9), Layer(200e-6, 1000.0, 2e4)))
     >>> found = stack.relaxations(1, area_m2=1e-4)
@@ -203,10 +201,7 @@ def _number(place: int) -> float:
 class DispersiveLayer:
     """A slab with a table of properties, log-log between its rows and constant outside of them.
 
-    Raises
-    ------
-    InvalidParameter
-        If the columns differ in length, are not above 0, or the frequencies do not ascend.
+    Raises `InvalidParameter` if the columns differ in length, are not above 0, or the frequencies do not ascend.
 
     >>> layer = DispersiveLayer(200e-6, (10.0, 1000.0), (1e4, 1e2), (1e5, 1e3))
     >>> [round(float(values), 6) for values in layer.properties(100.0)]

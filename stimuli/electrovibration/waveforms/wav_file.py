@@ -29,6 +29,10 @@ _LARGEST: Final = {"u1": 127 / 128, "i2": 1 - 2.0**-15, "i4": 1 - 2.0**-23, "f4"
 class WavFile:
     """The samples of a WAV file of one channel, scaled to a level.
 
+    Raises `InvalidFile` if the file cannot be read; `InvalidParameter` if a value is outside of its domain, or the file
+    has another digest, rate or length, several channels, no samples but 0, one that is not finite, or samples that were
+    cut off at full scale.
+
     Parameters
     ----------
     path : str
@@ -48,14 +52,6 @@ class WavFile:
         Raised-cosine ramp on and off; none by default.
     read : bool
         Whether the file is read now; without it nothing can be played.
-
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read.
-    InvalidParameter
-        If a value is outside of its domain, or the file has another digest, rate or length, several channels, no
-        samples but 0, one that is not finite, or samples that were cut off at full scale.
     """
 
     path: str

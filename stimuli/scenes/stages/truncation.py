@@ -182,13 +182,7 @@ def places_m(scene: Surroundings) -> list[Place]:
 
 
 def check_on_plate(scene: Surroundings) -> None:
-    """Refuse a finger that rests beside the plate.
-
-    Raises
-    ------
-    InvalidParameter
-        At the first.
-    """
+    """Refuse a finger that rests beside the plate."""
     plate = scene.surface.plate
     for n, (x_m, y_m) in enumerate(places_m(scene)):
         if not plate.contains(x_m, y_m):

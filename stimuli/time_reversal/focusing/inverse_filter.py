@@ -34,6 +34,9 @@ def inverse_filter_waveform(
 ) -> FloatArray:
     """Waveforms that focus at the last sample, as `focusing.reversed_waveform`.
 
+    Raises `InvalidParameter` if the band passes the Nyquist frequency, `wanted` does not fit or is not finite, all
+    responses are zero, or `regularisation` is not above 0.
+
     Parameters
     ----------
     points : Responses
@@ -48,12 +51,6 @@ def inverse_filter_waveform(
     Returns
     -------
     (n_channels, n_samples) array, scaled to no particular voltage.
-
-    Raises
-    ------
-    InvalidParameter
-        If the band passes the Nyquist frequency, `wanted` does not fit or is not finite, all responses are zero, or
-        `regularisation` is not above 0.
     """
     within("Band", 0.0, points.rate_hz / 2, **{"f_max_hz (the Nyquist frequency is the limit)": band.f_max_hz})
     target = np.asarray(wanted, float)

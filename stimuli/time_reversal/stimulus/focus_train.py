@@ -114,12 +114,8 @@ class TimeReversalStimulus:
     def at(self, level: float) -> Signal:
         """The drive (V) whose largest focus has this amplitude.
 
-        Raises
-        ------
-        InvalidParameter
-            If the amplitude is not above 0.
-        LimitExceeded
-            If it needs more than `voltage_max_v`, or no burst at `supply_v` makes it.
+        Raises `InvalidParameter` if the amplitude is not above 0; `LimitExceeded` if it needs more than
+        `voltage_max_v`, or no burst at `supply_v` makes it.
         """
         if self.supply_v is not None:
             return self._at_supply(level)
@@ -301,12 +297,8 @@ class FocusTrain:
     def at(self, level: float) -> Signal:
         """The drive (V), one channel per transducer, whose largest focus has this unloaded amplitude.
 
-        Raises
-        ------
-        InvalidParameter
-            If the level is not finite or not above 0 m.
-        LimitExceeded
-            If it needs more than `voltage_max_v`, or no burst at `supply_v` makes it.
+        Raises `InvalidParameter` if the level is not finite or not above 0 m; `LimitExceeded` if it needs more than
+        `voltage_max_v`, or no burst at `supply_v` makes it.
         """
         return _family(self).at(level)
 
