@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from .attraction.polarity import Polarity as Polarity
     from .motion.coulomb_friction import CoulombFriction as CoulombFriction
     from .motion.dry_friction import DryFriction as DryFriction
-    from .motion.finger import Motion as Motion, sliding as sliding, sliding_many as sliding_many
+    from .motion.finger import Motion as Motion, sliding as sliding
     from .motion.friction_lag import FrictionLag as FrictionLag, lagged_friction_n as lagged_friction_n
     from .motion.pad import Finger as Finger
     from .motion.skin_mobility import SkinMobility as SkinMobility

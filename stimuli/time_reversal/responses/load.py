@@ -219,14 +219,6 @@ def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: 
 
 
 @checked
-def loaded_receptance(
-    receptances: Receptances, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex
-) -> ComplexArray:
-    """(n_to, n_of, n_frequencies): receptances of the plate that bears contacts; see `Receptances`."""
-    return receptances.between(to, of) - receptances.correction(to, of, at, stiffness)
-
-
-@checked
 def loaded_responses(
     screen: Screen,
     points: Sequence[Point],

@@ -136,7 +136,6 @@ FUNCTIONS: dict[str, Call] = {
     "level_db_re_1v": (ev.level_db_re_1v, {"voltage_v": 10.0}),
     "peak_voltage_v": (ev.peak_voltage_v, {"level": 10.0, "unit": "V"}),
     "sliding": (ev.sliding, {"pieces": PIECES, **MOVING}),
-    "sliding_many": (ev.sliding_many, {"stimuli": [PIECES, SINE.pieces(20.0)], **MOVING}),
     "stick_slip": (ev.stick_slip, {
         "pieces": PIECES, **MOVING, "friction": ev.DryFriction(), "travel": ev.Travel(), "n_events_max": 1000}),
     "straight": (ev.straight, {"times_s": [0.0, 1.0, 1.0], "values_v": [0.0, 1.0, 2.0]}),

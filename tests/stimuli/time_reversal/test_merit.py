@@ -14,7 +14,6 @@ from tactometry.stimuli.time_reversal.focusing.merit import (
     amplitude_by_subset_m,
     amplitude_over_count_m,
     area_m2,
-    contrast_temporal_of,
     contrast_whole_of,
     contributions_m,
     dielectric_power_w,
@@ -75,11 +74,6 @@ def test_area_counts_cells_of_their_two_sides_and_leaves_out_what_is_not_connect
 def test_contrast_of_a_negative_focus_is_positive():
     field = np.array([[3.0, -4.0]])
     assert contrast_whole_of(-10.0, field) == pytest.approx(10 / math.sqrt(12.5))
-
-
-def test_temporal_contrast_counts_from_its_start_to_its_stop():
-    signal = np.array([9.0, 0.0, -8.0, 100.0, 3.0, 4.0, 50.0])
-    assert contrast_temporal_of(signal, 2, 1e3, 2e-3, 4e-3) == pytest.approx(8 / math.sqrt(12.5))
 
 
 def test_contrasts_of_a_known_field():
