@@ -27,7 +27,6 @@ if TYPE_CHECKING:
         force_form as force_form,
     )
     from .attraction.offset import WithOffset as WithOffset
-    from .attraction.periodic_force import periodic_force_n as periodic_force_n
     from .attraction.polarity import Polarity as Polarity
     from .motion.coulomb_friction import CoulombFriction as CoulombFriction
     from .motion.dry_friction import DryFriction as DryFriction
@@ -47,7 +46,6 @@ if TYPE_CHECKING:
         DispersiveLayer as DispersiveLayer,
         Layer as Layer,
         Stack as Stack,
-        periodic_voltages_v as periodic_voltages_v,
     )
     from .textures.followed_texture import FollowedTexture as FollowedTexture
     from .textures.maps import GreyImage as GreyImage, HeightMap as HeightMap

@@ -97,15 +97,14 @@ class Contactor:
             return []
         if self.kind == "finger":
             return [Fingertip().load(at_m, force_n)]
-        skin = [self._part(point, force_n) for point in _disc(at_m, self.diameter_m / 2) if plate.contains(*point)]
+        area = (self.diameter_m / FINGER_DIAMETER_M) ** 2
+        part = Fingertip(RESISTANCE_N_S_PER_M * area / N_POINTS)
+        points = [point for point in _disc(at_m, self.diameter_m / 2) if plate.contains(*point)]
+        skin = [part.load(point, force_n) for point in points]
         if self.kind != "rigid":
             return list(skin)
         # a Hertz contact of millimetres of radius under newtons is 0.1 mm wide: one point
         return [*skin, SprungMass(*at_m, RIGID_MASS_KG, hertz_stiffness_n_per_m(force_n, self.diameter_m / 2))]
-
-    def _part(self, at_m: Point, force_n: float) -> PlateLoad:
-        area = (self.diameter_m / FINGER_DIAMETER_M) ** 2
-        return Fingertip(RESISTANCE_N_S_PER_M * area / N_POINTS).load(at_m, force_n)
 
 
 @checked

@@ -80,14 +80,12 @@ class WavFile:
 
         Raises `InvalidParameter` if the level is none, or the file was not read.
         """
-        samples = ramped(self._factor_v(level) * self._samples, self.ramp_s, self.rate_hz)
-        return Signal(samples[None, :], self.rate_hz, "V")
-
-    def _factor_v(self, level: float) -> float:
-        """Volts for a sample of 1."""
         if self.level_unit == "dB re file":
-            return (self.volts_per_unit or 0.0) * peak_voltage_v(level)
-        return peak_voltage_v(level, self.level_unit) / float(np.abs(self._samples).max())
+            volts = (self.volts_per_unit or 0.0) * peak_voltage_v(level)
+        else:
+            volts = peak_voltage_v(level, self.level_unit) / float(np.abs(self._samples).max())
+        samples = ramped(volts * self._samples, self.ramp_s, self.rate_hz)
+        return Signal(samples[None, :], self.rate_hz, "V")
 
     @cached_property
     def _samples(self) -> FloatArray:

@@ -23,7 +23,6 @@ from ..focusing.pattern import (
     ENVELOPES,
     MODULATIONS,
     PATTERNS,
-    Envelope,
     EnvelopeName,
     Pattern,
     Table,
@@ -270,21 +269,14 @@ class FocusTrain:
     def foci(self) -> Pattern:
         """The pattern after replacement."""
         named = PATTERNS[self.pattern]
-        return Pattern(
-            self.repetition_hz or named.repetition_hz,
-            self.train_s or named.duration_s,
-            self._shape or named.envelope,
-        )
+        envelope = named.envelope if self.envelope is None else ENVELOPES[self.envelope]
+        if self.envelope_table is not None:
+            envelope = Table(self.envelope_table)
+        return Pattern(self.repetition_hz or named.repetition_hz, self.train_s or named.duration_s, envelope)
 
     def heard(self, learnt: Responses | None = None) -> Responses:
         """What the place of the focus does: of the model, or as it was learnt there."""
         return self.setup.responses_at(*self.setup.focus_m) if learnt is None else learnt
-
-    @property
-    def _shape(self) -> Envelope | None:
-        if self.envelope_table is not None:
-            return Table(self.envelope_table)
-        return None if self.envelope is None else ENVELOPES[self.envelope]
 
     @property
     def emission_s(self) -> float:

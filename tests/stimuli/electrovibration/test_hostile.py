@@ -115,7 +115,6 @@ CONSTRUCTORS: dict[str, Call] = {
 
 SAMPLED = {"voltage_v": V, "rate_hz": 1e4, "skin": SKIN, "area_m2": AREA_M2}
 AT = {"t_s": T_S, "pieces": PIECES, "skin": SKIN, "area_m2": AREA_M2}
-DISPERSED = {"layers": (LEAKY, TABLE), "resistance_ohm": 1.0, "area_m2": AREA_M2}
 
 FUNCTIONS: dict[str, Call] = {
     "area_of_prints": (ev.area_of_prints, {"prints": PRINTS}),
@@ -153,12 +152,6 @@ FUNCTIONS: dict[str, Call] = {
         "frequency_hz": [60.0], "voltage_v": 100.0, "skin": SKIN, "area_m2": AREA_M2}),
     "square_harmonic_force_n": (closed_form.square_harmonic_force_n, {
         "n_harmonic": [1, 2], "frequency_hz": 60.0, "voltage_v": 100.0, "skin": SKIN, "area_m2": AREA_M2}),
-    "properties_of": (stack.properties_of, {"layer": TABLE, "f_hz": np.array([60.0])}),
-    "shares": (stack.shares, {"frequency_hz": [0.0, 60.0], **DISPERSED}),
-    "periodic_force_n": (ev.periodic_force_n, {
-        "voltage_v": V, "rate_hz": 1e3, "insulator": ev.Layer(1e-6), "corneum": TABLE, "deeper": (LEAKY,),
-        "resistance_ohm": 1.0, "area_m2": AREA_M2, "law": "interface"}),
-    "periodic_voltages_v": (stack.periodic_voltages_v, {"voltage_v": V, "rate_hz": 1e3, **DISPERSED}),
 }  # fmt: skip
 
 STACK = CONSTRUCTORS["Stack"][0](**CONSTRUCTORS["Stack"][1])
