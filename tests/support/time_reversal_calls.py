@@ -188,11 +188,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "boundary": "SSSS",
             }
         },
-        "focusing.inverse_filter": {
-            "inverse_filter_waveform": {
-                "points": RESPONSES, "wanted": [1.0, 0.0], "band": BAND, "reversal_s": 0.1, "regularisation": 0.01,
-            }
-        },
         "responses.learning": {
             "sweep": {"f_min_hz": 100.0, "f_max_hz": 900.0, "rate_hz": 2e3, "duration_s": 0.1},
             "sequence": {"order": 4, "rate_hz": 2e3},

@@ -22,7 +22,6 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import Contactor
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive
-from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
 from tactometry.stimuli.time_reversal.focusing.merit import (
     area_m2,
     contrast_whole_of,
@@ -186,10 +185,6 @@ def test_a_csv_file_that_would_be_misread_is_refused(tmp_path, text, found):
         read([path])
 
 
-def inverse(samples=FOCUS.samples, wanted=(1.0,)):
-    return inverse_filter_waveform(Responses(samples, 1e3), wanted, Band(0.0, 400.0), reversal_s=3e-3)
-
-
 OUTSIDE = {
     "window nan": (lambda: drive(FOCUS, 1.0, window=NANS), "window"),
     "window inf": (lambda: drive(FOCUS, 1.0, window=np.array([1.0, math.inf, 1.0])), "window"),
@@ -197,8 +192,6 @@ OUTSIDE = {
     "analogue nan": (lambda: Analogue().quantise(NANS[None], 1e3), "waveform"),
     "pulse width nan": (lambda: PulseWidth(100.0).quantise(NANS[None], 1e3), "waveform"),
     "sigma-delta nan": (lambda: SigmaDelta().quantise(NANS[None], 1e3), "waveform"),
-    "inverse of zeros": (lambda: inverse(np.zeros((1, 1, 3))), "points"),
-    "inverse wanted nan": (lambda: inverse(wanted=[math.nan]), "wanted"),
     "contrast of nan": (lambda: contrast_whole_of(math.nan, FIELD), "amplitude"),
     "contrast of a nan field": (lambda: contrast_whole_of(1.0, NANS), "field"),
     "width nan": (lambda: width_m(LINE, np.full(5, math.nan)), "profile"),

@@ -23,7 +23,6 @@ from tactometry.stimuli.time_reversal import (
     amplitude_loss,
     border,
     emitted,
-    inverse_filter_waveform,
     loaded_responses,
     n_held,
 )
@@ -54,12 +53,6 @@ def test_a_reversal_shorter_than_half_a_sample_is_refused():
 def test_an_emission_above_the_nyquist_frequency_is_refused():
     with pytest.raises(InvalidParameter, match=r"Emission.band: found 11000.0 Hz, above the Nyquist frequency 10000"):
         Emission(Band(200.0, 11e3), 4e-3, 20e3)
-
-
-def test_an_inverse_filter_above_the_nyquist_frequency_is_refused():
-    points = Responses(np.ones((1, 2, 16)), 1e3)
-    with pytest.raises(InvalidParameter, match=r"Band.f_max_hz .*: found 600.0, expected a number from 0 to 500"):
-        inverse_filter_waveform(points, [1.0], Band(100.0, 600.0), reversal_s=0.016)
 
 
 def test_drives_that_overlap_take_their_penalty_from_the_amplitude():

@@ -6,14 +6,10 @@ import numpy as np
 import pytest
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
-from tactometry.stimuli.time_reversal.focusing.inverse_filter import (
-    inverse_filter_waveform,
-)
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, normalised
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.learning import write_learnt
 from tactometry.stimuli.time_reversal.responses.measured import (
@@ -233,34 +229,6 @@ def test_one_value_has_no_finite_interval():
     assert mean_estimate(np.array([2.0])).high == math.inf
 
 
-def test_inverse_filter_is_quieter_at_the_points_it_knows_and_weaker(recorded):
-    grid = [(0.12 + 0.02 * i, 0.09 + 0.02 * j) for i in range(-2, 3) for j in range(-2, 3)]
-    h = impulse_responses(SCREEN, grid, rate_hz=RATE_HZ, duration_s=6e-3, f_max_hz=18e3)
-    band = Band(500.0, 15e3, 500.0)
-    h = band_limited(h, band)
-    centre = 12
-    wanted = [1.0 if i == centre else 0.0 for i in range(25)]
-    waves = {
-        "inverse": inverse_filter_waveform(h, wanted, band, reversal_s=6e-3, regularisation=1e-3),
-        "reversal": drive(h.at_point(centre), 1.0, Analogue()).samples,
-    }
-    worst, peak = {}, {}
-    for name, wave in waves.items():
-        u = focus_amplitudes(Signal(normalised(wave), RATE_HZ, "V"), h)
-        worst[name] = np.sqrt(np.mean(np.delete(u, centre) ** 2)) / u[centre]
-        peak[name] = u[centre]
-    assert worst["inverse"] < 0.8 * worst["reversal"]
-    assert peak["inverse"] > 0
-
-
-def test_strongly_regularised_inverse_filter_is_time_reversal(recorded):
-    band = Band(500.0, 15e3, 500.0)
-    h = band_limited(recorded.at_point(0), band)
-    found = inverse_filter_waveform(h, [1.0], band, reversal_s=20e-3, regularisation=1e9)
-    expected = drive(band_limited(h, band), 1.0, Analogue()).samples
-    assert normalised(found) == pytest.approx(expected, abs=0.02)
-
-
 def test_the_sign_of_a_correlated_waveform_finds_the_root_of_its_share_of_power():
     """Gaussian x and y of correlation r: <x sign(y)> = r <|x|>."""
     rng = np.random.default_rng()
@@ -275,7 +243,6 @@ def test_the_sign_of_a_correlated_waveform_finds_the_root_of_its_share_of_power(
     [
         (lambda h: trimmed(h, 0.0, 1.0), "start_s, duration_s: found 0.0 and 1.0"),
         (lambda h: aligned(h, [0.0]), "delay_s: found 1, expected 16"),
-        (lambda h: inverse_filter_waveform(h, [0.0, 0.0], Band(1e3, 2e3), reversal_s=1e-3), "wanted: found [0.0, 0.0]"),
         (lambda h: rigidity_ratio_from_modes([3.0, 1.0], A4_SCREEN), "measured_hz: found [3.0, 1.0]"),
         (lambda h: read([]), "read.paths: found none"),
     ],
