@@ -13,6 +13,7 @@ from places import DOCS
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.thesis.captions import captions, reason_for
+from tactometry.experiments.thesis.figures.electrovibration import force_against_area
 from tactometry.experiments.thesis.figures.writing import points, write_drawing
 from tactometry.experiments.thesis.items import REPRODUCTIONS, reproduction_of
 from tactometry.experiments.thesis.items.finding_1 import opened_contact
@@ -21,7 +22,7 @@ from tactometry.experiments.thesis.page import page, verdict
 from tactometry.experiments.thesis.reproduction import Number, reproduce
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.session.request import Press
-from tactometry.stimuli.electrovibration.figures import force_against_area
+from tactometry.stimuli.electrovibration import LAWS
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.stimulus.sensation import free_displacement, loaded_displacements
 
@@ -257,12 +258,12 @@ def test_unwritable_path_is_reported_in_one_sentence(capsys, tmp_path):
 
 
 def test_a_drawing_is_a_picture_and_its_curves(tmp_path):
-    figure = force_against_area(laws=("sc_layer", "interface"))
+    figure = force_against_area()
     write_drawing(figure, tmp_path, "area")
     assert (tmp_path / "area.png").stat().st_size > 5_000
     with (tmp_path / "area.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert {row["curve"] for row in rows} == {"sc_layer", "interface"}
+    assert {row["curve"] for row in rows} == set(LAWS)
     assert [(row["curve"], float(row["x"]), float(row["y"])) for row in rows] == [
         (row[1], row[3], row[5]) for row in points(figure)
     ]
