@@ -26,7 +26,7 @@ from ..threshold.prior import BETA_B
 from .model import GroupModel, rate_of
 from .posterior import N_POINTS, Integrated, Laplace, integrate
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
-from .starts import Alone, Known, single_fits
+from .single_fits import Alone, Known, single_fits
 from .study import StudyCounts
 from .tables import CONDITION_COLUMNS, ParameterPlace, cell_place, condition_table, group_place, participant_table
 

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammaincinv, ndtr, ndtri
 
-from ..arrays import Array, Rows
-from ..mixed_models.laplace import symmetric_inverse
+from ..arrays import Array, Rows, symmetric_inverse
 from .inner import Bordered, InnerMode, bordered, find_inner
 from .model import GroupModel
 
@@ -132,7 +131,7 @@ def find_mode(laplace: Laplace, hyper: Array) -> tuple[Array, Array]:
     mixed = (crossed[0] - crossed[1] - crossed[2] + crossed[3]) / (4 * (2 * STEP) ** 2)
     for (i, j), value in zip(pairs, mixed, strict=True):
         hessian[i, j] = hessian[j, i] = value
-    return mode, symmetric_inverse(-np.nan_to_num(hessian))[0]
+    return mode, symmetric_inverse(-np.nan_to_num(hessian))
 
 
 def sequence(n: int, k: int) -> Array:

@@ -10,7 +10,7 @@ from ..threshold.status import Status
 from .draws import CellDraws, draw_cells, weighted_quantiles
 from .model import GroupModel
 from .posterior import Integrated, quantiles
-from .starts import Alone
+from .single_fits import Alone
 from .study import StudyCounts
 
 CONDITION_COLUMNS = (

@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
 from ..arrays import Array
+from .estimates import Fitting
 from .fitting import fitting
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
 from .log_posterior import LogPosterior
-from .methods import Fitting
 from .posterior import find_box, log_density_grid, nodes_in
 from .result import ThresholdFit
 from .status import Status

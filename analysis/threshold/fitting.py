@@ -14,8 +14,8 @@ from tactometry.psychometric import shape_named
 
 from ..arrays import Array
 from .counts import count_arrays, normalise
+from .estimates import Fitting
 from .log_posterior import LogPosterior
-from .methods import Fitting
 from .prior import BETA_B, LARGEST_RATE, Prior
 from .result import ThresholdFit
 from .status import Status

@@ -16,9 +16,8 @@ import numpy as np
 from tactometry.psychometric import Shape
 
 from ..arrays import Array, Bools, Indices, Rows
-from .chances import weighted
 from .counts import Counts
-from .likelihood import GUESS, log_chances, saturated_log_likelihood
+from .likelihood import GUESS, log_chances, saturated_log_likelihood, weighted
 from .log_posterior import LogPosterior
 from .mode import climb
 

@@ -12,7 +12,7 @@ from ..arrays import Array, Bools, Expansion, Rows
 from .likelihood import LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from .log_posterior import LogPosterior
 from .prior import LARGEST_ETA, log_prior_of
-from .starts import Starts, grid_starts, step_starts
+from .start_values import Starts, grid_starts, step_starts
 
 MAX_STEPS = 80
 ROUGH_DECREMENT = 1e-3

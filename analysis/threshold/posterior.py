@@ -18,12 +18,10 @@ import numpy as np
 from tactometry.psychometric import log_mixture
 
 from ..arrays import Array, Rows
-from .chances import linear, weighted
-from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, log_weight
+from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, linear, log_weight, weighted
 from .log_posterior import LogPosterior
 from .mode import Mode
 from .prior import LARGEST_ETA, Prior, log_prior_of
-from .splines import spline_integral
 
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""
@@ -44,6 +42,8 @@ SMALLEST_RATE = 1e-18
 """A product of `FACTORS` smaller ones is no float."""
 START_SD = np.array([10.0, 10.0, 6.0, 6.0])
 MAX_SEARCHES = 12
+FINE = 40
+"""Places between two nodes at which the integral of a spline is known."""
 DENSE_SD, LEAST_DENSE = 2.0, 1 / 30
 """Nodes of the threshold are dense within so many standard deviations of the mode, or this part of the box."""
 
@@ -329,3 +329,38 @@ def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array
     places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])
     above_low = (high - low)[:, None] * places / (n_nodes - 1)
     return np.asarray(low[:, None] + above_low)
+
+
+@cache
+def spline_integral(n_nodes: int) -> tuple[Array, Array]:
+    """Return places on the nodes 0, 1, ... and the weights (n_nodes, n_places) of the integrals up to them.
+
+    The integral is that of the cubic spline through the values at four nodes or more, without a knot at the second
+    and the second to last node.
+
+    >>> places, weights = spline_integral(5)
+    >>> bool(np.allclose(np.arange(5.0) ** 3 @ weights, places**4 / 4))
+    True
+    """
+    values, moments = np.eye(n_nodes), _second_derivatives(n_nodes)
+    steps = (values[:-1] + values[1:]) / 2 - (moments[:-1] + moments[1:]) / 24
+    before = np.concatenate([np.zeros((1, n_nodes)), steps.cumsum(axis=0)])
+    places = np.linspace(0, n_nodes - 1, FINE * n_nodes)
+    node = np.minimum(places.astype(np.intp), n_nodes - 2)
+    t = (places - node)[:, None]
+    integral = before[node] + values[node] * (t - t**2 / 2) + values[node + 1] * t**2 / 2
+    integral -= moments[node] * (t**2 - t**3 + t**4 / 4) / 6 + moments[node + 1] * (t**2 / 2 - t**4 / 4) / 6
+    weights = np.ascontiguousarray(integral.T)
+    for shared in (places, weights):
+        shared.setflags(write=False)
+    return places, weights
+
+
+def _second_derivatives(n_nodes: int) -> Array:
+    """Return the matrix that maps a spline's values to its second derivatives at the nodes."""
+    inner = np.arange(1, n_nodes - 1)
+    left, right = np.zeros((2, n_nodes, n_nodes))
+    for offset, of_moment, of_value in ((-1, 1, 6), (0, 4, -12), (1, 1, 6)):
+        left[inner, inner + offset], right[inner, inner + offset] = of_moment, of_value
+    left[0, :3] = left[-1, -3:] = 1, -2, 1
+    return np.asarray(np.linalg.solve(left, right), dtype=np.float64)

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Bools
-from .chances import linear
-from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, linear
 from .log_posterior import LogPosterior
 from .mode import Mode
 from .posterior import NEGLIGIBLE, Marginals, marginals, others, quantiles, rate_rule

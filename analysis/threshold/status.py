@@ -25,14 +25,12 @@ from scipy.special import betainc, betaincinv, betaln, logsumexp
 from ..arrays import Array, Bools
 from ..distributions import ChiSquare
 from ..noted_status import NotedStatus
-from .chances import weighted
 from .counts import Counts
-from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood
+from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood, weighted
 from .log_posterior import LogPosterior
 from .mode import Mode
 from .posterior import Marginals
 from .prior import LARGEST_RATE, Prior, log_rate_mass
-from .splines import rising_fit
 
 HELD = 0.8
 """The posterior probability from which an explanation of the answers is taken: four to one."""
@@ -173,6 +171,24 @@ def _isotonic_log_likelihood(counts: Counts) -> Array:
                 log_no = np.log1p(-np.minimum(p, 1))
                 fitted[i] = (weighted(k, np.log(p)) + weighted(n - k, log_no)).sum()
     return fitted
+
+
+def rising_fit(values: Array, weights: Array) -> Array:
+    """Return the rising sequence nearest to the values (n,) by weighted squares (pool adjacent violators).
+
+    >>> rising_fit(np.array([1.0, 3.0, 2.0, 4.0]), np.array([1.0, 1.0, 3.0, 1.0])).tolist()
+    [1.0, 2.25, 2.25, 4.0]
+    """
+    blocks: list[tuple[float, float, int]] = []
+    for value, weight in zip(values.tolist(), weights.tolist(), strict=True):
+        mean, total, size = value, weight, 1
+        while blocks and blocks[-1][0] >= mean:
+            before, its_total, its_size = blocks.pop()
+            mean = (before * its_total + mean * total) / (its_total + total)
+            total, size = total + its_total, size + its_size
+        blocks.append((mean, total, size))
+    means, _, sizes = zip(*blocks, strict=True)
+    return np.repeat(means, sizes)
 
 
 def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactometry.analysis.threshold.fitting import Status, fit_many
-from tactometry.analysis.threshold.modes import fit_modes
+from tactometry.analysis.threshold.track_modes import fit_modes
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.census.batches import BATCH, Respondents, fitted_tracks
 from tactometry.protocols import ConstantStimuli, Quest, Staircase

@@ -17,13 +17,13 @@ from tactometry.psychometric import shape_named
 
 from ..arrays import Array, Bools, Rows
 from .counts import count_arrays, normalise
+from .estimates import is_regular
 from .fitting import check_rates
 from .likelihood import LOG_WIDTH, THRESHOLD, log_chances_by_curve
 from .log_posterior import LogPosterior
-from .methods import is_regular
 from .mode import Mode, climb, find_mode
 from .prior import Prior
-from .starts import Starts
+from .start_values import Starts
 
 MOST_SHARED = 64
 """Levels on a common grid; of more (QUEST places its levels anywhere) each track is searched for itself."""

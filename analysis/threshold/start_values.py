@@ -11,9 +11,8 @@ from itertools import product
 import numpy as np
 
 from ..arrays import Array, Bools, Indices, Rows
-from .chances import weighted
 from .counts import Counts
-from .likelihood import GUESS, LAPSE, N_PARAMETERS, constant_log_likelihood, log_chances_by_curve
+from .likelihood import GUESS, LAPSE, N_PARAMETERS, constant_log_likelihood, log_chances_by_curve, weighted
 from .log_posterior import LogPosterior
 from .prior import LARGEST_RATE, Prior, log_rate
 
