@@ -10,13 +10,13 @@ import numpy as np
 from ..arrays import Array, Indices
 from ..threshold.fitting import ThresholdFit, fit_many
 from ..threshold.status import Status
-from .study import StudyCounts
+from .model import StudyCounts
 
 WITH_THRESHOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
 
 
 @dataclass(frozen=True)
-class Alone:
+class SingleFits:
     """Fits of each cell (a list per condition), and of each condition's answers together, on the scale of the study."""
 
     study: StudyCounts
@@ -82,7 +82,7 @@ PLACES = ("threshold", "interval_low", "interval_high", "threshold_mode", "thres
 WIDTHS = ("width", "width_low", "width_high")
 
 
-def single_fits(study: StudyCounts, shape: str, known: Known) -> Alone:
+def single_fits(study: StudyCounts, shape: str, known: Known) -> SingleFits:
     """As an analysis fits them (`cells.estimates`), so that a cell has one verdict, and none that is `known`."""
     n, c = study.n_participants, study.n_conditions
     by_condition = [np.moveaxis(rows, 1, 0) for rows in (study.u, study.n_yes, study.n_trials)]
@@ -96,7 +96,7 @@ def single_fits(study: StudyCounts, shape: str, known: Known) -> Alone:
     fits = tuple(next(fitted) if one is None else _on_scale(one, study) for one in taken)
     cells = tuple(fits[i * n : (i + 1) * n] for i in range(c))
     together = _fits(study, shape, of_conditions, alarms.sum(axis=1), catch.sum(axis=1))
-    return Alone(study, cells, together)
+    return SingleFits(study, cells, together)
 
 
 def _on_scale(one: ThresholdFit, study: StudyCounts) -> ThresholdFit:

@@ -223,6 +223,13 @@ def nodes_in(
     return nodes, weights
 
 
+def masses_in(posterior: LogPosterior, low: Array, high: Array) -> tuple[list[Array], Array]:
+    """Return nodes along each parameter in the box of one data set, and the masses of the binomial posterior there."""
+    axes, weights = nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
+    density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
+    return axes, np.exp(density - density.max()) * (weights[LAPSE][:, None] * weights[GUESS])
+
+
 def log_density_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
     """Log density at an overdispersion on the product of four axes, for one data set; shape of the four
     lengths."""

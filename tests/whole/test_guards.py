@@ -162,7 +162,7 @@ BACK_UP = (
     ("analysis/threshold/start_values.py", "from .mode import Mode"),
     ("analysis/anova/design.py", "from .contrasts import effects"),
     ("analysis/mixed_models/censored_likelihood.py", "from .censored import Counts"),
-    ("analysis/hierarchical/model.py", "from .single_fits import Alone"),
+    ("analysis/hierarchical/model.py", "from .single_fits import SingleFits"),
     ("analysis/outcomes/findings.py", "from .ratings import Ratings"),
     ("analysis/threshold/likelihood.py", "from .prior import Prior"),
     ("analysis/result.py", "from .report import page"),
