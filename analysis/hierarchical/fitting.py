@@ -1,9 +1,8 @@
 """Thresholds of all participants and conditions at once: a hierarchical psychometric model.
 
-Thresholds, log widths and lapse rates of participants are normal about those of the group (`model`). Means and effects
-are integrated over by Laplace's approximation (`inner`), all else by importance sampling (`posterior`). A participant
-with few or extreme answers is drawn to the group as far as the answers leave it open; nothing is put in place of a
-threshold outside of the levels.
+Means and effects (`model`) are integrated over by Laplace's approximation, all else by importance sampling
+(`posterior`). A participant with few or extreme answers is drawn to the group; no value replaces a threshold outside of
+the levels.
 """
 
 from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
@@ -201,7 +200,7 @@ def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iter
 
 
 def _means_of_all(single: SingleFits, model: GroupModel, found: Integrated) -> tuple[Array, Array, tuple[int, ...]]:
-    """Means and covariances in the unit of the levels, with zeros for the conditions without a threshold."""
+    """Return means and covariances in the unit of the levels; zeros for conditions without a threshold."""
     study, kept, n_points = single.study, model.study, len(found.weights)
     group = np.zeros(study.n_conditions, dtype=np.int64)
     group[single.with_threshold] = kept.width_group
@@ -219,7 +218,7 @@ def _means_of_all(single: SingleFits, model: GroupModel, found: Integrated) -> t
 
 
 def _without_model(single: SingleFits, status: GroupStatus, interval: float) -> HierarchicalFit:
-    """Statuses and bounds without a model."""
+    """Return statuses and bounds without a model."""
     n_conditions, n_participants = single.study.n_conditions, single.study.n_participants
     return replace(
         _no_data(tuple(single.study.conditions.columns), interval),

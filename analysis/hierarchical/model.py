@@ -72,7 +72,7 @@ class StudyCounts:
         own_catch: Array | None = None,
         **known: Any,
     ) -> "StudyCounts":
-        """From rows of a level each; `own_catch` are the false alarms and catch trials (2, n_rows) of their cells."""
+        """Lay out rows of a level each; `own_catch` (2, n_rows) are false alarms and catch trials of their cells."""
         keys = pd.DataFrame(dict(factors))
         conditions = keys.drop_duplicates().sort_values(list(factors)).reset_index(drop=True)
         both = conditions.reset_index().merge(keys.reset_index(), on=list(factors))
@@ -105,20 +105,20 @@ class StudyCounts:
         return int(self.width_group.max()) + 1
 
     def level(self, u: Array) -> Array:
-        """In the unit of the levels."""
+        """Return levels in their unit."""
         with np.errstate(over="ignore"):
             level = self.centre + self.spread * u
             return np.asarray(np.exp(level) if self.shape.on_log_levels else level)
 
     def only(self, chosen: Indices) -> "StudyCounts":
-        """Of some conditions."""
+        """Return the study of some conditions."""
         u, k, n = (counts[:, chosen] for counts in (self.u, self.n_yes, self.n_trials))
         group = np.unique(self.width_group[chosen], return_inverse=True)[1].astype(np.int64)
         conditions, catch = self.conditions.iloc[chosen], self.own_catch[..., chosen]
         return replace(self, u=u, n_yes=k, n_trials=n, own_catch=catch, width_group=group, conditions=conditions)
 
     def ranges(self) -> tuple[Array, Array, Array]:
-        """Lowest and highest level and smallest spacing of each condition (n_conditions,)."""
+        """Return lowest and highest level and smallest spacing of each condition (n_conditions,)."""
         used = self.n_trials > 0
         low = np.where(used, self.u, np.inf).min(axis=(0, 2))
         high = np.where(used, self.u, -np.inf).max(axis=(0, 2))
@@ -132,7 +132,7 @@ def _scale(x: Array) -> tuple[float, float]:
 
 
 def _counts_of_cells(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-    """Rows as (n_cells, n_rows of the largest cell), equal levels of a cell pooled."""
+    """Return rows as (n_cells, n_rows of the largest cell), equal levels of a cell pooled."""
     counts = normalise(*lay_out(cell, *columns, n_clusters=n_cells))
     # Back from each cell's own scale to that of the study, which the means of conditions need.
     u = counts.centre[:, None] + counts.spread[:, None] * counts.u
@@ -203,12 +203,12 @@ class GroupModel:
 
     @cached_property
     def kept(self) -> list[int]:
-        """The parameters of a cell's function that its predictors move."""
+        """Parameters of a cell's function that its predictors move."""
         return [THRESHOLD, LOG_WIDTH, *([LAPSE] if self.study.lapse_rate is None else [])]
 
     @cached_property
     def fixed(self) -> Array:
-        """X (n_conditions, n_predictors, n_fixed) of the means."""
+        """Design X (n_conditions, n_predictors, n_fixed) of the means."""
         c, n_groups = self.study.n_conditions, self.study.n_groups
         matrix = np.zeros((c, len(self.kept), c + n_groups))
         matrix[:, 0, :c] = np.eye(c)
@@ -217,7 +217,7 @@ class GroupModel:
 
     @cached_property
     def random(self) -> Array:
-        """Z (n_conditions, n_predictors, n_random) of a participant's effects and deviations."""
+        """Design Z (n_conditions, n_predictors, n_random) of a participant's effects and deviations."""
         c, d = self.study.n_conditions, len(self.kept)
         columns = [np.zeros((c, d, 0))]
         for name in self.sds:

@@ -75,7 +75,7 @@ class Bordered:
 
 
 def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) -> InnerMode:
-    """Damped Newton steps from `means` and `effects`, each point with its own damping until it has converged."""
+    """Climb from `means` and `effects` by damped Newton steps, each point with its own damping."""
     precision, n = model.precision(hyper)[0], len(hyper)
     start = np.broadcast_to(means, (n, means.shape[-1])), np.broadcast_to(effects, (n, *effects.shape[-2:]))
     found = inner_at(model, hyper, precision, *start)
@@ -156,7 +156,7 @@ class Conditional(Rows):
 
 @dataclass(frozen=True)
 class Integrated:
-    """Points with weights that sum to 1; `n_effective` of them count."""
+    """Points with weights that sum to 1."""
 
     at: Conditional
     weights: Array
@@ -205,7 +205,7 @@ class Laplace:
 
 
 def _cells(model: GroupModel, inner: InnerMode, hessian: Bordered, covariance: Array) -> tuple[Array, Array]:
-    """Thresholds and log widths of the cells, with variances."""
+    """Return thresholds and log widths of the cells, with variances."""
     z, x = model.random[:, :2], model.fixed[:, :2]
     spread = np.linalg.solve(hessian.local[:, :, None], np.swapaxes(z, 1, 2))
     inside = np.einsum("cdq,nicqd->nicd", z, spread)

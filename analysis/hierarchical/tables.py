@@ -55,7 +55,7 @@ class ParameterPlace(Rows):
 
     @classmethod
     def of(cls, found: Integrated, values: Array, variances: Array, interval: float) -> "ParameterPlace":
-        """From values (n_points, n_conditions, ..., 2) and their variances at each point."""
+        """Summarise values (n_points, n_conditions, ..., 2) with their variances at each point."""
         mean = found.mean(values)
         se = np.sqrt(found.mean(variances + np.square(values - mean)))
         shares = ((1 - interval) / 2, (1 + interval) / 2)
@@ -63,11 +63,11 @@ class ParameterPlace(Rows):
         return cls(mean[..., 0], se[..., 0], ends[..., 0, :], mean[..., 1], ends[..., 1, :])
 
     def turned(self) -> "ParameterPlace":
-        """With the first two axes in the other order."""
+        """Return the places with the first two axes swapped."""
         return self._of_each(lambda values: np.swapaxes(values, 0, 1))
 
     def by_participant(self) -> "ParameterPlace":
-        """Of cells (n_conditions, n_participants), in one row after the other of each participant."""
+        """Return the cells (n_conditions, n_participants) in rows, participant by participant."""
         return self.turned()._of_each(lambda values: values.reshape(-1, *values.shape[2:]))
 
 
@@ -157,7 +157,7 @@ def _place_of_draws(draws: CellDraws, interval: float) -> ParameterPlace:
 
 
 def condition_table(single: SingleFits, place: ParameterPlace) -> pd.DataFrame:
-    """Of the means; where no participant tells a threshold, its status alone: bounds of participants bound no mean."""
+    """Return the table of the means; only the status where no participant has a threshold."""
     study = single.study
     low, high, _ = study.ranges()
     status = [_status_of_mean(*one) for one in zip(single.statuses(), place.threshold, low, high, strict=True)]
@@ -169,8 +169,7 @@ def condition_table(single: SingleFits, place: ParameterPlace) -> pd.DataFrame:
 
 
 def participant_table(single: SingleFits, place: ParameterPlace, lapse_rates: Array | None) -> pd.DataFrame:
-    """Of the cells, by participant, with the verdict that the cell's own answers have: where they hold no threshold
-    there is none, but their own bound; others are drawn to the group."""
+    """Return the table of the cells; a cell without a threshold keeps its own status and bound."""
     study, rows = single.study, place.by_participant()
     statuses = [cell[p].status for p in range(study.n_participants) for cell in single.cells]
     status = np.array(statuses, dtype=object)
@@ -217,5 +216,4 @@ def _table(study: StudyCounts, place: ParameterPlace, status: list[Status], ends
 
 
 def _where(is_known: Bools, values: Array) -> Array:
-    """The values that are known, NaN in place of the others."""
     return np.where(is_known, values, np.nan)

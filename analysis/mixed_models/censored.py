@@ -88,7 +88,7 @@ def censored_model(
 
 
 def _refuse_unheld(ends: Array, matrix: ModelDesign) -> None:
-    """Before a search that would go on for long."""
+    """Refuse data without a finite maximum before a long search."""
     if np.all(ends[:, 0] == ends[:, 1]):
         return
     endless = endless_direction(ends, matrix.x)
@@ -128,10 +128,10 @@ def _intercept_fit(maximum: Maximum, design: ModelDesign, log_likelihood: float)
 
 
 def endless_direction(ends: Array, x: Array) -> Array | None:
-    """Coefficients (column,) along which no known value moves and every bound (row, 2) is kept ever better; None if
-    there are none, and the likelihood has a finite maximum at any variance.
+    """Return coefficients (column,) along which no value moves and every bound (row, 2) is kept ever better.
 
-    It is the separation of Albert and Anderson (1984, Biometrika 71, 1-10), found by a linear programme.
+    None if there are none: the likelihood has a finite maximum at any variance. This is the separation of Albert and
+    Anderson (1984, Biometrika 71, 1-10), found by a linear programme.
 
     >>> endless_direction(np.array([[1.0, 1.0], [2.0, 2.0], [3.0, np.inf]]), np.array([[1.0, 0], [1, 0], [1, 1]]))
     array([0., 1.])
@@ -152,8 +152,7 @@ def endless_direction(ends: Array, x: Array) -> Array | None:
 
 
 def leaves_no_error(ends: Array, x: Array, groups: Indices) -> bool:
-    """Whether coefficients and participants' intercepts meet several known values of a participant exactly: no known
-    value then tells the variance of errors, and the likelihood may rise without end as it vanishes."""
+    """Return True if terms and intercepts meet several known values of a participant exactly."""
     known = ends[:, 0] == ends[:, 1]
     participants = np.unique(groups[known])
     if known.sum() <= len(participants):

@@ -1,4 +1,4 @@
-"""The band of a psychometric function: where its posterior holds the curve at each level, point by point."""
+"""Posterior band of a psychometric function, level by level."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -21,8 +21,7 @@ N_DRAWS = 500
 
 @dataclass(frozen=True)
 class CurveBand:
-    """At each of the `levels` the median of the chance of an answer, and the ends of its central interval; and the
-    `threshold`: the lower end of its interval, its median, the upper end."""
+    """Lower end, median and upper end of the chance of an answer at each of the `levels`, and of the `threshold`."""
 
     levels: Array
     low: Array
@@ -81,10 +80,9 @@ def curve_band(
 
 
 def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
-    """Parameters (n_draws, 4) of one data set on the scale of `Counts.u` that stand for its posterior.
+    """Return parameters (n_draws, 4) that represent the posterior of one data set, on the scale of `Counts.u`.
 
-    They are the nodes of a grid at equal steps of the cumulated mass: no chance, and the same answers give the same
-    draws.
+    They are nodes of a grid at equal steps of the cumulated mass: the same answers give the same draws.
     """
     prior, box = posterior.prior, find_box(posterior, find_mode(posterior))
     axes, mass = masses_in(posterior, box.low[0], box.high[0])

@@ -118,10 +118,7 @@ def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float)
 
 
 def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> Array:
-    """Return the ends of the central interval with the median between them.
-
-    Each mass is spread over a step of the grid.
-    """
+    """Return lower end, median and upper end of values whose masses are each spread over a step of the grid."""
     flat, weights = np.broadcast_to(values, mass.shape).ravel(), mass.ravel()
     middle = float((flat * weights).sum() / weights.sum())
     reach = WIDEST_STEPS * step

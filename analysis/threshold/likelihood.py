@@ -48,13 +48,13 @@ class ByPoint(NamedTuple):
 
 
 def weighted(count: Array, log_chance: Array) -> Array:
-    """count * log_chance, where no count gives 0 even at log 0."""
+    """Return count * log_chance, 0 without a count even at log 0."""
     with np.errstate(invalid="ignore"):
         return np.where(count > 0, count * log_chance, 0.0)
 
 
 def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> ByPoint:
-    """For `answers` (n_yes, n_no) at z (..., n_levels), and rates that broadcast to it.
+    """Expand the log-likelihood of `answers` (n_yes, n_no) at z (..., n_levels); rates broadcast to z.
 
     >>> at, none = np.zeros((1, 1)), np.zeros(1)
     >>> found = by_point(SHAPES["logistic"], at, none, none, (at + 3, at + 1))
@@ -105,12 +105,12 @@ _LINEAR: dict[Shape, Callable[[Array], tuple[Array, Array, Array]]] = {
 
 
 def linear(shape: Shape, z: Array) -> tuple[Array, Array, Array]:
-    """S, 1 - S and the density of S at z, each with its relative precision."""
+    """Return S, 1 - S and the density of S at z, each with its relative precision."""
     return _LINEAR[shape](z)
 
 
 def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> tuple[ByPoint, Array]:
-    """And the smaller of the two chances."""
+    """Return the expansion on the linear scale, and the smaller of the two chances."""
     cdf, sf, pdf = linear(shape, z)
     span = 1 - guess - lapse
     yes, no = guess + span * cdf, lapse + span * sf
@@ -147,7 +147,7 @@ def _logarithmic(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Arra
 
 
 def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int) -> tuple[Array, ...]:
-    """log chance of an answer and its derivatives: z, zz, l, zl, ll, g, zg, gg, lg."""
+    """Return the log chance of an answer and its derivatives: z, zz, l, zl, ll, g, zg, gg, lg."""
     log_cdf, log_sf = shape.log_cdf(z), shape.log_sf(z)
     log_chance = log_mixture(log_cdf, log_sf, guess, lapse)[1 - answer]
     sign = 1.0 if answer else -1.0  # what raises the chance of yes lowers that of no
@@ -167,13 +167,13 @@ def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int)
 
 
 def bend(steep: Array, score: Array) -> Array:
-    """steep * score, 0 where the density has vanished: it does so faster than its logarithm bends."""
+    """Return steep * score, 0 where the density has vanished."""
     with np.errstate(invalid="ignore"):
         return np.where(steep > 0, steep * score, 0.0)
 
 
 def _ratio(log_part: Array, log_chance: Array) -> Array:
-    """exp(log_part - log_chance), bounded: an asymptote of 0 makes it infinite."""
+    """Return exp(log_part - log_chance), bounded: an asymptote of 0 makes it infinite."""
     with np.errstate(invalid="ignore"):
         # Where both have vanished their difference would be NaN; the part counts nothing.
         difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
@@ -182,13 +182,13 @@ def _ratio(log_part: Array, log_chance: Array) -> Array:
 
 # Along the parameters
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
+    """Return log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
     z, _, _ = _z(shape, u, theta)
     return log_mixture(shape.log_cdf(z), shape.log_sf(z), *_rates(theta))
 
 
 def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """As `log_chances` (n_curves, n_rates, n_levels), where threshold and width are the same along the second axis."""
+    """Return `log_chances` (n_curves, n_rates, n_levels) of parameters whose curves are equal along axis 1."""
     z, _, _ = _z(shape, u, theta[:, :1])
     guess, lapse = _rates(theta)
     if guess.min() == 0 or lapse.min() == 0:
@@ -203,27 +203,26 @@ def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
 
 
 def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:
-    """Sum of k log psi + (n - k) log(1 - psi), without the binomial coefficient; shape (n_sets,)."""
+    """Return the log-likelihood (n_sets,) without the binomial coefficient."""
     yes, no = log_chances(shape, counts.u, theta)
     terms = weighted(counts.n_yes, yes) + weighted(counts.n_trials - counts.n_yes, no)
     return np.asarray(terms.sum(axis=-1))
 
 
 def saturated_log_likelihood(counts: Counts) -> Array:
-    """The largest log-likelihood any function of the level can reach; shape (n_sets,)."""
+    """Return the largest log-likelihood (n_sets,) that any function of the level can reach."""
     return np.asarray(constant_log_likelihood(counts.n_yes, counts.n_trials).sum(axis=-1))
 
 
 def constant_log_likelihood(k: Array, n: Array) -> Array:
-    """Of k in n answers at their own rate k / n; 0 without trials."""
+    """Return the log-likelihood of k in n answers at the rate k / n; 0 without trials."""
     with np.errstate(divide="ignore", invalid="ignore"):
         rest = n - k
         return weighted(k, np.log(k / n)) + weighted(rest, np.log(rest / n))
 
 
 def _z(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array]:
-    """z = z50 + (u - m) z_width exp(-v) at each level, and its derivatives: along the threshold (..., 1), the same at
-    all levels, and along the log width."""
+    """Return z = z50 + (u - m) z_width exp(-v), and its derivatives along threshold (..., 1) and log width."""
     with np.errstate(over="ignore"):
         slope = shape.z_width * np.exp(-theta[..., LOG_WIDTH, None])
     z = shape.z50 + (u - theta[..., THRESHOLD, None]) * slope
@@ -231,12 +230,10 @@ def _z(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array]:
 
 
 def _rates(theta: Array) -> tuple[Array, Array]:
-    """Guess and lapse rates (..., 1)."""
     return theta[..., GUESS, None], theta[..., LAPSE, None]
 
 
 def _matrix(rows: Sequence[Sequence[Array]]) -> Array:
-    """Entries (...) as (..., n, n)."""
     matrix = np.empty((*rows[0][0].shape, len(rows), len(rows)))
     for i, row in enumerate(rows):
         for j, entry in enumerate(row):
@@ -245,7 +242,7 @@ def _matrix(rows: Sequence[Sequence[Array]]) -> Array:
 
 
 def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
-    """The log-likelihood with its exact gradient and Hessian."""
+    """Return the log-likelihood with its exact gradient and Hessian."""
     z, to_m, to_v = _z(shape, counts.u, theta)
     answers = (counts.n_yes, counts.n_trials - counts.n_yes)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -253,7 +250,7 @@ def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
 
 
 def _chain(by: ByPoint, to_m: Array, to_v: Array) -> Expansion:
-    """From derivatives along z to those along threshold and log width; summed over the levels."""
+    """Sum over the levels and turn derivatives along z into those along threshold and log width."""
     zz_v = by.zz * to_v
     z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
     zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
@@ -287,7 +284,7 @@ def chance_slopes(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, A
 
 
 def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
-    """psi and 1 - psi (n, n_levels), and gradient (..., 4) and Hessian (..., 4, 4) of psi at each level."""
+    """Return psi and 1 - psi (n, n_levels) with gradient (..., 4) and Hessian (..., 4, 4) of psi."""
     z, to_m, to_v = _z(shape, u, theta)
     guess, lapse = _rates(theta)
     cdf, sf, pdf = (np.exp(log_part(z)) for log_part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
@@ -311,7 +308,7 @@ def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
 
 
 def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: float) -> Array:
-    """Log chance of one order of k yes in n answers at the mean chance p = 1 - q, elementwise.
+    """Return the log chance of one order of k yes in n answers at the mean chance p = 1 - q.
 
     >>> from scipy.special import binom
     >>> round(float(binom(20, 15) * np.exp(log_weight(np.array(0.75), np.array(0.25), 15, 20, 0.2))), 9)
@@ -326,19 +323,18 @@ def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: floa
 
 
 def _log_beta_ratio(k: Array | float, n: Array | float, a: Array, b: Array, nu: Array) -> Array:
-    """The logarithm of B(k + a, n - k + b) / B(a, b), where nu = a + b."""
+    """Return log B(k + a, n - k + b) / B(a, b), where nu = a + b."""
     yes = gammaln(k + a) - gammaln(a)
     return np.asarray(yes + gammaln(n - k + b) - gammaln(b) + gammaln(nu) - gammaln(n + nu))
 
 
 def _trigamma_rise(x: Array, count: Array) -> Array:
-    """From x to x + count; exactly 0 without a count."""
+    """Return the rise of trigamma from x to x + count; exactly 0 without a count."""
     return np.where(count > 0, polygamma(1, count + x) - polygamma(1, x), 0.0)
 
 
 def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Array) -> Expansion:
-    """The log-likelihood at eta (n_sets,), with gradient and Hessian along (threshold, log width, lapse,
-    guess)."""
+    """Return the beta-binomial log-likelihood at eta (n_sets,) with gradient and Hessian."""
     p, q, by, by_by = curvature_of_chances(shape, counts.u, theta)
     k, n = counts.n_yes, counts.n_trials
     nu = (1 / np.square(eta) - 1)[:, None]

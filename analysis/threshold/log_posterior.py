@@ -1,4 +1,4 @@
-"""The density that every fit climbs or integrates: the likelihood of the answers times the prior."""
+"""Log posterior: the likelihood of the answers times the prior."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from .prior import Prior
 
 @dataclass(frozen=True)
 class LogPosterior(Rows):
-    """Of data sets side by side: a function of parameters theta (n_sets, 4), without a constant."""
+    """Log posterior of data sets side by side, at parameters theta (n_sets, 4), without a constant."""
 
     shape: Shape
     counts: Counts
@@ -27,17 +27,16 @@ class LogPosterior(Rows):
         return len(self.counts)
 
     def under(self, **prior: Any) -> Self:
-        """With some things known otherwise before the data."""
+        """Return the log posterior with another prior."""
         return replace(self, prior=replace(self.prior, **prior))
 
     def redrawn(self, sets: Indices, n_yes: Array, n_false_alarms: Array) -> Self:
-        """Of `sets`, with other answers. Those to catch trials are answers too: what is known of a free guess rate
-        varies with them."""
+        """Return `sets` with other answers to trials and catch trials."""
         counts = replace(self.counts[sets], n_yes=n_yes)
         return replace(self, counts=counts, prior=replace(self.prior[sets], n_false_alarms=n_false_alarms))
 
     def alike(self) -> list[Indices]:
-        """The places of data sets on the same levels with the same catch trials, group by group."""
+        """Group data sets on the same levels with the same catch trials; return their places by group."""
         counts, prior = self.counts, self.prior
         catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)  # the prior of a free guess rate holds them
         rows = np.hstack([counts.u, counts.n_trials > 0, catch])
@@ -51,19 +50,16 @@ class LogPosterior(Rows):
         return replace(self, counts=self.counts.by_level())
 
     def log_likelihood(self, theta: Array) -> Array:
-        """The binomial one, (n_sets,)."""
         return likelihood.log_likelihood(self.shape, self.counts, theta)
 
     def deviance(self, theta: Array) -> Array:
-        """From the saturated model, (n_sets,)."""
         return 2 * (likelihood.saturated_log_likelihood(self.counts) - self.log_likelihood(theta))
 
     def log_density(self, theta: Array) -> Array:
-        """Of binomial answers, (n_sets,)."""
         return self.log_likelihood(theta) + self.prior.log_density(theta)
 
     def expansion(self, theta: Array) -> Expansion:
-        """The log density with derivatives; those along fixed parameters are 0."""
+        """Return the log density with derivatives; those along fixed parameters are 0."""
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             whole = self._answers(theta) + self.prior.expansion(theta)
         gradient, hessian = whole.gradient, whole.hessian
@@ -75,7 +71,6 @@ class LogPosterior(Rows):
         return whole
 
     def _answers(self, theta: Array) -> Expansion:
-        """The log-likelihood: binomial, and beta-binomial for the sets that are overdispersed."""
         binomial, eta = likelihood.expansion(self.shape, self.counts, theta), self.prior.overdispersion
         if eta is None or not (eta > 0).any():
             return binomial
@@ -87,14 +82,13 @@ class LogPosterior(Rows):
         return np.asarray(self.counts.u[0, self.counts.n_trials[0] > 0])
 
     def z_of(self, axes: Sequence[Array]) -> Array:
-        """z (n_levels, n_thresholds, n_widths) at the levels of one data set."""
+        """Return z (n_levels, n_thresholds, n_widths) at the levels of one data set."""
         away = self._levels_of_one()[:, None, None] - axes[THRESHOLD][:, None]
         slope = self.shape.z_width * np.exp(-axes[LOG_WIDTH])
         return np.asarray(self.shape.z50 + away * slope)
 
     def beyond_levels(self, axes: Sequence[Array]) -> Array:
-        """The part of each cell (2, n_thresholds, n_widths) in which the curve's rise, from its 0.05 to its 0.95 point,
-        ends below the lowest level, and in which it begins above the highest, of one data set."""
+        """Return the part of each cell (2, n_thresholds, n_widths) with its whole rise below, or above, the levels."""
         used = self._levels_of_one()
         m, width = axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
         down, up = self.shape.rise

@@ -55,28 +55,28 @@ class Prior(Rows):
 
     @property
     def narrowest(self) -> Array:
-        """The least width (n_sets,)."""
+        """Least width (n_sets,)."""
         least = self.narrowest_spacings * self.gap
         return np.maximum(least, NARROWEST) if self.scale_free_width else least
 
     @property
     def free(self) -> list[int]:
-        """The places of the free parameters in a parameter vector."""
+        """Places of the free parameters in a parameter vector."""
         rates = ((LAPSE, self.lapse_rate), (GUESS, 0.0 if self.equal_asymptotes else self.guess_rate))
         return [THRESHOLD, LOG_WIDTH, *(place for place, rate in rates if rate is None)]
 
     def tied(self, theta: Array) -> Array:
-        """Parameters (..., 4) with the guess rate that follows from the lapse rate."""
+        """Return parameters (..., 4) with the guess rate that follows from the lapse rate."""
         if not self.equal_asymptotes:
             return theta
         return np.concatenate([theta[..., :GUESS], theta[..., [LAPSE]]], axis=-1)
 
     def guess_nodes(self, lapse: Array, guess: Array) -> Array:
-        """Guess rates that broadcast against lapse rates (n_lapse, 1): nodes of their own, or those of the lapses."""
+        """Return guess rates that broadcast against lapse rates (n_lapse, 1)."""
         return lapse[:, None] if self.equal_asymptotes else guess
 
     def bounds(self) -> tuple[Array, Array]:
-        """Lowest and highest parameters, each (n_sets, 4); 0 for a guess rate that is `tied`."""
+        """Return the lowest and highest parameters, each (n_sets, 4); 0 for a guess rate that is `tied`."""
         n = self.gap.shape[0]
         low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
         reach = FURTHEST if self.on_curve else 20.0
@@ -89,14 +89,13 @@ class Prior(Rows):
         return low, high
 
     def log_density(self, theta: Array) -> Array:
-        """At theta (n_sets, ..., 4), without a constant; shape (n_sets, ...)."""
+        """Return the log density (n_sets, ...) at theta (n_sets, ..., 4), without a constant."""
         return _total(theta, self._by_parameter(np.moveaxis(theta, -1, 0)))
 
     def expansion(self, theta: Array) -> Expansion:
-        """The log density, with gradient and Hessian.
+        """Return the log density with gradient and Hessian.
 
-        It is that along the axis on which the width's prior is flat, the width or its logarithm, so that a mode is the
-        likelihood's where the priors are flat.
+        It is that along the axis on which the width's prior is flat, so that a mode is that of the likelihood there.
         """
         by_parameter = self._by_parameter(np.moveaxis(theta, -1, 0))
         gradient, hessian = np.zeros(theta.shape), np.zeros((*theta.shape, N_PARAMETERS))
@@ -105,13 +104,12 @@ class Prior(Rows):
         return Expansion(_total(theta, by_parameter), gradient, hessian)
 
     def along(self, axes: Sequence[Array]) -> list[Array]:
-        """The log densities of one data set along four axes of nodes, that of the width as a density of the width;
-        zeros for a fixed parameter."""
+        """Return the log densities of one data set along four axes of nodes; zeros for a fixed parameter."""
         known = self._by_parameter(axes, scale_free_width=self.scale_free_width)
         return [known[place][0] if place in known else np.zeros(len(axis)) for place, axis in enumerate(axes)]
 
     def search_axes(self, low: Array, high: Array, sizes: Sequence[int]) -> list[Array]:
-        """Coarse nodes of one data set along each parameter; one node for a fixed parameter."""
+        """Return coarse nodes of one data set along each parameter; one node for a fixed parameter."""
         axes = []
         for place, n in enumerate(sizes):
             nodes = np.linspace(max(low[place], FLOOR[place]), high[place], n)
@@ -119,15 +117,14 @@ class Prior(Rows):
         return axes
 
     def log_cell(self, low: Array, high: Array, sizes: Sequence[int]) -> float:
-        """The logarithm of the volume of a cell of a grid of one data set; the weights of a free rate sum to 2."""
+        """Return the log volume of a cell of one data set's grid; the weights of a free rate sum to 2."""
         size = high - low
         steps = [size[place] / (n - 1) for place, n in zip((THRESHOLD, LOG_WIDTH), sizes, strict=True)]
         rates = [size[place] / 2 for place in self.free if place in (LAPSE, GUESS)]
         return float(np.log([*steps, *rates]).sum())
 
     def _by_parameter(self, values: Array | Sequence[Array], *, scale_free_width: bool = False) -> "ByParameter":
-        """The log densities with two derivatives at values (n_sets, ...) of the four parameters, of those that have a
-        prior."""
+        """Return log densities and two derivatives of the parameters that have a prior."""
         by_set = (-1, *[1] * (values[THRESHOLD].ndim - 1))
         by_parameter, none = {}, np.zeros(1)
         if self.lapse_rate is None:
@@ -142,8 +139,7 @@ class Prior(Rows):
         return by_parameter
 
     def log_mass(self) -> Array:
-        """The logarithm of the integral of the density over threshold, width and free rates, without the answers to
-        catch trials; shape (n_sets,)."""
+        """Return the log integral (n_sets,) over threshold, width and free rates, without catch trials."""
         low = np.log(self.narrowest)[:, None]
         v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
         log_density_of_w, _, _ = log_width(v, self.narrowest[:, None], scale_free=self.scale_free_width)
@@ -161,7 +157,7 @@ def _total(theta: Array, by_parameter: ByParameter) -> Array:
 
 
 def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, Array, Array]:
-    """Beta(1 + n_yes, beta + n_no), and its derivatives; a count of 0 makes no pole."""
+    """Return the log density Beta(1 + n_yes, beta + n_no), and its derivatives; a count of 0 makes no pole."""
     b = beta - 1 + n_no
     safe = np.maximum(x, 1e-300)
     value = b * np.log1p(-x) + np.where(n_yes > 0, n_yes * np.log(safe), 0.0)
@@ -176,7 +172,7 @@ def log_rate_mass(beta: float) -> float:
 
 
 def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
-    """2 log cos(angle) and its derivatives along x, where rate = d angle / d x."""
+    """Return 2 log cos(angle) and its derivatives along x, where rate = d angle / d x."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         value = 2 * np.log(np.cos(np.minimum(angle, np.pi / 2)))
         cos = np.maximum(np.cos(angle), 1e-8)  # finite derivatives at the end, where the density is 0
@@ -186,15 +182,14 @@ def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
 
 
 def log_threshold(m: Array) -> tuple[Array, Array, Array]:
-    """Flat from -0.5 to 0.5, falling as a cosine to 0 at -1 and 1, and its derivatives."""
+    """Return the prior and its derivatives: flat from -0.5 to 0.5, falling as a cosine to 0 at -1 and 1."""
     outside = np.maximum(np.abs(m) - 0.5, 0.0)
     value, first, second = _log_cos2(np.pi * outside, np.pi * np.sign(m))
     return value, first, np.where(outside > 0, second, 0.0)  # a cosine bends at its top, the flat part does not
 
 
 def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
-    """Flat in the width w = exp(v), or in its logarithm; the derivatives are along v. The fall at the wide end has
-    precedence."""
+    """Return the prior of w = exp(v), flat in w or in v, and its derivatives along v."""
     w = np.exp(v)
     wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
     above = np.maximum(w, 1) - 1
@@ -208,5 +203,5 @@ def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array,
 
 
 def log_prior_of(eta: Array | float) -> Array:
-    """Beta(1, 10) without its constant."""
+    """Return log Beta(1, 10) of the overdispersion, without its constant."""
     return np.asarray((BETA_B - 1) * np.log1p(-eta))

@@ -23,8 +23,7 @@ MOST_SHARED = 64
 
 @dataclass(frozen=True)
 class TrackModes(Rows):
-    """Threshold with standard error and width of each track, (n_sets,); `regular` where the curvature is well
-    conditioned (else the answers hold no threshold, or a step)."""
+    """Threshold with standard error and width of each track (n_sets,); `regular` where there is a curvature."""
 
     thresholds: Array
     standard_errors: Array
