@@ -94,12 +94,15 @@ def test_gradient_of_likelihood_is_that_of_differences() -> None:
     np.testing.assert_allclose(intervals.log_likelihood(here, start)[1], slope, rtol=1e-5, atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    "ends", [(-np.inf, 0.3), (-0.4, np.inf), (-0.4, 0.3), (3.0, 3.1), (-np.inf, -30.0), (30.0, 31.0)]
-)
-def test_derivatives_of_a_censored_value_are_exact(ends) -> None:
+ENDS = [(-np.inf, 0.3), (-0.4, np.inf), (-0.4, 0.3), (3.0, 3.1), (-np.inf, -30.0), (30.0, 31.0), (1.1, 1.1)]
+
+
+@pytest.mark.parametrize("ends", ENDS)
+def test_derivatives_of_values_and_intervals_are_exact(ends) -> None:
     def at(x):
-        return of_interval(np.array(ends[0]), np.array(ends[1]), np.array(x[0]), np.array(x[1]))
+        mean, log_sd = np.array(x[0]), np.array(x[1])
+        low, high = (np.array(end) for end in ends)
+        return of_value(low, mean, log_sd) if low == high else of_interval(low, high, mean, log_sd)
 
     here, x = at([0.2, -0.3]), np.array([0.2, -0.3])
     np.testing.assert_allclose(here.gradient, approx_fprime(x, lambda x: at(x).value), rtol=1e-5, atol=1e-6)
@@ -132,15 +135,6 @@ def test_a_fit_that_still_rises_is_refused() -> None:
     error = np.sqrt(np.diagonal(found.covariance)[: len(matrix.names)]).max()
     with pytest.raises(InvalidParameter, match="the likelihood still rises"):
         _refuse_endless(replace(found, gradient=1.01 * LARGEST_STEP / error), matrix)
-
-
-def test_derivatives_of_a_known_value_are_exact() -> None:
-    x = np.array([0.2, -0.3])
-    here = of_value(np.array(1.1), x[0], x[1])
-    np.testing.assert_allclose(here.gradient, approx_fprime(x, lambda x: of_value(np.array(1.1), *x).value), rtol=1e-5)
-    for i in range(2):
-        slope = approx_fprime(x, lambda x, i=i: of_value(np.array(1.1), *x).gradient[i])
-        np.testing.assert_allclose(here.hessian[i], slope, rtol=1e-5, atol=1e-5)
 
 
 def test_a_narrow_interval_is_itsof_value() -> None:
