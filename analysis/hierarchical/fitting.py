@@ -22,7 +22,7 @@ from tactometry.psychometric import shape_named
 from ..arrays import Array
 from ..threshold.counts import count_arrays
 from ..threshold.fitting import check_rates
-from ..threshold.prior import BETA_B
+from ..threshold.log_posterior import BETA_B
 from .model import GroupModel, StudyCounts, rate_of
 from .posterior import N_POINTS, Integrated, Laplace, integrate
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit

@@ -21,7 +21,7 @@ from tactometry.psychometric import Shape
 from ..arrays import Array, Expansion, Indices, lay_out
 from ..threshold.counts import POOLED_BELOW, Counts, normalise
 from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, chance_slopes, expansion
-from ..threshold.prior import BETA_B, LARGEST_RATE
+from ..threshold.log_posterior import BETA_B, LARGEST_RATE
 
 SCALES = {"threshold": 0.25, "log_width": 0.5, "lapse": 1.0, "threshold_cell": 0.125, "log_width_cell": 0.25}
 """Scales of the half-normal priors of standard deviations: of thresholds in ranges of the levels, of logarithms of the

@@ -14,8 +14,7 @@ from tactometry.psychometric import shape_named
 from ..arrays import Array
 from .counts import count_arrays, normalise
 from .estimates import Fitting
-from .log_posterior import LogPosterior
-from .prior import BETA_B, LARGEST_RATE, Prior
+from .log_posterior import BETA_B, LARGEST_RATE, LogPosterior, Prior
 from .result import ThresholdFit
 from .status import Status
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..arrays import Array, Bools, Expansion, Rows
 from .likelihood import LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from .log_posterior import LogPosterior
-from .prior import LARGEST_ETA, log_prior_of
+from .log_posterior import LARGEST_ETA, LogPosterior, log_prior_of
 from .start_values import Starts, grid_starts, step_starts
 
 MAX_STEPS = 80

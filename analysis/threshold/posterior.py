@@ -15,9 +15,8 @@ from tactometry.psychometric import log_mixture
 
 from ..arrays import Array, Rows
 from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, linear, log_weight, weighted
-from .log_posterior import LogPosterior
+from .log_posterior import LARGEST_ETA, LogPosterior, Prior, log_prior_of
 from .mode import Mode
-from .prior import LARGEST_ETA, Prior, log_prior_of
 
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""

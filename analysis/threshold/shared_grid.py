@@ -12,10 +12,9 @@ import numpy as np
 
 from ..arrays import Array, Bools
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, linear
-from .log_posterior import LogPosterior
+from .log_posterior import LogPosterior, Prior
 from .mode import Mode
 from .posterior import NEGLIGIBLE, Marginals, marginals, others, quantiles, rate_rule
-from .prior import Prior
 
 MOST_FREE = 3
 """With two free rates a grid for all has so many nodes that grids of their own are faster."""

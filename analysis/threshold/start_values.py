@@ -12,8 +12,7 @@ import numpy as np
 from ..arrays import Array, Bools, Indices, Rows
 from .counts import Counts
 from .likelihood import GUESS, LAPSE, N_PARAMETERS, constant_log_likelihood, log_chances_by_curve, weighted
-from .log_posterior import LogPosterior
-from .prior import LARGEST_RATE, Prior, log_rate
+from .log_posterior import LARGEST_RATE, LogPosterior, Prior, log_rate
 
 N_WIDTHS = 10
 WIDEST_NODE, NARROWEST_NODE = 2.8, 0.03

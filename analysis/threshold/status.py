@@ -20,10 +20,9 @@ from ..distributions import ChiSquare
 from ..noted_status import NotedStatus
 from .counts import Counts
 from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood, weighted
-from .log_posterior import LogPosterior
+from .log_posterior import LARGEST_RATE, LogPosterior, Prior, log_rate_mass
 from .mode import Mode
 from .posterior import Marginals
-from .prior import LARGEST_RATE, Prior, log_rate_mass
 
 HELD = 0.8
 """The posterior probability from which an explanation of the answers is taken: four to one."""

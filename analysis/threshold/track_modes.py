@@ -13,9 +13,8 @@ from .counts import count_arrays, normalise
 from .estimates import is_regular
 from .fitting import check_rates
 from .likelihood import LOG_WIDTH, THRESHOLD
-from .log_posterior import LogPosterior
+from .log_posterior import LogPosterior, Prior
 from .mode import find_mode
-from .prior import Prior
 
 MOST_SHARED = 64
 """Levels that tracks share and are counted at; QUEST places its levels anywhere."""

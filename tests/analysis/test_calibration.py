@@ -10,10 +10,9 @@ from soak import SOAK
 from tactometry.analysis.threshold import shared_grid
 from tactometry.analysis.threshold.counts import normalise
 from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
-from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.log_posterior import LARGEST_RATE, LogPosterior, Prior, log_threshold, log_width
 from tactometry.analysis.threshold.mode import find_mode
 from tactometry.analysis.threshold.posterior import rate_rule
-from tactometry.analysis.threshold.prior import LARGEST_RATE, Prior, log_threshold, log_width
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
 pytestmark = pytest.mark.slow

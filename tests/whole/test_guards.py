@@ -164,7 +164,7 @@ BACK_UP = (
     ("analysis/mixed_models/censored_likelihood.py", "from .censored import Counts"),
     ("analysis/hierarchical/model.py", "from .single_fits import SingleFits"),
     ("analysis/outcomes/findings.py", "from .ratings import Ratings"),
-    ("analysis/threshold/likelihood.py", "from .prior import Prior"),
+    ("analysis/threshold/likelihood.py", "from .log_posterior import Prior"),
     ("analysis/result.py", "from .report import page"),
     ("analysis/means.py", "from .plan import AnalysisPlan"),
     ("analysis/wording.py", "from .reading import rows"),
