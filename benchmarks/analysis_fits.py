@@ -15,9 +15,8 @@ from scipy.optimize import minimize
 
 from tactometry.analysis.threshold.counts import count_arrays, normalise
 from tactometry.analysis.threshold.fitting import fit, fit_many
-from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.log_posterior import LogPosterior, Prior
 from tactometry.analysis.threshold.mode import find_mode
-from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
 LEVELS = np.linspace(-3, 3, 7)

@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
 from ..arrays import Array
+from .estimates import Fitting
 from .fitting import fitting
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
 from .log_posterior import LogPosterior
-from .methods import Fitting
-from .posterior import find_box, log_density_grid, nodes_in
+from .posterior import find_box, masses_in
 from .result import ThresholdFit
 from .status import Status
 
@@ -23,6 +23,11 @@ BINS_PER_STEP = 16
 """Of a histogram, in a step of the posterior's grid."""
 WIDEST_STEPS = 400
 """Values farther from the median, in steps of the grid, are counted at this distance."""
+UNKNOWN = (
+    *("threshold", "threshold_mode", "threshold_median", "threshold_mean", "width", "width_low", "width_high"),
+    *("guess_rate", "lapse_rate", "deviance", "interval_low", "interval_high"),
+)
+"""Fields without a value where the equality lies outside of the levels."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,9 @@ def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highe
         has_low, has_high = (end is not None for end in (fit.interval_low, fit.interval_high))
         return replace(fit, interval_low=low if has_low else None, interval_high=high if has_high else None)
     if not lowest <= pse <= highest:
-        return _outside(fit, equality, is_below=pse < lowest)
+        end = {"interval_high": high} if pse < lowest else {"interval_low": low}
+        status = Status.BELOW if pse < lowest else Status.ABOVE
+        return replace(fit, **dict.fromkeys(UNKNOWN) | end, status=status, note=status.note)  # type: ignore[arg-type]
     return replace(
         fit,
         threshold=pse,
@@ -74,20 +81,6 @@ def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highe
         jnd_low=None if fit.width is None else narrow,
         jnd_high=None if fit.width_high is None else wide,
     )
-
-
-UNKNOWN = (
-    *("threshold", "threshold_mode", "threshold_median", "threshold_mean", "width", "width_low", "width_high"),
-    *("guess_rate", "lapse_rate", "deviance", "interval_low", "interval_high"),
-)
-"""What a fit does not state where the equality lies outside of the levels."""
-
-
-def _outside(fit: ThresholdFit, equality: Equality, *, is_below: bool) -> ThresholdFit:
-    end = {"interval_high": equality.pse[2]} if is_below else {"interval_low": equality.pse[0]}
-    status = Status.BELOW if is_below else Status.ABOVE
-    unknown: dict[str, Any] = dict.fromkeys(UNKNOWN) | end
-    return replace(fit, **unknown, status=status, note=status.note)
 
 
 def equalities(fitted: Fitting) -> list[Equality | None]:
@@ -109,11 +102,11 @@ def equalities(fitted: Fitting) -> list[Equality | None]:
 
 
 def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float) -> Equality:
-    axes, weights = nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
-    density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
-    mass = np.exp(density - density.max()) * weights[LAPSE][:, None] * weights[GUESS]
+    axes, mass = masses_in(posterior, low, high)
     lapse, guess = axes[LAPSE][:, None], axes[GUESS]
-    equal, noticed = (_deviate(rate, lapse, guess) for rate in (EQUAL, NOTICED))
+    # Where the normal curve between the asymptotes has each rate, in standard deviations from its middle.
+    shares = ((rate - guess) / (1 - guess - lapse) for rate in (EQUAL, NOTICED))
+    equal, noticed = (ndtri(np.clip(share, 1e-9, 1 - 1e-9)) for share in shares)
     per_sd = np.exp(axes[LOG_WIDTH])[:, None, None] / posterior.shape.z_width
     threshold = axes[THRESHOLD][:, None, None, None] + per_sd * equal
     log_difference = np.log(per_sd * (noticed - equal))
@@ -124,20 +117,8 @@ def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float)
     return Equality(tuple((centre + spread * pse).tolist()), tuple((spread * np.exp(jnd)).tolist()))
 
 
-def _deviate(rate: float, lapse: Array, guess: Array) -> Array:
-    """Return where the normal curve between asymptotes has a rate.
-
-    In standard deviations from its middle.
-    """
-    share = (rate - guess) / (1 - guess - lapse)
-    return np.asarray(ndtri(np.clip(share, 1e-9, 1 - 1e-9)))
-
-
 def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> Array:
-    """Return the ends of the central interval with the median between them.
-
-    Each mass is spread over a step of the grid.
-    """
+    """Return lower end, median and upper end of values whose masses are each spread over a step of the grid."""
     flat, weights = np.broadcast_to(values, mass.shape).ravel(), mass.ravel()
     middle = float((flat * weights).sum() / weights.sum())
     reach = WIDEST_STEPS * step

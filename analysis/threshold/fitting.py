@@ -1,5 +1,4 @@
-"""Thresholds from counts of answers: one fit, or thousands in one call, each with an interval and a
-status."""
+"""Thresholds from counts of answers: one fit, or thousands in one call."""
 
 from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
 
@@ -14,9 +13,8 @@ from tactometry.psychometric import shape_named
 
 from ..arrays import Array
 from .counts import count_arrays, normalise
-from .log_posterior import LogPosterior
-from .methods import Fitting
-from .prior import BETA_B, LARGEST_RATE, Prior
+from .estimates import Fitting
+from .log_posterior import BETA_B, LARGEST_RATE, LogPosterior, Prior
 from .result import ThresholdFit
 from .status import Status
 
@@ -212,14 +210,13 @@ def log_posterior(
 
 
 def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch: Array) -> None:
-    """Refuse a rate of one asymptote where both are to be one rate."""
     is_free = guess_rate is None and lapse_rate is None and not n_catch.any()
     stated = f"guess_rate {guess_rate}, lapse_rate {lapse_rate} and {n_catch.sum():g} catch trials"
     expect(is_free, "equal_asymptotes", stated, "None, None and no trial: the one rate is estimated from the answers")
 
 
 def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) -> None:
-    """Refuse rates that are none, or leave a function no room to rise."""
+    """Reject rates outside of their range, or that leave a function no room to rise."""
     rates = {"guess_rate": guess_rate, "lapse_rate": lapse_rate}
     below_1(owner, **{name: rate for name, rate in rates.items() if rate is not None})
     # Two free rates sum to 1 at the very ends of their priors; known ones that do leave the function no room to rise.
@@ -230,7 +227,6 @@ def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) 
 
 
 def _catch_trials(n_false_alarms: ArrayLike, n_catch: ArrayLike, n_sets: int) -> tuple[Array, Array]:
-    """False alarms and catch trials (n_sets,)."""
     alarms, catch = (np.broadcast_to(np.asarray(n, dtype=np.float64), (n_sets,)) for n in (n_false_alarms, n_catch))
     for stated, counts in ((n_false_alarms, alarms), (n_catch, catch)):
         is_whole = ((counts >= 0) & (counts == np.floor(counts))).all()

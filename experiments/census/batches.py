@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.threshold.modes import TrackModes, fit_modes
+from tactometry.analysis.threshold.track_modes import TrackModes, fit_modes
 from tactometry.protocols.batch.answers import LevelTable, criteria
 from tactometry.protocols.batch.tracks import tracks
 from tactometry.protocols.order import stream

@@ -14,9 +14,8 @@ from tactometry.analysis.tasks.goodness import P_COLUMNS, TESTS, goodness_table,
 from tactometry.analysis.threshold.counts import normalise
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.threshold.goodness import ENOUGH, STATISTICS, Sequences, _Tally, goodness, statistics
-from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.log_posterior import LogPosterior, Prior
 from tactometry.analysis.threshold.mode import find_mode
-from tactometry.analysis.threshold.prior import Prior
 from tactometry.cli.analyse import command
 from tactometry.psychometric import SHAPES
 

@@ -10,9 +10,8 @@ from soak import SOAK
 
 from tactometry.analysis.threshold.counts import count_arrays, normalise
 from tactometry.analysis.threshold.fitting import fit
-from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.log_posterior import LogPosterior, Prior
 from tactometry.analysis.threshold.mode import _convex_inverse, _without, climb, convex_solve, find_mode
-from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import SHAPES
 
 LEVELS = np.linspace(-3, 3, 7)

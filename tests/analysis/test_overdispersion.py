@@ -1,28 +1,15 @@
 """Beta-binomial fits: published values, MATLAB psignifit's intervals, derivatives, the binomial as a limit."""
 
-import json
-
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from places import SHARED
+from matlab_cases import MATLAB, matlab_case
 from scipy.stats import betabinom, binom
 
 from tactometry.analysis.threshold.counts import normalise
 from tactometry.analysis.threshold.fitting import METHODS, fit
 from tactometry.analysis.threshold.likelihood import expansion, log_weight, overdispersed_expansion
 from tactometry.psychometric import SHAPES, PsychometricFunction
-
-NAMES = {"norm": "normal", "rgumbel": "reversed_gumbel"}
-MATLAB = (
-    "M_test1",
-    "M_2AFC_norm",
-    "M_2AFC_logistic",
-    "M_YesNo_norm",
-    "M_YesNo_logistic",
-    "M_2AFC_gumbel",
-    "M_YesNo_rgumbel",
-)
 
 
 @pytest.mark.parametrize(("eta", "pmf"), [(0.2, 0.148414569), (0.0, 0.202331152)])
@@ -80,18 +67,8 @@ ONE_EACH = ("M_2AFC_norm", "M_YesNo_logistic")
 )
 def test_means_and_intervals_of_matlab_psignifit(name: str) -> None:
     """Ends within 2 % of the interval's width; MATLAB's own are about 1 % wide on each side."""
-    path = SHARED / "data" / "psignifit_matlab_cases.json"
-    if not path.exists():
-        pytest.skip("the shared folder with psignifit's MATLAB cases is absent")
-    case = next(case for case in json.loads(path.read_text())["cases"] if case["id"] == name)
-    expected = case["expected"]
-    found = fit(
-        *np.array(case["data_level_correct_total"]).T,
-        shape=NAMES.get(case["sigmoid"], case["sigmoid"]),
-        guess_rate=0.5 if case["experiment_type"] == "2AFC" else None,
-        overdispersion=True,
-        estimate="mean",
-    )
+    counts, options, expected = matlab_case(name)
+    found = fit(*counts, **options, overdispersion=True, estimate="mean")
     for ends, published in (
         ((found.interval_low, found.interval_high), expected["CI95_threshold"]),
         ((found.width_low, found.width_high), expected["CI95_width"]),

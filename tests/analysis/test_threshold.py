@@ -1,6 +1,5 @@
 """Threshold fits: published values, peers, hard cases, invariances, refusals."""
 
-import json
 import math
 import re
 
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 from hard_cases import hard_case
 from hypothesis import given, settings, strategies as st
-from places import SHARED
+from matlab_cases import MATLAB, matlab_case
 
 from tactometry.analysis.threshold.fitting import METHODS, Status, ThresholdFit, fit, fit_many
 from tactometry.errors import InvalidParameter
@@ -16,6 +15,7 @@ from tactometry.psychometric import SHAPES
 
 LEVELS = [0.0010, 0.0015, 0.0020, 0.0025, 0.0030, 0.0035, 0.0040, 0.0045, 0.0050, 0.0060, 0.0070, 0.0080, 0.0100]
 CORRECT = [45, 50, 44, 44, 52, 53, 62, 64, 76, 79, 88, 90, 90]
+ROWS = " (rows count from 0)"
 SEVEN = [1, 2, 3, 4, 5, 6, 7]
 RISING = [10, 11, 12, 15, 18, 19, 20]
 
@@ -62,44 +62,19 @@ def test_posterior_mode_and_interval_of_the_published_set_as_psignifit() -> None
     assert 0.004251 < found.interval_low < found.threshold < found.interval_high < 0.004932
 
 
-MATLAB = (
-    "M_test1",
-    "M_2AFC_norm",
-    "M_2AFC_logistic",
-    "M_YesNo_norm",
-    "M_YesNo_logistic",
-    "M_2AFC_gumbel",
-    "M_YesNo_rgumbel",
-)
-NAMES = {"norm": "normal", "rgumbel": "reversed_gumbel"}
-
-
-def matlab_case(name: str) -> dict:
-    path = SHARED / "data" / "psignifit_matlab_cases.json"
-    if not path.exists():
-        pytest.skip("the shared folder with psignifit's MATLAB cases is absent")
-    return next(case for case in json.loads(path.read_text())["cases"] if case["id"] == name)
-
-
 @pytest.mark.parametrize("name", MATLAB)
 def test_posterior_mode_of_matlab_psignifit(name: str) -> None:
     """All these modes lie at no overdispersion, where the beta-binomial is the binomial."""
-    case = matlab_case(name)
-    levels, k, n = np.array(case["data_level_correct_total"]).T
-    guess = 0.5 if case["experiment_type"] == "2AFC" else None
-    shape = NAMES.get(case["sigmoid"], case["sigmoid"])
-    found = fit(levels, k, n, shape=shape, guess_rate=guess)
-    expected, tolerance = case["expected"], case["expected"]["tol"]
+    counts, options, expected = matlab_case(name)
+    found, tolerance = fit(*counts, **options), expected["tol"]
     assert found.threshold == pytest.approx(expected["MAP"][0], abs=tolerance["MAP_threshold_abs"])
     assert found.width == pytest.approx(expected["MAP"][1], rel=tolerance["MAP_width_rel"])
     assert found.guess_rate == pytest.approx(expected["MAP"][3], abs=2e-3)
 
 
 def test_palamedes_demonstration() -> None:
-    case = matlab_case("PAL_PFML_demo")
-    levels, k, n = np.array(case["data_level_correct_total"]).T
-    found = fit(levels, k, n, shape="logistic", guess_rate=0.5, lapse_rate=0.02, method="likelihood")
-    expected = case["expected"]
+    counts, _, expected = matlab_case("PAL_PFML_demo")
+    found = fit(*counts, shape="logistic", guess_rate=0.5, lapse_rate=0.02, method="likelihood")
     assert found.threshold == pytest.approx(expected["alpha"], abs=expected["tol"]["alpha_abs"])
     assert SHAPES["logistic"].z_width / found.width == pytest.approx(expected["beta"], rel=0.01)
     assert (found.interval_low, found.interval_high, found.method) == (None, None, "likelihood")
@@ -187,11 +162,6 @@ def test_two_levels_are_fitted_and_flagged() -> None:
     assert found.interval_low < found.threshold < found.interval_high
 
 
-def test_non_monotone_answers_are_fitted_and_flagged() -> None:
-    found = fitted([10, 14, 19, 20, 15, 11, 10])
-    assert found.status == Status.NON_MONOTONE
-
-
 @pytest.mark.parametrize(("levels", "n"), [([], []), (SEVEN, 0), ([math.nan], [0])])
 def test_nothing_gives_no_data(levels, n) -> None:
     found = fit(levels, np.zeros(len(levels)), n, shape="normal", guess_rate=0.5)
@@ -206,15 +176,6 @@ def test_a_million_trials_per_level_leave_the_width_of_the_standard_error() -> N
     assert found.threshold == pytest.approx(0.0, abs=1e-4)
     reach = found.interval_high - found.interval_low
     hard_case("a million trials a level", reach, 2 * 0.003378, 0.005, against="the standard error")
-
-
-def test_one_trial_at_each_of_many_levels() -> None:
-    rng = np.random.default_rng()
-    x = np.linspace(-4, 4, 60)
-    k = (x + 0.3 * rng.logistic(size=60) > 0).astype(int)
-    found = fit(x, k, 1, shape="logistic", guess_rate=0.0)
-    assert found.status in (Status.OK, Status.SEPARATED)
-    assert abs(found.threshold) < 2
 
 
 def test_every_fourth_answer_a_lapse_does_not_drag_the_threshold_away() -> None:
@@ -303,29 +264,29 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"levels": [1, math.nan, 3]}, "levels, row 1: found nan, expected a finite number (rows count from 0)"),
-        ({"levels": [1, 2, -math.inf]}, "levels, row 2: found -inf, expected a finite number (rows count from 0)"),
+        ({"levels": [1, math.nan, 3]}, "levels, row 1: found nan, expected a finite number" + ROWS),
+        ({"levels": [1, 2, -math.inf]}, "levels, row 2: found -inf, expected a finite number" + ROWS),
         ({"levels": [1, "2", 3]}, "levels, row 0: found '1', expected a number"),
         ({"levels": [1, None, 3]}, "levels, row 1: found None, expected a number"),
         (
             {"n_correct": [1, 2, 21]},
-            "n_correct, row 2: found 21, expected at most the number of trials of the row (rows count from 0)",
+            "n_correct, row 2: found 21, expected at most the number of trials of the row" + ROWS,
         ),
         (
             {"n_correct": [-1, 2, 3]},
-            "n_correct, row 0: found -1, expected a whole number, 0 or more (rows count from 0)",
+            "n_correct, row 0: found -1, expected a whole number, 0 or more" + ROWS,
         ),
         (
             {"n_correct": [1, 9.5, 3]},
-            "n_correct, row 1: found 9.5, expected a whole number, 0 or more (rows count from 0)",
+            "n_correct, row 1: found 9.5, expected a whole number, 0 or more" + ROWS,
         ),
         (
             {"n_correct": [1, math.nan, 3]},
-            "n_correct, row 1: found nan, expected a whole number, 0 or more (rows count from 0)",
+            "n_correct, row 1: found nan, expected a whole number, 0 or more" + ROWS,
         ),
         (
             {"n_trials": [20, 20, math.inf]},
-            "n_trials, row 2: found inf, expected a whole number, 0 or more (rows count from 0)",
+            "n_trials, row 2: found inf, expected a whole number, 0 or more" + ROWS,
         ),
         (
             {"n_trials": [20, 20]},
@@ -343,7 +304,7 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
         ),
         (
             {"shape": "weibull", "levels": [0, 1, 2]},
-            "levels, row 0: found 0, expected a level above 0 (it is a logarithm that is fitted) (rows count from 0)",
+            "levels, row 0: found 0, expected a level above 0 (it is a logarithm that is fitted)" + ROWS,
         ),
         ({"method": "bayes"}, "method: found 'bayes', expected one of posterior, likelihood"),
         ({"interval": 95}, "fit.interval: found 95, expected a number above 0 and below 1"),

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
 
-from tactometry.analysis.threshold.chances import by_point
 from tactometry.analysis.threshold.fitting import METHODS, Status, fit
+from tactometry.analysis.threshold.likelihood import by_point
 from tactometry.psychometric import SHAPES
 
 DIGITS = 50

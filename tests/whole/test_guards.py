@@ -159,12 +159,12 @@ BAD = (
     ("stimuli/scenes/effects", "import tactometry.stimuli.scenes.effects.edges"),
 )
 BACK_UP = (
-    ("analysis/threshold/starts.py", "from .mode import Mode"),
+    ("analysis/threshold/start_values.py", "from .mode import Mode"),
     ("analysis/anova/design.py", "from .contrasts import effects"),
-    ("analysis/mixed_models/laplace.py", "from .linear import Counts"),
-    ("analysis/hierarchical/model.py", "from .starts import Alone"),
+    ("analysis/mixed_models/censored_likelihood.py", "from .censored import Counts"),
+    ("analysis/hierarchical/model.py", "from .single_fits import SingleFits"),
     ("analysis/outcomes/findings.py", "from .ratings import Ratings"),
-    ("analysis/threshold/likelihood.py", "from .prior import Prior"),
+    ("analysis/threshold/likelihood.py", "from .log_posterior import Prior"),
     ("analysis/result.py", "from .report import page"),
     ("analysis/means.py", "from .plan import AnalysisPlan"),
     ("analysis/wording.py", "from .reading import rows"),
