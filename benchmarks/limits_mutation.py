@@ -33,10 +33,13 @@ TESTS = {
 """The tests of each module; those that need a display are left out."""
 PREPENDED = "signed, absolute = (np.diff(course, axis=1, prepend=0.0) for course in (self.passed_c, self.absolute_c))"
 INSIDE = "inside = (slope != 0) & ((turning_v - before) * (turning_v - after) < 0)"
+SEARCHED = "_check(name, what, peak(limit * (1 + TOLERANCE)), limit, unit, cure, TOLERANCE)"
 EQUAL = {
     f"{PREPENDED}: 0.0 -> 1.0": "what is prepended to both cancels",
     f"{INSIDE}: 0 -> 1": "a level piece does not cross another voltage",
     "self._final = functools.lru_cache(maxsize=1)(self._keep_to_limits): 1 -> 2": "what is kept is the same",
+    f"{SEARCHED}: limit * (1 + TOLERANCE) -> limit / (1 + TOLERANCE)": "a lower bound only makes the search longer",
+    f"{SEARCHED}: 1 + TOLERANCE -> 1 - TOLERANCE": "a lower bound only makes the search longer",
     "LONGEST_WAIT_S: Final = 1.0: 1.0 -> 2.0": "how long is waited for another process",
     "self._last = (added.lastrowid or 0, now, duration_s): 0 -> 1": "a row that was added has a number",
     "database.execute(\"PRAGMA synchronous = OFF\"): database.execute('PRAGMA synchronous = OFF') -> pass": "speed",
