@@ -15,7 +15,7 @@ from ...arrays import FloatArray
 from ..waveforms.sampled import strongest_hz
 from ..waveforms.waveform import LevelUnit, check_nyquist, check_timing, peak_voltage_v, ramped
 from .maps import Mapped
-from .texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
+from .texture import Bump, Grating, Noise, Region, Texture, Velvet
 
 
 @checked
@@ -199,7 +199,7 @@ def finest_period_m(texture: Texture | Velvet) -> float | None:
             return period_m if depth else None
         case Noise(high_per_m=high_per_m):
             return 1 / high_per_m
-        case Image(pixel_m=width_m) | Mapped(pixel_m=width_m) | Bump(width_m=width_m):
+        case Mapped(pixel_m=width_m) | Bump(width_m=width_m):
             return 2 * width_m
         case Region(left_m=left_m, right_m=right_m):
             return 2 * (right_m - left_m)

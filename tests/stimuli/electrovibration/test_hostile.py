@@ -64,7 +64,6 @@ CONSTRUCTORS: dict[str, Call] = {
         "pixel_m": 1e-3, "values": (0.0, 0.5, 1.0), "path": None, "sha256": None, "row": 0}),
     "HeightMap": (ev.HeightMap, {
         "pixel_m": 1e-3, "values": (0.0, 1e-4, 0.0), "path": None, "sha256": None, "row": 0, "direction": 1}),
-    "Image": (ev.Image, {"grey": np.array([0.0, 0.5]), "pixel_m": 1e-3, "row": 0}),
     "Layer": (ev.Layer, {"thickness_m": 1e-6, "permittivity": 2.0, "resistivity_ohm_m": 1e6}),
     "Noise": (ev.Noise, {
         "low_per_m": 100.0, "high_per_m": 120.0, "length_m": 0.1, "phases_rad": (1.0, 2.0, 3.0), "exponent": -1.0,
@@ -120,10 +119,6 @@ FUNCTIONS: dict[str, Call] = {
     "area_of_prints": (ev.area_of_prints, {"prints": PRINTS}),
     "power_law_of_prints": (ev.power_law_of_prints, {"prints": PRINTS}),
     "ellipse_area_m2": (ev.ellipse_area_m2, {"length_m": 0.01, "width_m": [0.01]}),
-    "charge_c": (ev.charge_c, SAMPLED),
-    "current_a": (ev.current_a, SAMPLED),
-    "charge_c_at": (ev.charge_c_at, AT),
-    "current_a_at": (ev.current_a_at, AT),
     "electrostatic_force_n": (ev.electrostatic_force_n, {
         **SAMPLED, "law": "sc_layer", "polarity": ev.Polarity(0.5)}),
     "electrostatic_force_n_at": (ev.electrostatic_force_n_at, {
@@ -187,7 +182,6 @@ METHODS: dict[str, Call] = {
     "Noise.height": (ev.Noise(100.0, 110.0, 0.1, (1.0, 2.0)).height, {"x_m": [0.1]}),
     "Noise.drawn": (ev.Noise.drawn, {
         "low_per_m": 100.0, "high_per_m": 120.0, "length_m": 0.1, "rng": np.random.default_rng(0), "exponent": 1.0}),
-    "Image.force_share": (ev.Image(np.ones(3), 1e-3).force_share, {"x_m": [0.1]}),
     "Velvet.force_share_along": (ev.Velvet().force_share_along, {"x_m": [0.0, 0.1]}),
     "Pieces.index": (PIECES.index, {"t_s": T_S}),
     "Pieces.at": (PIECES.at, {"t_s": T_S}),
@@ -210,7 +204,6 @@ METHODS: dict[str, Call] = {
     "Skin.gain": (SKIN.gain, {"frequency_hz": [60.0], "area_m2": AREA_M2}),
     "Skin.relaxations": (SKIN.relaxations, {"area_m2": AREA_M2}),
     "Solution.at": (ev.Solution(PIECES, FORM.relaxations).at, {"t_s": T_S}),
-    "Solution.slope_at": (ev.Solution(PIECES, FORM.relaxations).slope_at, {"t_s": T_S}),
     "Solution.state_at": (ev.Solution(PIECES, FORM.relaxations).state_at, {"order": 0, "t_s": np.array(T_S)}),
     "Stack.relaxations": (STACK.relaxations, {"index": 0, "area_m2": AREA_M2}),
     "Stack.response": (STACK.response, {"frequency_hz": [60.0], "index": 0, "area_m2": AREA_M2}),

@@ -9,7 +9,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Sine, Square, Step, Trapezoid
 from tactometry.stimuli.electrovibration.textures.maps import GreyImage, HeightMap
 from tactometry.stimuli.electrovibration.textures.played_texture import PlayedTexture, finest_period_m, straight_path_m
-from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
+from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Noise, Region, Texture, Velvet
 
 RATE_HZ = 1000.0
 LINE_S = st.one_of(st.just(0.0), st.floats(1e-12, 4e-3))
@@ -166,10 +166,6 @@ def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> 
             "Trapezoid.low_ratio: found None, expected a finite number",
         ),
         (
-            lambda: Image(np.zeros((4, 4)), 1e-3, row=1.5),
-            "Image.row: found 1.5, expected a row of the image (shape (4, 4))",
-        ),
-        (
             lambda: Velvet().force_share_along([]),
             "Velvet.x_m: found shape (0,), expected positions (n_times,), at least one",
         ),
@@ -182,11 +178,6 @@ def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> 
             lambda: Square(frequency_hz=0.01, rate_hz=192_000.0, band_limited=True),
             "Square.band_limited: found 9.6e+06 harmonics below half of rate_hz, expected at most 1048576; raise "
             "frequency_hz or lower rate_hz",
-        ),
-        (
-            lambda: Image(np.array([0, 1, 1]), 1e-3),
-            "Image.grey: found whole numbers of at most 1, expected 0 to 255, where 1 is all but black; give numbers "
-            "0.0 to 1.0, or scale them to 255",
         ),
     ],
 )

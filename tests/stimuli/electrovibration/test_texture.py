@@ -7,12 +7,13 @@ from hypothesis import given, strategies as st
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import PowerLawArea, Print, TableArea, area_of_prints, power_law_of_prints
 from tactometry.stimuli.electrovibration.attraction.contact_area import UNVERIFIED_PRINTS
+from tactometry.stimuli.electrovibration.textures.maps import GreyImage
 from tactometry.stimuli.electrovibration.textures.played_texture import (
     PlayedTexture,
     SensorModel,
     straight_path_m,
 )
-from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
+from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Noise, Region, Texture, Velvet
 
 NOISE = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(3))
 TEXTURES = [
@@ -21,7 +22,7 @@ TEXTURES = [
     Bump(0.02, 3e-3),
     Bump(0.02, 3e-3, height_sign=-1),
     NOISE,
-    Image(np.linspace(0, 1, 50), 1e-3),
+    GreyImage(1e-3, tuple(np.linspace(0, 1, 50).tolist())),
 ]
 RATE_HZ = 20_000.0
 
@@ -90,14 +91,6 @@ def test_the_slope_of_a_bump_adds_up_to_its_height() -> None:
     np.testing.assert_allclose(height, expected, atol=1e-5)
 
 
-def test_image_rows_and_grey_values() -> None:
-    picture = np.array([[0, 255], [255, 0]], dtype=np.uint8)
-    assert Image(picture, 1e-3, row=1).force_share([0.5e-3, 1.5e-3]).tolist() == [1.0, 0.0]
-    np.testing.assert_array_equal(
-        Image(picture, 1e-3).force_share(0.7e-3), Image(picture / 255, 1e-3).force_share(0.7e-3)
-    )
-
-
 def test_velvet_is_rough_against_the_pile_and_smooth_with_it() -> None:
     there, back = np.linspace(0, 0.05, 2001), np.linspace(0.05, 0, 2001)[1:]
     share = Velvet().force_share_along(np.r_[there, back])
@@ -151,7 +144,7 @@ def test_a_slow_sensor_aliases_a_grating_and_is_refused() -> None:
         (Grating(1e-3), 1e-3),
         (Velvet(tuft_period_m=2e-3), 2e-3),
         (NOISE, 1e-3),
-        (Image(np.linspace(0, 1, 50), 1e-3), 2e-3),
+        (GreyImage(1e-3, tuple(np.linspace(0, 1, 50).tolist())), 2e-3),
         (Grating(1e-3, duty=0.9), 0.2e-3),
         (Bump(0.02, 3e-3), 6e-3),
         (Region(0.01, 0.03), 0.04),
@@ -206,20 +199,6 @@ def test_a_power_law_scales(force_n: float, factor: float) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (
-            lambda: Image(np.zeros((4, 4, 3)), 1e-3),
-            "Image.grey: found shape (4, 4, 3), expected (n_pixels,) or (n_rows, n_pixels): a grey image without "
-            "colour channels; convert it to grey first",
-        ),
-        (
-            lambda: Image(np.array([0.0, 2.0]), 1e-3),
-            "Image.grey: found values from 0.0 to 2.0, expected whole numbers 0 to 255 or numbers 0 to 1",
-        ),
-        (lambda: Image(np.array(["a"]), 1e-3), "Image.grey: found values of type <U1, expected numbers"),
-        (
-            lambda: Image(np.zeros((2, 2)), 1e-3, row=2),
-            "Image.row: found 2, expected a row of the image (shape (2, 2))",
-        ),
         (lambda: Grating(0.0), "Grating.period_m: found 0.0, expected a finite number above 0"),
         (
             lambda: Grating(1e-3, "sinusoid"),
