@@ -45,11 +45,6 @@ if TYPE_CHECKING:
     )
     from .textures.followed_texture import FollowedTexture as FollowedTexture
     from .textures.maps import GreyImage as GreyImage, HeightMap as HeightMap
-    from .textures.played_texture import (
-        PlayedTexture as PlayedTexture,
-        SensorModel as SensorModel,
-        straight_path_m as straight_path_m,
-    )
     from .textures.texture import (
         Bump as Bump,
         Grating as Grating,

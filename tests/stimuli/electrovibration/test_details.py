@@ -13,7 +13,6 @@ from tactometry.stimuli.electrovibration import (
     PulseTrain,
     Region,
     Sampled,
-    SensorModel,
     Sine,
     Skin,
     Step,
@@ -85,12 +84,6 @@ def test_a_wait_on_the_way_does_not_turn_the_pile() -> None:
 
 def test_noise_has_no_line_at_0() -> None:
     assert Noise.drawn(1e-9, 100.0, 0.1, rng=np.random.default_rng(1)).lines_per_m[0] == pytest.approx(10.0)
-
-
-def test_a_sensor_knows_nothing_of_the_future() -> None:
-    known_m = SensorModel(rate_hz=130.0, latency_s=0.003).reported_m(np.arange(1000.0), 1000.0)
-    assert (known_m <= np.maximum(np.arange(1000.0) - 3, 0) + 1e-9).all()
-    assert (np.arange(1000.0) - known_m).max() <= 3 + 1000 / 130 + 1
 
 
 @pytest.mark.parametrize("n", [8, 9, 400, 401])
