@@ -1,4 +1,4 @@
-"""psignifit and questplus as settings of the problems of fits and grids."""
+"""psignifit and questplus as settings of the problems of fits and posteriors."""
 
 import warnings
 from functools import partial
@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.experiments.accuracy.problem import Setting
-from tactometry.experiments.accuracy.problems import quest_plus_grid as grids, threshold_fit
+from tactometry.experiments.accuracy.problems import posteriors
 from tactometry.psychometric import shape_named
 
 BINOMIAL = {"gamma": 0.5, "eta": 1e-9}
@@ -22,8 +22,8 @@ def threshold() -> list[Setting]:
 def _psignifit(steps: dict[str, int]) -> NDArray[np.float64]:
     from psignifit import psignifit
 
-    n = np.full(len(threshold_fit.LEVELS), threshold_fit.N_TRIALS)
-    data = np.column_stack([threshold_fit.LEVELS, threshold_fit.N_CORRECT, n])
+    n = np.full(len(posteriors.LEVELS), posteriors.N_TRIALS)
+    data = np.column_stack([posteriors.LEVELS, posteriors.N_CORRECT, n])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = psignifit(data, sigmoid="norm", experiment_type="2AFC", grid_steps=steps, fixed_parameters=BINOMIAL)
@@ -33,23 +33,24 @@ def _psignifit(steps: dict[str, int]) -> NDArray[np.float64]:
 
 def quest_plus() -> list[Setting]:
     return [
-        Setting(f"{n} x {grids.n_widths(n)}", partial(_questplus, n), contender="questplus") for n in grids.N_THRESHOLDS
+        Setting(f"{n} x {posteriors.n_widths(n)}", partial(_questplus, n), contender="questplus")
+        for n in posteriors.N_THRESHOLDS
     ]
 
 
 def _questplus(n_thresholds: int) -> float:
     import questplus
 
-    widths = np.array(grids.middles(grids.NARROW, grids.WIDE, grids.n_widths(n_thresholds)))
-    means = np.array(grids.middles(grids.LOW, grids.HIGH, n_thresholds))
+    widths = np.array(posteriors.middles(posteriors.NARROW, posteriors.WIDE, posteriors.n_widths(n_thresholds)))
+    means = np.array(posteriors.middles(posteriors.LOW, posteriors.HIGH, n_thresholds))
     rates = {"lower_asymptote": np.array([0.5]), "lapse_rate": np.array([0.02])}
     procedure = questplus.QuestPlus(
-        stim_domain={"intensity": np.array(sorted({level for level, _ in grids.ANSWERS}))},
+        stim_domain={"intensity": np.array(sorted({level for level, _ in posteriors.ANSWERS}))},
         param_domain={"mean": means, "sd": widths / shape_named("normal").z_width, **rates},
         outcome_domain={"response": ["Yes", "No"]},
         func="norm_cdf",
         stim_scale="linear",
     )
-    for level, response in grids.ANSWERS:
+    for level, response in posteriors.ANSWERS:
         procedure.update(stim={"intensity": level}, outcome={"response": "Yes" if response else "No"})
     return float(procedure.param_estimate["mean"])

@@ -21,7 +21,7 @@ from pathlib import Path
 from time import perf_counter
 
 from tactometry.experiments import harness
-from tactometry.experiments.harness import ROWS, Measurement
+from tactometry.experiments.harness import ROWS, MeasuredItem
 
 FOLDER = Path(__file__).resolve().parent
 ROOT = FOLDER.parent
@@ -68,7 +68,7 @@ recorded.
 class Outcome:
     """The last successful run of a benchmark, the failure of a later one, and the digest of the measured code."""
 
-    rows: tuple[Measurement, ...] = ()
+    rows: tuple[MeasuredItem, ...] = ()
     date: str = ""
     load: float = 0.0
     machine: str = ""
@@ -107,7 +107,7 @@ def digest(program: Path, root: Path = ROOT) -> str:
     return sha256(b"\0".join(content)).hexdigest()[:16]
 
 
-def once(program: Path, longest_s: float = LONGEST_S) -> tuple[list[Measurement], str]:
+def once(program: Path, longest_s: float = LONGEST_S) -> tuple[list[MeasuredItem], str]:
     """Run a benchmark; return its results and why it failed, or an empty text."""
     with tempfile.TemporaryDirectory() as folder:
         rows = Path(folder) / "rows"
@@ -124,13 +124,13 @@ def once(program: Path, longest_s: float = LONGEST_S) -> tuple[list[Measurement]
     return found, failed or ("" if found else "ended without a result")
 
 
-def measured(kept: Mapping[str, object]) -> Measurement:
-    return Measurement(**{**kept, "values": tuple(kept["values"])})  # type: ignore[arg-type]
+def measured(kept: Mapping[str, object]) -> MeasuredItem:
+    return MeasuredItem(**{**kept, "values": tuple(kept["values"])})  # type: ignore[arg-type]
 
 
-def pooled(rows: Iterable[Measurement]) -> tuple[Measurement, ...]:
+def pooled(rows: Iterable[MeasuredItem]) -> tuple[MeasuredItem, ...]:
     """Join the results of several runs by name."""
-    by_name: dict[str, Measurement] = {}
+    by_name: dict[str, MeasuredItem] = {}
     for row in rows:
         before = by_name.get(row.what)
         by_name[row.what] = row if before is None else replace(row, values=(*before.values, *row.values))
@@ -141,7 +141,7 @@ def run(program: Path, n_runs: int, before: Outcome) -> Outcome:
     """Run a benchmark several times; a failed one keeps the rows from `before`."""
     began_s, load, sources = perf_counter(), 0.0, digest(program)
     today = datetime.now(UTC).date().isoformat()
-    rows: list[Measurement] = []
+    rows: list[MeasuredItem] = []
     for _ in range(n_runs):
         found, failed = once(program)
         rows, load = [*rows, *found], max(load, os.getloadavg()[0])

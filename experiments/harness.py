@@ -63,7 +63,7 @@ def machine() -> str:
 
 
 @dataclass(frozen=True)
-class Measurement:
+class MeasuredItem:
     """One figure with its repeats and limits. A ratio has the unit `x`."""
 
     what: str
@@ -119,7 +119,7 @@ def tell(what: str, values: float | Sequence[float], unit: str = "x", **limits: 
         `at_least` and `at_most`.
     """
     repeats = tuple(float(f"{value:.4g}") for value in (values if isinstance(values, Sequence) else (values,)))
-    found = Measurement(what, repeats, unit, **limits)
+    found = MeasuredItem(what, repeats, unit, **limits)
     print(found, flush=True)
     if kept := os.environ.get(ROWS):
         with Path(kept).open("a", encoding="utf-8") as file:

@@ -9,7 +9,7 @@ from tactometry.errors import attempt
 
 from ..harness import machine, table as markdown
 from .measure import GOALS, AccuracyCurve, Point, peers_of, recorded_on
-from .problem import OURS
+from .problem import OURS, Problem
 
 ROW = "{:<29}{:>9}{:>10}{:>10}{:>10}{:>8}{:>11}{:>11}"
 HEAD = """# What accuracy costs
@@ -21,8 +21,8 @@ $ tactometry cost skin-propagator
 $ tactometry cost all --page docs/explanation/cost.md   # this page
 ```
 
-Each section compares settings of one problem, from coarse to fine, with a reference. The price is computing time
-(median of warm calls on one thread) unless stated otherwise. `cost.csv` also contains first calls, memory and the size
+Each section compares settings of one problem, from coarse to fine, with a reference. The price is computing time (s,
+median of warm calls on one thread) unless stated otherwise. `cost.csv` also contains first calls, memory and the size
 of the result. Errors are the same in every run. Times are those of the machine below. A result that is not finite is
 *unstable*. References use another method, or agree with one. No error below their uncertainty is reported.
 
@@ -86,12 +86,13 @@ def write_page(curves: Sequence[AccuracyCurve], path: Path, today: date) -> None
 def page(curves: Sequence[AccuracyCurve], folder: str, today: date) -> str:
     """Return the text of the page."""
     measured = f"Measured on {today.isoformat()}: {machine()}. Peers: {recorded_on()}."
-    rows = [
-        (f"[`{each.problem.name}`](#{each.problem.name})", *(_price(each, goal) for goal in GOALS), digit(each))
-        for each in curves
-    ]
+    rows = []
+    for curve in curves:
+        points = (curve.cheapest(goal) for goal in GOALS)
+        prices = ("" if point is None else f"{point.price:.2g}" for point in points)
+        rows.append((f"[`{curve.problem.name}`](#{curve.problem.name})", *prices, digit(curve)))
     cheapest = markdown(("problem", *(f"{goal:.2%}" for goal in GOALS), "one more digit"), rows)
-    lines = [HEAD, measured, "", "## The cheapest setting for an error", "", cheapest]
+    lines = [HEAD, measured, "", "## Lowest price for an error", "", cheapest]
     return "\n".join([*lines, *(line for curve in curves for line in _section(curve, folder))]) + TAIL
 
 
@@ -102,20 +103,13 @@ def digit(curve: AccuracyCurve) -> str:
     return f"x {(best[-1][0] / best[0][0]) ** (1 / digits):.2g}" if digits > 0 else "nothing"
 
 
-def _price(curve: AccuracyCurve, goal: float) -> str:
-    point = curve.cheapest(goal)
-    if point is None:
-        return "not reached"
-    unit = curve.problem.price.partition("(")[2].partition(")")[0]
-    return f"{label(point)}: {point.price:.2g} {unit}".rstrip()
-
-
 def _section(curve: AccuracyCurve, folder: str) -> Iterator[str]:
     problem = curve.problem
     title = f"{problem.title[0].upper()}{problem.title[1:]}"
     yield f"\n## {problem.name}\n"
     checked = f", checked against {problem.independent.by}" if problem.independent else ""
-    yield f"{title}. Reference: {problem.reference.by} (good to {curve.floor:.0e}){checked}. Price: {problem.price}.\n"
+    price = "" if problem.price == Problem.price else f" Price: {problem.price}."
+    yield f"{title}. Reference: {problem.reference.by} (good to {curve.floor:.0e}){checked}.{price}\n"
     yield f"![error against price]({folder}/{problem.name}.svg)\n"
     points = (*curve.points, *peers_of(curve))
     yield markdown(("setting", "error", "price"), [(label(each), _error(each), f"{each.price:.3g}") for each in points])

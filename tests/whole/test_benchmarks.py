@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from benchmark_modules import benchmark_module
 
-from tactometry.experiments.harness import Measurement
+from tactometry.experiments.harness import MeasuredItem
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 IMPORT = "import runpy, sys; runpy.run_path(sys.argv[1], run_name='imported')"
@@ -84,7 +84,7 @@ def test_page_is_that_of_the_kept_results() -> None:
 def test_median_is_compared_with_the_required_value(
     values: tuple[float, ...], limits: dict[str, float], holds: bool | None
 ) -> None:
-    assert Measurement("a", values, **limits).holds is holds
+    assert MeasuredItem("a", values, **limits).holds is holds
 
 
 MISSED = "| ours over theirs | 2 x | 1 to 9 | at most 1.5 x: **MISSED** |"
@@ -107,13 +107,13 @@ def test_page_lists_misses_and_failures_with_earlier_results(folder: Path) -> No
 @pytest.mark.parametrize(("value", "is_missed"), [(2.0, True), (1.0, False)])
 def test_known_reason_follows_only_a_miss(folder: Path, monkeypatch, value: float, is_missed: bool) -> None:
     monkeypatch.setitem(table.WHY_MISSED, "whole", "theirs became quicker")
-    outcome = table.Outcome((Measurement("ours over theirs", (value,), at_most=1.5),), machine="one")
+    outcome = table.Outcome((MeasuredItem("ours over theirs", (value,), at_most=1.5),), machine="one")
     page = table.page({"whole": outcome}, table.programs(folder), folder)
     assert ("Missed: theirs became quicker." in page) is is_missed
 
 
 def test_renewed_benchmark_leaves_the_others(folder: Path) -> None:
-    before = table.Outcome((Measurement("older", (1.0,)),), "2026-01-02", 0.5, "a machine", 1, 2.0)
+    before = table.Outcome((MeasuredItem("older", (1.0,)),), "2026-01-02", 0.5, "a machine", 1, 2.0)
     table.write({"torn": before}, folder)
     table.renew(["whole"], 1, folder)
     assert json.loads((folder / "results.json").read_text("utf-8"))["torn"]["date"] == "2026-01-02"

@@ -149,39 +149,39 @@ def textures() -> Figure:
 
 
 PROFILES: dict[str, tuple[str, Callable[[], Figure], str]] = {
-    "5.9": ("The single focus by word pairs", partial(word_pairs, "P0"), "; brief, not pleasant (page 4)"),
+    "5.9": ("The single focus by word pairs", partial(word_pairs, "P0"), "Brief, not pleasant (page 4)."),
     "5.10": ("P0 to P3 by word pairs", partial(word_pairs, "P0", "P1", "P2", "P3"), ""),
     "5.11": ("P0 and P4 to P6 by word pairs", partial(word_pairs, "P0", "P4", "P5", "P6"), ""),
     "5.12": (
         "Low and high frequency by word pairs",
         partial(grouped_word_pairs, "frequency"),
-        "; 200 Hz pleases most (page 4)",
+        "200 Hz pleases most (page 4).",
     ),
     "5.13": (
         "Envelopes by word pairs",
         partial(grouped_word_pairs, "envelope"),
-        "; a cardinal sine pleases most (page 4)",
+        "A cardinal sine pleases most (page 4).",
     ),
     **{f"A.{n + 1}": (f"Pattern P{n} by word pairs", partial(word_pairs, f"P{n}"), "") for n in range(7)},
 }
 ITEMS = {
     "figure-5.4": Reproduction(
         title="Loss of amplitude against force, at P1 and at the focus",
-        stated="Page 13; 6 % and up to 30 % at 2 N (page 3): finding-2.",
+        stated="6 % and up to 30 % at 2 N (page 3): finding-2.",
         assumes="The finger is set to these losses; other contactors and the growth with force are unverified.",
         drawing=GALLERY["5.4-force-loss"],
         origin="calibrated",
     ),
     "figure-5.7": Reproduction(
         title="Mean detection rate against amplitude",
-        stated="Page 13; a threshold of about 10 um (page 4): finding-1.",
+        stated="A threshold of about 10 um (page 4): finding-1.",
         assumes=f"{PEOPLE} The threshold of 10 um is an input.",
         drawing=rate_by_amplitude,
         origin="calibrated",
     ),
     "figure-5.8": Reproduction(
         title="Patterns tested",
-        stated="Page 13; 200 Hz and a cardinal sine are among them (page 4).",
+        stated="200 Hz and a cardinal sine are among them (page 4).",
         assumes="The other frequency and envelopes, and the duration, are unverified defaults.",
         drawing=GALLERY["5.8-patterns"],
         origin="assumed",
@@ -189,7 +189,7 @@ ITEMS = {
     **{
         f"figure-{number}": Reproduction(
             title=title,
-            stated=f"Page {13 if number.startswith('5') else 14}{stated}.",
+            stated=stated,
             assumes=f"{N_RATERS} simulated participants of the built-in study {PATTERN_STUDY} with seed 1, and its "
             "form: the items of the thesis were inspired by the AttrakDiff, our sources do not say which. One rating "
             "model, an inverted U of the sensation level (unverified), answers each item: word pairs of a pattern "
@@ -201,33 +201,33 @@ ITEMS = {
     },
     "figure-6.3": Reproduction(
         title="Input signal against the position of the finger",
-        stated="Page 13.",
+        stated="",
         assumes="Gratings of 4 mm and a carrier that is visible.",
         drawing=textures,
         origin="assumed",
     ),
     "figure-6.5": Reproduction(
         title="Electrostatic force against contact area",
-        stated="Page 13.",
+        stated="",
         assumes="The parameter set P0 of Table 6.1, a step of 100 V, each of four published laws.",
         drawing=electrovibration.force_against_area,
     ),
     "figure-6.6": Reproduction(
         title="Resistivity and permittivity of the corneum and of deeper tissue",
-        stated="Page 13, from Yamamoto and Yamamoto.",
+        stated="From Yamamoto and Yamamoto.",
         assumes="Both tables are unverified defaults.",
         drawing=electrovibration.skin_properties,
         origin="assumed",
     ),
     "figure-6.8": Reproduction(
         title="Electrostatic force of a step, a trapeze and a sine for several areas",
-        stated="Pages 13 and 14.",
+        stated="",
         assumes="The parameter set P0 of Table 6.1, 40 dB re 1 V, 0.5 to 1.5 cm2, the law of the corneum's layer.",
         drawing=electrovibration.force_for_inputs,
     ),
     **{
         f"figure-{number}": Reproduction(
-            title=title, stated="Page 14.", assumes=FORCES_ASSUME, drawing=drawing, origin="assumed"
+            title=title, stated="", assumes=FORCES_ASSUME, drawing=drawing, origin="assumed"
         )
         for number, title, drawing in (
             ("6.12", "Mean applied force of each condition, by frequency", mean_force_by_condition),
@@ -236,7 +236,7 @@ ITEMS = {
     },
     "figure-6.15": Reproduction(
         title="Mean detection rate against frequency for three forces",
-        stated="Page 14; the lowest thresholds at 240 Hz (page 4): finding-3.",
+        stated="The lowest thresholds at 240 Hz (page 4): finding-3.",
         assumes=f"{PEOPLE} All at {FRICTION_LEVEL_DB:g} dB re 1 V peak, at which some are felt; forces and frequencies "
         "are those of the built-in study (unverified). No constant is set to a voltage, but the input was chosen for "
         "the frequency at which its force vibrates, and so for the frequency felt most. Our sources do not say over "
@@ -246,7 +246,7 @@ ITEMS = {
     ),
     "figure-B.1": Reproduction(
         title="Inked surface against force, as ellipses",
-        stated="Page 14: 0.2, 1.5, 3.0 and 7.0 N, the surface of an ellipse.",
+        stated="0.2, 1.5, 3.0 and 7.0 N, the surface of an ellipse.",
         assumes="The axes of the prints are unverified defaults.",
         drawing=electrovibration.contact_ellipse,
         origin="assumed",

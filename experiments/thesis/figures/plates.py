@@ -99,7 +99,7 @@ DERIVED: Origin = "derived"
 SET: Origin = "calibrated"
 CHOSEN: Origin = "assumed"
 Drawn = tuple[Callable[[], Figure] | str, Origin, str, str]
-OTHERS = "the thesis took it from other work"
+OTHERS = "The thesis took it from other work."
 DRAWN: dict[str, Drawn] = {
     "3.4": (modal_density, DERIVED, "Characteristic time and density of modes", ""),
     "3.8": ("3.8-focus-map", SET, "Focus at 0-25 kHz and a cut through it", ""),
@@ -112,7 +112,12 @@ DRAWN: dict[str, Drawn] = {
     "3.18": ("3.18-amplitude-over-reversal", DERIVED, "Amplitude against reversal time", ""),
     "3.19": (repeated_focus, SET, "A focus repeated", OTHERS),
     "3.20": (time_constants, SET, "The time constants, and what a short repetition costs", ""),
-    "3.21": ("3.21-contrast", DERIVED, "Contrast by transducers and reversal time", f"of the first, {OTHERS}"),
+    "3.21": (
+        "3.21-contrast",
+        DERIVED,
+        "Contrast by transducers and reversal time",
+        "The thesis took the first from other work.",
+    ),
     "4.9": ("4.9-modulator-noise", DERIVED, "Quantisation noise of the modulators", ""),
     "4.11": ("4.11-decay-fit", CHOSEN, "Exponential fitted to an impulse response", ""),
     "4.13": ("4.13-noise-window", SET, "Focus in time, and the window of its noise", ""),
@@ -126,7 +131,7 @@ DRAWN: dict[str, Drawn] = {
         lambda: prototype.layout(one_sided(), FOCI),
         CHOSEN,
         "32 square transducers on one side of the plate",
-        "32 square transducers are on one side",
+        "32 square transducers are on one side.",
     ),
     "4.34": (one_sided_resolution, DERIVED, "Resolution of each focus, patches on one side", ""),
 }
@@ -134,7 +139,7 @@ DRAWN: dict[str, Drawn] = {
 ITEMS = {
     f"figure-{number}": Reproduction(
         title=title,
-        stated=f"Pages 11 to 13{f'; {stated}' if stated else ''}.",
+        stated=stated,
         assumes="Plate, edges, layout, tau (from finding-2), band and drive of the gallery (unverified defaults). "
         "Amplitudes are proportional to the moment per volt of a patch, set so that one bit gives 10 um at 30 V.",
         drawing=GALLERY[drawing] if isinstance(drawing, str) else drawing,
