@@ -11,7 +11,6 @@ from scipy.signal import resample
 from tactometry.observers.responses import COMFORT_DB, COMFORT_RANGE_DB, liking
 from tactometry.stimuli.defaults import RESISTANCE_N_S_PER_M
 from tactometry.stimuli.scenes.default_scenes import default_scene
-from .figures.gallery import FOCUS, P1, RIG_BAND
 from tactometry.stimuli.time_reversal.finger import PULP_MASS_KG, amplitude_loss, ejection_force_n
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.pattern import HIGH_HZ, LOW_HZ, PATTERNS
@@ -22,6 +21,7 @@ from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation, free_displacement
 
 from ..study.felt_scene import felt
+from .figures.gallery import FOCUS, P1, RIG_BAND
 from .reproduction import Number, Origin, Reproduction
 from .studies import cells_of, contact_of, sensation_db, threshold_db
 

@@ -12,11 +12,11 @@ from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.perception.channels import NP_I, NP_III, P, channel_thresholds_db
 from tactometry.stimuli.time_reversal import Band, focus_amplitude
 from tactometry.stimuli.time_reversal.design.closed_forms import ALPHA, resolution_m
-from .figures.gallery import RIG_BAND, rig
 from tactometry.stimuli.time_reversal.focusing.merit import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F, PZ27_RELATIVE_PERMITTIVITY
 
+from .figures.gallery import RIG_BAND, rig
 from .reproduction import Number, Origin, Reproduction
 from .studies import cells_of, contact_of, simulated_trials, threshold_db
 

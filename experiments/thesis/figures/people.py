@@ -10,15 +10,15 @@ from matplotlib.figure import Figure
 from scipy.special import ndtr
 
 from tactometry.observers.signal_detection import SignalDetectionObserver
-from . import electrovibration
 from tactometry.stimuli.electrovibration.textures.texture import Grating, Shape
-from .gallery import GALLERY
 from tactometry.stimuli.time_reversal.figures.style import colours, label, sheet
 
 from ...study.cells import WiredCell
 from ..reproduction import Reproduction
 from ..studies import cells_of, contact_of, experiment, sensation_db, simulated_trials
 from ..tables import FORCE, FORCES_ASSUME, touches
+from . import electrovibration
+from .gallery import GALLERY
 
 if TYPE_CHECKING:
     from tactometry.analysis.outcomes.ratings import Ratings

@@ -9,8 +9,6 @@ from tactometry.palette import BLACK, BLUE, ORANGE
 from tactometry.stimuli.time_reversal import emitted
 from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
-from . import prototype
-from .gallery import FOCI, FOCUS, GALLERY, RIG_BAND, UNFILTERED
 from tactometry.stimuli.time_reversal.figures.style import label, sheet
 from tactometry.stimuli.time_reversal.focusing.merit import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
@@ -19,6 +17,8 @@ from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import SIDE_M, Patch
 
 from ..reproduction import Origin, Reproduction
+from . import prototype
+from .gallery import FOCI, FOCUS, GALLERY, RIG_BAND, UNFILTERED
 
 REPETITION_S, T_MS, TAU_MS = 10e-3, 1e3 * RIG_BAND.reversal_s, 1e3 * TAU_S
 TIMES = f"T = {T_MS:g} ms, T_r = {1e3 * REPETITION_S:g} ms, τ = {TAU_MS:g} ms"
