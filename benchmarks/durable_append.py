@@ -1,15 +1,9 @@
-"""Cost of a trial that is on the disk before the next request, against a plain fsync.
-
-Run: python benchmarks/durable_append.py [FOLDER].
-Also prints the time of PsychoPy's `ExperimentHandler`, in memory (no trial survives SIGKILL) and saved after each trial
-(not atomic).
-"""
+"""Cost of a trial that is on the disk before the next request, over a plain fsync; an argument names a folder there."""
 
 import os
 import sys
 import tempfile
 import time
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -56,31 +50,11 @@ def synced_ms(folder: Path) -> np.ndarray:
     return timed_ms(lambda n: (os.write(file, b"x" * 600 + b"%d\n" % n), os.fsync(file)))
 
 
-def psychopy_ms(folder: Path, *, save: bool, n: int) -> np.ndarray:
-    warnings.simplefilter("ignore")
-    from psychopy import logging
-    from psychopy.data import ExperimentHandler
-
-    logging.console.setLevel(logging.CRITICAL)
-    handler = ExperimentHandler(dataFileName=str(folder / "peer"), savePickle=False, saveWideText=False)
-
-    def entry(k: int) -> None:
-        for name, value in (("level", 20.0), ("response", 1), ("rt", 0.5), ("trial", k)):
-            handler.addData(name, value)
-        handler.nextEntry()
-        if save:
-            handler.saveAsWideText(str(folder / "peer.csv"), fileCollisionMethod="overwrite")
-
-    return timed_ms(entry, n)
-
-
 def main() -> None:
     folder = Path(tempfile.mkdtemp(dir=sys.argv[1] if len(sys.argv) > 1 else "."))
     ours_ms, alone_ms = recorded_ms(folder / "d"), synced_ms(folder)
     tell("a recorded trial, 99th percentile by the clock", np.percentile(ours_ms, 99), "ms", at_most=1)
     tell("a recorded trial over the fsync alone, medians", np.median(ours_ms) / np.median(alone_ms))
-    for name, save, n in (("in memory", False, N_TRIALS), ("saved after every trial", True, 500)):
-        print(f"PsychoPy, {name}: {np.median(psychopy_ms(folder, save=save, n=n)):.3f} ms a trial")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from tactometry.contact import Contact
+from tactometry.observers.finger import SimulatedFinger
 from tactometry.rigs.simulated import Sensation
 
 from ..study.cells import WiredCell
@@ -14,11 +15,20 @@ from ..study.experiment import Experiment, wire
 from ..study.study_file import load
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from tactometry.analysis.reading.trials import Trials
 
 BELOW_DB = 40.0
 """How far below the levels of a study a threshold is searched."""
 TOLERANCE_DB, UNFELT_DB = 1e-3, -300.0
+STUDY, N_PARTICIPANTS, FORCE = "electrovibration-threshold", 4, "force_n"
+FORCES_ASSUME = (
+    f"{N_PARTICIPANTS} simulated participants of the built-in study {STUDY} with seed 1. Its forces are unverified "
+    f"defaults, and so is the finger: its mean force differs between trials by {100 * SimulatedFinger.force_cv:g} %, "
+    "drawn again outside of the 20 % that open the gate, and varies by "
+    f"{100 * SimulatedFinger.waver_cv:g} % within a trial. No simulation can say how people pressed."
+)
 
 
 @lru_cache(maxsize=4)
@@ -70,3 +80,11 @@ def simulated_trials(study: str, n_participants: int) -> "Trials":
         for _ in simulate(Simulation(load(study)[1], study, Path(folder), n_participants, seed=1)):
             pass
         return read_trials(Path(folder))
+
+
+@lru_cache(maxsize=1)
+def touches() -> "pd.DataFrame":
+    """Return the used trials, each with its mean applied force."""
+    from tactometry.analysis.reading.trials import used_rows
+
+    return used_rows(simulated_trials(STUDY, N_PARTICIPANTS))

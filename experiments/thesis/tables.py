@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactometry.observers.finger import SimulatedFinger
 from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.perception.channels import NP_I, NP_III, P, channel_thresholds_db
 from tactometry.stimuli.time_reversal import Band, focus_amplitude
@@ -18,10 +17,18 @@ from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE
 
 from .figures.gallery import RIG_BAND, rig
 from .reproduction import Number, Origin, Reproduction
-from .studies import cells_of, contact_of, simulated_trials, threshold_db
+from .studies import (
+    FORCE,
+    FORCES_ASSUME,
+    STUDY,
+    cells_of,
+    contact_of,
+    threshold_db,
+    touches,
+)
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 STATED_HZ = {
     "Merkel (NP III)": (NP_III, 0.0, 3.0),
@@ -164,23 +171,6 @@ def skin_and_screen() -> Iterator[Number]:
     for origin, named in constants.items():
         for name, value in named.items():
             yield Number(name, "set P0", *value, origin)
-
-
-STUDY, N_PARTICIPANTS, FORCE = "electrovibration-threshold", 4, "force_n"
-FORCES_ASSUME = (
-    f"{N_PARTICIPANTS} simulated participants of the built-in study {STUDY} with seed 1. Its forces are unverified "
-    f"defaults, and so is the finger: its mean force differs between trials by {100 * SimulatedFinger.force_cv:g} %, "
-    "drawn again outside of the 20 % that open the gate, and varies by "
-    f"{100 * SimulatedFinger.waver_cv:g} % within a trial. No simulation can say how people pressed."
-)
-
-
-@lru_cache(maxsize=1)
-def touches() -> "pd.DataFrame":
-    """Return the used trials, each with its mean applied force."""
-    from tactometry.analysis.reading.trials import used_rows
-
-    return used_rows(simulated_trials(STUDY, N_PARTICIPANTS))
 
 
 def applied_forces() -> Iterator[Number]:

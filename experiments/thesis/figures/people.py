@@ -15,8 +15,7 @@ from tactometry.stimuli.time_reversal.figures.style import colours, label, sheet
 
 from ...study.cells import WiredCell
 from ..reproduction import Reproduction
-from ..studies import cells_of, contact_of, experiment, sensation_db, simulated_trials
-from ..tables import FORCE, FORCES_ASSUME, touches
+from ..studies import FORCE, FORCES_ASSUME, cells_of, contact_of, experiment, sensation_db, simulated_trials, touches
 from . import electrovibration
 from .gallery import GALLERY
 
