@@ -31,7 +31,7 @@ def threshold_fit() -> Problem:
     moved = np.minimum(N_CORRECT + np.arange(N_SETS)[:, None] % 2, N_TRIALS)
     return Problem(
         "largest error of mean and 95 % interval of the threshold over its width, 7 levels x 40 trials, 2AFC",
-        reference=Reference("the posterior written out, integrated finely", _integrated_interval, 1e-5),
+        reference=Reference("the posterior written out, integrated finely", _integrated_interval, 1e-6),
         error=over_interval,
         settings=(
             Setting(f"shared grid, {N_SETS} sets", lambda: _ends(fit_many(LEVELS, moved, N_TRIALS, **SHAPE)[0])),
