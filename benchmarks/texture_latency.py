@@ -85,16 +85,16 @@ def session(folder: Path, latency_s: float, block_s: float) -> tuple[np.ndarray,
     path.write_text(path.read_text().replace("latency_s = 0.02", f"latency_s = {latency_s}"))
     bench, experiment, who = load_bench(path), wire(parse(text.encode(), "study"), "study"), Who("P01")
     (stimulus,) = experiment.bank.values()
-    taken, course = Taken(), AudioOutput.course
+    taken, played_path = Taken(), AudioOutput.played_path
     feeds: dict[int, tuple[Any, float]] = {}
 
     def noting(self: Any) -> Any:
-        if isinstance(self._course, FollowingFeed) and id(self._course) not in feeds:
-            self._course.ended.wait(2)
-            feeds[id(self._course)] = self._course, taken.zero_s
-        return course(self)
+        if isinstance(self._feed, FollowingFeed) and id(self._feed) not in feeds:
+            self._feed.ended.wait(2)
+            feeds[id(self._feed)] = self._feed, taken.zero_s
+        return played_path(self)
 
-    AudioOutput.course = noting
+    AudioOutput.played_path = noting
     sys.stdin = io.StringIO("1\n" * 100)
     begin_s, begin_cpu_s = time.perf_counter(), time.process_time()
     try:
@@ -102,7 +102,7 @@ def session(folder: Path, latency_s: float, block_s: float) -> tuple[np.ndarray,
             record(experiment, text.encode(), folder / "d", who, rig_kind("console", experiment, who, bench))
         share = (time.process_time() - begin_cpu_s) / (time.perf_counter() - begin_s)
     finally:
-        AudioOutput.course = course
+        AudioOutput.played_path = played_path
         taken.end()
         device.close()
     return np.concatenate([latencies_s(feed, stimulus.rise_s, zero_s) for feed, zero_s in feeds.values()]), share
