@@ -72,7 +72,7 @@ class Noise:
 
 
 def console(output: Any) -> Console:
-    limits = Limits(100.0, duration_s=1.0, current_peak_a=100.0, duty=1.0, session_s=3600.0, stop_within_s=0.2)
+    limits = Limits(200.0, duration_s=1.0, current_peak_a=100.0, duty=1.0, session_s=3600.0, stop_within_s=0.2)
     equipment = Equipment(Guarded(output, limits, Load("electrode", 1e-9)), {"noise": Noise()}, limits, ramp_s=0.0)
     return Console(equipment, texts_in("en", {}), io.StringIO(), io.StringIO())
 
