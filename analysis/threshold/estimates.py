@@ -198,7 +198,6 @@ class Fitting:
         has_threshold = np.isin(status, WITH_THRESHOLD) | is_fitted_anyway
         has_width = has_threshold & (status != Status.SEPARATED)  # of a step the width has an upper bound only
         has_low, has_high = _has_ends(status, shares, has_threshold).T & has_curve
-        mode, median, mean = self._levels(levels)
         low, high = self._levels(estimates.threshold.T)
         narrow, wide = counts.spread * estimates.width.T
 
@@ -211,20 +210,18 @@ class Fitting:
             "interval_high": _known(high, has_high),
             "width_low": _known(narrow, has_width),
             "width_high": _known(wide, has_threshold),
-            "threshold_mode": _known(mode, has_threshold),
-            "threshold_median": _known(median, has_threshold),
-            "threshold_mean": _known(mean, has_threshold),
             "deviance": _known(deviance, has_threshold),
             "overdispersion": [None] * len(status) if eta is None else _known(eta, has_threshold),
-            "probability_within": _known(shares[:, 0], has_curve),
-            "probability_below": _known(shares[:, 1], has_curve),
-            "probability_above": _known(shares[:, 2], has_curve),
             "method": np.where(has_low | has_high, estimates.method, self.method).tolist(),
             "status": [Status(word) for word in status],
             "note": notes(counts, status, self.interval),
             "n_trials": counts.n_trials.sum(axis=1).astype(int).tolist(),
             "n_levels": counts.n_levels.tolist(),
         }
+        for name, u in zip(("mode", "median", "mean"), self._levels(levels), strict=True):
+            columns[f"threshold_{name}"] = _known(u, has_threshold)
+        for name, share in zip(("within", "below", "above"), shares.T[:3], strict=True):
+            columns[f"probability_{name}"] = _known(share, has_curve)
         rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
         return tuple(ThresholdFit(**row, shape=self.shape, interval=self.interval) for row in rows)
 
