@@ -29,7 +29,7 @@ def reduced(problem: Problem) -> Problem:
     return replace(problem, settings=tuple(setting for group in groups for setting in group[:n]))
 
 
-DEAR = ("procedures", "threshold-bootstrap", "group-threshold", "scene-hybrid-screen")
+DEAR = ("procedures", "group-threshold", "scene-hybrid-screen")
 CHOSEN = [pytest.param(name, marks=pytest.mark.slow if name in DEAR else ()) for name in PROBLEMS]
 
 
