@@ -97,45 +97,41 @@ def fit_hierarchical(
     (3, 2.2)
     """
     curve = shape_named(shape)
-    _check(conditions, width_by, interval, (guess_rate, lapse_rate))
     x, k, n = (rows[0] for rows in count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels))
-    _check_rows({"participants": participants, **conditions}, x.size)
+    _check({"participants": participants, **conditions}, x.size, width_by, interval, (guess_rate, lapse_rate))
     used = n > 0
     if not used.any():
         return _no_data(tuple(conditions), interval)
 
-    alarms, catch = (np.broadcast_to(count, n.shape)[used].astype(np.float64) for count in (n_false_alarms, n_catch))
+    catch = np.array([np.broadcast_to(count, n.shape)[used] for count in (n_false_alarms, n_catch)], dtype=np.float64)
+    prior = {"guess_rate": guess_rate, "lapse_rate": lapse_rate, "lapse_beta": lapse_beta, "guess_beta": guess_beta}
     study = StudyCounts.of(
         np.asarray([str(name) for name in participants])[used],
         {name: np.asarray(values)[used] for name, values in conditions.items()},
         width_by,
         (x[used], k[used], n[used]),
-        np.array([alarms, catch]) if np.ndim(n_catch) else None,  # one number is that of all participants together
-        n_false_alarms=alarms.max(),
-        n_catch=catch.max(),
+        catch if np.ndim(n_catch) else None,  # one number is that of all participants together
+        **dict(zip(("n_false_alarms", "n_catch"), catch.max(axis=1), strict=True)),
+        **prior,
         shape=curve,
-        guess_rate=guess_rate,
-        lapse_rate=lapse_rate,
-        lapse_beta=lapse_beta,
-        guess_beta=guess_beta,
         scale_free_width=scale_free_width,
     )
-    # By now the levels are logarithms, over which a Weibull function is a Gumbel function.
-    single = single_fits(study, "gumbel" if shape == "weibull" else shape, {} if curve.on_log_levels else known or {})
-    return _fit(single, interval, n_points)
+    return _fit(single_fits(study, shape, known or {}), interval, n_points)
 
 
 def _check(
-    conditions: Mapping[str, object], width_by: Sequence[str], interval: float, rates: tuple[float | None, float | None]
+    columns: Mapping[str, Sequence[object]],
+    n_rows: int,
+    width_by: Sequence[str],
+    interval: float,
+    rates: tuple[float | None, float | None],
 ) -> None:
+    factors = list(columns)[1:]  # after the participants
     for name in width_by:
-        expect(name in conditions, "width_by", repr(name), f"factors of {', '.join(conditions)}")
-    expect(len(conditions) > 0, "conditions", "no factor", "at least one, with one value if nothing varied")
+        expect(name in factors, "width_by", repr(name), f"factors of {', '.join(factors)}")
+    expect(len(factors) > 0, "conditions", "no factor", "at least one, with one value if nothing varied")
     between("fit_hierarchical", 0, 1, interval=interval)
     check_rates("fit_hierarchical", *rates)
-
-
-def _check_rows(columns: Mapping[str, Sequence[object]], n_rows: int) -> None:
     for name, values in columns.items():
         expect(len(values) == n_rows, name, f"{len(values)} rows", f"{n_rows}, one for each level")
 

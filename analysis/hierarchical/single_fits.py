@@ -82,6 +82,8 @@ WIDTHS = ("width", "width_low", "width_high")
 
 def single_fits(study: StudyCounts, shape: str, known: Known) -> SingleFits:
     """Fit single cells as an analysis does (`cells.estimates`), but for those that are `known`."""
+    if study.shape.on_log_levels:  # a Weibull function is a Gumbel function of logarithms
+        shape, known = "gumbel", {}
     n, c = study.n_participants, study.n_conditions
     by_condition = [np.moveaxis(rows, 1, 0) for rows in (study.u, study.n_yes, study.n_trials)]
     alarms, catch = np.swapaxes(study.own_catch, 1, 2)

@@ -13,8 +13,8 @@ import pandas as pd
 
 from ..means import MEAN, POSITIVE, by_condition, mean_row, parts as split, rate_interval
 from ..reading.rows import correctness, numbers_of
+from ..threshold.estimates import ThresholdFit
 from ..threshold.fitting import fit_many
-from ..threshold.result import ThresholdFit
 from .cell import Cell, Estimate
 from .goodness import SEED, goodness_columns
 from .task_analysis import Results, TaskAnalysis

@@ -9,12 +9,11 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
 from ..arrays import Array
-from .estimates import Fitting
+from .estimates import Fitting, ThresholdFit
 from .fitting import fitting
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
 from .log_posterior import LogPosterior
 from .posterior import find_box, masses_in
-from .result import ThresholdFit
 from .status import Status
 
 EQUAL, NOTICED = 0.5, 0.75

@@ -6,12 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.psychometric import PsychometricFunction
+
 from ..arrays import Array, Bools, Rows
 from .likelihood import LOG_WIDTH, THRESHOLD
 from .log_posterior import LogPosterior
 from .mode import Mode, find_mode, find_overdispersed_mode
 from .posterior import Marginals
-from .result import ThresholdFit
 from .shared_grid import batched_marginals
 from .status import HELD, Status, Statuses, best_step, notes, statuses, verdict_shares
 
@@ -22,6 +23,73 @@ WIDEST_SD = 0.5
 """In ranges of the levels: with a larger standard error the 95 % interval of a threshold exceeds all levels."""
 WIDEST_LOG_SD = 1.5
 """Of a log width: an interval from a twentieth to twenty times the width says nothing."""
+
+
+@dataclass(frozen=True)
+class ThresholdFit:
+    """What the answers say about one threshold.
+
+    `threshold` and the interval are in the unit of the levels (`width` too; for the shape ``weibull`` it is
+    in natural logarithms of the level). None: the data do not tell. Where only a bound is known
+    (`threshold_below_range`, `threshold_above_range`) the threshold is None and one end of the interval is
+    the bound. Without a threshold for another reason, as for `flat`, the interval is that of the posterior, and an end
+    is None if the threshold may lie beyond the levels on its side with a probability above 0.2. `deviance` is that of
+    the mode of posterior or likelihood. `note` explains a status and is empty for ``ok``.
+
+    `method` is ``posterior`` also where the likelihood was asked for but has no maximum, as without a threshold or
+    where the answers change in one step; a maximum of the likelihood has no interval.
+
+    `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior, whatever the method;
+    with overdispersion they are those of the beta-binomial posterior, as the interval is.
+    `probability_below`, `probability_within` and `probability_above` are the posterior probabilities on which the
+    status rests: the threshold lies so far below the levels that all are on the upper asymptote; the levels meet the
+    rise of the function; it lies so far above them that all are on the lower asymptote (None for fewer than two
+    levels).
+
+    Of a comparison (`equality.fit_comparisons`) `threshold` is the point of subjective equality, where half of all
+    answers are "more", `middle` the middle of the curve between its asymptotes, and `jnd` the distance to 75 % "more".
+    """
+
+    threshold: float | None
+    width: float | None
+    lapse_rate: float | None
+    guess_rate: float | None
+    overdispersion: float | None
+    interval_low: float | None
+    interval_high: float | None
+    width_low: float | None
+    width_high: float | None
+    status: Status
+    deviance: float | None
+    n_trials: int
+    n_levels: int
+    shape: str
+    method: str
+    interval: float
+    note: str
+    threshold_mode: float | None = None
+    threshold_median: float | None = None
+    threshold_mean: float | None = None
+    probability_below: float | None = None
+    probability_within: float | None = None
+    probability_above: float | None = None
+    middle: float | None = None
+    jnd: float | None = None
+    jnd_low: float | None = None
+    jnd_high: float | None = None
+
+    @property
+    def function(self) -> PsychometricFunction | None:
+        """The fitted curve, or None where there is none."""
+        if None in (self.threshold, self.width, self.lapse_rate, self.guess_rate):
+            return None
+        return PsychometricFunction(
+            self.shape,
+            self.threshold if self.middle is None else self.middle,  # type: ignore[arg-type]
+            self.width,  # type: ignore[arg-type]
+            self.guess_rate,  # type: ignore[arg-type]
+            self.lapse_rate,  # type: ignore[arg-type]
+        )
 
 
 @dataclass(frozen=True)
@@ -130,7 +198,6 @@ class Fitting:
         has_threshold = np.isin(status, WITH_THRESHOLD) | is_fitted_anyway
         has_width = has_threshold & (status != Status.SEPARATED)  # of a step the width has an upper bound only
         has_low, has_high = _has_ends(status, shares, has_threshold).T & has_curve
-        mode, median, mean = self._levels(levels)
         low, high = self._levels(estimates.threshold.T)
         narrow, wide = counts.spread * estimates.width.T
 
@@ -143,20 +210,18 @@ class Fitting:
             "interval_high": _known(high, has_high),
             "width_low": _known(narrow, has_width),
             "width_high": _known(wide, has_threshold),
-            "threshold_mode": _known(mode, has_threshold),
-            "threshold_median": _known(median, has_threshold),
-            "threshold_mean": _known(mean, has_threshold),
             "deviance": _known(deviance, has_threshold),
             "overdispersion": [None] * len(status) if eta is None else _known(eta, has_threshold),
-            "probability_within": _known(shares[:, 0], has_curve),
-            "probability_below": _known(shares[:, 1], has_curve),
-            "probability_above": _known(shares[:, 2], has_curve),
             "method": np.where(has_low | has_high, estimates.method, self.method).tolist(),
             "status": [Status(word) for word in status],
             "note": notes(counts, status, self.interval),
             "n_trials": counts.n_trials.sum(axis=1).astype(int).tolist(),
             "n_levels": counts.n_levels.tolist(),
         }
+        for name, u in zip(("mode", "median", "mean"), self._levels(levels), strict=True):
+            columns[f"threshold_{name}"] = _known(u, has_threshold)
+        for name, share in zip(("within", "below", "above"), shares.T[:3], strict=True):
+            columns[f"probability_{name}"] = _known(share, has_curve)
         rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
         return tuple(ThresholdFit(**row, shape=self.shape, interval=self.interval) for row in rows)
 

@@ -13,9 +13,8 @@ from tactometry.psychometric import shape_named
 
 from ..arrays import Array
 from .counts import count_arrays, normalise
-from .estimates import Fitting
+from .estimates import Fitting, ThresholdFit
 from .log_posterior import BETA_B, LARGEST_RATE, LogPosterior, Prior
-from .result import ThresholdFit
 from .status import Status
 
 METHODS = ("posterior", "likelihood")
@@ -60,47 +59,32 @@ def fit(
     Parameters
     ----------
     levels, n_correct, n_trials : (n_levels,) array_like
-        Levels in any unit and order, correct (or "yes") answers, trials. Rows without trials are ignored,
-        equal levels are pooled.
+        Levels in any unit and order, correct (or "yes") answers, trials.
+    n_false_alarms, n_catch : int
+        "Yes" answers to catch trials, and catch trials: they bear on a free guess rate.
     shape : str
         ``normal`` (the default), ``logistic``, ``gumbel``, ``reversed_gumbel`` or ``weibull`` (positive levels).
-    guess_rate : float or None
-        Lower asymptote: 1/m in forced choice; None (the default) to estimate it under its prior (yes/no).
-    lapse_rate : float or None
-        Distance of the upper asymptote from 1; None to estimate it under its prior, by either method.
+    guess_rate, lapse_rate : float or None
+        Lower asymptote (1/m in forced choice) and distance of the upper one from 1; None (the default): free, under
+        the priors Beta(1, `guess_beta`) and Beta(1, `lapse_beta`).
+    equal_asymptotes : bool
+        Both free rates are one, under the prior of the lapse rate (psignifit 4's ``equalAsymptote``).
     method : str
         ``posterior`` (the default): the posterior's `estimate` with its central interval. ``likelihood``: maximum
         likelihood, without intervals; where the likelihood has no maximum, what the posterior says.
+    estimate : str
+        ``mode`` (the default; the median where the mode lies outside of its interval or on an edge of the priors, and
+        the middle of a step), ``median`` or ``mean``. In forced choice mean and median lie below the truth.
     interval : float
         Coverage of the interval, between 0 and 1.
-    n_false_alarms, n_catch : int
-        "Yes" answers to catch trials, and catch trials: they bear on a free guess rate.
     scale_free_width : bool
-        Whether the width's prior is flat in its logarithm (Jeffreys' for a scale) from the smallest spacing, or a
-        twentieth of the range, on, instead of flat in the width: with few trials that lets wide functions pull the
-        posterior mean of the threshold.
-    lapse_beta, guess_beta : float
-        The prior of a free lapse rate is Beta(1, `lapse_beta`), and of a free guess rate Beta(1, `guess_beta`).
-    equal_asymptotes : bool
-        Whether the free lapse rate and guess rate are one, under the prior of the lapse rate: who lapses in a
-        comparison says either with the same chance (psignifit 4's ``equalAsymptote``).
+        Whether the width's prior is flat in its logarithm, from a twentieth of the range on, instead of in the width.
     narrowest_spacings : float
-        In smallest spacings of the levels: where the width's prior ends; it falls to there from twice that.
+        Least width in smallest spacings of the levels; the prior falls to there from twice that.
     robust_range : bool
-        Whether the priors of threshold and width rest on the range of the levels within Tukey's fences
-        instead of all. An adaptive procedure starts far from where it ends: its whole range says nothing
-        about the function.
-    estimate : str
-        What ``posterior`` gives for the threshold: ``mode`` (where the prior of the width is flat, in the width or its
-        logarithm; the median where the mode lies outside of its interval or on an edge of the priors, and the middle
-        of a step), ``median`` or ``mean``. In forced choice the mean and the median lie below the truth.
+        Whether the priors rest on the levels within Tukey's fences: an adaptive procedure starts far from its end.
     overdispersion : bool
-        Whether the answers are beta-binomial with overdispersion eta under its prior Beta(1, 10). The status is that
-        of the binomial.
-
-    Returns
-    -------
-    ThresholdFit
+        Whether the answers are beta-binomial with overdispersion eta under its prior Beta(1, 10).
 
     Raises
     ------
@@ -109,9 +93,8 @@ def fit(
 
     Notes
     -----
-    Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision
-    Research 122, 105-123). A bound of a threshold outside of the levels, and of the width of a step, is
-    always the posterior's.
+    Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision Research 122,
+    105-123). The status is that of the binomial posterior, as is a bound of a threshold outside of the levels.
 
     Examples
     --------
@@ -120,12 +103,9 @@ def fit(
     ('ok', True)
     >>> fit([1, 2, 3], [20, 20, 20], 20, guess_rate=0.5).threshold is None
     True
-    >>> 2.5 < fit([1, 2, 3, 4, 5], [0, 2, 10, 18, 20], 20).threshold < 3.5
-    True
     """
     n_dimensions = np.ndim(levels)
     expect(n_dimensions <= 1, "levels", f"{n_dimensions} dimensions", "one; stacks of data sets go to fit_many")
-    # A stack of one data set.
     columns = (np.atleast_1d(np.asarray(values))[None] for values in (levels, n_correct, n_trials))
     return fit_many(*columns, n_false_alarms=[n_false_alarms], n_catch=[n_catch], **options)[0]
 

@@ -17,7 +17,7 @@ from scipy.stats import ttest_rel
 from tactometry.analysis.tasks.comparison import FIT
 from tactometry.analysis.tasks.task_analysis import JND_PER_SD, SHAPE
 from tactometry.analysis.threshold.equality import fit_comparisons
-from tactometry.analysis.threshold.result import ThresholdFit
+from tactometry.analysis.threshold.estimates import ThresholdFit
 from tactometry.observers.signal_detection import SignalDetectionObserver
 
 LEVELS = tuple(np.linspace(-6.0, 6.0, 7).tolist())

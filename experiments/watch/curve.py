@@ -11,7 +11,7 @@ from tactometry.analysis.tasks.cell import Cell
 from tactometry.analysis.tasks.cells import alternatives, estimates
 from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.threshold.band import CurveBand, curve_band
-from tactometry.analysis.threshold.result import ThresholdFit
+from tactometry.analysis.threshold.estimates import ThresholdFit
 from tactometry.analysis.wording import (
     dependent_name,
     ends_text,
