@@ -62,7 +62,9 @@ def mixed_anova(
         tested += _tests(effect.name, effect.scores, groups, between)
     # Every second one: an effect within and its interaction share their error.
     residual = tested[0].ss_error + sum(within_effect.ss_error for within_effect in tested[1::2])
-    return with_notes(effect_table(tested, residual, scale, interval), design, tested)
+    table = with_notes(effect_table(tested, residual, scale, interval), design, tested)
+    table.attrs["library"] = "statsmodels"
+    return table
 
 
 @dataclass(frozen=True)

@@ -87,7 +87,9 @@ def repeated_measures(
     between = participant_scores(scaled)
     residual = float(np.sum((between - between.mean()) ** 2)) + sum(effect.ss_error for effect in found)
     singular = [singular_note(effect, design.n) for effect in found if effect.ss_error > 0 and effect.is_singular]
-    return with_notes(effect_table(tested, residual, scale, interval), design, tested, singular)
+    table = with_notes(effect_table(tested, residual, scale, interval), design, tested, singular)
+    table.attrs["library"] = "statsmodels" if len(design.factors) > 2 else "pingouin"
+    return table
 
 
 def permutation_test(

@@ -8,7 +8,6 @@ import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
 from typing import Protocol
 
@@ -24,6 +23,7 @@ from ..wording import in_words, split_unit
 from .kinds import KINDS
 from .methods import references
 from .section import Figure, Section
+from .texts import environment
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 WEASYPRINT = "weasyprint"
@@ -142,25 +142,25 @@ def csv_bytes(table: pd.DataFrame) -> bytes:
 
 def render(analysis: Analysis, sections: Sequence[Section] | None = None, svgs: Mapping[str, str] | None = None) -> str:
     """The whole page; the same data give the same text."""
-    from jinja2 import Environment, StrictUndefined
-
-    factors = analysis.factors
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"words": lambda text: in_words(text, factors), "nonbreaking": nonbreaking}
-    template = environment.from_string((files(__package__) / "page.html").read_text("utf-8"))
     sections = sections_of(analysis) if sections is None else sections
     if svgs is None:
         svgs = draw_figures(figures_of(analysis, sections))
     # The first line of the page says already that participants were simulated.
     warnings = [text for text in analysis.warnings if f"{text}." != analysis.origin.line]
-    return template.render(
-        analysis=analysis,
-        title=title_of(analysis),
-        svgs={name: _with_unique_names(svg, n) for n, (name, svg) in enumerate(svgs.items())},
-        data=data_line(analysis),
-        warnings=warnings + _notes(analysis),
-        sections=sections,
-        references=references(analysis.methods),
+    return (
+        environment(is_html=True)
+        .get_template("page.html")
+        .render(
+            words=partial(in_words, factors=analysis.factors),
+            nonbreaking=nonbreaking,
+            analysis=analysis,
+            title=title_of(analysis),
+            svgs={name: _with_unique_names(svg, n) for n, (name, svg) in enumerate(svgs.items())},
+            data=data_line(analysis),
+            warnings=warnings + _notes(analysis),
+            sections=sections,
+            references=references(analysis.methods),
+        )
     )
 
 

@@ -72,7 +72,7 @@ def test_claims_that_do_not_hold_are_not_made() -> None:
 def test_differences_without_error_are_said_so() -> None:
     values = np.arange(4.0)[:, None] + np.array([0.0, 2.0])
     (told,) = pair_sentences(pairs(long_table(values), factor="force", **ARGUMENTS))
-    assert told == "1 less 0: 2.00 in every participant: no test, as there is no error"
+    assert told == "1 − 0: 2.00 in every participant: no test, as there is no error"
 
 
 # --- assumptions
