@@ -135,7 +135,7 @@ def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *,
     result = replace(result, anova=anova, status=status, notes=(*result.notes, *anova.attrs["notes"]))
     if design.between is not None:
         return result
-    result = replace(result, checks=checks(complete.table, within=within, **arguments))
+    result = replace(result, checks=checks(complete.table, anova, within=within, **arguments))
     if not (permuted or status is DesignStatus.SINGULAR):
         return result
     # Exact for few participants; the generator draws for more.

@@ -22,9 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betainc, betaincinv, betaln, logsumexp
 
-from ..arrays import Array, Bools
+from ..arrays import Array, Bools, StatusWithNote
 from ..distributions import ChiSquare
-from ..noted_status import NotedStatus
 from .chances import weighted
 from .counts import Counts
 from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood
@@ -58,7 +57,7 @@ class StepFit:
     place: Array
 
 
-class Status(NotedStatus):
+class Status(StatusWithNote):
     """What the answers say of a threshold: ``ok``, or why there is none, or a bound alone."""
 
     OK = "ok", ""
