@@ -33,7 +33,6 @@ if TYPE_CHECKING:
         SensitivityIndex as SensitivityIndex,
         forced_choice_chance as forced_choice_chance,
         forced_choice_sensitivity as forced_choice_sensitivity,
-        two_interval_sensitivity as two_interval_sensitivity,
         yes_no_sensitivity as yes_no_sensitivity,
     )
     from .threshold.fitting import ThresholdFit as ThresholdFit, fit as fit, fit_many as fit_many

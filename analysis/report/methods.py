@@ -12,6 +12,7 @@ from ..means import FEWEST_IN_RANGE
 from ..outcomes.findings import RULE, Outcome, Primary
 from ..outcomes.ratings import Ratings
 from ..result import Analysis
+from ..tasks import preference
 from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS
 from ..wording import PROCEDURES
@@ -93,6 +94,7 @@ def _libraries(analysis: Analysis) -> Iterator[str]:
     }
     of_statsmodels = {
         "analyses of variance of three factors or with groups of participants": "statsmodels" in anovas,
+        "Bradley-Terry worths": preference.TASK in analysis.tables,
         "linear mixed models": any(outcome.model is not None and not outcome.model.n_censored for outcome in outcomes),
     }
     for name, uses in (("pingouin", of_pingouin), ("statsmodels", of_statsmodels)):
