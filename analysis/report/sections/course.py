@@ -1,4 +1,4 @@
-"""How the sessions went: interruptions with what changed meanwhile, and what the experimenter did."""
+"""Interruptions of sessions, and interventions of the experimenter."""
 
 from collections.abc import Iterator
 

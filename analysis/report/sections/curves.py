@@ -1,5 +1,4 @@
-"""Rates of answers against the level; of each participant psychometric curves, tracks, and the table of all
-estimates."""
+"""Rates against the level; psychometric curves and tracks of each participant, and all estimates."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -17,7 +16,7 @@ from ..section import Details, Figure, ResultKind, Section, grid, rows_of
 
 SHOWN = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_high", "width", "guess_rate",
          "lapse_rate", "n_trials", "n_catch", "status", "misfit")  # fmt: skip
-"""What the page shows of an estimate; the file has the rest."""
+"""Columns of estimates on the page; the file has all."""
 OF_RULES = ("rule_estimate", "rule_sd", "rule_n")
 N_OPEN = 2
 
@@ -48,7 +47,7 @@ def _rate_figures(analysis: Analysis, task: str) -> Iterator[Figure]:
 
 
 def _is_tracked(analysis: Analysis, task: str) -> bool:
-    """Whether levels followed the answers: the rate over all of them then tells of the procedure alone."""
+    """Return True if levels follow the answers, so that their mean rate depends on the procedure alone."""
     return "tracks" in analysis.tables and task in set(analysis.tables["tracks"]["task"])
 
 
@@ -63,7 +62,6 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
 
 
 def _figures(analysis: Analysis) -> Iterator[tuple[str, Figure]]:
-    """With their titles."""
     shown = [estimate for estimate in analysis.estimates if estimate.cell.levels]
     for code in sorted({estimate.cell.participant for estimate in shown}):
         estimates = [estimate for estimate in shown if estimate.cell.participant == code]

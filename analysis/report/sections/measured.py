@@ -1,4 +1,4 @@
-"""What was measured, by condition: loss of amplitude, and applied force."""
+"""Measurements by condition: loss of amplitude, and applied force."""
 
 from collections.abc import Iterator
 from functools import partial

@@ -1,5 +1,4 @@
-"""Dependent values: group table, the primary analysis and its checks, comparisons; as a check of it all participants at
-once, by the hierarchical model."""
+"""Dependent values: group table, primary analysis, checks and comparisons, and the hierarchical model."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -23,7 +22,7 @@ EFFECT_COLUMNS = {
     "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p (dfs times epsilon)", "p": "p", "p_permutation": "p",
     "np2": "partial eta²", "ng2": "generalised eta²",
 }  # fmt: skip
-"""What the page shows of the primary analysis; the file has the rest."""
+"""Columns of the primary analysis on the page; the file has all."""
 DECIBELS = "dB re 1 "
 P_COLUMNS = ("p_CM_corr", "p", "p_permutation")
 
@@ -49,13 +48,13 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
         heading = outcome.heading()
         yield Heading(in_words(heading, factors))
         yield grid(_effect_columns(outcome.effects, factors), ())
-        # Taken out, as they stand open; the others are folded below.
+        # Shown open; the others are folded below.
         yield Sentences(sentences.pop(heading, []))
     yield Folded(sentences, n_open=2)
 
 
 def _amplitudes(outcome: Outcome, analysis: Analysis) -> Blocks:
-    """The group table in the unit that decibels refer to, where there are decibels and a mean."""
+    """Yield the group table in the unit that decibels refer to."""
     unit = outcome.unit(analysis.unit)
     if not unit.startswith(DECIBELS) or outcome.group["mean"].isna().all():
         return
@@ -65,8 +64,7 @@ def _amplitudes(outcome: Outcome, analysis: Analysis) -> Blocks:
 
 
 def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
-    """A group table whose `text` tells amplitudes, 10^(level / 20): of a mean of levels the geometric mean. Where there
-    is no mean the text stays.
+    """Return a group table with amplitudes, 10^(level / 20), as `text` where there is a mean.
 
     >>> as_amplitudes(pd.DataFrame({"mean": [20.0], "mean_low": [0.0], "mean_high": [40.0], "text": [""]}))["text"][0]
     '10.0 [1.0, 100.0]'
@@ -80,7 +78,6 @@ def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
 
 
 def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
-    # With their bounds, which are drawn where a value is not known.
     name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
     label = with_unit(name, outcome.unit(analysis.unit))
     if is_of_fit(outcome.group):  # whose values are the means
@@ -150,7 +147,7 @@ def _values_of_primary(outcome: Outcome) -> dict[str, object] | None:
 
 
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
-"""Columns of the conditions, as those of a group table."""
+"""Columns of a group table for those of the conditions."""
 
 
 def _check_sections(analysis: Analysis) -> Iterator[Section]:

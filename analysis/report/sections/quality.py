@@ -1,4 +1,4 @@
-"""Quality of the data: what was recorded and used, goodness of fit, and what a plan left out."""
+"""Data quality: trials recorded and used, goodness of fit, and exclusions."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ COLUMNS = {
     "false_alarm_rate": "rate of false alarms", "n_frames": "frames", "n_dropped_frames": "dropped frames",
     "n_tested": "functions", "n_flagged": "with p ≤ .01", "n_by_chance": "by chance", "meaning": "what a small p says",
 }  # fmt: skip
-"""Columns of the tables of data quality and of goodness of fit, in words."""
+"""Headings of the tables of data quality and goodness of fit."""
 GOODNESS = (
     "Tests of the fitted functions with p ≤ .01, and how many chance alone would flag. Which functions: column misfit "
     "of thresholds.csv."

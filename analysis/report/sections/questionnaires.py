@@ -14,7 +14,7 @@ from ..section import Blocks, Draw, Figure, Folded, Lead, ResultKind, Section, T
 from ..sentences import form_sentences
 
 MOST_LINES = 7
-"""A figure of word pairs shows no more conditions than there are colours."""
+"""Largest number of conditions in a figure of word pairs, one for each colour."""
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
@@ -61,12 +61,11 @@ def _figure(
 
 
 def _items(form: Ratings) -> str:
-    """Whether the items of a questionnaire are pairs of words or sentences."""
     return "Word pairs" if form.profile["negative"].astype(bool).any() else "Items"
 
 
 def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """The thesis's comparisons where its patterns were rated, else all conditions together."""
+    """Return the conditions of each figure: the thesis's comparisons of its patterns, else all together."""
     if form.crossed is None:
         return [("word_pairs", list(names[:MOST_LINES]))]
     groups = {f: [p for p, (frequency, _) in THESIS.items() if frequency == f] for f, _ in THESIS.values()}
@@ -75,7 +74,7 @@ def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]
 
 
 def _grouped_figures(form: Ratings, grouped: pd.DataFrame) -> Iterator[Figure]:
-    """The thesis's comparisons of frequencies and of envelopes, each with the single focus."""
+    """Yield comparisons of frequencies and of envelopes, each with the single focus."""
     for of, profile in grouped.groupby("of", sort=False):
         names = list(dict.fromkeys(profile["condition"]))
         draw = partial(attrakdiff.profile_figure, profile, names, form.form.score_low, form.form.score_high)

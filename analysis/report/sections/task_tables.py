@@ -1,4 +1,4 @@
-"""Tables of tasks without a curve: a section of its own, or below those of the dependent values that are its means."""
+"""Tables of tasks without a curve."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -15,7 +15,7 @@ TOLD = {task: results for task, results in RESULTS.items() if results.title or r
 
 
 def _views(analysis: Analysis) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Each task with its table as a person reads it; a column of notes only where there are any."""
+    """Yield the table of each task for readers, with a column of notes only if there are any."""
     for task in (task for task in TOLD if task in analysis.tables):
         told = analysis.tables[TOLD[task].compared or task]
         table = TOLD[task].view(told, analysis.trials, analysis.unit)
@@ -24,7 +24,7 @@ def _views(analysis: Analysis) -> Iterator[tuple[str, pd.DataFrame]]:
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
-    # below the dependent values, whose sections stand before, the means of participants come first
+    # The means of participants follow the sections of their dependent values.
     for task, view in _views(analysis):
         if TOLD[task].dependent:
             title = f"Participants: {task} ({len(view)} rows)"

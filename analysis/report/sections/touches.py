@@ -1,4 +1,4 @@
-"""How force and speed went around the onset, where a bench kept them."""
+"""Force and speed around the onset, if they were recorded."""
 
 from collections.abc import Iterator
 from functools import partial
