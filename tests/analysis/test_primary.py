@@ -358,6 +358,8 @@ def test_methods_describe_only_what_ran(tmp_path) -> None:
     whole = analyse(written(tmp_path / "all.csv", table)).methods
     assert "chosen by a rule stated before the data" in whole
     assert "Tobin" not in whole
+    assert "pingouin" in whole
+    assert "statsmodels" not in whole
     holed = analyse(written(tmp_path / "hole.csv", table.drop(index=3))).methods
     assert "Tobin 1958" in holed
     assert "contrasts of this model" in holed
