@@ -32,7 +32,9 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         unit = outcome.unit(analysis.unit)
         title = dependent_title(outcome.dependent)
         yield Section(f"{title} ({unit})" if unit else title, tuple(_blocks(outcome, analysis)))
-    yield from _check_sections(analysis)
+    for check in analysis.hierarchical:
+        task = f" ({check.task.replace('_', ' ')})" if len(analysis.hierarchical) > 1 else ""
+        yield Section(f"All participants at once{task}", tuple(_check_blocks(check, analysis)))
 
 
 def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
@@ -42,7 +44,9 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
     yield from _amplitudes(outcome, analysis)
     yield _figure(outcome, analysis)
     if outcome.dependent == EXPONENT and GROWTH in analysis.tables:
-        yield _growth_figure(analysis)
+        draw = partial(psychophysics.growth_figure, analysis.tables[GROWTH], analysis.factors, unit=analysis.unit)
+        text = "Numbers given to each level: geometric means over participants after modulus equalisation."
+        yield Figure(GROWTH, draw, text, GROWTH)
     sentences = outcome_sentences(outcome, analysis.unit)
     if outcome.effects is not None:
         heading = outcome.heading()
@@ -89,12 +93,6 @@ def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
     return Figure(stem, draw, text, f"group_{stem}")
 
 
-def _growth_figure(analysis: Analysis) -> Figure:
-    draw = partial(psychophysics.growth_figure, analysis.tables[GROWTH], analysis.factors, unit=analysis.unit)
-    text = "Numbers given to each level: geometric means over participants after modulus equalisation."
-    return Figure(GROWTH, draw, text, GROWTH)
-
-
 def _effect_columns(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     effects = table[table["F"].notna()]
     shown = effects[[name for name in EFFECT_COLUMNS if name in effects.columns]].copy()
@@ -120,11 +118,16 @@ def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:
 
 
 def _values_of_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
+    primary: dict[str, object] | None = None
+    if outcome.primary is not None and outcome.effects is not None:
+        title = outcome.title(outcome.primary)
+        role: dict[str, object] = {"analysis": outcome.primary.value, "title": title, "reason": outcome.reason}
+        primary = role | {"effects": outcome.effects}
     return {
         "task": outcome.task,
         "dependent": outcome.dependent,
         "group": outcome.group,
-        "primary": _values_of_primary(outcome),
+        "primary": primary,
         "checks": [outcome.title(name) for name in outcome.analyses() if name is not outcome.primary],
         "anova": outcome.anova,
         "left_out": list(outcome.left_out),
@@ -135,25 +138,8 @@ def _values_of_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
     }
 
 
-def _values_of_primary(outcome: Outcome) -> dict[str, object] | None:
-    if outcome.primary is None or outcome.effects is None:
-        return None
-    return {
-        "analysis": outcome.primary.value,
-        "title": outcome.title(outcome.primary),
-        "reason": outcome.reason,
-        "effects": outcome.effects,
-    }
-
-
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
 """Columns of a group table for those of the conditions."""
-
-
-def _check_sections(analysis: Analysis) -> Iterator[Section]:
-    for outcome in analysis.hierarchical:
-        task = f" ({outcome.task.replace('_', ' ')})" if len(analysis.hierarchical) > 1 else ""
-        yield Section(f"All participants at once{task}", tuple(_check_blocks(outcome, analysis)))
 
 
 def _check_blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Blocks:
