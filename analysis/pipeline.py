@@ -204,7 +204,7 @@ def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
 
 
 @dataclass(frozen=True)
-class Estimates:
+class CellEstimates:
     """Stage 3: a fit of each cell, and their `table` with goodness of fit and the procedure's own estimate."""
 
     cells: Cells
@@ -214,7 +214,7 @@ class Estimates:
     forces: pd.DataFrame | None
 
 
-def estimate_cells(cells: Cells, replay: Replay | None) -> Estimates:
+def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
     """Fit a psychometric function to each cell, and average the measured force."""
     factors, unit = cells.factors, counting.level_unit(cells.selected.trials)
     fits = counting.estimates(cells.cells, unit)
@@ -226,25 +226,25 @@ def estimate_cells(cells: Cells, replay: Replay | None) -> Estimates:
         answers, rng = counting.counted_answers(cells.judged), np.random.default_rng(SEED)
         table = table.join(goodness_columns(answers, factors, fits, options, rng, counting.COUNTING))
     forces = force_of_participants(cells.used, factors) if has_force(cells.used) else None
-    return Estimates(cells, fits, table, unit, forces)
+    return CellEstimates(cells, fits, table, unit, forces)
 
 
 @dataclass(frozen=True)
 class Outcomes:
     """Stage 4: comparisons of conditions for each dependent value, and all participants fitted at once."""
 
-    estimates: Estimates
+    estimates: CellEstimates
     outcomes: tuple[Outcome, ...]
     hierarchical: tuple[HierarchicalOutcome, ...]
 
 
-def compare_conditions(estimates: Estimates) -> Outcomes:
+def compare_conditions(estimates: CellEstimates) -> Outcomes:
     """Compare the conditions in each dependent value of each task."""
     is_planned = estimates.cells.selected.plan.hierarchical
     return Outcomes(estimates, tuple(_outcomes(estimates)), tuple(_hierarchical(estimates)) if is_planned else ())
 
 
-def _outcomes(estimates: Estimates) -> Iterator[Outcome]:
+def _outcomes(estimates: CellEstimates) -> Iterator[Outcome]:
     plan, factors = estimates.cells.selected.plan, estimates.cells.factors
     tables = dict(estimates.cells.direct)
     if len(estimates.table):
@@ -259,7 +259,7 @@ def _outcomes(estimates: Estimates) -> Iterator[Outcome]:
             yield outcome(compared, conditions, task, dependent, forces=forces, bounds=bounds, primary=plan.primary)
 
 
-def _hierarchical(estimates: Estimates) -> Iterator[HierarchicalOutcome]:
+def _hierarchical(estimates: CellEstimates) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
         fits = {estimate.cell: estimate.fit for estimate in estimates.fits if estimate.cell.task == task}
         fit = group_fit(list(fits), estimates.cells.factors, estimates.unit, fits) if fits else None
@@ -294,7 +294,7 @@ def report_outcomes(outcomes: Outcomes) -> Analysis:
     return replace(analysis, warnings=warnings_of(analysis), methods=methods(analysis))
 
 
-def _curve_tables(estimates: Estimates) -> Tables:
+def _curve_tables(estimates: CellEstimates) -> Tables:
     cells, factors = estimates.cells, estimates.cells.factors
     if not estimates.fits:
         return {}

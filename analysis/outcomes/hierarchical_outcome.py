@@ -65,13 +65,9 @@ def group_fit(
     if any(cell.n_choices != n_choices for cell in cells):
         return _no_outcome(task, "conditions differ in the number of alternatives, and the model has one guess rate")
     varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in cells}) > 1]
-    rows: list[tuple[float | str, ...]] = []
-    for cell in cells:
-        counts = zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
-        rows += [(cell.participant, *count, cell.n_false_alarms, cell.n_catch, *cell.condition) for count in counts]
-    if not rows:
+    table = _count_table(cells, factors)
+    if table.empty:
         return _no_outcome(task, "no trial with a level")
-    table = pd.DataFrame(rows, columns=[*COLUMNS, *factors])
     # A fit needs a factor: without a varied one all cells have the same condition.
     conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
     places = [factors.index(name) for name in varied]
@@ -92,6 +88,14 @@ def group_fit(
         **options,
     )
     return _outcome(task, fit, varied, table)
+
+
+def _count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
+    rows: list[tuple[float | str, ...]] = []
+    for cell in cells:
+        counts = zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
+        rows += [(cell.participant, *count, cell.n_false_alarms, cell.n_catch, *cell.condition) for count in counts]
+    return pd.DataFrame(rows, columns=[*COLUMNS, *factors])
 
 
 def _no_outcome(task: str, why: str) -> HierarchicalOutcome:
