@@ -14,6 +14,7 @@ Indices = NDArray[np.int64]
 Which = Indices | Bools | slice
 RELATIVE_ZERO = 1e-12
 """A spread below this part of the values' size is rounding."""
+FLATTEST = 1e-8
 
 
 def size_of(values: Array) -> float:
@@ -86,6 +87,14 @@ class Expansion(Rows):
 
     def __add__(self, other: "Expansion") -> "Expansion":
         return Expansion(self.value + other.value, self.gradient + other.gradient, self.hessian + other.hessian)
+
+
+def symmetric_inverse(matrix: Array) -> Array:
+    """Invert a symmetric matrix with each eigenvalue (at a diagonal of 1) by its size, at least `FLATTEST`."""
+    scale = np.sqrt(np.maximum(np.abs(np.diagonal(matrix)), FLATTEST))
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    inverse = (vectors / np.maximum(np.abs(values), FLATTEST)) @ vectors.T / np.outer(scale, scale)
+    return np.asarray((inverse + inverse.T) / 2)
 
 
 def lay_out(cluster: Indices, *columns: Array, n_clusters: int = 0) -> list[Array]:

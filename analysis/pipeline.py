@@ -49,7 +49,7 @@ def analyse(
     *,
     report: str | Path | None = None,
     pdf: bool = False,
-    within: Sequence[str] | None = None,
+    within: Sequence[str] | str | None = None,
     column_map: ColumnMap | None = None,
     level_scale: str | None = None,
     plan: AnalysisPlan | None = None,
@@ -69,7 +69,7 @@ def analyse(
         HTML file to write; its tables go into the folder ``<name>_tables``.
     pdf : bool
         Also print the report to ``<name>.pdf`` with an installed browser or WeasyPrint.
-    within : sequence of str, optional
+    within : str or sequence of str, optional
         Factors; by default the columns between ``trial`` and ``procedure``.
     column_map : ColumnMap, optional
         Names of a foreign table's columns.
@@ -101,7 +101,8 @@ def analyse(
         check_report(Path(report))  # before the analysis, which may take minutes
 
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
-    trials = replace(trials, notes=(*warnings, *_group_notes(trials, within or ()), *trials.notes))
+    notes = _group_notes(trials, trials.factors if within else ())
+    trials = replace(trials, notes=(*warnings, *notes, *trials.notes))
     analysis = analyse_trials(trials, plan or plan_of(path), replay if level_scale in (None, "linear") else None)
     if report is None and figures is None:
         return analysis
@@ -288,6 +289,8 @@ def report_outcomes(outcomes: Outcomes) -> Analysis:
     tables |= _curve_tables(estimates) | _compared_tables(analysis)
     if estimates.forces is not None:
         tables |= {"force_participants": estimates.forces, "force": force_table(estimates.forces, cells.factors)}
+    jnds = next((one.group for one in outcomes.outcomes if one.dependent == "jnd"), None)
+    tables[TESTS] = standard_tests(estimates.table, cells.used, cells.factors, jnds)
     tables |= {"categories": categories(selected.trials), "sittings": sittings(selected.origin.heads)}
     tables["happenings"] = happenings(path)
     analysis = replace(analysis, tables={name: rows for name, rows in tables.items() if len(rows)})
@@ -306,7 +309,6 @@ def _curve_tables(estimates: CellEstimates) -> Tables:
         "mean_rates": counting.mean_rates(counts, factors),
         "counts": counts,
         "tracks": tracks(cells.judged, factors),
-        TESTS: standard_tests(estimates.table, cells.used, factors),
         FLOORS: lowest_levels(cells.cells, factors),
         LAPSES: lapse_table(estimates.fits, factors),
     }

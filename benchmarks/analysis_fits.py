@@ -15,9 +15,8 @@ from scipy.optimize import minimize
 
 from tactometry.analysis.threshold.counts import count_arrays, normalise
 from tactometry.analysis.threshold.fitting import fit, fit_many
-from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.log_posterior import LogPosterior, Prior
 from tactometry.analysis.threshold.mode import find_mode
-from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
 LEVELS = np.linspace(-3, 3, 7)
@@ -157,10 +156,6 @@ def main() -> None:
     batch = seconds(lambda: fit_many(LEVELS, forced[:1000], N_TRIALS, shape="normal", guess_rate=0.5), 2) / 1000
     print(f"posteriors in a batch: {1e3 * batch:.2f} ms a set")
     tell("posteriors in a batch, psignifit's time over ours", peer_forced / batch, at_least=1000)
-    took = seconds(
-        lambda: fit(LEVELS, forced[0], N_TRIALS, shape="normal", guess_rate=0.5, method="bootstrap", rng=rng), 3
-    )
-    tell("1000 parametric bootstraps", 1e3 * took, "ms", at_most=50)
     tell(
         "largest error of a batch's intervals against grids of their own", 100 * sd_error(forced[:100]), "%", at_most=1
     )

@@ -24,7 +24,8 @@ SHARES = {
     "covered": "`ok` covered",
     "covered_all": "all covered",
 }
-PLACES, N_TRIALS = ("inside", "2 below", "2 above"), 40
+N_TRIALS = 40
+"""Number of trials at which thresholds outside of the levels, and single procedures and tasks, are shown."""
 
 
 def table(outcomes: pd.DataFrame, by: list[str]) -> str:
@@ -39,10 +40,13 @@ def table(outcomes: pd.DataFrame, by: list[str]) -> str:
 
 
 def tables(outcomes: pd.DataFrame) -> str:
-    """By place and number of trials; and by procedure and task, for one number of trials."""
-    some = outcomes[outcomes["place"].isin(PLACES) & (outcomes["n_trials"] == N_TRIALS)]
-    by_place = outcomes.sort_values("n_trials", kind="stable").sort_values("place", kind="stable", key=_order(outcomes))
-    each = (table(by_place, ["place", "n_trials"]), *(table(some, [name, "place"]) for name in ("procedure", "task")))
+    """Return the tables by place and number of trials, and by procedure and by task for thresholds inside."""
+    is_shown_n = outcomes["n_trials"] == N_TRIALS
+    shown = outcomes[is_shown_n | ~outcomes["place"].str.contains("below|above")]
+    by_place = shown.sort_values("n_trials", kind="stable").sort_values("place", kind="stable", key=_order(outcomes))
+
+    inside = outcomes[(outcomes["place"] == "inside") & is_shown_n]
+    each = (table(by_place, ["place", "n_trials"]), *(table(inside, [name]) for name in ("procedure", "task")))
     return "\n\n".join(each)
 
 

@@ -76,7 +76,7 @@ class Gated:
             self._held, self._taken_s = held, taken_s
         self.late_s += late_s.tolist()
         self.counters += block.values[:, 0].tolist()
-        self.grip.hear(block.times_s, 0.01 * block.values[:, 2])
+        self.grip.on_samples(block.times_s, 0.01 * block.values[:, 2])
         self.trigger.consider()
 
     _held = False

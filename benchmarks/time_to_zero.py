@@ -66,7 +66,7 @@ def touched(window, sink, force_n):
     ender.start()
     scene.bench.answer(PRESS)
     ender.join()
-    n_heard, onset_s = scene.heard(), driver._course.onset_s
+    n_heard, onset_s = scene.heard(), driver._feed.onset_s
     scene.bench.close()
     return driver.told_s - scene.held_s, onset_s + n_heard / RATE_HZ - scene.held_s
 

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 from tactometry.analysis.reading.trials import Trials
+from tactometry.arguments.checked import checked
 
 from .bench.bench_file import load_bench
 from .sessions.in_memory import NOWHERE, trials_of
@@ -12,14 +14,16 @@ from .sessions.rig_kinds import rig_kind
 from .sessions.simulation import Simulation
 from .study.experiment import wire
 from .study.study_file import load
+from .workers import check_workers
 
 
+@checked
 def run(
     study: str | Path,
     participant: str,
     *,
     out: str | Path,
-    rig: str = "bench",
+    rig: Literal["bench", "console", "simulated"] = "bench",
     bench: str | Path | None = None,
     session: int = 1,
     seed: int | None = None,
@@ -63,6 +67,7 @@ def run(
     return record(experiment, content, Path(out), who, kind, resume=resume, tell=tell)
 
 
+@checked
 def simulate(study: str | Path, n_participants: int, *, seed: int, n_jobs: int = 1) -> Trials:
     """Return the trials of simulated participants, without writing a file.
 
@@ -76,5 +81,6 @@ def simulate(study: str | Path, n_participants: int, *, seed: int, n_jobs: int =
     >>> simulate("tutorial", 2, seed=1).rows["participant"].unique().tolist()
     ['P01', 'P02']
     """
+    check_workers(n_jobs, None)
     _, content = load(str(study))
     return trials_of(Simulation(content, str(study), NOWHERE, n_participants, seed), n_jobs=n_jobs)

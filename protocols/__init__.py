@@ -1,4 +1,4 @@
-"""What is asked, and when: procedures, tasks, blocks and their order."""
+"""Procedures, tasks, blocks and their order. Classes refuse invalid arguments with `InvalidParameter`."""
 
 from tactometry.loading import named
 

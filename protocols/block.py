@@ -1,8 +1,7 @@
-"""A block: procedures on their conditions, alone or interleaved, until all are finished."""
+"""A block: procedures on their conditions, alone or interleaved."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,34 +17,22 @@ from tactometry.trials.trial import Trial
 
 from .block_state import BlockOptions, BlockState, PartCourse, Slot, Track, catch_schedule, turns
 from .interventions import BETWEEN, heard, not_asked_again
-from .procedures.procedure import Procedure
 from .tasks.task import Presentation, Reply, Task, TrialOutcome
 
 FEEDBACK_S = 0.7
-"""How long a page says right or wrong (unverified default)."""
+"""Duration of the feedback page (unverified default)."""
 UNTOUCHED = Touched(0.0, None, None)
-"""What a row holds of the finger where nothing was felt."""
+"""Touch in a row of a trial in which nothing was felt."""
 
 
 @dataclass(frozen=True)
 class Block:
     """Tracks that are presented together, and how.
 
-    Parameters
-    ----------
-    tracks : tuple of Track
-        More than one are interleaved.
-    task : Task
-        What is asked in a trial.
-    options : BlockOptions
-        How the trials follow each other.
-    practice : bool
-        Mark the rows as practice.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is no track, or something else in the place of one or of the task.
+    - `tracks`: More than one are interleaved.
+    - `task`: What is asked in a trial.
+    - `options`: How the trials follow each other.
+    - `practice`: Mark the rows as practice.
     """
 
     tracks: tuple[Track, ...]
@@ -62,12 +49,12 @@ class Block:
 
     @property
     def catch_rate(self) -> float:
-        """That of the options, where the task takes catch trials."""
+        """Catch rate of the options, 0 for a task without catch trials."""
         return self.options.catch_rate if self.task.takes_catch_trials else 0.0
 
     @property
     def factors(self) -> dict[str, float | str]:
-        """The factors that all tracks share."""
+        """Factors that all tracks share."""
         first, *others = (track.condition.factors for track in self.tracks)
         return {name: level for name, level in first.items() if all(other.get(name) == level for other in others)}
 
@@ -84,7 +71,7 @@ class Block:
 
 
 def run_block(block: Block, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
-    """Present until every track has finished; gives how the tracks stand then, and the number of the next trial."""
+    """Present until every track has ended; return the tracks and the number of the next trial."""
     state = begun = BlockState(block.options, block.tracks, first_trial)
     catches = [catch_schedule(block.catch_rate, rng) for _ in block.tracks]
     turn = turns(block.options.interleaving, rng)
@@ -95,7 +82,9 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
         if slot is None:
             level = None if next(catches[index]) else state.tracks[index].procedure.level
             slot = Slot(index, state.next_trial, level)
-        outcome = yield from block.task.trial(_presentation(state.tracks[index], slot), rng)
+        condition = state.tracks[index].condition
+        shown = Presentation(condition.stimulus, slot.level, condition.touch, condition.alternatives)
+        outcome = yield from block.task.trial(shown, rng)
         # A row names what its presentation aborts: the state moves on before the row is recorded.
         before, state = state, state.after(slot, outcome)
         wanted = yield from _record_rows(block, number, slot, outcome, before, state)
@@ -109,7 +98,7 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
 
 
 def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
-    """A rest, and what the experimenter wanted in it."""
+    """Rest; return what the experimenter wanted meanwhile."""
     pages = [] if options.rest_s is None else [Show("resting", duration_s=options.rest_s)]
     return (yield from heard([*pages, Show("rest")]))
 
@@ -117,97 +106,86 @@ def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
 def _intervene(
     begun: BlockState, number: int, state: BlockState, wanted: tuple[Intervention, ...]
 ) -> Course[BlockState]:
-    """The state after all that the experimenter wants, also in a rest that was wanted."""
+    """Carry out all that the experimenter wants, also during a rest; return the state."""
     while wanted:
         intervention, *later = wanted
-        changed = _changed(begun, number, state, intervention)
-        yield changed.request
-        resting = intervention.wanted == "rest" and bool(state.open())
-        said = (yield from _rest(state.options)) if resting else ()
-        state, wanted = changed.state, (*later, *said)
+        is_open = bool(state.open())
+        said: tuple[Intervention, ...] = ()
+        match intervention.wanted:
+            case "invalidate":
+                state, request = _without(begun, number, state, intervention)
+                yield request
+            case "rest":
+                yield Intervene(intervention, "a rest" if is_open else BETWEEN)
+                said = (yield from _rest(state.options)) if is_open else ()
+            case "skip" | "end":
+                how = "skipped" if intervention.wanted == "skip" else "left, and the session ends"
+                ended = f"is {how}" if is_open else "had come to its end"
+                yield Intervene(intervention, f"block {number} {ended}")
+                state = state.skip()
+        wanted = (*later, *said)
     return state
 
 
-class _Changed(NamedTuple):
-    """What comes of an intervention."""
-
-    state: BlockState
-    request: Intervene
-
-
-def _changed(begun: BlockState, number: int, state: BlockState, intervention: Intervention) -> _Changed:
-    match intervention.wanted:
-        case "skip" | "end":
-            how = "skipped" if intervention.wanted == "skip" else "left, and the session ends"
-            said = f"block {number} is {how}" if state.open() else f"block {number} had come to its end"
-            return _Changed(state.skip(), Intervene(intervention, said))
-        case "rest":
-            said = "a rest" if state.open() else BETWEEN
-            return _Changed(state, Intervene(intervention, said))
+def _without(
+    begun: BlockState, number: int, state: BlockState, intervention: Intervention
+) -> tuple[BlockState, Intervene]:
+    """Invalidate a trial; return the state and the request that says what follows."""
     of_block, trial, attempt = intervention.trial or (0, 0, 0)
     if of_block != number or any(track.skipped for track in state.tracks):
-        return _Changed(state, not_asked_again(intervention))
+        return state, not_asked_again(intervention)
     found = state.without(trial, attempt, begun)
     if found is None:
-        return _Changed(state, Intervene(intervention, f"trial {trial} does not count anyway"))
+        return state, Intervene(intervention, f"trial {trial} does not count anyway")
+
     again, (slot, *others) = found
     retracted = tuple((number, each.trial, each.attempt) for each in (slot, *others))
     behind = "".join(f", nor does trial {other.trial}, whose level followed from it" for other in others)
     comes_again = "it is asked again" if slot.track in again.open() else "its track is over, and it is not asked again"
-    return _Changed(
-        again, Intervene(intervention, f"trial {slot.trial} does not count{behind}: {comes_again}", retracted)
-    )
-
-
-def _presentation(track: Track, slot: Slot) -> Presentation:
-    condition = track.condition
-    return Presentation(condition.stimulus, slot.level, condition.touch, condition.alternatives)
+    return again, Intervene(intervention, f"trial {slot.trial} does not count{behind}: {comes_again}", retracted)
 
 
 def _record_rows(
     block: Block, number: int, slot: Slot, outcome: TrialOutcome, before: BlockState, after: BlockState
 ) -> Course[tuple[Intervention, ...]]:
-    """The rows of a presentation, the last with what it aborts, and what is said of the answer: what the experimenter
-    wanted meanwhile."""
+    """Record the rows of a presentation, the last with what it aborts, and give feedback.
+
+    Returns what the experimenter wanted meanwhile.
+    """
     track = before.tracks[slot.track]
-    *replies, last = outcome.replies or (Reply(),)
-    rows = [Record(trial_row(block, number, slot, track, outcome, reply)) for reply in replies]
-    last_row = Record(trial_row(block, number, slot, track, outcome, last), _abortion(number, before, after))
-    pages: list[Record | Show] = [*rows, last_row]
+    *rows, last = (trial_row(block, number, slot, track, outcome, reply) for reply in outcome.replies or (Reply(),))
+    pages: list[Record | Show] = [*map(Record, rows), Record(last, _abortion(number, before, after))]
     if block.options.feedback and outcome.correct is not None:
         pages.append(Show("right" if outcome.correct else "wrong", duration_s=FEEDBACK_S))
     return (yield from heard(pages))
 
 
 def _abortion(number: int, before: BlockState, after: BlockState) -> str | None:
-    """What ends unfinished, and why; None where nothing does."""
+    """Say which tracks end unfinished and why, or return None."""
     pairs = zip(before.tracks, after.tracks, strict=True)
     lost = [then.name for was, then in pairs if then.aborted and not was.aborted]
     if not lost:
         return None
     names = ", ".join(name for name in lost if name)
     of_names = f" ({names})" if names else ""
-    return f"block {number} is aborted{of_names}: {_reason(after)}"
 
-
-def _reason(state: BlockState) -> str:
-    options = state.options
-    if options.longest_s is not None and state.late:
-        return f"it has lasted longer than {options.longest_s:g} s"
+    options = after.options
     n_lost = count_of(options.n_attempts, "presentation")
-    return f"{n_lost} in a row, or of one trial, {'was' if options.n_attempts == 1 else 'were'} not valid"
+    reason = f"{n_lost} in a row, or of one trial, {'was' if options.n_attempts == 1 else 'were'} not valid"
+    if options.longest_s is not None and after.late:
+        reason = f"it has lasted longer than {options.longest_s:g} s"
+    return f"block {number} is aborted{of_names}: {reason}"
 
 
 def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: TrialOutcome, reply: Reply) -> Trial:
-    """The row of a reply."""
-    # Where no touch is the one whose level counts, the first stands for the trial.
+    """Return the row of a reply. If no touch's level counts, the first touch represents the trial."""
     touch = outcome.stimulus or next(iter(outcome.touches), UNTOUCHED)
     is_catch, answer = slot.level is None, reply.answer
     return Trial(
         block=number,
         trial=slot.trial,
         factors={**track.condition.factors, **outcome.factors},
-        procedure=outcome.rule or _rule_name(track.procedure, is_catch=is_catch),
+        procedure=outcome.rule or (EASY if track.procedure.is_easy and not is_catch else track.procedure.name),
         level=slot.level,
         level_unit=track.condition.level_unit,
         task=block.task.name,
@@ -240,8 +218,3 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
         separation_m=outcome.separation_m,
         error_m=outcome.error_m,
     )
-
-
-def _rule_name(procedure: Procedure, *, is_catch: bool) -> str:
-    """What chose the level of a presentation, as the column `procedure` has it."""
-    return EASY if procedure.is_easy and not is_catch else procedure.name

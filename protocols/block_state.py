@@ -1,27 +1,30 @@
-"""How a block stands: its tracks, what must be presented again, and who is next."""
+"""State of a block: its tracks, what must be presented again, and which track is next."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
-from typing import Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
+from annotated_types import Interval
 
-from tactometry.arguments.require import expect, one_of, positive, whole, within, without_none
+from tactometry.arguments.constraints import Positive, constrained
+from tactometry.arguments.require import expect, one_of
 from tactometry.session.run import Course
 
-from .procedures.procedure import FixedOrder, Procedure, after_answer
+from .procedures.practice import Practice
+from .procedures.procedure import Count, FixedOrder, Procedure, Run, after_answer
 from .tasks.task import Alternative, TrialOutcome
 from .tasks.touch import Touch
 
 Interleaving = Literal["random", "balanced"]
 LEAST_RATE = 1e-6
-"""Of catch trials: one in more than all trials of a session."""
+"""Least rate of catch trials: one in more than all trials of a session."""
 
 
 @dataclass(frozen=True)
 class Condition:
-    """What stays the same in a track: its factors, the stimulus (by name) and how it is touched."""
+    """Constants of a track: its factors, the stimulus (by name) and how it is touched."""
 
     factors: Mapping[str, float | str]
     stimulus: str
@@ -33,9 +36,9 @@ class Condition:
 
 @dataclass(frozen=True)
 class Track:
-    """A procedure on a condition, at the beginning of a block or at its end; `name` tells interleaved ones apart.
+    """A procedure on a condition, before a block or after it; `name` distinguishes interleaved ones.
 
-    One whose block the session had no time for is not `begun`; what the experimenter left is `skipped`.
+    A track is not `begun` if the session had no time for its block, and `skipped` if the experimenter left it.
     """
 
     condition: Condition
@@ -46,9 +49,10 @@ class Track:
     skipped: bool = False
 
     @property
-    def over(self) -> bool:
-        """Whether it ends before its procedure does."""
-        return self.aborted or self.skipped
+    def missed_practice(self) -> Practice | None:
+        """Rule of a practice that ended without meeting its criterion, else None."""
+        rule = self.procedure.rule if isinstance(self.procedure, Run) else self.procedure
+        return rule if isinstance(rule, Practice) and self.ending in ("trials", "aborted") else None
 
     @property
     def ending(self) -> str | None:
@@ -60,60 +64,43 @@ class Track:
 
 
 PartCourse = Course[tuple[tuple[Track, ...], int]]
-"""The course of a part of a session: how its tracks end, and the number of the next trial."""
+"""Course of a part of a session, which returns its tracks at their end and the number of the next trial."""
 
 
 @dataclass(frozen=True)
+@constrained
 class BlockOptions:
     """How the trials of a block follow each other: the keys of a study's table `task` that hold for every kind.
 
-    Parameters
-    ----------
-    catch_rate : float
-        The part of a track's presentations without stimulus, where the task takes them.
-    n_attempts : int
-        A presentation that is not valid comes again: at the end of the block if the procedure's order is fixed, else
-        when its track is due. So many invalid ones in a row, or attempts at one trial, abort the track.
-    interleaving : str
-        Each trial draws one of the unfinished tracks (``random``), or each round presents all of them once, in random
-        order (``balanced``).
-    feedback : bool
-        Say right or wrong after each answer.
-    rest_after : int or None
-        So many valid trials lie between two rests.
-    rest_every_s : float or None
-        A rest comes after the first valid trial that begins so long after the rest before it, or after the block began.
-    rest_s : float or None
-        A rest lasts at least so long, counted down.
-    longest_s : float or None
-        A block that lasts longer ends; what is unfinished is aborted.
-
-    Raises
-    ------
-    InvalidParameter
-        If a number is out of its domain or the interleaving unknown.
+    - `catch_rate`: The part of a track's presentations without stimulus, where the task takes them.
+    - `n_attempts`: A presentation that is not valid comes again: at the end of the block if the procedure's order is
+      fixed, else when its track is due. So many invalid ones in a row, or attempts at one trial, abort the track.
+    - `interleaving`: Each trial draws one of the unfinished tracks (``random``), or each round presents all of them
+      once, in random order (``balanced``).
+    - `feedback`: Say right or wrong after each answer.
+    - `rest_after`: So many valid trials lie between two rests.
+    - `rest_every_s`: A rest comes after the first valid trial that begins so long after the rest before it, or after
+      the block began.
+    - `rest_s`: A rest lasts at least so long, counted down.
+    - `longest_s`: A block that lasts longer ends; what is unfinished is aborted.
     """
 
-    catch_rate: float = 0.0
-    n_attempts: int = 5
+    catch_rate: Annotated[float, Interval(ge=0, le=0.5)] = 0.0
+    n_attempts: Count = 5
     interleaving: Interleaving = "random"
     feedback: bool = False
-    rest_after: int | None = None
-    rest_s: float | None = None
-    longest_s: float | None = None
-    rest_every_s: float | None = None
+    rest_after: Count | None = None
+    rest_s: Positive | None = None
+    longest_s: Positive | None = None
+    rest_every_s: Positive | None = None
 
     def __post_init__(self) -> None:
-        within("BlockOptions", 0, 0.5, catch_rate=self.catch_rate)
         is_rate = self.catch_rate == 0 or self.catch_rate >= LEAST_RATE
         expect(is_rate, "BlockOptions.catch_rate", f"{self.catch_rate:g}", f"0, or at least {LEAST_RATE:g}")
         one_of("BlockOptions.interleaving", self.interleaving, get_args(Interleaving))
-        whole("BlockOptions", lowest=1, n_attempts=self.n_attempts, **without_none({"rest_after": self.rest_after}))
-        times_s = {"rest_s": self.rest_s, "longest_s": self.longest_s, "rest_every_s": self.rest_every_s}
-        positive("BlockOptions", **without_none(times_s))
 
     def rests(self, n_valid: int, since_s: float) -> bool:
-        """Whether a rest is due after so many valid trials of a block, so long after the last one.
+        """Return True if a rest is due after so many valid trials of a block, so long after the last rest.
 
         >>> BlockOptions(rest_after=20).rests(40, since_s=0.0), BlockOptions(rest_every_s=600.0).rests(7, since_s=610.0)
         (True, True)
@@ -124,7 +111,7 @@ class BlockOptions:
 
 @dataclass(frozen=True)
 class Slot:
-    """A presentation: of which track, under which number, at which level (None: a catch trial)."""
+    """A presentation of a track: the number of the trial and its level (None: a catch trial)."""
 
     track: int
     trial: int
@@ -134,8 +121,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class BlockState:
-    """How a block stands: its tracks, the presentations that must come again, and what ends it; `late`: its time is
-    over.
+    """Tracks of a block, the presentations that must come again, and whether its time is over (`late`).
 
     `log` has all presentations with their outcomes, None of one that was taken back: the state follows from it.
     """
@@ -151,21 +137,19 @@ class BlockState:
     log: tuple[tuple[Slot, TrialOutcome | None], ...] = ()
 
     def open(self) -> list[int]:
-        """The tracks that have something left to present."""
-        return [n for n, track in enumerate(self.tracks) if not track.over and self._has_more(n, track)]
-
-    def _has_more(self, index: int, track: Track) -> bool:
-        owed = isinstance(track.procedure, FixedOrder) and any(slot.track == index for slot in self.again)
-        return owed or not track.procedure.finished
+        """Return the tracks that have something left to present."""
+        owed = {slot.track for slot in self.again if isinstance(self.tracks[slot.track].procedure, FixedOrder)}
+        going = (n for n, track in enumerate(self.tracks) if not (track.aborted or track.skipped))
+        return [n for n in going if n in owed or not self.tracks[n].procedure.finished]
 
     def due(self, index: int) -> Slot | None:
-        """The presentation of a track that comes again now: in an adaptive track at once, else when all have been."""
+        """Return the presentation of a track that comes again now: at once, or at the end of a fixed order."""
         procedure = self.tracks[index].procedure
         owed = (slot for slot in self.again if slot.track == index)
         return next(owed, None) if isinstance(procedure, FixedOrder) == procedure.finished else None
 
     def after(self, slot: Slot, outcome: TrialOutcome | None) -> "BlockState":
-        """The state after a presentation; without an outcome it was taken back, and comes again."""
+        """Return the state after a presentation; without an outcome it was taken back, and comes again."""
         state = replace(
             self,
             again=tuple(other for other in self.again if other.trial != slot.trial),
@@ -176,27 +160,25 @@ class BlockState:
             return state._put_back(slot)
         state = replace(state, begun_s=outcome.onset_s if self.begun_s is None else self.begun_s)
         state = state._count(slot, outcome) if outcome.valid else state._lose(slot)
-        return state._with_time(outcome.onset_s)
 
-    def _with_time(self, now_s: float) -> "BlockState":
-        """What is unfinished is aborted where the time of the block is over."""
         longest_s = self.options.longest_s
-        if longest_s is None or now_s - (self.begun_s or 0.0) <= longest_s:
-            return self
-        tracks = (track if track.procedure.finished else replace(track, aborted=True) for track in self.tracks)
-        return replace(self, tracks=tuple(tracks), late=True)
+        if longest_s is None or outcome.onset_s - (state.begun_s or 0.0) <= longest_s:
+            return state
+        tracks = (track if track.procedure.finished else replace(track, aborted=True) for track in state.tracks)
+        return replace(state, tracks=tuple(tracks), late=True)
 
     def skip(self) -> "BlockState":
-        """What is unfinished is left."""
+        """Skip the tracks that have something left."""
         still_open = self.open()
         tracks = (replace(track, skipped=n in still_open) for n, track in enumerate(self.tracks))
         return replace(self, tracks=tuple(tracks))
 
     def without(self, trial: int, attempt: int, begun: "BlockState") -> tuple["BlockState", tuple[Slot, ...]] | None:
-        """The state as if a presentation had not been answered, and those that count no more; None if it counts not.
+        """Take back a presentation; return the state and the presentations that no longer count, or None if it does
+        not count.
 
-        In an adaptive track the levels behind it followed from its answer: they are taken back with it, and it comes
-        again at its own level. `begun` is how the block stood before its first trial.
+        In an adaptive track, later levels followed from its answer: they are taken back with it, and it comes again at
+        its own level. `begun` is the state before the first trial.
         """
         counting = [n for n, (_, outcome) in enumerate(self.log) if outcome is not None and outcome.valid]
         place = next((n for n in counting if (self.log[n][0].trial, self.log[n][0].attempt) == (trial, attempt)), None)
@@ -212,9 +194,8 @@ class BlockState:
         return replace(state, next_trial=self.next_trial), tuple(taken_back)
 
     def _follows(self, slot: Slot, answered: Slot) -> bool:
-        """Whether the level of a presentation followed from the answer to an earlier one: in an adaptive track, and in
-        one that learns from it."""
-        if slot.level is None or answered.level is None:  # a catch trial needs no answer before it, and tells nothing
+        """Return True if the level of a presentation depends on the answer to an earlier one."""
+        if slot.level is None or answered.level is None:  # catch trials depend on nothing
             return False
         procedure, learner = (self.tracks[each.track].procedure for each in (answered, slot))
         if slot.track == answered.track:
@@ -222,17 +203,16 @@ class BlockState:
         return learner.learning_from(procedure) is not learner
 
     def _count(self, slot: Slot, outcome: TrialOutcome) -> "BlockState":
-        """A catch trial tells its track nothing, and counts all the same."""
         tracks = self.tracks if slot.level is None else self._answer(slot, outcome)
         in_a_row = {**self.n_invalid_in_a_row, slot.track: 0}
         return replace(self, tracks=tracks, n_invalid_in_a_row=in_a_row, n_valid=self.n_valid + 1)
 
     def _answer(self, slot: Slot, outcome: TrialOutcome) -> tuple[Track, ...]:
-        """The tracks after one has learnt what came of its level, and those that learn from it."""
-        track = self.tracks[slot.track]
-        if isinstance(track.procedure, FixedOrder):
-            track = replace(track, procedure=_answer_in_order(track.procedure, slot, outcome))
-            return _with(self.tracks, slot.track, track)
+        """Return the tracks after an answer on one of them, which others may learn from."""
+        procedure = self.tracks[slot.track].procedure
+        if isinstance(procedure, FixedOrder):
+            then = procedure if slot.attempt > 1 else procedure.skip()  # the level was left out before
+            return self._with(slot.track, procedure=then if outcome.success is None else then.take(outcome.success))
         delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
         success = outcome.success is not False  # a task that judges nothing moves an adaptive rule as a success does
         procedures = after_answer([track.procedure for track in self.tracks], slot.track, success, delivered)
@@ -240,36 +220,28 @@ class BlockState:
         return tuple(replace(track, procedure=procedure) for track, procedure in pairs)
 
     def _lose(self, slot: Slot) -> "BlockState":
-        """A presentation that is not valid comes again, or is the last of its track."""
+        """Present an invalid presentation again, or abort its track."""
         n_in_a_row = self.n_invalid_in_a_row.get(slot.track, 0) + 1
         state = replace(self, n_invalid_in_a_row={**self.n_invalid_in_a_row, slot.track: n_in_a_row})
         if max(n_in_a_row, slot.attempt) < self.options.n_attempts:
             return state._put_back(slot)
-        aborted = replace(self.tracks[slot.track], aborted=True)
-        return replace(state._owe(slot), tracks=_with(self.tracks, slot.track, aborted))
+        return replace(state._owe(slot), tracks=state._with(slot.track, aborted=True))
 
     def _put_back(self, slot: Slot) -> "BlockState":
-        track = self.tracks[slot.track]
-        if isinstance(track.procedure, FixedOrder) and slot.attempt == 1 and slot.level is not None:
-            track = replace(track, procedure=track.procedure.skip())
-        return replace(self._owe(slot), tracks=_with(self.tracks, slot.track, track))
+        procedure, state = self.tracks[slot.track].procedure, self._owe(slot)
+        if not isinstance(procedure, FixedOrder) or slot.attempt > 1 or slot.level is None:
+            return state
+        return replace(state, tracks=self._with(slot.track, procedure=procedure.skip()))
 
     def _owe(self, slot: Slot) -> "BlockState":
         return replace(self, again=(*self.again, replace(slot, attempt=slot.attempt + 1)))
 
-
-def _answer_in_order(procedure: FixedOrder, slot: Slot, outcome: TrialOutcome) -> FixedOrder:
-    """The procedure after an answer; it stays where it is if the level was left out before."""
-    then = procedure if slot.attempt > 1 else procedure.skip()
-    return then if outcome.success is None else then.take(outcome.success)
-
-
-def _with(tracks: tuple[Track, ...], index: int, track: Track) -> tuple[Track, ...]:
-    return (*tracks[:index], track, *tracks[index + 1 :])
+    def _with(self, index: int, **changes: Any) -> tuple[Track, ...]:
+        return tuple(replace(track, **changes) if n == index else track for n, track in enumerate(self.tracks))
 
 
 def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool]:
-    """Whether each presentation is a catch trial: in each group of round(1 / catch_rate) exactly one is.
+    """Yield whether each presentation is a catch trial: exactly one in each group of round(1 / catch_rate).
 
     >>> import itertools
     >>> sum(itertools.islice(catch_schedule(0.2, np.random.default_rng(1)), 50))
@@ -286,7 +258,7 @@ def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool
 
 
 def turns(interleaving: str, rng: np.random.Generator) -> Callable[[Sequence[int]], int]:
-    """Who is next of those that are open: any, or (balanced) each once in every round.
+    """Return the function that draws the next of the open tracks: any, or (balanced) each once in every round.
 
     >>> turn = turns("balanced", np.random.default_rng(1))
     >>> sorted(turn((0, 1, 2)) for _ in range(3)), turn((2,))

@@ -1,4 +1,4 @@
-"""What the experimenter wants between two trials: where a course hears of it, and what comes of it between blocks."""
+"""Interventions of the experimenter: where a course receives them, and what they do between blocks."""
 
 from collections.abc import Iterable
 from typing import Any, Final, TypeVar
@@ -14,7 +14,7 @@ BETWEEN: Final = "the page that comes next waits for the participant: that is a 
 
 
 def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]:
-    """Ask for all of them: what the experimenter wanted meanwhile."""
+    """Make all requests; return what the experimenter wanted meanwhile."""
     wanted: list[Intervention] = []
     for request in requests:
         done: Done = yield request
@@ -22,43 +22,31 @@ def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]
     return tuple(wanted)
 
 
-def hearing(course: Course[T], wanted: list[Intervention]) -> Course[T]:
-    """A course as it is; what the experimenter wants in it is added to `wanted`."""
+def hearing(course: Course[T], wanted: list[Intervention], felt: list[Trial]) -> Course[T]:
+    """Make the requests of a course; add interventions to `wanted`, and valid trials with a stimulus to `felt`."""
     answer: Any = None
-    try:
-        while True:
+    while True:
+        try:
             request: Request[Any] = course.send(answer)
-            answer = yield request
-            if isinstance(answer, Done):
-                wanted += answer.interventions
-    except StopIteration as stop:
-        value: T = stop.value
-        return value
-
-
-def noting(course: Course[T], felt: list[Trial]) -> Course[T]:
-    """Make the requests of a course, and add its valid trials with a stimulus to `felt`."""
-    answer: Any = None
-    try:
-        while True:
-            request: Request[Any] = course.send(answer)
-            if isinstance(request, Record) and request.trial.valid and not request.trial.catch:
-                felt.append(request.trial)
-            answer = yield request
-    except StopIteration as stop:
-        value: T = stop.value
-        return value
+        except StopIteration as stop:
+            value: T = stop.value
+            return value
+        if isinstance(request, Record) and request.trial.valid and not request.trial.catch:
+            felt.append(request.trial)
+        answer = yield request
+        if isinstance(answer, Done):
+            wanted += answer.interventions
 
 
 def not_asked_again(intervention: Intervention) -> Intervene:
-    """That a trial of a block that is over does not count."""
+    """Return the request that invalidates a trial of a block that is over."""
     trials = () if intervention.trial is None else (intervention.trial,)
     number = "".join(f" {trial}" for _, trial, _ in trials)
     return Intervene(intervention, f"trial{number} does not count, and is not asked again: its block is over", trials)
 
 
 def between_blocks(wanted: Iterable[Intervention], ahead: str = "") -> Course[bool]:
-    """What comes of it where no trial is asked: whether what is `ahead` (empty: nothing) is skipped."""
+    """Carry out interventions between trials; return True if what is `ahead` (empty: nothing) is skipped."""
     skipped = False
     for intervention in wanted:
         match intervention.wanted:

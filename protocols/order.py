@@ -1,4 +1,4 @@
-"""Orders of conditions that are a pure function of the participant's number and a seed."""
+"""Orders of conditions as pure functions of the participant's number and a seed, and random streams."""
 
 import itertools
 import math
@@ -11,20 +11,17 @@ import numpy as np
 from tactometry.arguments.require import expect, one_of, whole
 
 T = TypeVar("T")
+LARGEST_PLACE = 2**32 - 1
+LARGEST_SEED = 2**128 - 1
 
 
 def williams_square(n: int) -> list[list[int]]:
-    """Rows of an order balanced for carry-over: each condition follows each other equally often.
+    """Return rows of an order balanced for carry-over: each condition follows each other equally often.
 
     n rows for even n, 2n for odd n (the square and its mirror image). Williams, Aust. J. Sci. Res. A2, 149 (1949).
 
     >>> williams_square(4)
     [[0, 1, 3, 2], [1, 2, 0, 3], [2, 3, 1, 0], [3, 0, 2, 1]]
-
-    Raises
-    ------
-    InvalidParameter
-        If `n` is below 1.
     """
     whole("williams_square", lowest=1, n=n)
     # 0, 1, n - 1, 2, n - 2, ...: its steps are all different, so that every pair of neighbours comes once.
@@ -34,7 +31,7 @@ def williams_square(n: int) -> list[list[int]]:
 
 
 def nth_permutation(n: int, row: int) -> list[int]:
-    """Permutation number `row` (modulo n!) of 0..n-1, in lexicographic order: complete counterbalancing.
+    """Return permutation number `row` (modulo n!) of 0..n-1, in lexicographic order.
 
     >>> [nth_permutation(3, row) for row in range(6)]
     [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
@@ -52,11 +49,11 @@ ORDERS: Mapping[str, Callable[[int, int, np.random.Generator], list[int]]] = {
     "random": lambda n, row, rng: [int(k) for k in rng.permutation(n)],
     "fixed": lambda n, row, rng: list(range(n)),
 }
-"""The order of n levels for a row: balanced for carry-over, every order in turn, drawn, as in the file."""
+"""Rules for the order of n levels in a row: balanced for carry-over, every order in turn, drawn, as in the file."""
 
 
 def n_orders(rule: str, n: int) -> int:
-    """After how many rows a rule's order of n levels comes again; 1 if no row changes it.
+    """Return the number of rows after which a rule's order of n levels comes again.
 
     >>> n_orders("williams", 3), n_orders("complete", 3), n_orders("fixed", 3)
     (6, 6, 1)
@@ -71,19 +68,8 @@ Nested = Mapping[str, Mapping[T, Mapping[str, Sequence[T]]]]
 class Crossing(Generic[T]):
     """Factors with their levels, the slowest first, and the rule of order of each.
 
-    Parameters
-    ----------
-    factors : mapping of str to sequence
-        The levels of each factor.
-    rules : mapping of str to str
-        One of `ORDERS` for each factor; those that are not named are fixed.
-    nested : mapping
-        Of a factor, then one of its levels, then a faster factor: the levels that this one has there.
-
-    Raises
-    ------
-    InvalidParameter
-        If a rule is unknown, or balances a factor whose nested levels differ in number.
+    - `rules`: One of `ORDERS` by factor; other factors are fixed.
+    - `nested`: By factor, level of it, and faster factor: the levels of the latter there.
     """
 
     factors: Mapping[str, Sequence[T]]
@@ -104,14 +90,13 @@ class Crossing(Generic[T]):
         return sorted({len(self.factors[name]), *(len(levels[name]) for levels in inner if name in levels)})
 
     def cells(self, row: int, rng: np.random.Generator) -> list[dict[str, T]]:
-        """All combinations in the order of a row (from 0).
+        """Return all combinations in the order of a row (from 0).
 
         Each faster factor takes its next row whenever it starts anew, so that carry-over is balanced within a
         participant too; and one more after each round of the slower factor's orders, so that every order of the one
         meets every order of the other equally often.
         """
-        ordered = self._inner(list(self.factors), {}, row, rng)
-        return [{name: cell[name] for name in self.factors} for cell in ordered]
+        return list(self._inner(list(self.factors), {}, row, rng))
 
     def _inner(
         self, names: Sequence[str], outer: Mapping[str, T], row: int, rng: np.random.Generator
@@ -120,7 +105,8 @@ class Crossing(Generic[T]):
             yield dict(outer)
             return
         name, *faster = names
-        levels = self._levels(name, outer)
+        given = (self.nested.get(factor, {}).get(level, {}).get(name) for factor, level in outer.items())
+        levels = next((levels for levels in given if levels is not None), self.factors[name])
         rule = self.rules.get(name, "fixed")
         order = ORDERS[rule](len(levels), row, rng)
         n_round, turn = divmod(row, n_orders(rule, len(levels)))
@@ -128,13 +114,22 @@ class Crossing(Generic[T]):
             inner_row = n_round + turn * len(order) + position
             yield from self._inner(faster, {**outer, name: levels[index]}, inner_row, rng)
 
-    def _levels(self, name: str, outer: Mapping[str, T]) -> Sequence[T]:
-        given = (
-            self.nested[factor].get(level, {}).get(name) for factor, level in outer.items() if factor in self.nested
-        )
-        return next((levels for levels in given if levels is not None), self.factors[name])
-
 
 def combinations(factors: Mapping[str, Sequence[T]]) -> list[dict[str, T]]:
-    """All combinations, the last factor fastest."""
+    """Return all combinations, the last factor fastest."""
     return [dict(zip(factors, cell, strict=True)) for cell in itertools.product(*factors.values())]
+
+
+def stream(seed: int, *place: int) -> np.random.Generator:
+    """Return the random stream of one place in nested loops, such as study 3, participant 12, track 0.
+
+    No other place has it, and no order of work changes it: a number of a place is one word of the key, and the seed at
+    most four.
+
+    >>> float(stream(1, 0, 7).random()) == float(stream(1, 0, 7).random()) != float(stream(1, 7, 0).random())
+    True
+    """
+    whole("stream", lowest=0, highest=LARGEST_SEED, seed=seed)
+    for number in place:
+        whole("stream", lowest=0, highest=LARGEST_PLACE, place=number)
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=place))

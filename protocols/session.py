@@ -7,31 +7,41 @@ from typing import Protocol
 import numpy as np
 
 from tactometry.arguments.require import of_kind
-from tactometry.choice_form import NOT_SAID, PREFER_NOT, SAY, ChoiceForm, ChoiceItem
-from tactometry.questionnaire import Questionnaire
+from tactometry.questionnaire import NOT_SAID, PREFER_NOT, SAY, ChoiceForm, ChoiceItem, Questionnaire
 from tactometry.session.answer import Chosen, Done, Rated
 from tactometry.session.intervention import Intervention
-from tactometry.session.request import ABOUT, CONSENT, Choose, Enter, Record, Show
+from tactometry.session.request import (
+    ABOUT,
+    AGAIN,
+    CONSENT,
+    END_SESSION,
+    MISSED_LABELS,
+    MISSED_PRACTICE,
+    Choose,
+    Enter,
+    Record,
+    Show,
+)
 from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
 
 from .block_state import PartCourse, Track
-from .interventions import between_blocks, heard, hearing, noting
+from .interventions import between_blocks, heard, hearing
 from .tasks.rating import fill_in
 from .tasks.task import Reply
 
 
 class Part(Protocol):
-    """A block, or whatever else has a place in a session."""
+    """A block or a questionnaire."""
 
     @property
     def instructions(self) -> str | None:
-        """The message that says what to do, before the first part of its kind; None where its page says all."""
+        """Message before the first part of its kind, or None."""
 
     @property
     def page(self) -> str:
-        """The message before this part."""
+        """Message before this part."""
 
     @property
     def factors(self) -> Mapping[str, float | str]: ...
@@ -44,16 +54,11 @@ class Part(Protocol):
 
 @dataclass(frozen=True)
 class Inquiry:
-    """A questionnaire on its own, or questions with choices of their own: a row for each item, all of one trial.
+    """A questionnaire or a form of choices, with a row for each item, all of one trial.
 
-    Its page knows the names of `factors`; its rows hold the levels of `condition`, which its answers are about. One
-    that is `first` comes before anything was felt. One that is `of_block` is left out where its block had no valid
-    touch.
-
-    Raises
-    ------
-    InvalidParameter
-        If `form` is neither.
+    Its page knows the names of `factors`; its rows hold the levels of `condition`, which its answers are about. An
+    inquiry that is `first` comes before anything was felt; one that is `of_block` is skipped if its block had no valid
+    touch. Raises `InvalidParameter` if `form` is neither.
     """
 
     form: Questionnaire | ChoiceForm
@@ -83,7 +88,7 @@ class Inquiry:
         return (), first_trial + 1
 
     def _choices(self, form: ChoiceForm, number: int, trial: int) -> Course[tuple[Intervention, ...]]:
-        """A page for each question, whose answer is on the disk before the next one is put."""
+        """Ask each question on a page, and record its answer before the next one."""
         wanted: tuple[Intervention, ...] = ()
         for item in form.items:
             reply = yield from reply_to(form, item)
@@ -91,7 +96,7 @@ class Inquiry:
         return wanted
 
     def _row(self, number: int, trial: int, reply: Reply) -> Trial:
-        assert reply.answer is not None  # that of its page
+        assert reply.answer is not None
         return Trial(
             block=number,
             trial=trial,
@@ -110,7 +115,7 @@ class Inquiry:
 
 
 def question_of(form: ChoiceForm, item: ChoiceItem) -> Choose:
-    """A question with choices of its own: texts of these names say it (`words_of`)."""
+    """Return the request of a question; `words_of` gives the texts of its names."""
     name = f"{ABOUT}{form.name}.{item.id}"
     if item.bounds is not None:
         return Choose(name, (1, NOT_SAID), (SAY, PREFER_NOT))
@@ -119,7 +124,7 @@ def question_of(form: ChoiceForm, item: ChoiceItem) -> Choose:
 
 
 def reply_to(form: ChoiceForm, item: ChoiceItem) -> Course[Reply]:
-    """The code of what was chosen, or the number; nothing where that was not to be said."""
+    """Ask a question; return the code of the choice, or the number, or no response if the person prefers none."""
     asked = question_of(form, item)
     chosen: Chosen = yield asked
     if item.bounds is None:
@@ -131,26 +136,25 @@ def reply_to(form: ChoiceForm, item: ChoiceItem) -> Course[Reply]:
 
 
 def words_of(form: ChoiceForm, language: str) -> dict[str, str]:
-    """The texts of a form in a language, by their names; braces in them are none to be filled."""
+    """Return the texts of a form by name, with braces escaped."""
     words: dict[str, str] = {}
     for item in form.items:
         asked = question_of(form, item)
         words[asked.question] = item.prompt.get(language, "").replace("{", "{{").replace("}", "}}")
-        # what is not said has the same words for all questions
-        labels = zip(item.options, asked.labels, strict=False)
+        labels = zip(item.options, asked.labels, strict=False)  # without the label of no answer, shared by all
         words |= {label: item.category(option.code, language) for option, label in labels}
     return words
 
 
 def _instructions(parts: Sequence[Part], number: int) -> Iterator[Show]:
-    """What to do, before the first part of a kind."""
+    """Yield the instructions before the first part of a kind."""
     message = parts[number - 1].instructions
     if message is not None and message not in [part.instructions for part in parts[: number - 1]]:
         yield Show(message)
 
 
 def _page(parts: Sequence[Part], number: int) -> Show:
-    """The page before a part, which names its place among all parts, and among those that a participant would count."""
+    """Return the page before a part, with its place among all parts and among the blocks."""
     part = parts[number - 1]
     counts = {"block": number, "n_blocks": len(parts)}
     if isinstance(part, Inquiry):
@@ -161,7 +165,7 @@ def _page(parts: Sequence[Part], number: int) -> Show:
 
 
 def pages(parts: Sequence[Part]) -> Iterator[Show]:
-    """Every page of a session but those within its parts."""
+    """Yield the pages of a session outside its parts."""
     yield Show("welcome", {"n_blocks": len(parts)})
     for number in range(1, len(parts) + 1):
         yield from _instructions(parts, number)
@@ -172,10 +176,9 @@ def pages(parts: Sequence[Part]) -> Iterator[Show]:
 def session(
     parts: Sequence[Part], rng: np.random.Generator, longest_s: float | None = None, *, consent: bool = False
 ) -> Course[tuple[Track, ...]]:
-    """All parts in their order, with a page before each, what to do before the first of a kind, and a last page: how
-    all tracks ended.
+    """Run all parts in order, with a page before each and at both ends; return the tracks as they ended.
 
-    No part begins later than `longest_s` after the start, and none without the participant's `consent`, where that is
+    No part begins later than `longest_s` after the start, and none without the participant's `consent`, if that is
     asked for.
     """
     wanted: list[Intervention] = []
@@ -195,30 +198,56 @@ def session(
         if isinstance(part, Inquiry) and part.of_block and not felt:
             continue
         felt = felt if isinstance(part, Inquiry) else []
-        said = yield from heard(_instructions(parts, number))
-        is_left = yield from between_blocks(said, f"block {number}")
-        at_s = begun.at_s
-        if not is_left:
-            shown: Done = yield _page(parts, number)
-            said, at_s = (*said, *shown.interventions), shown.at_s
-            is_left = yield from between_blocks(shown.interventions, f"block {number}")
-        wanted += said
-        if is_left:
+        at_s = yield from _opened([*_instructions(parts, number), _page(parts, number)], f"block {number}", wanted)
+        if at_s is None:
             tracks += [replace(track, skipped=True) for track in part.tracks]
             continue
         # Between parts only: a part that has begun comes to its end, or to that of its own time.
         if longest_s is not None and at_s - begun.at_s > longest_s:
             tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break
-        ended, trial = yield from hearing(noting(part.course(number, trial, rng), felt), wanted)
+        again = True
+        while again:
+            ended, trial = yield from hearing(part.course(number, trial, rng), wanted, felt)
+            again = yield from _practises_again(ended, _page(parts, number), wanted)
         tracks += ended
     yield from between_blocks((yield from heard([Show("end")])))
     return tuple(tracks)
 
 
+def _practises_again(tracks: Sequence[Track], page: Show, wanted: list[Intervention]) -> Course[bool]:
+    """Ask the experimenter how to go on after a missed practice; return True if it is repeated, after its `page`.
+
+    What the experimenter wants is added to `wanted`.
+    """
+    missed = [track.missed_practice for track in tracks]
+    if _ends(wanted) or not any(rule and rule.on_miss == "ask" for rule in missed):
+        return False
+    chosen: Chosen = yield Choose(MISSED_PRACTICE, tuple(MISSED_LABELS), tuple(MISSED_LABELS.values()))
+    if chosen.option == END_SESSION:
+        wanted.append(Intervention("end"))
+    if chosen.option != AGAIN:
+        return False
+    return (yield from _opened([page], "the repeated practice", wanted)) is not None
+
+
+def _opened(pages: Sequence[Show], ahead: str, wanted: list[Intervention]) -> Course[float | None]:
+    """Show the pages before a part; return when the last one was left, or None if the experimenter skips the part."""
+    at_s = 0.0
+    for page in pages:
+        shown: Done = yield page
+        wanted += shown.interventions
+        at_s = shown.at_s
+        if (yield from between_blocks(shown.interventions, ahead)):
+            return None
+    return at_s
+
+
 def _declined(wanted: list[Intervention]) -> Course[bool]:
-    """Whether the participant does not want to take part, whose answer stands in the journal alone; nobody is asked in
-    a session that is to end. What the experimenter wants meanwhile is added to `wanted`."""
+    """Ask for consent, unless the session is to end; return True if the participant declines.
+
+    The answer is in the journal alone. What the experimenter wants meanwhile is added to `wanted`.
+    """
     if not _ends(wanted):
         said = yield from heard([Show("consent")])
         yield from between_blocks(said)

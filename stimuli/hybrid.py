@@ -26,6 +26,8 @@ class Hybrid:
     The channels are those of the transducers, then that of the electrode. The electrode's level (dB re 1 V) is the
     level of the foci (dB re 1 um) plus `electrode_offset_db`, so that both grow together.
 
+    Raises `InvalidParameter` if a value is not as stated.
+
     Parameters
     ----------
     focus : FocusTrain
@@ -34,11 +36,6 @@ class Hybrid:
         Its level in dB re 1 V, its rate that of the screen (`focus.setup.rate_hz`), its duration that of the focus.
     electrode_offset_db : float
         Finite; 12 dB is an unverified default, with which both are felt.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is not as stated.
 
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> focus = FocusTrain(setup, f_max_hz=20e3)

@@ -1,8 +1,7 @@
-"""Loops that numba compiles as it does by default; what wants more of it names the decorator itself.
+"""Decorators for loops that numba compiles.
 
-Machine code on disk is found by the types of its arguments. An `entry` takes plain tuples therefore: a named one would
-tie a file that outlives this source to the name of a class in it. `uniform` arguments keep it to one machine code: a
-whole number for a float, or columns for rows, would be compiled anew, which takes seconds.
+Compiled code on disk is found by argument types. An `entry` therefore takes plain tuples, as a named one would tie the
+file to a class name, and `uniform` arguments, as other types would be compiled again, which takes seconds.
 """
 
 import hashlib
@@ -22,38 +21,39 @@ AS_PART = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def compiled(loop: Loop) -> Loop:
-    """A loop as a part of the entries that call it, compiled with them; to Python it stays the plain function."""
+    """Compile a loop as a part of the entries that call it; Python sees the plain function."""
     made: Loop = register_jitable(**AS_PART)(loop)
     return made
 
 
 def entry(loop: Loop) -> Loop:
-    """A loop that Python calls, as machine code that is kept on disk."""
+    """Compile a loop that Python calls, and keep it on disk."""
     made: Loop = njit(cache=True)(loop)
     return made
 
 
 @cache
 def called(function: Loop) -> Loop:
-    """A plain function that a loop made for it may call. On disk the loop is then found by the function's name, where a
-    compiled one would have another in each process; `sources` in the loop tell it from that of other code."""
+    """Compile a plain function for loops that call it.
+
+    On disk the loop is found by the function's name; `sources` in the loop distinguish it from other code.
+    """
     made: Loop = register_jitable(**AS_PART)(function)
     return made
 
 
 def sources(*functions: Callable[..., object]) -> str:
-    """A digest of the files that functions stand in: a loop on disk knows what it calls by its name alone, or by its
-    code where that stands in no file."""
+    """Return a digest of the files of functions, or nothing for functions without a file."""
     files = map(Path, sorted({inspect.getfile(function) for function in functions}))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()
 
 
 def uniform(values: Iterable[object]) -> tuple[Any, ...]:
-    """The values as a plain tuple: arrays by rows, whole numbers as floats."""
-    return tuple(map(_uniform, values))
+    """Return the values as a plain tuple: arrays by rows, whole numbers as floats."""
 
+    def plain(value: object) -> object:
+        if isinstance(value, np.ndarray):
+            return np.ascontiguousarray(value)
+        return float(value) if isinstance(value, int | np.integer) and not isinstance(value, bool) else value
 
-def _uniform(value: object) -> object:
-    if isinstance(value, np.ndarray):
-        return np.ascontiguousarray(value)
-    return float(value) if isinstance(value, int | np.integer) and not isinstance(value, bool) else value
+    return tuple(map(plain, values))

@@ -1,4 +1,4 @@
-"""How a finger meets the surface."""
+"""Contact of a finger with the surface."""
 
 from dataclasses import dataclass
 

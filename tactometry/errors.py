@@ -1,4 +1,4 @@
-"""What can go wrong, by the guilty party. A message says where, what was found, what was expected, how to mend it."""
+"""Errors by cause. A message says where, what was found, what was expected, and how to fix it."""
 
 import difflib
 import re
@@ -17,7 +17,7 @@ _LONG_WORD = re.compile(rf"\S{{{LONGEST_WORD},}}")
 
 
 def shorten(text: str, longest: int) -> str:
-    """A text with its middle left out where it is longer.
+    """Leave out the middle of a long text.
 
     >>> shorten("a" * 40, 10)
     'aaaaa... (30 letters) ...aaaaa'
@@ -27,7 +27,7 @@ def shorten(text: str, longest: int) -> str:
 
 
 class TactometryError(Exception):
-    """An error that a person can mend; `exit_status` is what the command line ends with."""
+    """An error that a user can fix; `exit_status` is that of the command line."""
 
     exit_status = 2
 
@@ -58,7 +58,7 @@ def each_of(error: TactometryError) -> tuple[TactometryError, ...]:
 
 
 class Gathered:
-    """Mistakes of the parts of a file, raised together.
+    """Mistakes of a file, raised together.
 
     >>> found = Gathered()
     >>> for key in ("a", "b"):
@@ -82,7 +82,7 @@ class Gathered:
             self.add(error)
 
     def made(self, make: Callable[[], T]) -> T:
-        """Return what is made, or keep the mistakes; the value is then None until `end` raises."""
+        """Return what is made, or keep the mistakes and return None; `end` then raises."""
         try:
             return make()
         except (InvalidParameter, InvalidFile) as error:
@@ -90,27 +90,21 @@ class Gathered:
             return cast("T", None)
 
     def add(self, error: TactometryError) -> None:
-        """Keep the mistakes of an error, of each place the first."""
+        """Keep the mistakes of an error, the first of each place."""
         for part in each_of(error):
-            if (place := _place_of(part)) not in self._places:
+            place = str(part).partition(": found ")[0].removeprefix(": ")
+            if place not in self._places:
                 self._places.add(place)
                 self.errors.append(part)
 
     def end(self) -> None:
-        """Raise what was kept.
-
-        Raises `TactometryError` the one mistake, or `Mistakes`.
-        """
+        """Raise what was kept: one mistake, or `Mistakes`."""
         if self.errors:
             raise self.errors[0] if len(self.errors) == 1 else Mistakes(self.errors)
 
 
-def _place_of(error: TactometryError) -> str:
-    return str(error).partition(": found ")[0].removeprefix(": ")
-
-
 def reworded(error: TactometryError, kind: type[TactometryError], tell: Callable[[str], str]) -> TactometryError:
-    """Return an error as one of a kind, in the words that `tell` makes of each of its mistakes."""
+    """Return an error as one of a kind, in the words that `tell` makes of each mistake."""
     parts: list[TactometryError] = []
     for part in each_of(error):
         told = kind(tell(str(part)))
@@ -126,7 +120,7 @@ class LimitExceeded(TactometryError):  # noqa: N818
 
 
 class DeviceFailed(TactometryError):  # noqa: N818
-    """A display, output, sensor or disk that did not do what was asked of it."""
+    """A failure of a display, output, sensor or disk."""
 
     exit_status = 3
 
@@ -136,23 +130,23 @@ class SessionInUse(TactometryError):  # noqa: N818
 
 
 class Diverged(TactometryError):  # noqa: N818
-    """A replayed session asked for something else than the recording holds."""
+    """A replayed session that differs from its recording."""
 
     exit_status = 1
 
 
 class Stopped(TactometryError):  # noqa: N818
-    """The participant or the experimenter ended the session; what was recorded is safe."""
+    """The end of a session by participant or experimenter; what was recorded is safe."""
 
     exit_status = 1
 
 
 class Terminated(SystemExit):
-    """The end of the process that a signal requested; the code is 128 and the signal's number."""
+    """The end of the process by a signal; the code is 128 plus the signal's number."""
 
 
 def ended_by_signal(error: BaseException) -> bool:
-    """Whether it ends the process because a signal asked for that.
+    """Return True if a signal ends the process.
 
     >>> ended_by_signal(SystemExit(143)), ended_by_signal(SystemExit(0))
     (True, False)
@@ -162,9 +156,7 @@ def ended_by_signal(error: BaseException) -> bool:
 
 @contextmanager
 def library_needed(refusal: str) -> Iterator[None]:
-    """The import of a library of an extra: `refusal`, with the reason for ``{error}``, where it cannot be loaded.
-
-    Raises `DeviceFailed` if there is none, or a library of the system is missing.
+    """Raise `DeviceFailed` with `refusal` (``{error}`` is the reason) if the body cannot import a library.
 
     >>> with library_needed("lamp: found no lamps ({error}); pip install 'tactometry[lamp]'"):
     ...     import lamps
@@ -181,9 +173,7 @@ def library_needed(refusal: str) -> Iterator[None]:
 def attempt(
     where: object, act: str, expected: str, errors: type[Exception] | tuple[type[Exception], ...] = OSError
 ) -> Iterator[None]:
-    """A call of the system: where it fails, one sentence says where, what could not be done and why.
-
-    Raises `DeviceFailed` if the body raises one of the `errors`.
+    """Raise `DeviceFailed`, which says where, what failed and why, if the body raises one of the `errors`.
 
     >>> with attempt("/nowhere/f", "cannot write", "a place to write to"):
     ...     open("/nowhere/f", "xb")
@@ -197,7 +187,7 @@ def attempt(
 
 
 def reason(error: BaseException) -> str:
-    """What an error says, on one line: of one of the system its words alone.
+    """Return the message of an error on one line.
 
     >>> reason(ValueError("no such   rate")), reason(OSError(2, "No such file or directory", "f"))
     ('no such rate', 'No such file or directory')
@@ -207,9 +197,7 @@ def reason(error: BaseException) -> str:
 
 @contextmanager
 def rewording(tell: Callable[[str], str]) -> Iterator[None]:
-    """A refusal in the words of whoever asked: what `tell` makes of the sentence.
-
-    Raises `InvalidParameter` if the body raises an error that a person can mend.
+    """Raise `InvalidParameter`, in the words of `tell`, for an error in the body that a user can fix.
 
     >>> with rewording(lambda words: f"procedure.{words}"):
     ...     raise LimitExceeded("level: found 90, expected at most 40")
@@ -223,7 +211,7 @@ def rewording(tell: Callable[[str], str]) -> Iterator[None]:
 
 
 def nearest(found: str, names: Iterable[str], n: int = 1) -> str:
-    """A hint for a mistyped name: at most `n` that are like it.
+    """Return a hint for a mistyped name: at most `n` similar ones.
 
     >>> nearest("procedur", ["procedure", "task"])
     "; did you mean 'procedure'?"
@@ -246,7 +234,7 @@ def nearest_of(found: str, names: Iterable[str]) -> str:
 
 
 def count_of(n: int, noun: str) -> str:
-    """A number with its noun.
+    """Return a number with its noun.
 
     >>> count_of(1, "trial"), count_of(2, "trial")
     ('1 trial', '2 trials')

@@ -1,4 +1,4 @@
-"""When a finger has held a force, or a speed, long enough, and how well it kept it: decided on sample stamps."""
+"""Gates for held force and speed, decided on sample stamps, and compliance afterwards."""
 
 import math
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ G = TypeVar("G")
 
 
 def _then(gate: G, **state: Any) -> G:
-    """As `dataclasses.replace`, of a gate whose numbers were checked once: there is a new one for each sample."""
+    """Replace fields without checks, as there is a new gate for each sample."""
     then: G = object.__new__(type(gate))
     vars(then).update(vars(gate), **state)
     return then
@@ -29,15 +29,15 @@ def _then(gate: G, **state: Any) -> G:
 @dataclass(frozen=True)
 @constrained
 class ForceGate:
-    """Opens once `target_n` was held within `tolerance` for `hold_s`, with no gap between the samples.
+    """Opens once `target_n` was held within `tolerance` for `hold_s`, without a gap between samples.
 
-    Each sample makes a new gate. The hold starts again after a sample outside the band, a lost sample (NaN),
-    a gap above `max_gap_s` and a stamp that goes back: the gate may open late, never early.
+    Each sample makes a new gate. The hold starts again after a sample outside the band, a lost sample (NaN), a gap
+    above `max_gap_s` and a stamp that goes back: the gate may open late, never early.
 
-    - `target_n`: The force to hold, N, above 0.
-    - `tolerance`: Half width of the band relative to `target_n`, above 0; the band holds its edges.
-    - `hold_s`: How long the force must be held, s, at least 0.
-    - `max_gap_s`: The longest interval between samples that is still one hold, s, above 0.
+    - `target_n`: Force to hold, N, above 0.
+    - `tolerance`: Half width of the band relative to the target; it includes its edges.
+    - `hold_s`: How long the force must be held, s.
+    - `max_gap_s`: Longest interval between samples of one hold, s.
 
     >>> gate = ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.015)
     >>> for time_s, force_n in [(0.0, 0.5), (0.01, 0.9), (0.02, 1.1), (0.03, 1.0)]:
@@ -55,15 +55,15 @@ class ForceGate:
 
     @property
     def open(self) -> bool:
-        """Whether the hold that reaches to the last sample is long enough."""
+        """True if the hold up to the last sample is long enough."""
         return self.since_s is not None and self.last_s is not None and self.last_s - self.since_s >= self.hold_s
 
     def holds(self, force_n: float) -> bool:
-        """Whether a force (N) is in the band; a NaN is not."""
+        """Return True if a force (N) is in the band; NaN is not."""
         return abs(force_n - self.target_n) <= self.tolerance * self.target_n
 
     def after(self, sample_time_s: float, force_n: float) -> "ForceGate":
-        """The gate after a sample of `force_n` (N) stamped `sample_time_s` (s)."""
+        """Return the gate after a sample of `force_n` (N) stamped `sample_time_s` (s)."""
         if not (math.isfinite(sample_time_s) and self.holds(force_n)):
             return _then(self, since_s=None, last_s=None)
         follows = self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
@@ -82,16 +82,14 @@ class Compliance(NamedTuple):
 def compliance(
     times_s: ArrayLike, forces_n: ArrayLike, target_n: float, tolerance: float, window_s: float = 0.25
 ) -> Compliance:
-    """How well a force was kept.
+    """Return how well a force was kept.
 
     - `times_s`: Stamps, s, never going back.
     - `forces_n`: Finite forces, N; at least one.
     - `target_n`, `tolerance`: The band, as in `ForceGate`.
-    - `window_s`: Length of the running mean, s: at each sample the mean of the samples of the last `window_s`, or of as
-      many as there are.
+    - `window_s`: Length of the running mean, s.
 
-    Returns: `sd_n` is that of the trace (division by n_samples). `in_band` (0..1) is the part of the samples whose
-    running mean lies in the band.
+    `sd_n` divides by n_samples; `in_band` is the share (0..1) of samples whose running mean is in the band.
 
     >>> compliance([0.0, 0.1, 0.2, 0.3], [1.0, 1.0, 2.0, 2.0], target_n=1.0, tolerance=0.25, window_s=0.1)
     Compliance(mean_n=1.5, sd_n=0.5, in_band=0.5)
@@ -109,7 +107,7 @@ def compliances(
     tolerance: float,
     window_s: float = 0.25,
 ) -> list[Compliance]:
-    """`compliance` of each of several touches with the same stamps: (n_touches, n_samples) forces, unchecked."""
+    """Compute `compliance` of several touches with the same stamps: (n_touches, n_samples) forces, unchecked."""
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
     first = np.minimum(first, behind - 1)  # a window that rounding makes shorter than any step holds its own sample
@@ -126,9 +124,9 @@ def compliances(
 def stamped_samples(
     owner: str, times_s: ArrayLike, values: ArrayLike, name: str, *, rising: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Finite values with their stamps (s): at least two that rise, or at least one with none that goes back.
+    """Return finite values with their stamps (s): at least two `rising` ones, or at least one and none back.
 
-    Raises `InvalidParameter` if they are none; `owner` opens the sentence, which calls the values by their `name`.
+    Raises `InvalidParameter` otherwise; `owner` opens the message, which calls the values by `name`.
     """
     times, samples = np.asarray(times_s, dtype=np.float64), np.asarray(values, dtype=np.float64)
     paired = times.ndim == 1 and times.shape == samples.shape and times.size >= 1 + rising
@@ -154,14 +152,13 @@ def stamped_samples(
 class SpeedGate:
     """Open while the finger has moved at `target_m_per_s` within `tolerance` for `hold_s`, without a gap.
 
-    Each sample makes a new gate. The speed is known once the samples without a gap span at least half of `window_s`;
-    a lost sample (NaN), a gap above `max_gap_s` and a stamp that does not advance begin anew: the gate may open late,
-    never early.
+    Each sample makes a new gate. The speed is known once samples without a gap span half of `window_s`; a lost sample
+    (NaN), a gap above `max_gap_s` and a stamp that does not advance begin anew: the gate may open late, never early.
 
-    - `target_m_per_s`: The speed, m/s, above 0; its sign does not count.
-    - `tolerance`: Half width of the band relative to the target, above 0; the band holds its edges.
-    - `hold_s`: How long the speed must be kept, s, at least 0.
-    - `window_s`, `max_gap_s`: Window of the speed and longest interval between samples, s, above 0.
+    - `target_m_per_s`: Speed, m/s, above 0; its sign does not count.
+    - `tolerance`: Half width of the band relative to the target; it includes its edges.
+    - `hold_s`: How long the speed must be kept, s.
+    - `window_s`, `max_gap_s`: Window of the speed and longest interval between samples, s.
 
     >>> gate = SpeedGate(target_m_per_s=0.05, tolerance=0.2, hold_s=0.01, window_s=0.02)
     >>> for n in range(4):
@@ -180,7 +177,7 @@ class SpeedGate:
 
     @property
     def speed_m_per_s(self) -> float | None:
-        """The present speed, m/s, at least 0; None while it is not known."""
+        """The present speed, m/s, at least 0; None while unknown."""
         return self._speed_m_per_s(self.samples) if self.samples else None
 
     def _speed_m_per_s(self, samples: tuple[tuple[float, float], ...]) -> float | None:
@@ -194,17 +191,17 @@ class SpeedGate:
 
     @property
     def open(self) -> bool:
-        """Whether the motion that reaches to the last sample is long enough."""
+        """True if the motion up to the last sample is long enough."""
         return self.since_s is not None and self.samples[-1][0] - self.since_s >= self.hold_s
 
     def holds(self, speed_m_per_s: float | None) -> bool:
-        """Whether a speed (m/s) is known and in the band."""
+        """Return True if a speed (m/s) is known and in the band."""
         if speed_m_per_s is None:
             return False
         return abs(speed_m_per_s - self.target_m_per_s) <= self.tolerance * self.target_m_per_s
 
     def after(self, sample_time_s: float, position_m: float) -> "SpeedGate":
-        """The gate after a sample of the place along the path (m) stamped `sample_time_s` (s)."""
+        """Return the gate after a position along the path (m) stamped `sample_time_s` (s)."""
         if not (math.isfinite(sample_time_s) and math.isfinite(position_m)):
             return _then(self, samples=(), since_s=None)
         samples = self._window(sample_time_s, position_m)
@@ -221,7 +218,7 @@ class SpeedGate:
 
 
 class SpeedCompliance(NamedTuple):
-    """Mean speed (m/s) of a path, and the part of the time (0..1) that the speed was in the band."""
+    """Mean speed (m/s) of a path, and the share of the time (0..1) that the speed was in the band."""
 
     mean_m_per_s: float
     in_band: float
@@ -230,15 +227,12 @@ class SpeedCompliance(NamedTuple):
 def motion(
     times_s: ArrayLike, positions_m: ArrayLike, target_m_per_s: float, tolerance: float, window_s: float = WINDOW_S
 ) -> SpeedCompliance:
-    """How well a speed was kept.
+    """Return how well a speed was kept; the mean is path length over duration.
 
-    - `times_s`: Stamps, s, each later than the one before; at least two.
-    - `positions_m`: Finite places along the path, m.
+    - `times_s`: Rising stamps, s; at least two.
+    - `positions_m`: Finite positions along the path, m.
     - `target_m_per_s`, `tolerance`: The band, as in `SpeedGate`.
-    - `window_s`: The speed at a sample is the way between the ends of a window of this length around it, over its
-      duration.
-
-    Returns: The mean is the length of the path over its duration.
+    - `window_s`: Window around a sample over which its speed is taken, s.
 
     >>> motion([0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.02, 0.02], 0.1, tolerance=0.2, window_s=0.2).in_band
     0.5
@@ -256,7 +250,7 @@ def motions(
     tolerance: float,
     window_s: float = WINDOW_S,
 ) -> list[SpeedCompliance]:
-    """`motion` of each of several touches with the same stamps: (n_touches, n_samples) places, unchecked."""
+    """Compute `motion` of several touches with the same stamps: (n_touches, n_samples) positions, unchecked."""
     speeds = speeds_m_per_s(times_s, positions_m, window_s)
     means_m_per_s = np.abs(np.diff(positions_m)).sum(axis=1) / (times_s[-1] - times_s[0])
     in_band = np.abs(speeds - target_m_per_s) <= tolerance * target_m_per_s * (1 + 1e-12)
@@ -266,7 +260,7 @@ def motions(
 def speeds_m_per_s(
     times_s: NDArray[np.float64], positions_m: NDArray[np.float64], window_s: float = WINDOW_S
 ) -> NDArray[np.float64]:
-    """The speed at each sample, m/s, as `motion` takes it: places (..., n_samples) along the path, unchecked.
+    """Return the speed at each sample, m/s, for positions (..., n_samples), unchecked.
 
     >>> speeds_m_per_s(np.array([0.0, 0.1, 0.2]), np.array([0.0, 0.01, 0.02]), window_s=0.2).round(9).tolist()
     [0.1, 0.1, 0.1]
@@ -276,7 +270,7 @@ def speeds_m_per_s(
 
 
 def _windows(times_s: NDArray[np.float64], window_s: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The first and the last sample of the window around each."""
+    """Return the first and the last sample of the window around each."""
     half_s = window_s / 2 * (1 + 1e-9)  # a sample at the very end of a window stays in it whatever rounding does
     first = np.searchsorted(times_s, times_s - half_s, side="left")
     last = np.searchsorted(times_s, times_s + half_s, side="right") - 1
@@ -287,7 +281,7 @@ def _windows(times_s: NDArray[np.float64], window_s: float) -> tuple[NDArray[np.
 
 
 def triangle(path_m: ArrayLike, length_m: float) -> NDArray[np.float64]:
-    """The place (m, 0..`length_m`) of a finger that goes out and back, after a path of so many metres.
+    """Return the position (m, 0..`length_m`) of a finger that moves out and back, after a path length.
 
     >>> triangle([0.0, 0.05, 0.1, 0.15, 0.2], length_m=0.1).round(9).tolist()
     [0.0, 0.05, 0.1, 0.05, 0.0]

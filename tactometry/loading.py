@@ -1,4 +1,4 @@
-"""What is imported when it is asked for: target strings, `module:name`, and the public names of a package."""
+"""Late imports: target strings, `module:name`, and the public names of a package."""
 
 import ast
 import sys
@@ -11,7 +11,7 @@ from typing import Any
 
 
 def resolve(target: str) -> Any:
-    """The object of a target string, or what it has below it.
+    """Return the object of a target string.
 
     >>> resolve("math:pi"), resolve("builtins:str.upper")("pi")
     (3.141592653589793, 'PI')
@@ -21,11 +21,10 @@ def resolve(target: str) -> Any:
 
 
 def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """The `__getattr__` and `__dir__` of the face `package`, whose ``__init__.py`` is `file`.
+    """Return `__getattr__` and `__dir__` of a `package` whose ``__init__.py`` is `file`.
 
-    The face names each thing once, under ``if TYPE_CHECKING:`` as ``from .module import Name as Name``, which type
-    checkers and editors take for a re-export; those lines are read here. ``__all__`` is set from them, and ``dir``
-    lists them alone.
+    The package names each export under ``if TYPE_CHECKING:`` as ``from .module import Name as Name``, which type
+    checkers treat as a re-export; those lines are parsed here and set ``__all__``.
 
     >>> import tactometry.analysis.threshold
     >>> tactometry.analysis.threshold.__all__
@@ -46,8 +45,7 @@ def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[],
 
 
 def named(package: str) -> Callable[[], list[str]]:
-    """The `__dir__` of a `package` that has imported its public names, and sets its ``__all__``: what stands there but
-    modules, and this function.
+    """Return `__dir__` of a `package` that imports its public names, and set its ``__all__``.
 
     >>> import tactometry.protocols
     >>> dir(tactometry.protocols)[:3]
@@ -61,7 +59,7 @@ def named(package: str) -> Callable[[], list[str]]:
 
 
 def _named_under_type_checking(source: str) -> list[tuple[str, str]]:
-    """Each name with the module that it is imported from.
+    """Return each name with the module that it is imported from.
 
     >>> _named_under_type_checking("if TYPE_CHECKING:\\n    from .a.b import C as C, d as d")
     [('C', 'a.b'), ('d', 'a.b')]

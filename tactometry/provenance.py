@@ -1,4 +1,4 @@
-"""What a recording was made with."""
+"""Versions and digests that identify how data were made."""
 
 import hashlib
 import platform
@@ -7,7 +7,7 @@ DISTRIBUTIONS = ("tactometry", "numpy", "scipy", "pandas", "msgspec", "psychopy"
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python, the system and the packages that data depend on; what is not installed is left out."""
+    """Return versions of Python, the system and the installed packages that data depend on."""
     from importlib import metadata  # slow to load
 
     by_name = {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()}
@@ -24,5 +24,5 @@ def sha256(content: bytes) -> str:
 
 
 def digest_of(content: bytes) -> str:
-    """The first 16 hexadecimal digits of the SHA-256: what a journal says of samples that are kept elsewhere."""
+    """Return the first 16 hexadecimal digits of the SHA-256."""
     return sha256(content)[:16]

@@ -1,9 +1,9 @@
-"""The psychometric function: chance of an answer against the level of a stimulus, in log space throughout.
+"""The psychometric function: probability of a response against level, in log space.
 
-``psi(x) = g + (1 - g - l) S(z)`` with ``z = z50 + (x - threshold) / width * (z95 - z05)``: the threshold is
-where the unscaled function S is 0.5, the width is the distance between its 0.05 and 0.95 points (Schuett,
-Harmeling, Macke and Wichmann 2016, Vision Research 122, 105-123). No probability is computed as one minus
-another, so that both tails keep their digits wherever a float can hold the logarithm.
+``psi(x) = g + (1 - g - l) S(z)`` with ``z = z50 + (x - threshold) / width * (z95 - z05)``: the threshold is where the
+unscaled function S is 0.5, the width is the distance between its 0.05 and 0.95 points (Schuett, Harmeling, Macke and
+Wichmann 2016, Vision Research 122, 105-123). No probability is computed as one minus another, so that both tails keep
+their digits.
 """
 
 from collections.abc import Callable, Mapping
@@ -29,7 +29,7 @@ LEFT, RIGHT = 0.05, 0.95
 class Shape:
     """A sigmoid S(z) in standard form; every function is elementwise.
 
-    `score` is the derivative of `log_pdf`. `at` is the inverse of S, from log S and log(1 - S).
+    `score` is the derivative of `log_pdf`, `at` the inverse of S from log S and log(1 - S).
     """
 
     log_cdf: Function
@@ -45,12 +45,12 @@ class Shape:
 
     @property
     def z_width(self) -> float:
-        """The distance between the 0.05 and the 0.95 points of S."""
+        """Distance between the 0.05 and the 0.95 points of S."""
         return self._quantile(RIGHT) - self._quantile(LEFT)
 
     @property
     def rise(self) -> tuple[float, float]:
-        """How far the 0.05 point of S lies below the threshold and its 0.95 point above it, in widths."""
+        """Distances of the 0.05 and the 0.95 points of S from the threshold, in widths."""
         return (self.z50 - self._quantile(LEFT)) / self.z_width, (self._quantile(RIGHT) - self.z50) / self.z_width
 
     @cache  # noqa: B019 - the few shapes live as long as the program
@@ -59,7 +59,7 @@ class Shape:
 
 
 def log1mexp(x: Array) -> Array:
-    """log(1 - exp(-x)) for x >= 0, exact in both tails (Maechler 2012).
+    """Return log(1 - exp(-x)) for x >= 0, exact in both tails (Maechler 2012).
 
     >>> float(log1mexp(np.array(1e-300)))
     -690.7755278982137
@@ -76,13 +76,12 @@ def _gumbel_log_sf(z: Array) -> Array:
 
 
 def _gumbel_log_cdf(z: Array) -> Array:
-    """log(1 - exp(-exp z)); exp(z) is below 1e-16 for z < -37 and the series ends at its first term."""
+    """Return log(1 - exp(-exp z)); exp(z) is below 1e-16 for z < -37 and the series ends at its first term."""
     # `where` computes both: the maximum keeps the one that is thrown away from the logarithm of 0
     return np.where(z < -37.0, z, log1mexp(-_gumbel_log_sf(np.maximum(z, -40.0))))
 
 
 def _log_of_minus(log_probability: Array) -> Array:
-    """log(-log p) for log p <= 0."""
     with np.errstate(divide="ignore"):
         return np.log(-log_probability)
 
@@ -144,13 +143,7 @@ SHAPES: Mapping[str, Shape] = MappingProxyType(
 
 
 def shape_named(name: str) -> Shape:
-    """The shape of this name.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is none.
-    """
+    """Return the shape of this name. Raises `InvalidParameter` if there is none."""
     return lookup("shape", name, SHAPES)
 
 
@@ -159,26 +152,17 @@ def shape_named(name: str) -> Shape:
 class PsychometricFunction:
     """The chance of a correct (or "yes") answer against the level.
 
-    Parameters
-    ----------
-    shape : str
-        ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel``, or ``weibull`` on positive levels: a Gumbel
-        in the natural logarithm of the level.
-    threshold : float
-        The level where the unscaled function is one half, in the unit of the levels; above 0 for ``weibull``.
-    width : float
-        Distance between the 0.05 and the 0.95 points of the unscaled function, above 0, in the unit of the
-        levels; for ``weibull`` in natural logarithms of the level.
-    guess_rate, lapse_rate : float
-        Lower asymptote, and distance of the upper one from 1; each in [0, 1], their sum below 1.
+    - `shape`: ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel``, or ``weibull`` on positive levels: a Gumbel in
+      the natural logarithm of the level.
+    - `threshold`: The level where the unscaled function is one half, in the unit of the levels; above 0 for
+      ``weibull``.
+    - `width`: Distance between the 0.05 and the 0.95 points of the unscaled function, above 0, in the unit of the
+      levels; for ``weibull`` in natural logarithms of the level.
+    - `guess_rate`, `lapse_rate`: Lower asymptote, and distance of the upper one from 1; each in [0, 1], their sum below
+      1.
 
-    Raises
-    ------
-    InvalidParameter
-        If a parameter is outside of its range.
+    Raises `InvalidParameter` if a parameter is outside of its range.
 
-    Examples
-    --------
     >>> f = PsychometricFunction("normal", threshold=20.0, width=8.0, guess_rate=0.5, lapse_rate=0.02)
     >>> round(float(f.probability(20.0)), 12)
     0.74
@@ -203,20 +187,15 @@ class PsychometricFunction:
     def probability(self, level: ArrayLike) -> Any:
         """psi(level), of the shape of `level`.
 
-        Raises
-        ------
-        InvalidParameter
-            If a level is not a number, or not above 0 for the shape ``weibull``.
+        Raises `InvalidParameter` if a level is not a number, or not above 0 for the shape ``weibull``.
         """
         return np.exp(self.log_probability(level, 1))
 
     def log_probability(self, level: ArrayLike, response: ArrayLike) -> Any:
         """log psi where `response` is 1, log(1 - psi) where it is 0; the two broadcast.
 
-        Raises
-        ------
-        InvalidParameter
-            If a level is not a number (or not above 0 for ``weibull``), or a response neither 0 nor 1.
+        Raises `InvalidParameter` if a level is not a number (or not above 0 for ``weibull``), or a response neither 0
+        nor 1.
         """
         answer = np.asarray(response)
         if answer.dtype.kind not in "biuf" or not np.isin(answer, (0, 1)).all():
@@ -228,10 +207,7 @@ class PsychometricFunction:
     def level(self, probability: ArrayLike) -> Any:
         """The level where psi is `probability`: the inverse of `probability`, of its shape.
 
-        Raises
-        ------
-        InvalidParameter
-            If a probability is not between the asymptotes.
+        Raises `InvalidParameter` if a probability is not between the asymptotes.
         """
         p = np.asarray(probability, dtype=np.float64)
         low, high = self.guess_rate, 1 - self.lapse_rate
@@ -258,7 +234,7 @@ class PsychometricFunction:
 
 
 def log_mixture(log_cdf: Array, log_sf: Array, guess_rate: ArrayLike, lapse_rate: ArrayLike) -> tuple[Array, Array]:
-    """log psi and log(1 - psi) from log S and log(1 - S); all broadcast.
+    """Return log psi and log(1 - psi) from log S and log(1 - S); all broadcast.
 
     >>> yes, no = log_mixture(np.array(-1e4), np.array(0.0), 0.0, 0.0)
     >>> float(yes), float(no)

@@ -1,46 +1,50 @@
-"""Questionnaires: their items, poles and scoring, read from one data file each.
+"""Forms that participants fill: questionnaires on a scale, and questions with choices, as those about a person.
 
-A file in `tactometry/questionnaires/` is a questionnaire; `parse` reads one from anywhere. An item is presented with
-its left word and its right word; the raw answer grows from left to right. A *reversed* item has its positive pole on
-the left, so that a high raw answer is a low score.
+A file in `tactometry/questionnaires/` is a questionnaire; `parse` reads one from anywhere. The raw answer grows from
+the left word to the right word. A *reversed* item has its positive pole on the left, so that a high raw answer is a low
+score.
+
+A file in `tactometry/questionnaires/choices/` is a form of choices, whose answers are codes of categories. Everybody
+may prefer not to say: that is `NOT_SAID`, and no form states it.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
-from typing import Annotated, Any, Final, Self
+from functools import cache, partial
+from typing import Annotated, Any, Final, Self, TypeVar
 
 from annotated_types import Ge
 
 from .arguments.constraints import constrained
 from .arguments.require import expect, first_repeat, lookup, one_of, some
-from .choice_form import is_choices
 from .config.strict import build
 from .config.toml import errors_in, load_shipped, shipped_in, table_of
 from .errors import InvalidParameter
 
 FOLDER: Final = "tactometry.questionnaires"
+KIND: Final = "choices"
+NOT_SAID: Final = 0
+"""The code of an answer that someone prefers not to give."""
+PREFER_NOT: Final = "prefer_not"
+SAY: Final = "say_number"
+"""Labels of that answer, and of the wish to answer by a number."""
+MOST_CODE: Final = 9
+"""Each option has a digit of its own. Years of birth or of age, which could tell who someone is, have not enough."""
+MOST_NUMBER: Final = 999_999_999
+"""A page takes nine digits, and no sign."""
 
 
 @dataclass(frozen=True)
 class Item:
     """One question.
 
-    Parameters
-    ----------
-    id : str
-        Name of the item in tables.
-    dimension : str
-        Dimension whose score the item belongs to.
-    reversed : bool
-        Whether the positive pole is presented on the left.
-    order : int
-        Place in the published order, from 1.
-    poles : mapping of str to (negative, positive)
-        The two words, by language; empty where the questionnaire has the same two `ends` for every item.
-    statement : mapping of str to str
-        What is rated, by language; empty for a semantic differential, whose poles say all.
+    - `id`: Name of the item in tables.
+    - `dimension`: Dimension whose score the item belongs to.
+    - `reversed`: Whether the positive pole is presented on the left.
+    - `order`: Place in the published order, from 1.
+    - `poles`: The two words, by language; empty where the questionnaire has the same two `ends` for every item.
+    - `statement`: What is rated, by language; empty for a semantic differential, whose poles say all.
     """
 
     id: str
@@ -56,14 +60,9 @@ class Item:
 class Dimension:
     """A score: the mean of its items, or of the items of its parts.
 
-    Parameters
-    ----------
-    min_answered : int
-        Number of answered items that a score needs.
-    title : mapping of str to str
-        Name of the dimension in reports, by language.
-    parts : tuple of str
-        Dimensions whose items it joins; without them its own items.
+    - `min_answered`: Number of answered items that a score needs.
+    - `title`: Name of the dimension in reports, by language.
+    - `parts`: Dimensions whose items it joins; without them its own items.
     """
 
     min_answered: Annotated[int, Ge(1)]
@@ -75,32 +74,18 @@ class Dimension:
 class Questionnaire:
     """Items on one scale, in the published order.
 
-    Parameters
-    ----------
-    low : float
-        Raw answer at the left end.
-    high : float
-        Raw answer at the right end.
-    steps : int or None
-        How many raw answers there are, evenly spaced; None for a continuous line.
-    score_low : float
-        Score of the worst answer, which an item that is not reversed has at `low`.
-    score_high : float
-        Score of the best answer, which an item that is not reversed has at `high`.
-    ends : mapping of str to (left, right)
-        The words at the ends of every item, as presented, by language; empty where each item has its own poles.
-    reference : str
-        Where it was published; translations and choices that nobody verified are named there.
-    stem : mapping of str to str
-        What opens every page of it, by language: what the answers are about.
-    name : str
-        What studies and tables call it.
-    title : str
-        What reports call it.
-    items : tuple of Item
-        The statements or pairs of poles, in any order.
-    dimensions : mapping of str to Dimension
-        The scores, by name.
+    - `low`: Raw answer at the left end.
+    - `high`: Raw answer at the right end.
+    - `steps`: How many raw answers there are, evenly spaced; None for a continuous line.
+    - `score_low`: Score of the worst answer, which an item that is not reversed has at `low`.
+    - `score_high`: Score of the best answer, which an item that is not reversed has at `high`.
+    - `ends`: The words at the ends of every item, as presented, by language; empty where each item has its own poles.
+    - `reference`: Where it was published; translations and choices that nobody verified are named there.
+    - `stem`: What opens every page of it, by language: what the answers are about.
+    - `name`: What studies and tables call it.
+    - `title`: What reports call it.
+    - `items`: The statements or pairs of poles, in any order.
+    - `dimensions`: The scores, by name.
 
     >>> attrakdiff = load("attrakdiff")
     >>> attrakdiff.items[0].id, attrakdiff.words("PQ1", "en"), attrakdiff.score("PQ1", 1)
@@ -121,7 +106,16 @@ class Questionnaire:
     stem: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _check_scale(self)
+        is_scale = math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high
+        expect(is_scale, "low", f"{self.low:g}", f"a number below high ({self.high:g})")
+        scored = self.score_low, self.score_high
+        are_scores = all(map(math.isfinite, scored)) and self.score_low != self.score_high
+        expect(are_scores, "score_low", f"{scored[0]:g} with score_high {scored[1]:g}", "two different finite numbers")
+        enough = "at least 2; leave it out for a continuous line"
+        expect(self.steps is None or self.steps >= 2, "steps", self.steps, enough)
+        some("items", self.items)
+        for language, ends in self.ends.items():
+            _check_pair(ends, f"ends.{language}", "the left and the right end")
         for index, item in enumerate(self.items):
             path = f"items[{index}]"
             one_of(f"{path}.dimension", item.dimension, self.dimensions)
@@ -129,10 +123,9 @@ class Questionnaire:
                 _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
             two = "two poles, or ends for all items"
             expect(bool(item.poles or self.ends), f"{path}.poles", f"none for {item.id!r}", two)
-
-        _check_order(self)
+        for key in ("id", "order"):
+            _check_each_once(self.items, key)
         expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
-
         for name, dimension in self.dimensions.items():
             for part in dimension.parts:
                 is_other = part in self.dimensions and part != name
@@ -143,24 +136,24 @@ class Questionnaire:
         object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
 
     def __deepcopy__(self, memo: dict[int, object]) -> Self:
-        """Itself: a table that names it copies it with each operation."""
+        """Return itself: a table that names it copies it with each operation."""
         return self
 
     @property
     def languages(self) -> tuple[str, ...]:
-        """The languages in which every item can be presented."""
+        """Languages in which every item can be presented."""
         sides = [set(item.poles or self.ends) for item in self.items]
         statements = [set(item.statement) for item in self.items if item.statement]
         return tuple(sorted(set.intersection(*sides, *statements)))
 
     def item(self, name: str) -> Item:
-        """The item of this id."""
+        """Return the item of this id."""
         return lookup(f"item of {self.name}", name, {item.id: item for item in self.items})
 
     def words(self, name: str, language: str) -> tuple[str, str, str]:
-        """The statement (empty if there is none), the left word and the right word of an item, as presented.
+        """Return statement (may be empty), left word and right word of an item, as presented.
 
-        Raises `InvalidParameter` if the item or the language is not there.
+        Raises `InvalidParameter` if the item or the language does not exist.
         """
         item = self.item(name)
         one_of(f"language of {self.name}", language, self.languages)
@@ -168,21 +161,21 @@ class Questionnaire:
         return item.statement.get(language, ""), left, right
 
     def items_of(self, dimension: str) -> tuple[str, ...]:
-        """The ids of the items whose mean is the score of a dimension."""
+        """Return the ids of the items whose mean is the score of a dimension."""
         names = (dimension, *self.dimensions[dimension].parts)
         return tuple(item.id for item in self.items if item.dimension in names)
 
     def takes(self, raw: float) -> bool:
-        """Whether a number is a raw answer of the scale."""
+        """Return True if a number is a raw answer of the scale."""
         if not self.low <= raw <= self.high:
             return False
         place = (raw - self.low) / (self.high - self.low) * ((self.steps or 2) - 1)
         return self.steps is None or math.isclose(place, round(place), abs_tol=1e-9)
 
     def score(self, name: str, raw: float) -> float:
-        """The score of a raw answer to an item.
+        """Return the score of a raw answer to an item.
 
-        Raises `InvalidParameter` if the item is unknown, or `raw` is no answer that the scale takes.
+        Raises `InvalidParameter` if the item is unknown, or the answer not on the scale.
         """
         item = self.item(name)
         scale = f"{self.low:g} to {self.high:g}{'' if self.steps is None else f' in {self.steps} steps'}"
@@ -191,9 +184,7 @@ class Questionnaire:
         return self.score_low + (self.score_high - self.score_low) * from_worst / (self.high - self.low)
 
     def scores(self, answers: Mapping[str, float | None]) -> dict[str, float | None]:
-        """The score of each dimension from raw answers by item; None where too few of its items are answered.
-
-        Items that are missing, or None, are not answered.
+        """Return the score of each dimension from raw answers by item; None if too few items are answered.
 
         Raises `InvalidParameter` if an item is unknown or an answer is not on the scale.
 
@@ -210,59 +201,175 @@ class Questionnaire:
         return math.fsum(answered) / len(answered) if enough else None
 
 
-def _check_scale(form: Questionnaire) -> None:
-    is_scale = math.isfinite(form.low) and math.isfinite(form.high) and form.low < form.high
-    expect(is_scale, "low", f"{form.low:g}", f"a number below high ({form.high:g})")
-    scored = form.score_low, form.score_high
-    are_scores = all(map(math.isfinite, scored)) and form.score_low != form.score_high
-    expect(are_scores, "score_low", f"{scored[0]:g} with score_high {scored[1]:g}", "two different finite numbers")
-    enough = "at least 2; leave it out for a continuous line"
-    expect(form.steps is None or form.steps >= 2, "steps", form.steps, enough)
-    some("items", form.items)
-    for language, ends in form.ends.items():
-        _check_pair(ends, f"ends.{language}", "the left and the right end")
-
-
 def _check_pair(words: Sequence[str], path: str, what: str) -> None:
     are_two = len(words) == 2 and all(word.strip() for word in words)
     expect(are_two, path, list(words), f"two words, {what}")
 
 
-def _check_order(form: Questionnaire) -> None:
-    for key in ("id", "order"):
-        values = [getattr(item, key) for item in form.items]
-        index = first_repeat(values)
-        if index is not None:
-            raise InvalidParameter(f"items[{index}].{key}: found {values[index]!r} twice, expected each {key} once")
+def _check_each_once(items: Sequence[object], key: str) -> None:
+    values = [getattr(item, key) for item in items]
+    index = first_repeat(values)
+    if index is not None:
+        raise InvalidParameter(f"items[{index}].{key}: found {values[index]!r} twice, expected each {key} once")
 
 
-def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:
-    """A questionnaire from the table of a file; `path` opens each key path. Without ``steps`` its scale is a line.
+@dataclass(frozen=True)
+class Option:
+    """A category.
 
-    Raises `InvalidParameter` if a key is unknown, missing or of another type, or the questionnaire is impossible.
+    - `code`: What the table holds, from 1 to 9.
+    - `words`: What participants read, by language.
     """
-    return build(Questionnaire, table, path)
+
+    code: int
+    words: dict[str, str]
 
 
-def parse(content: bytes, where: str) -> Questionnaire:
-    """A questionnaire from the bytes of its file; `where` opens every sentence.
+@dataclass(frozen=True)
+class ChoiceItem:
+    """One question with options, or with the bounds of a number, which could tell who somebody is.
 
-    Raises `InvalidFile` if the bytes are no TOML, or the questionnaire holds anything unknown, missing or impossible.
+    - `id`: What the tables call it.
+    - `prompt`: The question, by language.
+    - `options`: Two to nine, in their order.
+    - `low`: Lowest number of an answer, in place of options.
+    - `high`: Highest number of an answer, in place of options.
     """
-    table = table_of(content, where, "a questionnaire")
-    with errors_in(where):
-        return questionnaire_of(table, "")
+
+    id: str
+    prompt: dict[str, str]
+    options: tuple[Option, ...] = ()
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def bounds(self) -> tuple[float, float] | None:
+        """Bounds of a number; None if it has options."""
+        return None if self.low is None or self.high is None else (self.low, self.high)
+
+    @property
+    def codes(self) -> tuple[int, ...]:
+        """Codes of all answers, `NOT_SAID` last."""
+        return (*(option.code for option in self.options), NOT_SAID)
+
+    @property
+    def languages(self) -> set[str]:
+        return set.intersection(set(self.prompt), *(set(option.words) for option in self.options))
+
+    def category(self, code: int, language: str = "en") -> str:
+        """Return what a code stands for; empty for `NOT_SAID` and unknown codes.
+
+        >>> load_choices("demographics").items[1].category(1)
+        'right'
+        """
+        words = {option.code: option.words for option in self.options}.get(code, {})
+        return words.get(language, next(iter(words.values()), ""))
+
+
+@dataclass(frozen=True)
+class ChoiceForm:
+    """Questions that are asked one page each, about a person.
+
+    Raises `InvalidParameter` if a question has no options, an id or a code stands twice, or no language has all words.
+
+    - `name`: What studies and tables call it.
+    - `title`: What reports call it.
+    - `reference`: Where it was published, or that the words are one's own.
+    - `kind`: ``choices``.
+    - `items`: The questions, in their order.
+
+    >>> demographics = load_choices("demographics")
+    >>> [item.id for item in demographics.items], demographics.languages
+    (['age_band', 'handedness', 'gender'], ('de', 'en', 'fr'))
+    """
+
+    name: str
+    title: str
+    reference: str
+    kind: str
+    items: tuple[ChoiceItem, ...]
+
+    def __post_init__(self) -> None:
+        one_of("kind", self.kind, (KIND,))
+        some("items", self.items)
+        _check_each_once(self.items, "id")
+        for n, item in enumerate(self.items):
+            _check_item(item, f"items[{n}]")
+        expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
+
+    @property
+    def languages(self) -> tuple[str, ...]:
+        return tuple(sorted(set.intersection(*(item.languages for item in self.items))))
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Questions that are answered by a number, which might identify a person."""
+        return tuple(item.id for item in self.items if item.bounds is not None)
+
+    def item(self, name: str) -> ChoiceItem | None:
+        return next((item for item in self.items if item.id == name), None)
+
+
+def _check_item(item: ChoiceItem, path: str) -> None:
+    expect(bool(item.id.strip()), f"{path}.id", repr(item.id), "a name, which stands in the tables")
+    if item.low is None and item.high is None:
+        expect(len(item.options) >= 2, f"{path}.options", len(item.options), "at least 2, beside the one not to say")
+    else:
+        low, high = item.bounds or (0.0, 0.0)
+        can_be_typed = 0 <= low < high <= MOST_NUMBER and not item.options
+        below = f"a number from 0 on, below high, and high at most {MOST_NUMBER}; without options"
+        expect(can_be_typed, f"{path}.low", f"{item.low} with high {item.high}", below)
+    codes = [option.code for option in item.options]
+    for n, code in enumerate(codes):
+        fits = f"a whole number from 1 to {MOST_CODE}, each once; {NOT_SAID} is 'prefer not to say'"
+        expect(1 <= code <= MOST_CODE and codes.index(code) == n, f"{path}.options[{n}].code", code, fits)
+    texts = {f"{path}.prompt": item.prompt}
+    texts |= {f"{path}.options[{n}].words": option.words for n, option in enumerate(item.options)}
+    for where, by_language in texts.items():
+        for language, text in by_language.items():
+            expect(bool(text.strip()), f"{where}.{language}", "a text that says nothing", "what participants read")
+
+
+F = TypeVar("F", Questionnaire, ChoiceForm)
+
+
+def is_choices(table: object) -> bool:
+    return isinstance(table, Mapping) and table.get("kind") == KIND
+
+
+def form_of(table: Mapping[str, Any], path: str) -> Questionnaire | ChoiceForm:
+    """Build the form of a table, or raise `InvalidParameter`; `path` opens each key path."""
+    return build(ChoiceForm, table, path) if is_choices(table) else build(Questionnaire, table, path)
 
 
 def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
-    """The questionnaires of a study's own, by name, from its `[forms.NAME]`; forms of choices are none."""
-    scales = {name: table for name, table in tables.items() if not is_choices(table)}
-    return {name: questionnaire_of({"name": name, **table}, f"forms.{name}") for name, table in scales.items()}
+    """Return the questionnaires of a study by name, from its `[forms.NAME]`, without forms of choices."""
+    return _named(Questionnaire, {name: table for name, table in tables.items() if not is_choices(table)})
+
+
+def choice_forms_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, ChoiceForm]:
+    """Return the forms of choices of a study by name, from its `[forms.NAME]`."""
+    return _named(ChoiceForm, {name: table for name, table in tables.items() if is_choices(table)})
+
+
+def _named(kind: type[F], tables: Mapping[str, Mapping[str, Any]]) -> dict[str, F]:
+    return {name: build(kind, {"name": name, **table}, f"forms.{name}") for name, table in tables.items()}
+
+
+def parse(content: bytes, where: str) -> Questionnaire:
+    """Parse the bytes of a questionnaire file, or raise `InvalidFile`, whose message `where` opens."""
+    return _parse(Questionnaire, content, where)
+
+
+def _parse(kind: type[F], content: bytes, where: str) -> F:
+    table = table_of(content, where, "a questionnaire")
+    with errors_in(where):
+        return build(kind, table, "")
 
 
 @cache
 def shipped_names() -> tuple[str, ...]:
-    """The names of the questionnaires that are shipped.
+    """Return the names of the shipped questionnaires.
 
     >>> "attrakdiff" in shipped_names()
     True
@@ -271,6 +378,22 @@ def shipped_names() -> tuple[str, ...]:
 
 
 @cache
+def shipped_choices() -> tuple[str, ...]:
+    """Return the names of the shipped forms of choices.
+
+    >>> shipped_choices()
+    ('demographics',)
+    """
+    return shipped_in(f"{FOLDER}.choices")
+
+
+@cache
 def load(name: str) -> Questionnaire:
-    """A questionnaire that is shipped."""
+    """Load a shipped questionnaire."""
     return load_shipped(FOLDER, name, "questionnaire", parse)
+
+
+@cache
+def load_choices(name: str) -> ChoiceForm:
+    """Load a shipped form of choices."""
+    return load_shipped(f"{FOLDER}.choices", name, "form", partial(_parse, ChoiceForm))

@@ -19,19 +19,11 @@ FloatArray = NDArray[np.float64]
 class Signal:
     """What an output plays.
 
-    Parameters
-    ----------
-    samples : (n_channels, n_samples) array of float
-        Finite values in `unit`; real integers and booleans are converted. The array is made read-only.
-    rate_hz : float
-        Samples per second, above 0.
-    unit : str
-        The unit of the samples, e.g. ``"V"``.
+    - `samples`: Finite values in `unit`; real integers and booleans are converted. The array is made read-only.
+    - `rate_hz`: Samples per second, above 0.
+    - `unit`: The unit of the samples, e.g. ``"V"``.
 
-    Raises
-    ------
-    InvalidParameter
-        If the shape, the kind of the values, a value or the rate is not as stated.
+    Raises `InvalidParameter` if the shape, the kind of the values, a value or the rate is not as stated.
     """
 
     samples: FloatArray
@@ -51,7 +43,7 @@ class Signal:
         object.__setattr__(self, "samples", samples)
 
     def __repr__(self) -> str:
-        """In one line, whatever the number of samples.
+        """Show the signal in one line.
 
         >>> Signal(np.ones((2, 500)), 1000.0, "V")
         Signal(2 channels x 500 samples at 1000 Hz (0.5 s), peak 1 V)
@@ -73,7 +65,7 @@ class Signal:
         return float(max(self.samples.max(initial=0.0), -self.samples.min(initial=0.0)))
 
     def __eq__(self, other: object) -> bool:
-        """By what is played, so that a cache computes once for each waveform.
+        """Compare what is played, so that a cache computes each waveform once.
 
         >>> volts, metres = (Signal(np.ones((1, 2)), 1000.0, unit) for unit in ("V", "m"))
         >>> volts == Signal(np.ones((1, 2)), 1000.0, "V"), volts == metres
@@ -85,7 +77,7 @@ class Signal:
         return hash(self._digest)
 
     def digest(self) -> str:
-        """The first 16 hexadecimal digits of the SHA-256 of the samples (little-endian), shape, rate and unit."""
+        """Return the first 16 hexadecimal digits of the SHA-256 of samples (little-endian), shape, rate and unit."""
         return self._digest
 
     @cached_property
@@ -129,4 +121,4 @@ class Stimulus(Protocol):
         """The unit of a level, e.g. ``"dB re 1 V"``."""
 
     def at(self, level: float) -> Signal:
-        """The signal of this level."""
+        """Return the signal of this level."""

@@ -18,7 +18,7 @@ from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import NullOutput
 from tactometry.experiments.study import task_table
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.procedure_kinds import PROCEDURES as KINDS
+from tactometry.experiments.study.kinds import PROCEDURES as KINDS
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.loading import resolve
 from tactometry.observers.finger import SimulatedFinger

@@ -23,6 +23,7 @@ from .group_means import within_variances
 from .post_hoc import all_together, two_one_sided, with_verdicts
 from .within_subjects import INTERVAL, EffectTest, effect_table
 
+LEAVE_OUT = "leave the conditions out in which most values are bounds"
 WIDEST_SE = 10.0
 """Known values do not determine a mean with a larger standard error, in their standard deviations."""
 LEAST_SD = 1e-7
@@ -118,7 +119,7 @@ def _determined_fit(design: BoundedDesign) -> BoundedFit:
         errors = np.array([np.nan])
     is_determined = np.isfinite(errors).all() and fit.converged and errors[: fit.means.size].max() < WIDEST_SE
     found = "no maximum of the likelihood"
-    expected = "known values that hold each mean; leave the conditions out in which most values are bounds"
+    expected = f"known values that hold each mean; {LEAVE_OUT}"
     expect_defined(is_determined, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
     return fit
 
@@ -136,6 +137,9 @@ def _effects(design: BoundedDesign, fit: BoundedFit, interval: float) -> pd.Data
         if between is not None:
             tested.append(_wald_test(fit, stratum, apart, f"{between} * {name}"))
 
+    least = min((effect.df[1] for effect in tested), default=1.0)
+    found, expected = f"{least:.1f} degrees of freedom of an error", f"at least 1; {LEAVE_OUT}"
+    expect_defined(least >= 1, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
     # With groups, an effect within and its interaction share their error.
     errors = sum(effect.ss_error for effect in (tested[1::2] if between else tested))
     residual = float(fit.variances[0] * fit.inflation * fit.df_of(0) + errors)

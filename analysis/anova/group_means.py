@@ -30,6 +30,7 @@ LEVELS = ("threshold", "pse")
 """Values whose bound is an end of the levels."""
 MEANS = ("mean", "mean_low", "mean_high", "sd", "within_low", "within_high")
 WITHIN = MEANS[4:]
+COUNTS = ("n", "n_below", "n_above", "n_interval", "n_missing")
 OUT = ("threshold_below_range", "threshold_above_range")
 """Statuses of values that lie outside of the levels, on the side that their one bound shows."""
 MODEL = "censored model"

@@ -1,9 +1,8 @@
 """Thresholds of all participants and conditions at once: a hierarchical psychometric model.
 
-Thresholds, log widths and lapse rates of participants are normal about those of the group (`model`). Means and effects
-are integrated over by Laplace's approximation (`inner`), all else by importance sampling (`posterior`). A participant
-with few or extreme answers is drawn to the group as far as the answers leave it open; nothing is put in place of a
-threshold outside of the levels.
+Means and effects (`model`) are integrated over by Laplace's approximation, all else by importance sampling
+(`posterior`). A participant with few or extreme answers is drawn to the group; no value replaces a threshold outside of
+the levels.
 """
 
 from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
@@ -11,6 +10,7 @@ from __future__ import annotations  # so that `help` says ArrayLike, and not wha
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,12 +22,11 @@ from tactometry.psychometric import shape_named
 from ..arrays import Array
 from ..threshold.counts import count_arrays
 from ..threshold.fitting import check_rates
-from ..threshold.prior import BETA_B
-from .model import GroupModel, rate_of
+from ..threshold.log_posterior import BETA_B
+from .model import GroupModel, StudyCounts, rate_of
 from .posterior import N_POINTS, Integrated, Laplace, integrate
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
-from .starts import Alone, Known, single_fits
-from .study import StudyCounts
+from .single_fits import Known, SingleFits, single_fits
 from .tables import CONDITION_COLUMNS, ParameterPlace, cell_place, condition_table, group_place, participant_table
 
 ENOUGH_EFFECTIVE = 25.0
@@ -63,29 +62,17 @@ def fit_hierarchical(
         One row a participant, condition and level. Rows without trials are ignored; cells may be missing.
     conditions : mapping of factor to (n_rows,)
         The values of each factor.
-    shape : str
-        As for `threshold.fit`.
-    guess_rate, lapse_rate : float or None
-        Known, or (None) estimated under the prior of `threshold.fit`: a lapse rate for each participant, one guess rate
-        for all, with the catch trials of all participants together.
+    shape, guess_rate, lapse_rate, lapse_beta, guess_beta, scale_free_width
+        As for `threshold.fit`: a free lapse rate is one of each participant, a free guess rate one for all. The last
+        is for the fits of single cells, on which the verdicts rest.
     n_false_alarms, n_catch : int or (n_rows,)
-        "Yes" answers to catch trials, and catch trials: those of all participants together, or (better) of each row's
-        cell, the same in all rows of a cell: then they bear on the verdict of each cell too.
+        "Yes" answers to catch trials, and catch trials: of all participants together, or (better) of each row's cell.
     width_by : sequence of str
         The factors on which the mean log width depends; by default one mean for all.
-    lapse_beta, guess_beta, scale_free_width
-        As for `threshold.fit`; the latter for the fits of single cells, which the verdicts rest on.
-    interval : float
-        Coverage of the intervals.
     known : mapping of (participant, values of the factors) to ThresholdFit, optional
-        What `threshold.fit` said of single cells with the same shape, rates and priors; others are fitted here. Not for
-        the shape ``weibull``.
+        Fits of single cells with the same options, that need not be made again; not for the shape ``weibull``.
     n_points : int
         Points of a round of the integral over the hyperparameters; the first round has half as many.
-
-    Returns
-    -------
-    HierarchicalFit
 
     Raises
     ------
@@ -94,13 +81,10 @@ def fit_hierarchical(
 
     Notes
     -----
-    The posterior of variances, correlation, mean width and rates is integrated over by importance sampling at
-    quasi-random points, where Laplace's approximation integrates over all thresholds. Values of the group are mixtures
-    of normals, those of participants weighted draws. Points and draws are fixed: the same answers give the same result.
-
-    Priors, in ranges of the levels (of logarithms for widths): mean thresholds normal about the middle of their levels,
-    mean log widths normal about half of the range, standard deviations half-normal, the correlation LKJ(2). The lapse
-    rates of participants are normal on the logit scale, and their centre has the prior Beta(1, `lapse_beta`).
+    The posterior of variances, correlation, mean width and rates is integrated over by importance sampling at fixed
+    quasi-random points: the same answers give the same result. Priors, in ranges of the levels (of logarithms for
+    widths): mean thresholds normal about the middle of their levels, mean log widths normal about half of the range,
+    standard deviations half-normal, the correlation LKJ(2), lapse rates of participants normal on the logit scale.
 
     Examples
     --------
@@ -114,24 +98,31 @@ def fit_hierarchical(
     """
     curve = shape_named(shape)
     _check(conditions, width_by, interval, (guess_rate, lapse_rate))
-    names = np.asarray([str(name) for name in participants])
     x, k, n = (rows[0] for rows in count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels))
+    _check_rows({"participants": participants, **conditions}, x.size)
     used = n > 0
-    factors = {name: np.asarray(values)[used] for name, values in conditions.items()}
     if not used.any():
         return _no_data(tuple(conditions), interval)
-    answers = (x[used], k[used], n[used])
-    by_row = [np.broadcast_to(count, n.shape)[used] for count in (n_false_alarms, n_catch)]
-    catch = np.array(by_row, dtype=np.float64)
-    stated = {"shape": curve, "guess_rate": guess_rate, "lapse_rate": lapse_rate}
-    stated |= {"lapse_beta": lapse_beta, "guess_beta": guess_beta}
-    stated |= dict(zip(("n_false_alarms", "n_catch"), catch.max(axis=1), strict=True))
-    stated["scale_free_width"] = scale_free_width
-    of_cells = catch if np.ndim(n_catch) else None  # one number is that of all participants together
-    study = StudyCounts.of(names[used], factors, width_by, answers, of_cells, **stated)
+
+    alarms, catch = (np.broadcast_to(count, n.shape)[used].astype(np.float64) for count in (n_false_alarms, n_catch))
+    study = StudyCounts.of(
+        np.asarray([str(name) for name in participants])[used],
+        {name: np.asarray(values)[used] for name, values in conditions.items()},
+        width_by,
+        (x[used], k[used], n[used]),
+        np.array([alarms, catch]) if np.ndim(n_catch) else None,  # one number is that of all participants together
+        n_false_alarms=alarms.max(),
+        n_catch=catch.max(),
+        shape=curve,
+        guess_rate=guess_rate,
+        lapse_rate=lapse_rate,
+        lapse_beta=lapse_beta,
+        guess_beta=guess_beta,
+        scale_free_width=scale_free_width,
+    )
     # By now the levels are logarithms, over which a Weibull function is a Gumbel function.
-    alone = single_fits(study, "gumbel" if shape == "weibull" else shape, {} if curve.on_log_levels else known or {})
-    return _fit(alone, interval, n_points)
+    single = single_fits(study, "gumbel" if shape == "weibull" else shape, {} if curve.on_log_levels else known or {})
+    return _fit(single, interval, n_points)
 
 
 def _check(
@@ -144,36 +135,39 @@ def _check(
     check_rates("fit_hierarchical", *rates)
 
 
+def _check_rows(columns: Mapping[str, Sequence[object]], n_rows: int) -> None:
+    for name, values in columns.items():
+        expect(len(values) == n_rows, name, f"{len(values)} rows", f"{n_rows}, one for each level")
+
+
 def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
     empty = pd.DataFrame({name: [] for name in (*factors, *CONDITION_COLUMNS)})
     return HierarchicalFit(conditions=empty, participants=empty, factors=factors, interval=interval)
 
 
-def _fit(alone: Alone, interval: float, n_points: int) -> HierarchicalFit:
-    study, chosen = alone.study, alone.with_threshold
+def _fit(single: SingleFits, interval: float, n_points: int) -> HierarchicalFit:
+    study, chosen = single.study, single.with_threshold
     kept, n = study.only(chosen), study.n_participants
     if not kept.n_conditions:
-        return _without_model(alone, GroupStatus.NO_THRESHOLD, interval)
+        return _without_model(single, GroupStatus.NO_THRESHOLD, interval)
+
     model = GroupModel(kept)
-    hyper, means = model.start(*alone.start())
+    hyper, means = model.start(*single.start())
     try:
         found = integrate(Laplace(model, hyper, means), hyper, n_points)
         of_group, (of_cells, rates) = group_place(model, found, interval), cell_place(model, found, interval)
     except np.linalg.LinAlgError:
-        return _without_model(alone, GroupStatus.NOT_CONVERGED, interval)
-    group = ParameterPlace.unknown(study.n_conditions).replaced(chosen, of_group)
-    each = ParameterPlace.unknown(study.n_conditions, n).replaced(chosen, of_cells)
+        return _without_model(single, GroupStatus.NOT_CONVERGED, interval)
+
     status = GroupStatus.ONE_PARTICIPANT if n == 1 else GroupStatus.OK
-    all_means, covariance, width_group = _means_of_all(alone, model, found)
-    sds = zip(model.sds, found.mean(np.exp(found.at.hyper[:, : len(model.sds)])), strict=True)
-    guess = study.guess_rate if study.guess_rate is not None else _mean_rate(model, found, "guess_rate")
+    group = ParameterPlace.unknown(study.n_conditions).replaced(chosen, of_group)
+    cells = ParameterPlace.unknown(study.n_conditions, n).replaced(chosen, of_cells)
+    all_means, covariance, width_group = _means_of_all(single, model, found)
     return HierarchicalFit(
-        conditions=condition_table(alone, group),
-        participants=participant_table(alone, each, rates),
-        components=MappingProxyType({k: float(v) * (study.spread if "threshold" in k else 1.0) for k, v in sds}),
-        correlation=float(found.mean(np.tanh(model.at(found.at.hyper, "correlation")))) if n > 1 else None,
+        conditions=condition_table(single, group),
+        participants=participant_table(single, cells, rates),
+        **_mean_hyperparameters(model, found),
         lapse_rate=float(rates.mean()),
-        guess_rate=guess,
         n_effective=found.n_effective,
         status=status,
         note="; ".join(filter(None, (status.note, *_open(kept, of_group, found.n_effective)))),
@@ -187,8 +181,19 @@ def _fit(alone: Alone, interval: float, n_points: int) -> HierarchicalFit:
     )
 
 
-def _mean_rate(model: GroupModel, found: Integrated, name: str) -> float:
-    return float(found.mean(rate_of(model.at(found.at.hyper, name))[0]))
+def _mean_hyperparameters(model: GroupModel, found: Integrated) -> dict[str, Any]:
+    """Return the posterior means of standard deviations, correlation and guess rate."""
+    study, hyper = model.study, found.at.hyper
+    sds = found.mean(np.exp(hyper[:, : len(model.sds)])).tolist()
+    components = {
+        name: sd * (study.spread if "threshold" in name else 1.0) for name, sd in zip(model.sds, sds, strict=True)
+    }
+    correlation, guess_rate = None, study.guess_rate
+    if study.n_participants > 1:
+        correlation = float(found.mean(np.tanh(model.at(hyper, "correlation"))))
+    if guess_rate is None:
+        guess_rate = float(found.mean(rate_of(model.at(hyper, "guess_rate"))[0]))
+    return {"components": MappingProxyType(components), "correlation": correlation, "guess_rate": guess_rate}
 
 
 def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iterator[str]:
@@ -200,12 +205,12 @@ def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iter
         yield COARSE.format(n_effective)
 
 
-def _means_of_all(alone: Alone, model: GroupModel, found: Integrated) -> tuple[Array, Array, tuple[int, ...]]:
-    """Means and covariances in the unit of the levels, with zeros for the conditions without a threshold."""
-    study, kept, n_points = alone.study, model.study, len(found.weights)
+def _means_of_all(single: SingleFits, model: GroupModel, found: Integrated) -> tuple[Array, Array, tuple[int, ...]]:
+    """Return means and covariances in the unit of the levels; zeros for conditions without a threshold."""
+    study, kept, n_points = single.study, model.study, len(found.weights)
     group = np.zeros(study.n_conditions, dtype=np.int64)
-    group[alone.with_threshold] = kept.width_group
-    places = np.concatenate([alone.with_threshold, study.n_conditions + np.arange(kept.n_groups)])
+    group[single.with_threshold] = kept.width_group
+    places = np.concatenate([single.with_threshold, study.n_conditions + np.arange(kept.n_groups)])
     n = study.n_conditions + kept.n_groups
     # Thresholds are stretched to the unit of the levels; logarithms of widths are shifted to it.
     is_threshold = np.arange(n) < study.n_conditions
@@ -218,13 +223,13 @@ def _means_of_all(alone: Alone, model: GroupModel, found: Integrated) -> tuple[A
     return offset + scale * means, np.outer(scale, scale) * covariance, tuple(group.tolist())
 
 
-def _without_model(alone: Alone, status: GroupStatus, interval: float) -> HierarchicalFit:
-    """Statuses and bounds without a model."""
-    n_conditions, n_participants = alone.study.n_conditions, alone.study.n_participants
+def _without_model(single: SingleFits, status: GroupStatus, interval: float) -> HierarchicalFit:
+    """Return statuses and bounds without a model."""
+    n_conditions, n_participants = single.study.n_conditions, single.study.n_participants
     return replace(
-        _no_data(tuple(alone.study.conditions.columns), interval),
-        conditions=condition_table(alone, ParameterPlace.unknown(n_conditions)),
-        participants=participant_table(alone, ParameterPlace.unknown(n_conditions, n_participants), None),
+        _no_data(tuple(single.study.conditions.columns), interval),
+        conditions=condition_table(single, ParameterPlace.unknown(n_conditions)),
+        participants=participant_table(single, ParameterPlace.unknown(n_conditions, n_participants), None),
         status=status,
         note=status.note,
         n_participants=n_participants,

@@ -5,17 +5,23 @@ The log width is the mean of its group plus the effect of p (plus a deviation of
 and the logit of the lapse rate a mean plus the effect of p. All are on the scale of the whole study's levels.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
 from scipy.special import expit, log_expit
 
-from ..arrays import Array, Expansion
-from ..threshold.counts import Counts
+from tactometry.psychometric import Shape
+
+from ..arrays import Array, Expansion, Indices, lay_out
+from ..threshold.counts import POOLED_BELOW, Counts, normalise
 from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, chance_slopes, expansion
-from ..threshold.prior import LARGEST_RATE
-from .study import StudyCounts
+from ..threshold.log_posterior import BETA_B, LARGEST_RATE
 
 SCALES = {"threshold": 0.25, "log_width": 0.5, "lapse": 1.0, "threshold_cell": 0.125, "log_width_cell": 0.25}
 """Scales of the half-normal priors of standard deviations: of thresholds in ranges of the levels, of logarithms of the
@@ -26,6 +32,118 @@ LKJ = 2.0
 """Concentration of the prior of the correlation (Lewandowski, Kurowicka and Joe 2009)."""
 START = {"threshold": 0.1, "log_width": 0.2, "lapse": 0.5, "threshold_cell": 0.05, "log_width_cell": 0.1}
 START_RATE = 0.03
+
+
+@dataclass(frozen=True)
+class StudyCounts:
+    """Counts of all cells, on levels u = (level - centre) / spread of the whole study.
+
+    `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
+    `own_catch` (2, n_participants, n_conditions) are false alarms and catch trials of each cell, `n_false_alarms` and
+    `n_catch` of all. `lapse_beta`, `guess_beta` and `scale_free_width` are those of `threshold.fit`. `conditions` has a
+    row for each, `width_group` (n_conditions,) says which of them share a mean width.
+    """
+
+    participants: tuple[str, ...]
+    conditions: pd.DataFrame
+    width_group: Indices
+    u: Array
+    n_yes: Array
+    n_trials: Array
+    own_catch: Array
+    centre: float
+    spread: float
+    shape: Shape
+    guess_rate: float | None
+    lapse_rate: float | None
+    n_false_alarms: float = 0
+    n_catch: float = 0
+    lapse_beta: float = BETA_B
+    guess_beta: float = BETA_B
+    scale_free_width: bool = True
+
+    @classmethod
+    def of(
+        cls,
+        names: NDArray[np.str_],
+        factors: Mapping[str, NDArray[np.generic]],
+        width_by: Sequence[str],
+        answers: tuple[Array, Array, Array],
+        own_catch: Array | None = None,
+        **known: Any,
+    ) -> "StudyCounts":
+        """Lay out rows of a level each; `own_catch` (2, n_rows) are false alarms and catch trials of their cells."""
+        keys = pd.DataFrame(dict(factors))
+        conditions = keys.drop_duplicates().sort_values(list(factors)).reset_index(drop=True)
+        both = conditions.reset_index().merge(keys.reset_index(), on=list(factors))
+        place = both.sort_values("index_y")["index_x"]  # of each row's condition, in the order of the rows again
+        who, participant = np.unique(names, return_inverse=True)
+        cell = participant * len(conditions) + place.to_numpy()
+        n_cells = len(who) * len(conditions)
+        levels, n_yes, n_trials = answers
+        centre, spread = _scale(levels)
+        columns = _counts_of_cells(cell, n_cells, ((levels - centre) / spread, n_yes, n_trials))
+        u, k, n = (rows.reshape(len(who), len(conditions), -1) for rows in columns)
+        group = conditions.groupby(list(width_by), sort=True).ngroup() if width_by else np.zeros(len(conditions))
+        catch = np.zeros((2, n_cells))
+        if own_catch is not None:
+            catch[:, cell] = own_catch
+            known |= dict(zip(("n_false_alarms", "n_catch"), catch.sum(axis=1), strict=True))
+        by_cell, width_group = catch.reshape(2, *u.shape[:2]), np.asarray(group, dtype=np.int64)
+        return cls(tuple(map(str, who)), conditions, width_group, u, k, n, by_cell, centre, spread, **known)
+
+    @property
+    def n_participants(self) -> int:
+        return int(self.u.shape[0])
+
+    @property
+    def n_conditions(self) -> int:
+        return int(self.u.shape[1])
+
+    @property
+    def n_groups(self) -> int:
+        return int(self.width_group.max()) + 1
+
+    def level(self, u: Array) -> Array:
+        """Return levels in their unit."""
+        with np.errstate(over="ignore"):
+            level = self.centre + self.spread * u
+            return np.asarray(np.exp(level) if self.shape.on_log_levels else level)
+
+    def only(self, chosen: Indices) -> "StudyCounts":
+        """Return the study of some conditions."""
+        u, k, n = (counts[:, chosen] for counts in (self.u, self.n_yes, self.n_trials))
+        group = np.unique(self.width_group[chosen], return_inverse=True)[1].astype(np.int64)
+        conditions, catch = self.conditions.iloc[chosen], self.own_catch[..., chosen]
+        return replace(self, u=u, n_yes=k, n_trials=n, own_catch=catch, width_group=group, conditions=conditions)
+
+    def ranges(self) -> tuple[Array, Array, Array]:
+        """Return lowest and highest level and smallest spacing of each condition (n_conditions,)."""
+        used = self.n_trials > 0
+        low = np.where(used, self.u, np.inf).min(axis=(0, 2))
+        high = np.where(used, self.u, -np.inf).max(axis=(0, 2))
+        gaps = [_gap(self.u[:, c][used[:, c]], high[c] - low[c]) for c in range(self.n_conditions)]
+        return low, high, np.array(gaps)
+
+
+def _scale(x: Array) -> tuple[float, float]:
+    low, high = float(x.min()), float(x.max())
+    return low + (high - low) / 2, (high - low) or 1.0
+
+
+def _counts_of_cells(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+    """Return rows as (n_cells, n_rows of the largest cell), equal levels of a cell pooled."""
+    counts = normalise(*lay_out(cell, *columns, n_clusters=n_cells))
+    # Back from each cell's own scale to that of the study, which the means of conditions need.
+    u = counts.centre[:, None] + counts.spread[:, None] * counts.u
+    u = np.where(counts.n_trials > 0, u, 0.0)
+    return u, counts.n_yes, counts.n_trials
+
+
+def _gap(levels: Array, reach: float) -> float:
+    gaps = [upper - lower for lower, upper in pairwise(np.unique(levels))]
+    wide = [gap for gap in gaps if gap > POOLED_BELOW * reach]
+    return float(min(wide, default=reach or 1.0))
 
 
 def rate_of(logit: Array) -> tuple[Array, Array, Array]:
@@ -85,12 +203,12 @@ class GroupModel:
 
     @cached_property
     def kept(self) -> list[int]:
-        """The parameters of a cell's function that its predictors move."""
+        """Parameters of a cell's function that its predictors move."""
         return [THRESHOLD, LOG_WIDTH, *([LAPSE] if self.study.lapse_rate is None else [])]
 
     @cached_property
     def fixed(self) -> Array:
-        """X (n_conditions, n_predictors, n_fixed) of the means."""
+        """Design X (n_conditions, n_predictors, n_fixed) of the means."""
         c, n_groups = self.study.n_conditions, self.study.n_groups
         matrix = np.zeros((c, len(self.kept), c + n_groups))
         matrix[:, 0, :c] = np.eye(c)
@@ -99,7 +217,7 @@ class GroupModel:
 
     @cached_property
     def random(self) -> Array:
-        """Z (n_conditions, n_predictors, n_random) of a participant's effects and deviations."""
+        """Design Z (n_conditions, n_predictors, n_random) of a participant's effects and deviations."""
         c, d = self.study.n_conditions, len(self.kept)
         columns = [np.zeros((c, d, 0))]
         for name in self.sds:

@@ -1,4 +1,4 @@
-"""What a hierarchical fit says: tables, variance components, contrasts and effects of the factors."""
+"""Result of a hierarchical fit: tables, variance components, contrasts and effects of the factors."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -100,13 +100,13 @@ class HierarchicalFit:
     width_group: tuple[int, ...] = ()
 
     def contrast(self, weights: Mapping[tuple[float | str, ...], float], *, of: str = "threshold") -> Contrast:
-        """The weighted sum of conditions, named by their values of the factors.
+        """Return a weighted sum of conditions, named by their values of the factors.
 
         Raises
         ------
         InvalidParameter
-            For a condition without a mean, a quantity other than ``threshold`` or ``log_width`` (or the width where it
-            has a bound only), or fewer than two participants.
+            For a condition without a mean, a quantity other than ``threshold`` or ``log_width`` (or a width
+            that is only bounded), or fewer than two participants.
         """
         keys = self._keys()
         for key in weights:
@@ -146,8 +146,7 @@ class HierarchicalFit:
         return FactorEffect(f, df, df_error, p, epsilon)
 
     def _epsilon(self, weights: Array, of: str) -> float:
-        """Chi and Muller's, of the participants who have an estimate in every condition; the least there is without
-        three of them."""
+        """Return Chi and Muller's epsilon over participants with all conditions; the least one for fewer than three."""
         names, column = list(self.factors), {"threshold": "threshold", "log_width": "width"}[of]
         wide = self.participants.pivot(index="participant", columns=names, values=column)
         keys = [key if len(key) > 1 else key[0] for key in self._keys()]  # pandas names one level without a tuple
@@ -163,7 +162,7 @@ class HierarchicalFit:
         return [tuple(row) for row in self.conditions[list(self.factors)].itertuples(index=False)]
 
     def _rows(self, weights: Array, of: str) -> Array:
-        """Weights (n_rows, n_conditions) as rows over all means: of the thresholds, then of the log widths."""
+        """Return weights (n_rows, n_conditions) as rows over all means: thresholds, then log widths."""
         expect(of in ("threshold", "log_width"), "of", repr(of), "'threshold' or 'log_width'")
         is_fitted = self.n_participants > 1 and len(self.means) > 0
         expect(is_fitted, "participants", self.n_participants, "two or more with a fit")

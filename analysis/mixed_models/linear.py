@@ -135,7 +135,7 @@ def mixed_model(
 def _checked_rows(
     table: pd.DataFrame, dependent: str, factors: Sequence[str], covariates: Sequence[str], subject: str
 ) -> pd.DataFrame:
-    """The rows with finite numbers where numbers are needed."""
+    """Return the rows with finite numbers where numbers are needed."""
     columns = [dependent, subject, *factors, *covariates]
     expect(len(set(columns)) == len(columns), "mixed_model", ", ".join(columns), "each column once")
     data = finite_rows(table, columns, dependent, "mixed_model")
@@ -169,8 +169,10 @@ class ModelDesign:
 
     @property
     def df(self) -> Indices:
-        """Degrees of freedom of the error of each column: what varies between participants alone is tested against
-        them, all else (and the intercept, by custom) against the residuals (Pinheiro and Bates 2000, section 2.4.2)."""
+        """Degrees of freedom of the error of each column (Pinheiro and Bates 2000, section 2.4.2).
+
+        A column that varies between participants alone is tested against them, all others against the residuals.
+        """
         x = self.averaged
         away = x - _group_means(x, self.groups)[self.groups]
         is_between = np.abs(away).max(axis=0) <= TOLERANCE * np.abs(x).max(axis=0)
@@ -191,7 +193,7 @@ def model_design(
     interactions: bool,
     base: Mapping[str, object],
 ) -> ModelDesign:
-    """Treatment codes of the factors, the covariates, and their products.
+    """Return treatment codes of the factors, the covariates, and their products.
 
     Raises
     ------
@@ -220,7 +222,7 @@ def model_design(
 
 
 def _centred(codes: Mapping[str, Array]) -> dict[str, Array]:
-    """About the mean of a factor's levels, each counted once."""
+    """Centre codes about the mean of a factor's levels, each counted once."""
     different = np.unique(np.stack(list(codes.values()), axis=1), axis=0)
     means = different.mean(axis=0)
     return {name: column - mean for (name, column), mean in zip(codes.items(), means, strict=True)}
@@ -255,7 +257,7 @@ def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequen
 
 
 def _has_error(y: Array, design: ModelDesign) -> bool:
-    """Whether anything is left of the values when each participant has a mean of its own."""
+    """Return True if values differ beyond a mean of each participant and the terms."""
     both = np.column_stack([design.x, y])
     within = both - _group_means(both, design.groups)[design.groups]
     x_within, y_within = within[:, :-1], within[:, -1]
@@ -265,7 +267,6 @@ def _has_error(y: Array, design: ModelDesign) -> bool:
 
 
 def _group_means(columns: Array, groups: Indices) -> Array:
-    """Of each column (n_groups, n_columns)."""
     sums = np.stack([np.bincount(groups, column) for column in columns.T], axis=1)
     return np.asarray(sums / np.bincount(groups)[:, None])
 
@@ -320,7 +321,7 @@ def _fit(y: Array, design: ModelDesign) -> InterceptFit:
 def described_model(
     design: ModelDesign, fit: InterceptFit, unit: tuple[float, float], interval: float, n_censored: int = 0
 ) -> MixedModel:
-    """A fit in the unit of y, which is (centre, scale); its log-likelihood is in that unit already."""
+    """Return a fit in the unit of y, which is (centre, scale); its log-likelihood is in that unit already."""
     inflation = float(np.sqrt(fit.inflation))
     return MixedModel(
         coefficients=_coefficients(design, fit, unit, interval),
@@ -356,7 +357,7 @@ def _coefficients(design: ModelDesign, fit: InterceptFit, unit: tuple[float, flo
 
 
 def _terms(design: ModelDesign, fit: InterceptFit) -> pd.DataFrame:
-    """Wald's F of each term, averaged over the others (type III)."""
+    """Return Wald's F of each term, averaged over the others (type III)."""
     # The same model in the averaged codes: with treatment codes a main effect is one at the base of the others.
     turn = np.linalg.lstsq(design.averaged, design.x, rcond=None)[0]
     estimates, covariance = turn @ fit.estimates, turn @ fit.covariance @ turn.T

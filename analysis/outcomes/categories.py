@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from tactometry.choice_form import ChoiceForm
+from tactometry.questionnaire import ChoiceForm
 from tactometry.trials.tasks import FORM_TASK
 
 from ..reading.study_file import choices_of

@@ -11,7 +11,7 @@ import pandas as pd
 from tactometry.errors import InvalidParameter
 
 from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, fit_hierarchical
-from ..hierarchical.starts import Known
+from ..hierarchical.single_fits import Known
 from ..tasks.cell import Cell
 from ..tasks.kinds import CURVES
 from ..tasks.task_analysis import DIFFERENCE_PER_WIDTH, SHAPE

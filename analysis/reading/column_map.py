@@ -14,7 +14,7 @@ from tactometry.config.strict import read_toml
 from tactometry.errors import InvalidFile
 
 from .file_text import plain_text
-from .level_scale import LevelScale
+from .level_scale import PLACED, SETTINGS, LevelScale
 from .rows import expect_column, holds
 from .unfolded import POSITIVE, TOTAL, counted_trials, survey_answers, with_responses
 
@@ -42,7 +42,7 @@ class ColumnMap:
         part of the name about it, with a star in its place: ``P*``, ``_subject_*_``, ``*`` for all of the name.
     units : mapping of str to str
         Our name of a column, to the unit that it has there: ``latency_s = "ms"`` divides by 1000. Levels come to the SI
-        unit, which is then `level_unit`.
+        unit, which is then `level_unit`, as do standards and settings without a unit of their own.
     level_scale : str
         ``linear``, ``log10`` or ``db``: the axis on which the levels, as they stand after `units`, are fitted.
     missing : list of str
@@ -255,7 +255,7 @@ def _with_our_values(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> 
 
 def _in_si(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     """Numbers in SI units; what is no number is left for the check of the table to name."""
-    for name, unit in column_map.units.items():
+    for name, unit in {**_units_of_levels(table, column_map), **column_map.units}.items():
         expect_column(table, name, file, ", which the column map names in units")
         symbol, factor = si_unit(unit, f"units.{name}")
         numbers = pd.to_numeric(table[name].str.strip(), errors="coerce")
@@ -265,6 +265,15 @@ def _in_si(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFra
         if name == "level":
             table["level_unit"] = _level_unit(table, symbol, file)
     return table
+
+
+def _units_of_levels(table: pd.DataFrame, column_map: ColumnMap) -> Mapping[str, str]:
+    """Return the unit of the levels for each column that contains levels, such as the standard and settings."""
+    if "level" not in column_map.units:
+        return {}
+    are_settings = "task" in table.columns and set(table["task"]) <= set(SETTINGS)
+    names = [name for name in (*PLACED, *(["response"] if are_settings else [])) if name in table.columns]
+    return dict.fromkeys(names, column_map.units["level"])
 
 
 def _level_unit(table: pd.DataFrame, symbol: str, file: Path) -> str:

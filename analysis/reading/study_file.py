@@ -6,9 +6,17 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from tactometry.arguments.require import expect
-from tactometry.choice_form import ChoiceForm, choice_forms_of, load as load_choices, shipped_choices
 from tactometry.config.toml import errors_in, read_table
-from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped_names
+from tactometry.questionnaire import (
+    ChoiceForm,
+    Questionnaire,
+    choice_forms_of,
+    load,
+    load_choices,
+    questionnaires_of,
+    shipped_choices,
+    shipped_names,
+)
 
 T = TypeVar("T")
 

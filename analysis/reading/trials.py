@@ -82,7 +82,7 @@ class Trials:
 def read_trials(
     path: str | Path,
     *,
-    within: Sequence[str] | None = None,
+    within: Sequence[str] | str | None = None,
     column_map: ColumnMap | None = None,
     level_scale: str | None = None,
 ) -> Trials:
@@ -101,7 +101,8 @@ def read_trials(
         If `within` names a column that is not there, or the levels cannot be put on the scale.
     """
     path, given, notes = Path(path), column_map or ColumnMap(), list[str]()
-    within = None if within is None else [plain_text(name) for name in within]
+    named = [within] if within and isinstance(within, str) else within
+    within = None if named is None else [plain_text(name) for name in named]
     files = trial_files(path, foreign=column_map is not None)
     needed = None if within is None else {*within, *READ, *given.columns.values(), *given.keep}
     cells = {file: text_cells(file, given.separator, needed=needed, notes=notes) for file in files}

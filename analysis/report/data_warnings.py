@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from tactometry.errors import count_of
-from tactometry.trials.tasks import FORM_TASK
+from tactometry.trials.tasks import FORM_TASK, PRACTICE_MISSED
 
 from ..outcomes.ratings import asked_forms
 from ..reading.rows import correctness
@@ -51,6 +51,7 @@ def warnings_of(analysis: Analysis) -> tuple[str, ...]:
     warnings += _other_tasks(trials)
     warnings += _unanswered_forms(trials)
     warnings += _quality_warnings(analysis.tables["quality"])
+    warnings += _practice_warnings(analysis)
     warnings += goodness_warnings(estimates, trials.factors) if len(estimates) else ()
     warnings += goodness_warnings(resolutions, conditions_of_fits(resolutions)) if len(resolutions) else ()
     return tuple(warnings)
@@ -158,6 +159,17 @@ def _quality_warnings(quality: pd.DataFrame) -> Iterator[str]:
     invalid = quality[quality["n_invalid"] > MANY_INVALID * quality["n_rows"]]
     if len(invalid):
         yield f"more than {percent_text(MANY_INVALID)} invalid trials: {', '.join(invalid['participant'])}"
+
+
+def _practice_warnings(analysis: Analysis) -> Iterator[str]:
+    """Name who missed the criterion of the practice, and what the experimenter chose each time."""
+    quality, events = analysis.tables["quality"], analysis.table("happenings")
     if "practice_missed" in quality.columns and quality["practice_missed"].any():
         missed = quality.loc[quality["practice_missed"] == 1, "participant"]
         yield f"practice ended without meeting its criterion: {', '.join(missed)}"
+    if len(events):
+        asked = events[events["text"].str.startswith(PRACTICE_MISSED)]
+        chosen = asked["text"].str.removeprefix(PRACTICE_MISSED).groupby(asked["participant"]).agg(", ".join)
+        if len(chosen):
+            choices = "; ".join(f"{participant} {words}" for participant, words in chosen.items())
+            yield f"after a missed practice the experimenter chose: {choices}"

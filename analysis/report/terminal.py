@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 BORDERS: Final = 3
 """Width that a column adds to its text; the table adds one."""
+MOST_FOLDED: Final = 60
+"""Rows of a table with one cell a row that a terminal still shows."""
 
 
 def tables(analysis: "Analysis", width: int) -> "Iterator[tuple[Table | None, Sequence[str]]]":
@@ -29,7 +31,7 @@ def tables(analysis: "Analysis", width: int) -> "Iterator[tuple[Table | None, Se
 
 
 def text_table(cells: TextGrid, title: str, width: int, n_keys: int, across: str) -> "Table | None":
-    """Return a table that breaks no word and no value over lines; None if it is too wide.
+    """Return a table that breaks no word and no value over lines; None if it is too wide, or too long when folded.
 
     A table that is too wide has one row for each cell instead: the first `n_keys` columns, the head of the cell's
     column under `across`, and the cell.
@@ -39,7 +41,7 @@ def text_table(cells: TextGrid, title: str, width: int, n_keys: int, across: str
     widths = _widths(cells, width)
     if widths is None:
         cells = _one_cell_a_row(cells, n_keys, across)
-        widths = _widths(cells, width)
+        widths = _widths(cells, width) if len(cells.rows) <= MOST_FOLDED else None
     if widths is None:
         return None
     # rich folds a title at the width of its table.

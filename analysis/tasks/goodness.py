@@ -13,9 +13,8 @@ from ..arrays import Array, Indices
 from ..reading.unfolded import COUNTED
 from ..threshold.counts import POOLED_BELOW, Counts, count_arrays, normalise
 from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
-from ..threshold.log_posterior import LogPosterior
+from ..threshold.log_posterior import LogPosterior, Prior
 from ..threshold.mode import climb
-from ..threshold.prior import Prior
 from ..wording import named_cells
 from .cell import Estimate, catch_counts, cell_keys, stacked_counts
 from .rule_estimate import FIXED

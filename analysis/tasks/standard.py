@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import bdtrc
 
+from ..anova.group_means import COUNTS, MEANS
 from ..distributions import Student
 from ..means import POSITIVE, mean_row
 from ..reading.level_scale import is_logarithm
@@ -28,12 +29,15 @@ HIGHEST_FLOOR = 0.05
 FLOOR_P = 0.01
 
 
-def standard_tests(estimates: pd.DataFrame, used: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+def standard_tests(
+    estimates: pd.DataFrame, used: pd.DataFrame, factors: Sequence[str], jnds: pd.DataFrame | None = None
+) -> pd.DataFrame:
     """Test whether the points of subjective equality differ from the standard, with JND and Weber fraction.
 
     A t-test needs `FEWEST` participants; with fewer, `differs` is True where the standard lies outside of the 95 %
-    interval of the posterior. Empty without a standard. `weber_fraction` is the JND as a share of the standard, in
-    amplitude where levels are logarithms.
+    interval of the posterior, and missing without an interval. Mean JNDs are those of the group table `jnds`, which
+    counts bounds. Empty without a standard. `weber_fraction` is the JND as a share of the standard, in amplitude where
+    levels are logarithms.
     """
     compared = estimates[estimates["task"].isin(TASKS)] if len(estimates) else estimates
     if compared.empty or STANDARD not in used.columns:
@@ -49,7 +53,7 @@ def standard_tests(estimates: pd.DataFrame, used: pd.DataFrame, factors: Sequenc
     for name, of in (("difference", "pse"), ("low", "interval_low"), ("high", "interval_high")):
         compared[name] = (compared[of].astype(float) - compared[STANDARD]).where(is_told)
     by = [*factors, STANDARD]
-    tested = [row for key, cells in compared.groupby(by, observed=True) for row in _tests(cells, by, key)]
+    tested = [row for key, cells in compared.groupby(by, observed=True) for row in _tests(cells, by, key, jnds)]
     return pd.DataFrame([{**row, "weber_fraction": _weber_fraction(row, compared[UNIT].iloc[0])} for row in tested])
 
 
@@ -67,20 +71,36 @@ def _weber_fraction(row: dict[str, Any], unit: str) -> float | None:
     return float(jnd / standard) if standard > 0 else None
 
 
-def _tests(cells: pd.DataFrame, by: Sequence[str], key: tuple[object, ...]) -> Iterator[dict[str, object]]:
+def _tests(
+    cells: pd.DataFrame, by: Sequence[str], key: tuple[object, ...], jnds: pd.DataFrame | None
+) -> Iterator[dict[str, object]]:
     condition = dict(zip(by, key, strict=True))
     known = cells["difference"].dropna()
-    counts = {"n": len(known), "n_without": len(cells) - len(known)}
     if len(known) >= FEWEST:
-        jnd = mean_row(cells["jnd"].dropna().to_numpy(dtype=float), name="jnd", possible=POSITIVE)
-        yield {"participant": "", **condition, **counts, **_t_test(known), **{name: jnd[name] for name in JND}}
+        counts = {"n": len(known), "n_without": len(cells) - len(known)}
+        yield {"participant": "", **condition, **counts, **_t_test(known), **_mean_jnd(cells, by[:-1], key, jnds)}
         return
     for row in cells.to_dict("records"):
         low, high = (np.nan_to_num(row[end], nan=side * np.inf) for end, side in (("low", -1), ("high", 1)))
-        differs = low > 0 or high < 0
+        differs = bool(low > 0 or high < 0) if np.isfinite([low, high]).any() else None
+        n = int(pd.notna(row["difference"]))
         interval = {"difference": row["difference"], "difference_low": row["low"], "difference_high": row["high"]}
         jnd = {name: row[name] for name in JND}
-        yield {"participant": row["participant"], **condition, **counts, **interval, "differs": bool(differs), **jnd}
+        counts = {"n": n, "n_without": 1 - n}
+        yield {"participant": row["participant"], **condition, **counts, **interval, "differs": differs, **jnd}
+
+
+def _mean_jnd(
+    cells: pd.DataFrame, factors: Sequence[str], key: tuple[object, ...], jnds: pd.DataFrame | None
+) -> dict[str, object]:
+    """Return the mean JND of a condition: that of the group table, if it has the same participants."""
+    if jnds is not None and len(row := jnds[(jnds[list(factors)] == list(key[:-1])).all(axis=1)]) == 1:
+        group = row.iloc[0]
+        if group[list(COUNTS)].sum() == len(cells):
+            return {**dict(zip(JND, group[list(MEANS[:3])], strict=True)), "n_jnd": int(group["n"])}
+    known = cells["jnd"].dropna().to_numpy(dtype=float)
+    mean = mean_row(known, name="jnd", possible=POSITIVE)
+    return {**{name: mean[name] for name in JND}, "n_jnd": len(known)}
 
 
 def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
@@ -135,11 +155,11 @@ def _sentence(row: dict[Any, Any], factors: Sequence[str], unit: str) -> str:
         text = f"{who}: PSE minus the standard of {row[STANDARD]:g}{unit} = {found}"
     if pd.notna(row.get("p")):
         text += f", t({row['df']:.0f}) = {row['t']:.2f}, {p_text(row['p'])}"
-    elif row["participant"]:
-        text += f", the 95 % interval {'excludes' if row['differs'] else 'holds'} 0"
+    elif row["participant"] and pd.notna(row["differs"]):
+        text += f", the 95 % interval {'excludes' if row['differs'] else 'contains'} 0"
     if pd.notna(row["jnd"]):
         jnd = in_unit(interval_text(*(row[name] for name in JND)), unit.partition(" re ")[0].strip())
-        text += f"; JND = {jnd}"
+        text += f"; JND = {jnd}" + (f" (n = {row['n_jnd']})" if row.get("n_jnd", row["n"]) != row["n"] else "")
     if pd.notna(row["weber_fraction"]):
         text += f", Weber fraction {percent_text(row['weber_fraction'])}"
     lost = f" ({row['n_without']} without a PSE left out)" if row["n_without"] and not row["participant"] else ""

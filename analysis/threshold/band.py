@@ -1,4 +1,4 @@
-"""The band of a psychometric function: where its posterior holds the curve at each level, point by point."""
+"""Posterior band of a psychometric function, level by level."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,10 +10,10 @@ from tactometry.arguments.require import between, finite_array
 
 from ..arrays import Array
 from .fitting import log_posterior
-from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from .likelihood import N_PARAMETERS, THRESHOLD, log_chances
 from .log_posterior import LogPosterior
 from .mode import find_mode
-from .posterior import find_box, log_density_grid, nodes_in
+from .posterior import find_box, masses_in
 
 N_DRAWS = 500
 """Curves that stand for the posterior; the ends of a band of 95 % are those of the thirteenth from each side."""
@@ -21,8 +21,7 @@ N_DRAWS = 500
 
 @dataclass(frozen=True)
 class CurveBand:
-    """At each of the `levels` the median of the chance of an answer, and the ends of its central interval; and the
-    `threshold`: the lower end of its interval, its median, the upper end."""
+    """Lower end, median and upper end of the chance of an answer at each of the `levels`, and of the `threshold`."""
 
     levels: Array
     low: Array
@@ -70,41 +69,25 @@ def curve_band(
     posterior = log_posterior(*columns, **options)
     if posterior.counts.n_levels[0] < 2:
         return None
-    tails = [(1 - interval) / 2, 0.5, (1 + interval) / 2]
-    theta = posterior_draws(posterior)
-    low, median, high = np.quantile(_chances(posterior, theta, places), tails, axis=0)
-    thresholds = np.quantile(_thresholds(posterior, theta), tails).tolist()
-    return CurveBand(places, low, median, high, tuple(thresholds))
+    theta, tails = posterior_draws(posterior), [(1 - interval) / 2, 0.5, (1 + interval) / 2]
+    counts, shape = posterior.counts, posterior.shape
+    centre, spread = counts.centre[0], counts.spread[0]
+    u = ((np.log(places) if shape.on_log_levels else places) - centre) / spread
+    low, median, high = np.quantile(np.exp(log_chances(shape, u, theta)[0]), tails, axis=0)
+    thresholds = centre + spread * np.quantile(theta[:, THRESHOLD], tails)
+    ends = np.exp(thresholds) if shape.on_log_levels else thresholds
+    return CurveBand(places, low, median, high, tuple(ends.tolist()))
 
 
 def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
-    """Parameters (n_draws, 4) of one data set on the scale of `Counts.u` that stand for its posterior.
+    """Return parameters (n_draws, 4) that represent the posterior of one data set, on the scale of `Counts.u`.
 
-    They are the nodes of a grid at equal steps of the cumulated mass: no chance, and the same answers give the same
-    draws.
+    They are nodes of a grid at equal steps of the cumulated mass: the same answers give the same draws.
     """
     prior, box = posterior.prior, find_box(posterior, find_mode(posterior))
-    axes, weights = nodes_in(prior, box.low[0], box.high[0], posterior.counts.n_trials.sum())
-    density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
-    mass = np.exp(density - density.max()) * weights[LAPSE][:, None] * weights[GUESS]
+    axes, mass = masses_in(posterior, box.low[0], box.high[0])
     cumulated = np.cumsum(mass.ravel(), dtype=np.float64)
     steps = (np.arange(n_draws) + 0.5) / n_draws
     chosen = np.searchsorted(cumulated, steps * cumulated[-1])
     places = np.unravel_index(chosen, mass.shape)
     return prior.tied(np.stack([axes[n][places[n]] for n in range(N_PARAMETERS)], axis=1))
-
-
-def _chances(posterior: LogPosterior, theta: Array, levels: Array) -> Array:
-    """The chance of an answer under each draw (n_draws, 4) at each level (n,); shape (n_draws, n)."""
-    counts, shape = posterior.counts, posterior.shape
-    x = np.log(levels) if shape.on_log_levels else levels
-    u = (x - counts.centre[0]) / counts.spread[0]
-    threshold, log_width, lapse, guess = (theta[:, [n]] for n in (THRESHOLD, LOG_WIDTH, LAPSE, GUESS))
-    z = shape.z50 + (u - threshold) * shape.z_width * np.exp(-log_width)
-    return np.asarray(guess + (1 - guess - lapse) * np.exp(shape.log_cdf(z)))
-
-
-def _thresholds(posterior: LogPosterior, theta: Array) -> Array:
-    """Those of the draws (n_draws,), in the unit of the levels."""
-    x = posterior.counts.centre[0] + posterior.counts.spread[0] * theta[:, THRESHOLD]
-    return np.exp(x) if posterior.shape.on_log_levels else np.asarray(x)

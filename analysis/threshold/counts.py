@@ -37,7 +37,7 @@ class Counts(Rows):
         return len(self.u)
 
     def by_level(self) -> "Counts":
-        """The same in memory level by level: sums over the levels of many data sets then run along the data sets."""
+        """Return the same counts laid out in memory level by level, for sums over the levels of many sets."""
         u, k, n = (np.asfortranarray(values) for values in (self.u, self.n_yes, self.n_trials))
         return replace(self, u=u, n_yes=k, n_trials=n)
 
@@ -45,8 +45,7 @@ class Counts(Rows):
 def count_arrays(
     levels: ArrayLike, n_correct: ArrayLike, n_trials: ArrayLike, *, logarithms: bool = False
 ) -> tuple[Array, Array, Array]:
-    """Levels (or their `logarithms`) and counts as arrays (n_sets, n_levels), 0 where there is no trial, with one clear
-    refusal for what is neither.
+    """Check levels (or take their `logarithms`) and counts as arrays (n_sets, n_levels), 0 where there is no trial.
 
     Raises
     ------
@@ -57,6 +56,8 @@ def count_arrays(
     k = _numbers("n_correct", n_correct)
     n = _numbers("n_trials", n_trials)
     try:
+        if x.ndim and k.ndim and x.shape[-1] != k.shape[-1]:
+            raise ValueError  # one count would be read as that of every level
         x, k, n = (np.atleast_2d(v) for v in np.broadcast_arrays(x, k, n))
     except ValueError:
         raise InvalidParameter(
@@ -121,11 +122,7 @@ def _ends(x: Array, used: Bools) -> tuple[Array, Array]:
 
 
 def _tukey_range(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """The range cut at Tukey's fences (quartiles over trials, 1.5 interquartile ranges out), where it is not
-    emptied.
-
-    `x` is sorted where `n` > 0. Tukey, Exploratory Data Analysis (1977), section 2D.
-    """
+    """Cut the range at Tukey's fences (1977, section 2D; quartiles over trials) unless that empties it."""
     share = np.cumsum(n, axis=1) / np.maximum(n.sum(axis=1, keepdims=True), 1)
     places = ((share < quarter).sum(axis=1, keepdims=True) for quarter in (0.25, 0.75))
     first, third = (np.take_along_axis(x, np.minimum(place, x.shape[1] - 1), 1)[:, 0] for place in places)
@@ -152,7 +149,7 @@ def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
 
 
 def _smallest_gap(u: Array, n: Array) -> Array:
-    """The smallest spacing of the levels used, as a part of their range; 1 where there are fewer than two."""
+    """Return the smallest spacing of the levels used, as a part of their range; 1 for fewer than two levels."""
     if u.shape[1] < 2:
         return np.ones(u.shape[0])
     both = (n[:, 1:] > 0) & (n[:, :-1] > 0)

@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
 from ..arrays import Array
-from .fitting import fit_many, log_posterior
+from .estimates import Fitting
+from .fitting import fitting
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
 from .log_posterior import LogPosterior
-from .mode import find_mode
-from .posterior import find_box, log_density_grid, nodes_in
+from .posterior import find_box, masses_in
 from .result import ThresholdFit
 from .status import Status
 
@@ -23,6 +23,11 @@ BINS_PER_STEP = 16
 """Of a histogram, in a step of the posterior's grid."""
 WIDEST_STEPS = 400
 """Values farther from the median, in steps of the grid, are counted at this distance."""
+UNKNOWN = (
+    *("threshold", "threshold_mode", "threshold_median", "threshold_mean", "width", "width_low", "width_high"),
+    *("guess_rate", "lapse_rate", "deviance", "interval_low", "interval_high"),
+)
+"""Fields without a value where the equality lies outside of the levels."""
 
 
 @dataclass(frozen=True)
@@ -44,11 +49,10 @@ def fit_comparisons(
     >>> 39.5 < found.threshold < 40.5, 1 < found.jnd < 3
     (True, True)
     """
-    posterior = log_posterior(levels, n_more, n_trials, **options)
-    fits = fit_many(levels, n_more, n_trials, interval=interval, **options)
-    counts = posterior.counts
+    fitted = fitting(levels, n_more, n_trials, interval=interval, **options)
+    counts, fits = fitted.posterior.counts, fitted.results()
     lowest, highest = (counts.centre + side * counts.spread / 2 for side in (-1, 1))
-    found = zip(fits, equalities(posterior, interval), lowest.tolist(), highest.tolist(), strict=True)
+    found = zip(fits, equalities(fitted), lowest.tolist(), highest.tolist(), strict=True)
     return tuple(_compared(*one) for one in found)
 
 
@@ -61,7 +65,9 @@ def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highe
         has_low, has_high = (end is not None for end in (fit.interval_low, fit.interval_high))
         return replace(fit, interval_low=low if has_low else None, interval_high=high if has_high else None)
     if not lowest <= pse <= highest:
-        return _outside(fit, equality, is_below=pse < lowest)
+        end = {"interval_high": high} if pse < lowest else {"interval_low": low}
+        status = Status.BELOW if pse < lowest else Status.ABOVE
+        return replace(fit, **dict.fromkeys(UNKNOWN) | end, status=status, note=status.note)  # type: ignore[arg-type]
     return replace(
         fit,
         threshold=pse,
@@ -77,42 +83,30 @@ def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highe
     )
 
 
-UNKNOWN = (
-    *("threshold", "threshold_mode", "threshold_median", "threshold_mean", "width", "width_low", "width_high"),
-    *("guess_rate", "lapse_rate", "deviance", "interval_low", "interval_high"),
-)
-"""What a fit does not state where the equality lies outside of the levels."""
-
-
-def _outside(fit: ThresholdFit, equality: Equality, *, is_below: bool) -> ThresholdFit:
-    end = {"interval_high": equality.pse[2]} if is_below else {"interval_low": equality.pse[0]}
-    status = Status.BELOW if is_below else Status.ABOVE
-    unknown: dict[str, Any] = dict.fromkeys(UNKNOWN) | end
-    return replace(fit, **unknown, status=status, note=status.note)
-
-
-def equalities(posterior: LogPosterior, interval: float = 0.95) -> list[Equality | None]:
+def equalities(fitted: Fitting) -> list[Equality | None]:
     """Return the equality of each data set; None with fewer than two levels.
 
     The rate is that of all answers, whatever the asymptotes: a standard compared with itself is called "more" in half
     of the trials, also where it is often not felt. The shape of the curve is the cumulative normal.
     """
-    chosen = np.flatnonzero(posterior.counts.n_levels > 1)
-    boxes = find_box(posterior[chosen], find_mode(posterior[chosen])) if len(chosen) else None
-    found: list[Equality | None] = [None] * len(posterior)
-    for place, n in enumerate(chosen.tolist()):
-        assert boxes is not None
+    posterior, marginals = fitted.posterior, fitted.marginals
+    found: list[Equality | None] = []
+    for n, n_levels in enumerate(posterior.counts.n_levels.tolist()):
         one = slice(n, n + 1)
-        found[n] = _equality(posterior[one], boxes.low[place], boxes.high[place], interval)
+        low, high = marginals.low[n], marginals.high[n]
+        if n_levels > 1 and np.isnan(low).any():  # the data set shared its grid with others
+            box = find_box(posterior[one], fitted.mode[one])
+            low, high = box.low[0], box.high[0]
+        found.append(_equality(posterior[one], low, high, fitted.interval) if n_levels > 1 else None)
     return found
 
 
 def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float) -> Equality:
-    axes, weights = nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
-    density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
-    mass = np.exp(density - density.max()) * weights[LAPSE][:, None] * weights[GUESS]
+    axes, mass = masses_in(posterior, low, high)
     lapse, guess = axes[LAPSE][:, None], axes[GUESS]
-    equal, noticed = (_deviate(rate, lapse, guess) for rate in (EQUAL, NOTICED))
+    # Where the normal curve between the asymptotes has each rate, in standard deviations from its middle.
+    shares = ((rate - guess) / (1 - guess - lapse) for rate in (EQUAL, NOTICED))
+    equal, noticed = (ndtri(np.clip(share, 1e-9, 1 - 1e-9)) for share in shares)
     per_sd = np.exp(axes[LOG_WIDTH])[:, None, None] / posterior.shape.z_width
     threshold = axes[THRESHOLD][:, None, None, None] + per_sd * equal
     log_difference = np.log(per_sd * (noticed - equal))
@@ -123,20 +117,8 @@ def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float)
     return Equality(tuple((centre + spread * pse).tolist()), tuple((spread * np.exp(jnd)).tolist()))
 
 
-def _deviate(rate: float, lapse: Array, guess: Array) -> Array:
-    """Return where the normal curve between asymptotes has a rate.
-
-    In standard deviations from its middle.
-    """
-    share = (rate - guess) / (1 - guess - lapse)
-    return np.asarray(ndtri(np.clip(share, 1e-9, 1 - 1e-9)))
-
-
 def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> Array:
-    """Return the ends of the central interval with the median between them.
-
-    Each mass is spread over a step of the grid.
-    """
+    """Return lower end, median and upper end of values whose masses are each spread over a step of the grid."""
     flat, weights = np.broadcast_to(values, mass.shape).ravel(), mass.ravel()
     middle = float((flat * weights).sum() / weights.sum())
     reach = WIDEST_STEPS * step

@@ -1,5 +1,4 @@
-"""Thresholds from counts of answers: one fit, or thousands in one call, each with an interval and a
-status."""
+"""Thresholds from counts of answers: one fit, or thousands in one call."""
 
 from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
 
@@ -14,34 +13,37 @@ from tactometry.psychometric import shape_named
 
 from ..arrays import Array
 from .counts import count_arrays, normalise
-from .log_posterior import LogPosterior
-from .methods import Fitting
-from .prior import BETA_B, LARGEST_RATE, Prior
+from .estimates import Fitting
+from .log_posterior import BETA_B, LARGEST_RATE, LogPosterior, Prior
 from .result import ThresholdFit
 from .status import Status
 
-METHODS = ("ml", "map", "profile", "posterior", "bootstrap")
-OVERDISPERSED = ("ml", "map", "posterior")
+METHODS = ("posterior", "likelihood")
 ESTIMATES = ("mode", "median", "mean")
 SHAPE = "normal"
 
 
-class Options(TypedDict, total=False):
-    """What `fit` may be given besides; the defaults are those of `fit_many`."""
+class PriorOptions(TypedDict, total=False):
+    """Options of `log_posterior`, with its defaults."""
 
+    shape: str
+    guess_rate: float | None
     lapse_rate: float | None
-    method: str
-    interval: float
     robust_range: bool
     scale_free_width: bool
     lapse_beta: float
     guess_beta: float
     equal_asymptotes: bool
     narrowest_spacings: float
+
+
+class Options(PriorOptions, total=False):
+    """Options of `fit`, with the defaults of `fitting`."""
+
+    method: str
+    interval: float
     overdispersion: bool
     estimate: str
-    n_resamples: int
-    rng: np.random.Generator | None
 
 
 def fit(
@@ -49,8 +51,6 @@ def fit(
     n_correct: ArrayLike,
     n_trials: ArrayLike,
     *,
-    shape: str = SHAPE,
-    guess_rate: float | None = None,
     n_false_alarms: int = 0,
     n_catch: int = 0,
     **options: Unpack[Options],
@@ -67,12 +67,10 @@ def fit(
     guess_rate : float or None
         Lower asymptote: 1/m in forced choice; None (the default) to estimate it under its prior (yes/no).
     lapse_rate : float or None
-        Distance of the upper asymptote from 1; None to estimate it under its prior, for every method.
+        Distance of the upper asymptote from 1; None to estimate it under its prior, by either method.
     method : str
-        ``ml`` maximum likelihood with Wald interval; ``profile`` the same with the profile likelihood's
-        interval; ``map`` posterior mode with Laplace interval; ``posterior`` the posterior's `estimate` with its
-        marginal central interval; ``bootstrap`` posterior mode with bias-corrected parametric bootstrap (needs `rng`).
-        The intervals of ``ml``, ``map`` and ``profile`` cover less than they say where levels follow the answers.
+        ``posterior`` (the default): the posterior's `estimate` with its central interval. ``likelihood``: maximum
+        likelihood, without intervals; where the likelihood has no maximum, what the posterior says.
     interval : float
         Coverage of the interval, between 0 and 1.
     n_false_alarms, n_catch : int
@@ -97,8 +95,8 @@ def fit(
         logarithm; the median where the mode lies outside of its interval or on an edge of the priors, and the middle
         of a step), ``median`` or ``mean``. In forced choice the mean and the median lie below the truth.
     overdispersion : bool
-        Whether the answers are beta-binomial with overdispersion eta under its prior Beta(1, 10); for ``ml``,
-        ``map`` (their intervals at the eta found) and ``posterior``. The status is that of the binomial.
+        Whether the answers are beta-binomial with overdispersion eta under its prior Beta(1, 10). The status is that
+        of the binomial.
 
     Returns
     -------
@@ -129,8 +127,7 @@ def fit(
     expect(n_dimensions <= 1, "levels", f"{n_dimensions} dimensions", "one; stacks of data sets go to fit_many")
     # A stack of one data set.
     columns = (np.atleast_1d(np.asarray(values))[None] for values in (levels, n_correct, n_trials))
-    catch = {"n_false_alarms": [n_false_alarms], "n_catch": [n_catch]}
-    return fit_many(*columns, shape=shape, guess_rate=guess_rate, **catch, **options)[0]
+    return fit_many(*columns, n_false_alarms=[n_false_alarms], n_catch=[n_catch], **options)[0]
 
 
 def fit_many(
@@ -138,48 +135,41 @@ def fit_many(
     n_correct: ArrayLike,
     n_trials: ArrayLike,
     *,
-    shape: str = SHAPE,
-    guess_rate: float | None = None,
-    lapse_rate: float | None = None,
-    method: str = "posterior",
-    interval: float = 0.95,
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
-    robust_range: bool = False,
-    scale_free_width: bool = False,
-    lapse_beta: float = BETA_B,
-    guess_beta: float = BETA_B,
-    equal_asymptotes: bool = False,
-    narrowest_spacings: float = 1.0,
-    overdispersion: bool = False,
-    estimate: str = "mode",
-    n_resamples: int = 1000,
-    rng: np.random.Generator | None = None,
+    **options: Unpack[Options],
 ) -> tuple[ThresholdFit, ...]:
-    """As `fit`, for stacks (n_sets, n_levels) of data sets, which broadcast; catch trials of shape (n_sets,).
+    """Fit stacks (n_sets, n_levels) of data sets as `fit` does; they broadcast, catch trials have the shape (n_sets,).
 
     Sets of different length are filled up with rows of 0 trials.
 
     >>> [found.status.value for found in fit_many([1, 2, 3, 4], [[0, 0, 10, 10], [10] * 4], 10,
-    ...     shape="logistic", guess_rate=0.0, lapse_rate=0.0, method="map")]
+    ...     shape="logistic", guess_rate=0.0, lapse_rate=0.0)]
     ['separated', 'threshold_below_range']
     """
-    _check_method(method, estimate, interval, rng, overdispersion=overdispersion)
-    posterior = log_posterior(
-        *(levels, n_correct, n_trials),
-        shape=shape,
-        guess_rate=guess_rate,
-        lapse_rate=lapse_rate,
-        n_false_alarms=n_false_alarms,
-        n_catch=n_catch,
-        robust_range=robust_range,
-        scale_free_width=scale_free_width,
-        lapse_beta=lapse_beta,
-        guess_beta=guess_beta,
-        equal_asymptotes=equal_asymptotes,
-        narrowest_spacings=narrowest_spacings,
-    )
-    return Fitting(posterior, shape, method, interval, estimate, overdispersion, n_resamples, rng).results()
+    return fitting(levels, n_correct, n_trials, n_false_alarms, n_catch, **options).results()
+
+
+def fitting(
+    levels: ArrayLike,
+    n_correct: ArrayLike,
+    n_trials: ArrayLike,
+    n_false_alarms: ArrayLike = 0,
+    n_catch: ArrayLike = 0,
+    *,
+    method: str = "posterior",
+    interval: float = 0.95,
+    overdispersion: bool = False,
+    estimate: str = "mode",
+    **prior: Unpack[PriorOptions],
+) -> Fitting:
+    """Return data sets with their priors, yet to be fitted; arguments as of `fit_many`."""
+    between("fit", 0, 1, interval=interval)
+    one_of("method", method, METHODS)
+    one_of("estimate", estimate, ESTIMATES)
+    catch = {"n_false_alarms": n_false_alarms, "n_catch": n_catch}
+    posterior = log_posterior(levels, n_correct, n_trials, **catch, **prior)
+    return Fitting(posterior, prior.get("shape", SHAPE), method, interval, estimate, overdispersion)
 
 
 def log_posterior(
@@ -199,7 +189,7 @@ def log_posterior(
     equal_asymptotes: bool = False,
     narrowest_spacings: float = 1.0,
 ) -> LogPosterior:
-    """What `fit_many` rests on: the density of the parameters of each data set; arguments as there."""
+    """Return the density of the parameters of each data set; arguments as of `fit_many`."""
     curve = shape_named(shape)
     check_rates("fit", guess_rate, lapse_rate)
     positive("fit", lapse_beta=lapse_beta, guess_beta=guess_beta, narrowest_spacings=narrowest_spacings)
@@ -220,14 +210,13 @@ def log_posterior(
 
 
 def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch: Array) -> None:
-    """Refuse a rate of one asymptote where both are to be one rate."""
     is_free = guess_rate is None and lapse_rate is None and not n_catch.any()
     stated = f"guess_rate {guess_rate}, lapse_rate {lapse_rate} and {n_catch.sum():g} catch trials"
     expect(is_free, "equal_asymptotes", stated, "None, None and no trial: the one rate is estimated from the answers")
 
 
 def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) -> None:
-    """Refuse rates that are none, or leave a function no room to rise."""
+    """Reject rates outside of their range, or that leave a function no room to rise."""
     rates = {"guess_rate": guess_rate, "lapse_rate": lapse_rate}
     below_1(owner, **{name: rate for name, rate in rates.items() if rate is not None})
     # Two free rates sum to 1 at the very ends of their priors; known ones that do leave the function no room to rise.
@@ -237,20 +226,7 @@ def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) 
     expect(leaves_room, "guess_rate, lapse_rate", f"{guess_rate} and {lapse_rate}", expected)
 
 
-def _check_method(
-    method: str, estimate: str, interval: float, rng: np.random.Generator | None, *, overdispersion: bool
-) -> None:
-    between("fit", 0, 1, interval=interval)
-    one_of("method", method, METHODS)
-    one_of("estimate", estimate, ESTIMATES)
-    has_draws = method != "bootstrap" or rng is not None
-    expect(has_draws, "rng", rng, "a numpy.random.Generator for the method 'bootstrap'")
-    one_of_few = f"one of {', '.join(OVERDISPERSED)}"
-    expect(not overdispersion or method in OVERDISPERSED, "method", f"{method!r} with overdispersion", one_of_few)
-
-
 def _catch_trials(n_false_alarms: ArrayLike, n_catch: ArrayLike, n_sets: int) -> tuple[Array, Array]:
-    """False alarms and catch trials (n_sets,)."""
     alarms, catch = (np.broadcast_to(np.asarray(n, dtype=np.float64), (n_sets,)) for n in (n_false_alarms, n_catch))
     for stated, counts in ((n_false_alarms, alarms), (n_catch, catch)):
         is_whole = ((counts >= 0) & (counts == np.floor(counts))).all()

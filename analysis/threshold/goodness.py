@@ -1,11 +1,8 @@
-"""Whether a fitted function explains the answers: deviance and residuals against those of answers drawn from itself.
+"""Goodness of fit: deviance and residuals against those of answers drawn from the fitted function.
 
-The reference of each statistic is the parametric bootstrap: answers are drawn at the fitted parameters and the levels
-as presented, and the function is fitted anew to each draw. Without the second fit its p would be too large, as the
-answers were free to pull the function towards them (Wichmann and Hill 2001, Perception & Psychophysics 63,
-1293-1313). No chi-squared stands for it: with one or two answers at a level the deviance is not distributed so. The
-draws of a data set end when `ENOUGH` of them are as extreme as the answers (Besag and Clifford 1991, Biometrika 78,
-301-304): what fits well is told soon.
+The reference of each statistic is the parametric bootstrap with a new fit to each draw (Wichmann and Hill 2001,
+Perception & Psychophysics 63, 1293-1313): with one or two answers at a level the deviance is not chi-squared. The draws
+of a data set end when `ENOUGH` of them are as extreme as the answers (Besag and Clifford 1991, Biometrika 78, 301-304).
 """
 
 from collections.abc import Iterator
@@ -16,9 +13,8 @@ import numpy as np
 from tactometry.psychometric import Shape
 
 from ..arrays import Array, Bools, Indices, Rows
-from .chances import weighted
 from .counts import Counts
-from .likelihood import GUESS, log_chances, saturated_log_likelihood
+from .likelihood import GUESS, log_chances, saturated_log_likelihood, weighted
 from .log_posterior import LogPosterior
 from .mode import climb
 
@@ -43,8 +39,7 @@ SMALLEST_VARIANCE = 1e-12
 
 @dataclass(frozen=True)
 class Sequences(Rows):
-    """Answers (n_sets, n_stretches, n_levels) of data sets in stretches of consecutive trials, at the levels of their
-    `Counts`."""
+    """Answers (n_sets, n_stretches, n_levels) in stretches of consecutive trials, at the levels of `Counts`."""
 
     n_yes: Array
     n_trials: Array
@@ -69,8 +64,7 @@ class Goodness:
 def goodness(
     posterior: LogPosterior, theta: Array, answers: Sequences, follows: Bools, rng: np.random.Generator
 ) -> Goodness:
-    """Of the functions `theta` (n_sets, 4), the modes of `posterior`, for the answers in their order; `follows`
-    (n_sets,) says where levels were chosen by the answers before."""
+    """Test the modes `theta` (n_sets, 4) of `posterior`; `follows` (n_sets,): the levels followed the answers."""
     observed = statistics(posterior.shape, posterior.counts, theta, answers)
     compared = observed / np.where(follows[:, None], FEEDBACK, 1.0)
     tally = _Tally(np.zeros(observed.shape, dtype=np.int64), np.zeros(observed.shape, dtype=np.int64))
@@ -82,7 +76,7 @@ def goodness(
 
 
 def statistics(shape: Shape, counts: Counts, theta: Array, answers: Sequences) -> Array:
-    """The four statistics of each data set, (n_sets, 4)."""
+    """Return the four statistics of each data set, (n_sets, 4)."""
     log_yes, log_no = log_chances(shape, counts.u, theta)
     psi, variance = np.exp(log_yes), np.exp(log_yes + log_no)  # psi (1 - psi), also where psi rounds to 1
     k, n = counts.n_yes, counts.n_trials
@@ -99,8 +93,7 @@ def statistics(shape: Shape, counts: Counts, theta: Array, answers: Sequences) -
 
 
 def _bend(u: Array, off: Array, variance: Array) -> Array:
-    """z of the residuals' sum, weighted with the part of the squared level that no line explains: threshold and width
-    take up what does not bend."""
+    """Return z of the residuals' sum, weighted with the part of the squared level that no line explains."""
     away = u - _mean(u, variance)
     square = _mean(away**2, variance)
     line = _mean(away**3, variance) / np.maximum(square, SMALLEST_VARIANCE)
@@ -108,7 +101,7 @@ def _bend(u: Array, off: Array, variance: Array) -> Array:
 
 
 def _trend(off: Array, variance: Array) -> Array:
-    """z of the residuals' sum, weighted with the time from its mean."""
+    """Return z of the residuals' sum, weighted with the time from its mean."""
     time = np.arange(off.shape[1], dtype=np.float64)[None]
     return _z(time - _mean(time, variance), off, variance)
 
@@ -124,14 +117,14 @@ def _z(weight: Array, off: Array, variance: Array) -> Array:
 
 
 def _dispersion(off: Array, spread: Array, weight: Array) -> Array:
-    """The squares of the stretches' residuals, with a weight (n_sets, n_levels) each, over their expectation."""
+    """Return squared weighted residuals of the stretches over their expectation."""
     squares = np.square((off * weight[:, None]).sum(axis=2)).sum(axis=1)
     expected = (spread * weight[:, None] ** 2).sum(axis=(1, 2))
     return np.asarray(squares / np.maximum(expected, SMALLEST_VARIANCE))
 
 
 def _draws(posterior: LogPosterior, theta: Array, answers: Sequences, n_draws: int, rng: np.random.Generator) -> Array:
-    """The statistics (n_sets, n_draws, 4) of answers drawn from the functions and fitted anew."""
+    """Return the statistics (n_sets, n_draws, 4) of answers drawn from the functions and fitted anew."""
     shape, counts = posterior.shape, posterior.counts
     same = np.repeat(np.arange(len(counts)), n_draws)
     chance = np.minimum(np.exp(log_chances(shape, counts.u, theta)[0]), 1.0)
@@ -146,21 +139,20 @@ def _draws(posterior: LogPosterior, theta: Array, answers: Sequences, n_draws: i
 
 
 def _is_as_extreme(drawn: Array, observed: Array) -> Bools:
-    """At least as large, of those with two sides in size; what differs by rounding alone is equal."""
+    """Return True where draws are at least as large, but for rounding (two-sided ones in size)."""
     drawn, observed = (np.where(TWO_SIDED, np.abs(x), x) for x in (drawn, observed))
     return np.asarray(drawn >= observed - EQUAL * np.maximum(1.0, np.abs(observed)))
 
 
 @dataclass(frozen=True)
 class _Tally:
-    """How many draws were made for each p (n_sets, 4), and how many of them were as extreme as the answers; a p that
-    has `ENOUGH` of these is closed."""
+    """Numbers of draws, and of those as extreme as the answers, for each p (n_sets, 4)."""
 
     n_drawn: Indices
     n_extreme: Indices
 
     def is_open(self) -> Indices:
-        """The data sets of which some p needs more draws."""
+        """Return the data sets of which some p needs more draws."""
         return np.flatnonzero((self.n_extreme < ENOUGH).any(axis=1))
 
     def add(self, sets: Indices, extreme: Bools) -> None:
@@ -174,13 +166,13 @@ class _Tally:
         self.n_extreme[sets] = np.where(is_open, np.minimum(so_far[:, -1], ENOUGH), before)
 
     def p(self) -> Array:
-        """Besag and Clifford's: of a closed one the share, else with the answers themselves as one draw more."""
+        """Return Besag and Clifford's p; with fewer than `ENOUGH` extreme draws the answers count as one more."""
         closed = self.n_extreme >= ENOUGH
         share = self.n_extreme / np.maximum(self.n_drawn, 1)
         return np.where(closed, share, (self.n_extreme + 1) / (self.n_drawn + 1))
 
 
 def _portions(sets: Indices, n_numbers: int) -> Iterator[Indices]:
-    """The data sets in parts of which each draws at most `MOST_AT_ONCE` numbers, where one set draws `n_numbers`."""
+    """Split data sets into parts that draw at most `MOST_AT_ONCE` numbers each."""
     size = max(1, MOST_AT_ONCE // n_numbers)
     yield from (sets[start : start + size] for start in range(0, len(sets), size))

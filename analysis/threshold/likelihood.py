@@ -1,23 +1,23 @@
-"""Binomial log-likelihood of psychometric functions for many data sets at once, with exact derivatives.
+"""Log-likelihood of psychometric functions for many data sets at once, with exact derivatives.
 
-A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess
-rate.
+A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess rate.
 
-Beta-binomial answers: the chance of a level varies from block to block (Schuett et al. 2016).
+The chances are sums of positive parts, so they may pass through the linear scale as long as no chance comes near the
+smallest float; data sets where one does are done again in log space.
 
-eta in [0, 1) is the overdispersion: nu = 1/eta^2 - 1, and the chance of a block is drawn from
-Beta(nu psi, nu (1 - psi)); the variance of k is n psi (1 - psi) (1 + (n - 1) eta^2). eta = 0 is the binomial.
+Beta-binomial answers (Schuett et al. 2016): eta in [0, 1) is the overdispersion, nu = 1/eta^2 - 1, and the chance of a
+block is drawn from Beta(nu psi, nu (1 - psi)); the variance of k is n psi (1 - psi) (1 + (n - 1) eta^2).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammaln, polygamma, psi
+from scipy.special import expit, gammaln, ndtr, polygamma, psi
 
-from tactometry.psychometric import Shape, log_mixture
+from tactometry.psychometric import SHAPES, Shape, log_mixture
 
 from ..arrays import Array, Expansion
-from .chances import ByPoint, bend, by_point, linear, weighted
 from .counts import Counts
 
 N_PARAMETERS = 4
@@ -25,16 +25,170 @@ THRESHOLD, LOG_WIDTH, LAPSE, GUESS = range(N_PARAMETERS)
 BINOMIAL_BELOW = 1e-4
 """Below this the beta-binomial differs from the binomial by less than its own rounding."""
 SMALLEST_CHANCE = 1e-100
+SMALLEST_LINEAR = 1e-140
+"""A chance whose square is still a float."""
+LARGEST_LOG_RATIO = 300.0
+ROOT_TWO_PI = float(np.sqrt(2 * np.pi))
 
 
+# Derivatives along z, lapse and guess rate
+class ByPoint(NamedTuple):
+    """Log-likelihood and its derivatives along z, lapse (l) and guess rate (g), elementwise."""
+
+    value: Array
+    z: Array
+    zz: Array
+    lapse: Array
+    z_lapse: Array
+    lapse_lapse: Array
+    guess: Array
+    z_guess: Array
+    guess_guess: Array
+    lapse_guess: Array
+
+
+def weighted(count: Array, log_chance: Array) -> Array:
+    """Return count * log_chance, 0 without a count even at log 0."""
+    with np.errstate(invalid="ignore"):
+        return np.where(count > 0, count * log_chance, 0.0)
+
+
+def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> ByPoint:
+    """Expand the log-likelihood of `answers` (n_yes, n_no) at z (..., n_levels); rates broadcast to z.
+
+    >>> at, none = np.zeros((1, 1)), np.zeros(1)
+    >>> found = by_point(SHAPES["logistic"], at, none, none, (at + 3, at + 1))
+    >>> float(found.z[0, 0]), float(found.zz[0, 0])
+    (1.0, -1.0)
+    """
+    with np.errstate(all="ignore"):
+        by, lowest = _linear(shape, z, guess, lapse, answers)
+        lost = ~(lowest > SMALLEST_LINEAR).all(axis=-1)  # negated, as a chance may be NaN
+        if not lost.any():
+            return by
+        rates = (np.broadcast_to(rate, z.shape)[lost] for rate in (guess, lapse))
+        counts = (np.broadcast_to(n, z.shape)[lost] for n in answers)
+        by_logarithms = _logarithmic(shape, z[lost], *rates, *counts)
+        for values, values_lost in zip(by, by_logarithms, strict=True):
+            values[lost] = values_lost
+    return by
+
+
+def _normal(z: Array) -> tuple[Array, Array, Array]:
+    return ndtr(z), ndtr(-z), np.exp(-0.5 * z * z) / ROOT_TWO_PI
+
+
+def _logistic(z: Array) -> tuple[Array, Array, Array]:
+    cdf, sf = expit(z), expit(-z)
+    return cdf, sf, cdf * sf
+
+
+def _gumbel(z: Array) -> tuple[Array, Array, Array]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        rate = np.exp(z)
+        sf = np.exp(-rate)
+        return -np.expm1(-rate), sf, np.where(sf > 0, rate * sf, 0.0)
+
+
+def _reversed_gumbel(z: Array) -> tuple[Array, Array, Array]:
+    cdf, sf, pdf = _gumbel(-z)
+    return sf, cdf, pdf
+
+
+_LINEAR: dict[Shape, Callable[[Array], tuple[Array, Array, Array]]] = {
+    SHAPES["normal"]: _normal,
+    SHAPES["logistic"]: _logistic,
+    SHAPES["gumbel"]: _gumbel,
+    SHAPES["weibull"]: _gumbel,
+    SHAPES["reversed_gumbel"]: _reversed_gumbel,
+}
+
+
+def linear(shape: Shape, z: Array) -> tuple[Array, Array, Array]:
+    """Return S, 1 - S and the density of S at z, each with its relative precision."""
+    return _LINEAR[shape](z)
+
+
+def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> tuple[ByPoint, Array]:
+    """Return the expansion on the linear scale, and the smaller of the two chances."""
+    cdf, sf, pdf = linear(shape, z)
+    span = 1 - guess - lapse
+    yes, no = guess + span * cdf, lapse + span * sf
+    n_yes, n_no = answers
+    k_yes, k_no = n_yes / yes, n_no / no
+    kk_yes, kk_no = k_yes / yes, k_no / no
+    first, second = k_yes - k_no, kk_yes + kk_no  # along psi, the second with its sign turned
+    steep = span * pdf
+    value = n_yes * np.log(yes) + n_no * np.log(no)
+    zz = first * bend(steep, shape.score(z)) - second * steep * steep
+    # first and second joined by yes + no = 1: what is left does not cancel, however small a chance is
+    z_lapse = pdf * (kk_no * (1 - guess) - kk_yes * guess)
+    z_guess = pdf * (kk_no * lapse - kk_yes * (1 - lapse))
+    by = ByPoint(
+        value=value,
+        z=first * steep,
+        zz=zz,
+        lapse=-first * cdf,
+        z_lapse=z_lapse,
+        lapse_lapse=-second * cdf * cdf,
+        guess=first * sf,
+        z_guess=z_guess,
+        guess_guess=-second * sf * sf,
+        lapse_guess=second * cdf * sf,
+    )
+    return by, np.minimum(yes, no)
+
+
+def _logarithmic(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Array, n_no: Array) -> ByPoint:
+    yes, no = (_one_answer(shape, z, guess, lapse, answer) for answer in (1, 0))
+    value = weighted(n_yes, yes[0]) + weighted(n_no, no[0])
+    derivatives = zip(yes[1:], no[1:], strict=True)
+    return ByPoint(value, *(n_yes * of_yes + n_no * of_no for of_yes, of_no in derivatives))
+
+
+def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int) -> tuple[Array, ...]:
+    """Return the log chance of an answer and its derivatives: z, zz, l, zl, ll, g, zg, gg, lg."""
+    log_cdf, log_sf = shape.log_cdf(z), shape.log_sf(z)
+    log_chance = log_mixture(log_cdf, log_sf, guess, lapse)[1 - answer]
+    sign = 1.0 if answer else -1.0  # what raises the chance of yes lowers that of no
+    density, up, down = (_ratio(log_part, log_chance) for log_part in (shape.log_pdf(z), log_cdf, log_sf))
+    steep = (1 - guess - lapse) * density
+    by_z, by_l, by_g = sign * steep, -sign * up, sign * down
+    by_zz = sign * bend(steep, shape.score(z)) - steep * steep
+    # As in `_linear`: the cross terms keep the asymptote alone, and nothing cancels.
+    if answer:
+        log_at_guess, log_at_lapse = np.log(guess), np.log1p(-lapse)
+    else:
+        log_at_guess, log_at_lapse = np.log1p(-guess), np.log(lapse)
+    by_zl = -sign * density * _ratio(log_at_guess, log_chance)
+    by_zg = -sign * density * _ratio(log_at_lapse, log_chance)
+    by_ll, by_gg, by_lg = -up * up, -down * down, up * down
+    return log_chance, by_z, by_zz, by_l, by_zl, by_ll, by_g, by_zg, by_gg, by_lg
+
+
+def bend(steep: Array, score: Array) -> Array:
+    """Return steep * score, 0 where the density has vanished."""
+    with np.errstate(invalid="ignore"):
+        return np.where(steep > 0, steep * score, 0.0)
+
+
+def _ratio(log_part: Array, log_chance: Array) -> Array:
+    """Return exp(log_part - log_chance), bounded: an asymptote of 0 makes it infinite."""
+    with np.errstate(invalid="ignore"):
+        # Where both have vanished their difference would be NaN; the part counts nothing.
+        difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
+    return np.asarray(np.exp(np.minimum(difference, LARGEST_LOG_RATIO)))
+
+
+# Along the parameters
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
+    """Return log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
     z, _, _ = _z(shape, u, theta)
     return log_mixture(shape.log_cdf(z), shape.log_sf(z), *_rates(theta))
 
 
 def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """As `log_chances` (n_curves, n_rates, n_levels), where threshold and width are the same along the second axis."""
+    """Return `log_chances` (n_curves, n_rates, n_levels) of parameters whose curves are equal along axis 1."""
     z, _, _ = _z(shape, u, theta[:, :1])
     guess, lapse = _rates(theta)
     if guess.min() == 0 or lapse.min() == 0:
@@ -49,27 +203,26 @@ def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
 
 
 def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:
-    """Sum of k log psi + (n - k) log(1 - psi), without the binomial coefficient; shape (n_sets,)."""
+    """Return the log-likelihood (n_sets,) without the binomial coefficient."""
     yes, no = log_chances(shape, counts.u, theta)
     terms = weighted(counts.n_yes, yes) + weighted(counts.n_trials - counts.n_yes, no)
     return np.asarray(terms.sum(axis=-1))
 
 
 def saturated_log_likelihood(counts: Counts) -> Array:
-    """The largest log-likelihood any function of the level can reach; shape (n_sets,)."""
+    """Return the largest log-likelihood (n_sets,) that any function of the level can reach."""
     return np.asarray(constant_log_likelihood(counts.n_yes, counts.n_trials).sum(axis=-1))
 
 
 def constant_log_likelihood(k: Array, n: Array) -> Array:
-    """Of k in n answers at their own rate k / n; 0 without trials."""
+    """Return the log-likelihood of k in n answers at the rate k / n; 0 without trials."""
     with np.errstate(divide="ignore", invalid="ignore"):
         rest = n - k
         return weighted(k, np.log(k / n)) + weighted(rest, np.log(rest / n))
 
 
 def _z(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array]:
-    """z = z50 + (u - m) z_width exp(-v) at each level, and its derivatives: along the threshold (..., 1), the same at
-    all levels, and along the log width."""
+    """Return z = z50 + (u - m) z_width exp(-v), and its derivatives along threshold (..., 1) and log width."""
     with np.errstate(over="ignore"):
         slope = shape.z_width * np.exp(-theta[..., LOG_WIDTH, None])
     z = shape.z50 + (u - theta[..., THRESHOLD, None]) * slope
@@ -77,12 +230,10 @@ def _z(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array]:
 
 
 def _rates(theta: Array) -> tuple[Array, Array]:
-    """Guess and lapse rates (..., 1)."""
     return theta[..., GUESS, None], theta[..., LAPSE, None]
 
 
 def _matrix(rows: Sequence[Sequence[Array]]) -> Array:
-    """Entries (...) as (..., n, n)."""
     matrix = np.empty((*rows[0][0].shape, len(rows), len(rows)))
     for i, row in enumerate(rows):
         for j, entry in enumerate(row):
@@ -91,7 +242,7 @@ def _matrix(rows: Sequence[Sequence[Array]]) -> Array:
 
 
 def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
-    """The log-likelihood with its exact gradient and Hessian."""
+    """Return the log-likelihood with its exact gradient and Hessian."""
     z, to_m, to_v = _z(shape, counts.u, theta)
     answers = (counts.n_yes, counts.n_trials - counts.n_yes)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -99,7 +250,7 @@ def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
 
 
 def _chain(by: ByPoint, to_m: Array, to_v: Array) -> Expansion:
-    """From derivatives along z to those along threshold and log width; summed over the levels."""
+    """Sum over the levels and turn derivatives along z into those along threshold and log width."""
     zz_v = by.zz * to_v
     z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
     zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
@@ -133,7 +284,7 @@ def chance_slopes(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, A
 
 
 def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
-    """psi and 1 - psi (n, n_levels), and gradient (..., 4) and Hessian (..., 4, 4) of psi at each level."""
+    """Return psi and 1 - psi (n, n_levels) with gradient (..., 4) and Hessian (..., 4, 4) of psi."""
     z, to_m, to_v = _z(shape, u, theta)
     guess, lapse = _rates(theta)
     cdf, sf, pdf = (np.exp(log_part(z)) for log_part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
@@ -157,7 +308,7 @@ def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
 
 
 def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: float) -> Array:
-    """Log chance of one order of k yes in n answers at the mean chance p = 1 - q, elementwise.
+    """Return the log chance of one order of k yes in n answers at the mean chance p = 1 - q.
 
     >>> from scipy.special import binom
     >>> round(float(binom(20, 15) * np.exp(log_weight(np.array(0.75), np.array(0.25), 15, 20, 0.2))), 9)
@@ -172,19 +323,18 @@ def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: floa
 
 
 def _log_beta_ratio(k: Array | float, n: Array | float, a: Array, b: Array, nu: Array) -> Array:
-    """The logarithm of B(k + a, n - k + b) / B(a, b), where nu = a + b."""
+    """Return log B(k + a, n - k + b) / B(a, b), where nu = a + b."""
     yes = gammaln(k + a) - gammaln(a)
     return np.asarray(yes + gammaln(n - k + b) - gammaln(b) + gammaln(nu) - gammaln(n + nu))
 
 
 def _trigamma_rise(x: Array, count: Array) -> Array:
-    """From x to x + count; exactly 0 without a count."""
+    """Return the rise of trigamma from x to x + count; exactly 0 without a count."""
     return np.where(count > 0, polygamma(1, count + x) - polygamma(1, x), 0.0)
 
 
 def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Array) -> Expansion:
-    """The log-likelihood at eta (n_sets,), with gradient and Hessian along (threshold, log width, lapse,
-    guess)."""
+    """Return the beta-binomial log-likelihood at eta (n_sets,) with gradient and Hessian."""
     p, q, by, by_by = curvature_of_chances(shape, counts.u, theta)
     k, n = counts.n_yes, counts.n_trials
     nu = (1 / np.square(eta) - 1)[:, None]

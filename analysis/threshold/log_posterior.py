@@ -1,4 +1,10 @@
-"""The density that every fit climbs or integrates: the likelihood of the answers times the prior."""
+"""Log posterior: the likelihood of the answers times the priors of psignifit 4 (Schuett et al. 2016).
+
+Priors are on the scale of `Counts.u`, with exact derivatives. Threshold: flat on the tested range, falling as a cosine
+to 0 half a range outside. Width: flat between twice the smallest spacing and the range, falling as a cosine to 0 at the
+smallest spacing and at three times the range. Lapse rate and free guess rate: Beta(1, 10) on [0, 0.5]; equal asymptotes
+are one rate. Answers to catch trials have the guess rate as their chance.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,12 +18,202 @@ from ..arrays import Array, Expansion, Indices, Rows
 from . import likelihood
 from .counts import Counts
 from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from .prior import Prior
+
+BETA_B = 10.0
+LARGEST_RATE = 0.5
+WIDEST = 3.0
+FURTHEST = 1.0
+"""The threshold's prior ends at u = -1 and u = 1."""
+WIDTH_NODES = 400
+NARROWEST = 0.05
+"""A scale-free width is not narrower than this part of the range: two levels that a track left close together say
+nothing of it."""
+LARGEST_ETA = 0.99
+FLOOR = np.array([-np.inf, -np.inf, 1e-9, 1e-9])
+"""A search on a grid keeps off rates of exactly 0, where a chance may vanish."""
+
+
+@dataclass(frozen=True)
+class Prior(Rows):
+    """Prior of data sets side by side.
+
+    `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the width
+    have no prior (maximum likelihood), the free rates keep theirs. With `scale_free_width` the width's flat part is
+    flat in its logarithm instead. The priors of free rates are Beta(1, `lapse_beta`) and Beta(1, `guess_beta`); with
+    `equal_asymptotes` both are one, at the place of the lapse rate. The least width is `narrowest_spacings` of the
+    smallest spacing.
+    """
+
+    gap: Array
+    lapse_rate: float | None
+    guess_rate: float | None
+    n_false_alarms: Array
+    n_catch: Array
+    on_curve: bool = True
+    scale_free_width: bool = False
+    overdispersion: Array | None = None
+    lapse_beta: float = BETA_B
+    guess_beta: float = BETA_B
+    equal_asymptotes: bool = False
+    narrowest_spacings: float = 1.0
+
+    @property
+    def narrowest(self) -> Array:
+        """Least width (n_sets,)."""
+        least = self.narrowest_spacings * self.gap
+        return np.maximum(least, NARROWEST) if self.scale_free_width else least
+
+    @property
+    def free(self) -> list[int]:
+        """Places of the free parameters in a parameter vector."""
+        rates = ((LAPSE, self.lapse_rate), (GUESS, 0.0 if self.equal_asymptotes else self.guess_rate))
+        return [THRESHOLD, LOG_WIDTH, *(place for place, rate in rates if rate is None)]
+
+    def tied(self, theta: Array) -> Array:
+        """Return parameters (..., 4) with the guess rate that follows from the lapse rate."""
+        if not self.equal_asymptotes:
+            return theta
+        return np.concatenate([theta[..., :GUESS], theta[..., [LAPSE]]], axis=-1)
+
+    def guess_nodes(self, lapse: Array, guess: Array) -> Array:
+        """Return guess rates that broadcast against lapse rates (n_lapse, 1)."""
+        return lapse[:, None] if self.equal_asymptotes else guess
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Return the lowest and highest parameters, each (n_sets, 4); 0 for a guess rate that is `tied`."""
+        n = self.gap.shape[0]
+        low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
+        reach = FURTHEST if self.on_curve else 20.0
+        low[:, THRESHOLD], high[:, THRESHOLD] = -reach, reach
+        low[:, LOG_WIDTH] = np.log(self.narrowest) - (0.0 if self.on_curve else 12.0)
+        high[:, LOG_WIDTH] = np.log(WIDEST if self.on_curve else 1e4)
+        for place, rate in ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate)):
+            if place not in self.free:
+                low[:, place] = high[:, place] = rate or 0.0
+        return low, high
+
+    def log_density(self, theta: Array) -> Array:
+        """Return the log density (n_sets, ...) at theta (n_sets, ..., 4), without a constant."""
+        return _total(theta, self._by_parameter(np.moveaxis(theta, -1, 0)))
+
+    def expansion(self, theta: Array) -> Expansion:
+        """Return the log density with gradient and Hessian.
+
+        It is that along the axis on which the width's prior is flat, so that a mode is that of the likelihood there.
+        """
+        by_parameter = self._by_parameter(np.moveaxis(theta, -1, 0))
+        gradient, hessian = np.zeros(theta.shape), np.zeros((*theta.shape, N_PARAMETERS))
+        for place, (_, first, second) in by_parameter.items():
+            gradient[..., place], hessian[..., place, place] = first, second
+        return Expansion(_total(theta, by_parameter), gradient, hessian)
+
+    def along(self, axes: Sequence[Array]) -> list[Array]:
+        """Return the log densities of one data set along four axes of nodes; zeros for a fixed parameter."""
+        known = self._by_parameter(axes, scale_free_width=self.scale_free_width)
+        return [known[place][0] if place in known else np.zeros(len(axis)) for place, axis in enumerate(axes)]
+
+    def search_axes(self, low: Array, high: Array, sizes: Sequence[int]) -> list[Array]:
+        """Return coarse nodes of one data set along each parameter; one node for a fixed parameter."""
+        axes = []
+        for place, n in enumerate(sizes):
+            nodes = np.linspace(max(low[place], FLOOR[place]), high[place], n)
+            axes.append(nodes if place in self.free else low[place, None])
+        return axes
+
+    def log_cell(self, low: Array, high: Array, sizes: Sequence[int]) -> float:
+        """Return the log volume of a cell of one data set's grid; the weights of a free rate sum to 2."""
+        size = high - low
+        steps = [size[place] / (n - 1) for place, n in zip((THRESHOLD, LOG_WIDTH), sizes, strict=True)]
+        rates = [size[place] / 2 for place in self.free if place in (LAPSE, GUESS)]
+        return float(np.log([*steps, *rates]).sum())
+
+    def _by_parameter(self, values: Array | Sequence[Array], *, scale_free_width: bool = False) -> "ByParameter":
+        """Return log densities and two derivatives of the parameters that have a prior."""
+        by_set = (-1, *[1] * (values[THRESHOLD].ndim - 1))
+        by_parameter, none = {}, np.zeros(1)
+        if self.lapse_rate is None:
+            by_parameter[LAPSE] = log_rate(values[LAPSE], none, none, self.lapse_beta)
+        if GUESS in self.free:
+            alarms, catch = self.n_false_alarms.reshape(by_set), self.n_catch.reshape(by_set)
+            by_parameter[GUESS] = log_rate(values[GUESS], alarms, catch - alarms, self.guess_beta)
+        if self.on_curve:
+            narrowest = self.narrowest.reshape(by_set)
+            by_parameter[THRESHOLD] = log_threshold(values[THRESHOLD])
+            by_parameter[LOG_WIDTH] = log_width(values[LOG_WIDTH], narrowest, scale_free=scale_free_width)
+        return by_parameter
+
+    def log_mass(self) -> Array:
+        """Return the log integral (n_sets,) over threshold, width and free rates, without catch trials."""
+        low = np.log(self.narrowest)[:, None]
+        v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
+        log_density_of_w, _, _ = log_width(v, self.narrowest[:, None], scale_free=self.scale_free_width)
+        density = np.exp(log_density_of_w + v)  # dw = w dv
+        along = np.log(1.5 * np.trapezoid(density, v, axis=1))  # the threshold's: 1 inside, a quarter on each side
+        betas = {LAPSE: self.lapse_beta, GUESS: self.guess_beta}
+        return np.asarray(along + sum(log_rate_mass(beta) for place, beta in betas.items() if place in self.free))
+
+
+ByParameter = dict[int, tuple[Array, Array, Array]]
+
+
+def _total(theta: Array, by_parameter: ByParameter) -> Array:
+    return sum((log_density for log_density, _, _ in by_parameter.values()), np.zeros(theta.shape[:-1]))
+
+
+def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, Array, Array]:
+    """Return the log density Beta(1 + n_yes, beta + n_no), and its derivatives; a count of 0 makes no pole."""
+    b = beta - 1 + n_no
+    safe = np.maximum(x, 1e-300)
+    value = b * np.log1p(-x) + np.where(n_yes > 0, n_yes * np.log(safe), 0.0)
+    inside = np.maximum(x, 1e-100)  # larger, as its square has to be a float too
+    first = -b / (1 - x) + n_yes / inside
+    return value, first, -b / (1 - x) ** 2 - n_yes / inside**2
+
+
+def log_rate_mass(beta: float) -> float:
+    """Return the logarithm of the integral of a rate's density."""
+    return float(np.log((1 - (1 - LARGEST_RATE) ** beta) / beta))
+
+
+def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
+    """Return 2 log cos(angle) and its derivatives along x, where rate = d angle / d x."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        value = 2 * np.log(np.cos(np.minimum(angle, np.pi / 2)))
+        cos = np.maximum(np.cos(angle), 1e-8)  # finite derivatives at the end, where the density is 0
+    first = -2 * rate * np.sin(angle) / cos
+    second = -2 * np.square(rate) / cos**2
+    return np.where(angle < np.pi / 2, value, -np.inf), first, second
+
+
+def log_threshold(m: Array) -> tuple[Array, Array, Array]:
+    """Return the prior and its derivatives: flat from -0.5 to 0.5, falling as a cosine to 0 at -1 and 1."""
+    outside = np.maximum(np.abs(m) - 0.5, 0.0)
+    value, first, second = _log_cos2(np.pi * outside, np.pi * np.sign(m))
+    return value, first, np.where(outside > 0, second, 0.0)  # a cosine bends at its top, the flat part does not
+
+
+def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
+    """Return the prior of w = exp(v), flat in w or in v, and its derivatives along v."""
+    w = np.exp(v)
+    wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
+    above = np.maximum(w, 1) - 1
+    at_wide = _log_cos2(np.pi / 4 * above, np.pi / 4)
+    below = np.clip((2 * gap - w) / gap, 0, 2)
+    at_narrow = _log_cos2(np.pi / 2 * below, -np.pi / (2 * gap))
+    ends = zip(at_wide, at_narrow, strict=True)
+    value, by_w, by_ww = (np.where(wide, at_top, np.where(narrow, at_foot, 0.0)) for at_top, at_foot in ends)
+    slope = 1.0 if scale_free else 0.0  # flat in v is 1 / w, or -v in logarithms, as a density of w
+    return value - slope * v, by_w * w - slope, by_ww * w * w + by_w * w
+
+
+def log_prior_of(eta: Array | float) -> Array:
+    """Return log Beta(1, 10) of the overdispersion, without its constant."""
+    return np.asarray((BETA_B - 1) * np.log1p(-eta))
 
 
 @dataclass(frozen=True)
 class LogPosterior(Rows):
-    """Of data sets side by side: a function of parameters theta (n_sets, 4), without a constant."""
+    """Log posterior of data sets side by side, at parameters theta (n_sets, 4), without a constant."""
 
     shape: Shape
     counts: Counts
@@ -27,17 +223,16 @@ class LogPosterior(Rows):
         return len(self.counts)
 
     def under(self, **prior: Any) -> Self:
-        """With some things known otherwise before the data."""
+        """Return the log posterior with another prior."""
         return replace(self, prior=replace(self.prior, **prior))
 
     def redrawn(self, sets: Indices, n_yes: Array, n_false_alarms: Array) -> Self:
-        """Of `sets`, with other answers. Those to catch trials are answers too: what is known of a free guess rate
-        varies with them."""
+        """Return `sets` with other answers to trials and catch trials."""
         counts = replace(self.counts[sets], n_yes=n_yes)
         return replace(self, counts=counts, prior=replace(self.prior[sets], n_false_alarms=n_false_alarms))
 
     def alike(self) -> list[Indices]:
-        """The places of data sets on the same levels with the same catch trials, group by group."""
+        """Group data sets on the same levels with the same catch trials; return their places by group."""
         counts, prior = self.counts, self.prior
         catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)  # the prior of a free guess rate holds them
         rows = np.hstack([counts.u, counts.n_trials > 0, catch])
@@ -51,19 +246,16 @@ class LogPosterior(Rows):
         return replace(self, counts=self.counts.by_level())
 
     def log_likelihood(self, theta: Array) -> Array:
-        """The binomial one, (n_sets,)."""
         return likelihood.log_likelihood(self.shape, self.counts, theta)
 
     def deviance(self, theta: Array) -> Array:
-        """From the saturated model, (n_sets,)."""
         return 2 * (likelihood.saturated_log_likelihood(self.counts) - self.log_likelihood(theta))
 
     def log_density(self, theta: Array) -> Array:
-        """Of binomial answers, (n_sets,)."""
         return self.log_likelihood(theta) + self.prior.log_density(theta)
 
     def expansion(self, theta: Array) -> Expansion:
-        """The log density with derivatives; those along fixed parameters are 0."""
+        """Return the log density with derivatives; those along fixed parameters are 0."""
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             whole = self._answers(theta) + self.prior.expansion(theta)
         gradient, hessian = whole.gradient, whole.hessian
@@ -75,7 +267,6 @@ class LogPosterior(Rows):
         return whole
 
     def _answers(self, theta: Array) -> Expansion:
-        """The log-likelihood: binomial, and beta-binomial for the sets that are overdispersed."""
         binomial, eta = likelihood.expansion(self.shape, self.counts, theta), self.prior.overdispersion
         if eta is None or not (eta > 0).any():
             return binomial
@@ -87,14 +278,13 @@ class LogPosterior(Rows):
         return np.asarray(self.counts.u[0, self.counts.n_trials[0] > 0])
 
     def z_of(self, axes: Sequence[Array]) -> Array:
-        """z (n_levels, n_thresholds, n_widths) at the levels of one data set."""
+        """Return z (n_levels, n_thresholds, n_widths) at the levels of one data set."""
         away = self._levels_of_one()[:, None, None] - axes[THRESHOLD][:, None]
         slope = self.shape.z_width * np.exp(-axes[LOG_WIDTH])
         return np.asarray(self.shape.z50 + away * slope)
 
     def beyond_levels(self, axes: Sequence[Array]) -> Array:
-        """The part of each cell (2, n_thresholds, n_widths) in which the curve's rise, from its 0.05 to its 0.95 point,
-        ends below the lowest level, and in which it begins above the highest, of one data set."""
+        """Return the part of each cell (2, n_thresholds, n_widths) with its whole rise below, or above, the levels."""
         used = self._levels_of_one()
         m, width = axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
         down, up = self.shape.rise

@@ -1,7 +1,7 @@
-"""The mode of many posteriors (or likelihoods) at once: damped Newton steps from every summit of a coarse grid.
+"""Modes of many posteriors (or likelihoods) at once: damped Newton steps from every summit of a coarse grid.
 
-The Hessian is exact, the damping is scaled by its diagonal, and the steps are projected on the bounds, where
-lapse and guess rates often come to lie.
+The Hessian is exact, the damping is scaled by its diagonal, and steps are projected on the bounds, where lapse and
+guess rates often lie.
 """
 
 from dataclasses import dataclass, replace
@@ -10,9 +10,8 @@ import numpy as np
 
 from ..arrays import Array, Bools, Expansion, Rows
 from .likelihood import LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from .log_posterior import LogPosterior
-from .prior import LARGEST_ETA, log_prior_of
-from .starts import Starts, grid_starts, step_starts
+from .log_posterior import LARGEST_ETA, LogPosterior, log_prior_of
+from .start_values import Starts, grid_starts, step_starts
 
 MAX_STEPS = 80
 ROUGH_DECREMENT = 1e-3
@@ -55,13 +54,11 @@ class Mode(Rows):
 
     @property
     def sd(self) -> Array:
-        """Of each parameter (n_sets, 4)."""
         return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
 
 
 def find_mode(posterior: LogPosterior, near: Array | None = None) -> Mode:
-    """Climb from every summit of a coarse grid, or from `near` (n_sets, 4) alone; then again from the steps that may be
-    as dense, and in sets that fit poorly from the best narrow and the best wide node of the grid."""
+    """Climb from every summit of a coarse grid, or from `near` (n_sets, 4), then again from steep start values."""
     if near is None:
         summits, _ = grid_starts(posterior)
         mode = _highest(posterior, summits)
@@ -82,8 +79,7 @@ def _second_starts(posterior: LogPosterior, mode: Mode) -> Starts:
 
 
 def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None) -> Mode:
-    """The highest mode of each set that the starts lead to, or that is known; of equal ones the first, so that rounding
-    does not choose."""
+    """Return the highest mode of each set from the starts or `known`; the first of equal ones."""
     n_sets = len(posterior)
     starts = _distinct(starts, *_ascend(posterior[starts.sets], starts.theta, ROUGH_DECREMENT))
     sets = starts.sets
@@ -99,7 +95,7 @@ def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None)
 
 
 def _distinct(starts: Starts, theta: Array, log_density: Array) -> Starts:
-    """The places that starts came to: of each set the highest, and those that may still rise above it."""
+    """Keep the highest end of each set, and those apart from it that may still rise above it."""
     order = np.lexsort((-log_density, starts.sets))
     sets, theta, log_density = starts.sets[order], theta[order], log_density[order]
     _, first, inverse = np.unique(sets, return_index=True, return_inverse=True)
@@ -111,12 +107,12 @@ def _distinct(starts: Starts, theta: Array, log_density: Array) -> Starts:
 
 
 def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMALL_DECREMENT) -> Mode:
-    """To the summit that `start` (n_sets, 4) leads to, until a step gains `small_decrement` of log density at most."""
+    """Climb from `start` (n_sets, 4) until a step gains at most `small_decrement` of log density."""
     return _laplace(posterior, _ascend(posterior, start, small_decrement)[0])
 
 
 def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tuple[Array, Array]:
-    """Where `start` (n_sets, 4) leads to, and the log densities there (n_sets,)."""
+    """Return where `start` (n_sets, 4) leads to, and the log densities there (n_sets,)."""
     low, high = posterior.prior.bounds()
     theta = posterior.prior.tied(np.clip(start, low, high))
     log_density = np.empty(len(posterior))
@@ -145,14 +141,14 @@ def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tu
 
 
 def _is_held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
-    """Fixed parameters, and those on a bound with the density rising beyond it."""
+    """Return True for fixed parameters, and for those on a bound with the density rising beyond it."""
     at_low = (theta <= low) & (gradient <= 0)
     at_high = (theta >= high) & (gradient >= 0)
     return np.asarray((low == high) | at_low | at_high)
 
 
 def _step(here: Expansion, held: Bools, damping: Array) -> tuple[Array, Array]:
-    """The damped Newton step of the parameters that are not held, and the Newton decrement."""
+    """Return the damped Newton step of the parameters that are not held, and the Newton decrement."""
     gradient = np.where(held, 0.0, here.gradient)
     step = convex_solve(_without(-here.hessian, held), gradient, damping)
     return step, (step * gradient).sum(axis=1)
@@ -189,19 +185,29 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
 
 
 def _without(matrix: Array, held: Bools) -> Array:
-    """The matrix with rows and columns of the held parameters replaced by those of the unit matrix."""
+    """Replace rows and columns of held parameters by those of the unit matrix.
+
+    An infinite curvature becomes NaN, which discards the step.
+    """
     either = held[:, :, None] | held[:, None, :]
-    return np.where(either, np.eye(N_PARAMETERS), matrix)
+    finite = np.where(np.isfinite(matrix), matrix, np.nan)
+    return np.where(either, np.eye(N_PARAMETERS), finite)
 
 
-def _convex_inverse(matrix: Array, damping: Array) -> Array:
-    """The inverse of a positive definite neighbour: on the scale of its diagonal each eigenvalue is replaced
-    by its absolute value, at least 1e-8, plus the damping."""
-    scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
+def _convex_inverse(matrix: Array) -> Array:
+    """Invert positive definite neighbours of matrices; NaN where a matrix is not finite.
+
+    On the scale of the diagonal each eigenvalue is replaced by its size, at least 1e-8.
+    """
+    is_finite = np.asarray(np.isfinite(matrix).all(axis=(1, 2)))[:, None, None]
+    known = np.where(is_finite, matrix, np.eye(N_PARAMETERS))
+    scale = np.sqrt(np.abs(np.diagonal(known, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
     outer = scale[:, :, None] * scale[:, None, :]
-    values, vectors = np.linalg.eigh(matrix / outer)
-    values = np.maximum(np.abs(values), 1e-8) + damping[:, None]
-    return np.asarray(np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer)
+
+    values, vectors = np.linalg.eigh(known / outer)
+    values = np.maximum(np.abs(values), 1e-8)
+    inverse = np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer
+    return np.where(is_finite, inverse, np.nan)
 
 
 def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
@@ -209,15 +215,14 @@ def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
     low, high = posterior.prior.bounds()
     # On a bound there is no curvature to rest on, whichever way the density rises there.
     held = _is_held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
-    inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
+    inverse = _convex_inverse(_without(-here.hessian, held))
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
     on_bound = held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)
     return Mode(theta, here.value, covariance, np.asarray(~on_bound))
 
 
 def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
-    """The mode over all parameters and eta (n_sets,): a coarse grid of eta, then golden sections; the
-    covariance is at that eta."""
+    """Return the mode with its eta (n_sets,), by a grid of eta and golden sections, and its covariance there."""
     nodes, near = np.array(COARSE), find_mode(posterior).theta
 
     def at(eta: Array) -> Mode:
@@ -239,7 +244,7 @@ def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
 
 
 def _at(posterior: LogPosterior, near: Array) -> Mode:
-    """The highest of the summits that the grid, or the binomial's mode `near`, leads to."""
+    """Return the highest of the summits that the grid, or the binomial's mode `near`, leads to."""
     by_grid, by_binomial = find_mode(posterior), find_mode(posterior, near)
     highest = by_binomial.where(by_binomial.log_density > by_grid.log_density, by_grid)
     return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(posterior.prior.overdispersion)))

@@ -1,13 +1,9 @@
 """Posterior distributions of psychometric functions by quadrature on a box that follows the posterior.
 
-Threshold and log width lie on equidistant nodes (the trapezoidal rule converges faster than any power where a
-density dies out inside the box), the rates on Gauss-Legendre nodes. The box starts around the mode, grows
-where a face still holds density and shrinks where none is left, before the final grid is laid. After few trials a
-box reaches far beyond most of the mass, so the nodes of the threshold are equidistant in asinh of the distance from
-the mode: dense there and sparse in the tails.
-
-What a posterior says of a psychometric function: means, medians, central intervals, its evidence, and how much of it
-lies beyond the levels; from masses on a grid of threshold and log width.
+Threshold and log width lie on equidistant nodes, where the trapezoidal rule converges fastest, the rates on
+Gauss-Legendre nodes. The box starts around the mode, grows where a face still holds density and shrinks where none is
+left. After few trials it reaches far beyond most of the mass: the nodes of the threshold are then equidistant in asinh
+of the distance from the mode.
 """
 
 from dataclasses import dataclass
@@ -18,12 +14,9 @@ import numpy as np
 from tactometry.psychometric import log_mixture
 
 from ..arrays import Array, Rows
-from .chances import linear, weighted
-from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, log_weight
-from .log_posterior import LogPosterior
+from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, linear, log_weight, weighted
+from .log_posterior import LARGEST_ETA, LogPosterior, Prior, log_prior_of
 from .mode import Mode
-from .prior import LARGEST_ETA, Prior, log_prior_of
-from .splines import spline_integral
 
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""
@@ -44,6 +37,8 @@ SMALLEST_RATE = 1e-18
 """A product of `FACTORS` smaller ones is no float."""
 START_SD = np.array([10.0, 10.0, 6.0, 6.0])
 MAX_SEARCHES = 12
+FINE = 40
+"""Places between two nodes at which the integral of a spline is known."""
 DENSE_SD, LEAST_DENSE = 2.0, 1 / 30
 """Nodes of the threshold are dense within so many standard deviations of the mode, or this part of the box."""
 
@@ -55,7 +50,8 @@ class Marginals(Rows):
     `threshold` and `width` (n_sets, 3) are the lower end of the central interval, the median and the upper end; all on
     the scale of `Counts.u`. `overdispersion` (n_sets,) is the posterior mean of eta, 0 for the binomial. `log_evidence`
     (n_sets,) is the logarithm of the likelihood's mean over the prior; `beyond` (n_sets, 2) the posterior's share of
-    curves whose rise lies below, and above, all levels tested.
+    curves whose rise lies below, and above, all levels tested; `low` and `high` (n_sets, 4) are the box that the
+    posterior was integrated over, NaN where data sets shared a grid.
     """
 
     mean: Array
@@ -64,11 +60,13 @@ class Marginals(Rows):
     overdispersion: Array
     log_evidence: Array
     beyond: Array
+    low: Array
+    high: Array
 
     @classmethod
     def empty(cls, n: int) -> "Marginals":
-        mean, threshold, width, beyond = (np.full((n, size), np.nan) for size in (N_PARAMETERS, 3, 3, 2))
-        return cls(mean, threshold, width, np.zeros(n), np.full(n, np.nan), beyond)
+        of_each, three, two = (np.full((n, size), np.nan) for size in (N_PARAMETERS, 3, 2))
+        return cls(of_each, three, three, np.zeros(n), np.full(n, np.nan), two, of_each, of_each)
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,7 @@ class _Box(Rows):
 
 
 def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
-    """Means and central intervals of every data set, one data set's grid at a time in memory."""
+    """Integrate the posterior of every data set, one data set's grid at a time in memory."""
     if not len(posterior):
         return Marginals.empty(0)
     boxes = find_box(posterior, mode)
@@ -90,7 +88,8 @@ def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals
     centre, scale, start, stop = lenses.T
     threshold = centre[:, None] + scale[:, None] * np.sinh(quantiles(threshold, start, stop, interval))
     width = np.exp(quantiles(log_width, boxes.low[:, LOG_WIDTH], boxes.high[:, LOG_WIDTH], interval))
-    return Marginals(mean, threshold, width, eta, log_total - posterior.prior.log_mass(), beyond)
+    log_evidence = log_total - posterior.prior.log_mass()
+    return Marginals(mean, threshold, width, eta, log_evidence, beyond, boxes.low, boxes.high)
 
 
 def _lenses(boxes: _Box, mode: Mode) -> Array:
@@ -109,8 +108,7 @@ def _one_by_one(posterior: LogPosterior) -> list[slice]:
 
 
 def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
-    """Nodes of the overdispersion and their weights times its prior, for one data set: 0 alone for the
-    binomial."""
+    """Return nodes of the overdispersion of one data set, and weights times its prior; 0 for the binomial."""
     if posterior.prior.overdispersion is None:
         return np.zeros(1), np.ones(1)
     axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
@@ -125,7 +123,7 @@ def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
 
 
 def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
-    """The smallest box, up to a node, outside of which the density is negligible."""
+    """Return the smallest box, up to a node, outside of which the density is negligible."""
     ends = _Box(*posterior.prior.bounds())
     reach = np.where(mode.sd > 0, START_SD * mode.sd, np.inf)
     low, high = mode.theta - reach, mode.theta + reach
@@ -145,8 +143,7 @@ def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
 
 
 def _profiles(posterior: LogPosterior, box: _Box) -> list[Array]:
-    """Along each parameter, the largest log density over the others on a coarse grid: 4 of (n_sets,
-    n_nodes)."""
+    """Return the largest log density along each parameter on a coarse grid: 4 of (n_sets, n_nodes)."""
     by_set = [_profiles_of_one(posterior[here], box[here]) for here in _one_by_one(posterior)]
     return [np.array(along) for along in zip(*by_set, strict=True)]
 
@@ -161,7 +158,7 @@ def _profiles_of_one(posterior: LogPosterior, box: _Box) -> list[Array]:
 
 
 def others(place: int) -> tuple[int, ...]:
-    """The axes of a grid but one."""
+    """Return the axes of a grid but one."""
     return tuple(axis for axis in range(N_PARAMETERS) if axis != place)
 
 
@@ -187,7 +184,7 @@ def _next_box(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box
 
 @cache
 def rate_rule(n: int) -> tuple[Array, Array]:
-    """Gauss and Legendre's nodes from 0 to 1, with weights that sum to 2."""
+    """Return Gauss and Legendre's nodes from 0 to 1, with weights that sum to 2."""
     points, weights = np.polynomial.legendre.leggauss(n)
     return (points + 1) / 2, weights
 
@@ -219,9 +216,15 @@ def nodes_in(
     return nodes, weights
 
 
+def masses_in(posterior: LogPosterior, low: Array, high: Array) -> tuple[list[Array], Array]:
+    """Return nodes along each parameter in the box of one data set, and the masses of the binomial posterior there."""
+    axes, weights = nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
+    density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
+    return axes, np.exp(density - density.max()) * (weights[LAPSE][:, None] * weights[GUESS])
+
+
 def log_density_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
-    """Log density at an overdispersion on the product of four axes, for one data set; shape of the four
-    lengths."""
+    """Return the log density of one data set at an overdispersion on the product of four axes."""
     threshold, log_width, lapse, guess = posterior.prior.along(axes)
     log_prior = (threshold[:, None] + log_width)[..., None, None] + (lapse[:, None] + guess)
     return np.asarray(_log_likelihood_grid(posterior, axes, eta) + log_prior)
@@ -270,9 +273,11 @@ def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array
 
 
 def _log_products(parts: Array, floor: Array, span: Array) -> Array:
-    """Sum over the first axis of log(floor + span * parts): a product of `FACTORS` chances is a polynomial in floor and
-    span, whose coefficients are the elementary symmetric polynomials of the parts. One product of matrices evaluates
-    it at every rate."""
+    """Return the sum over the first axis of log(floor + span * parts).
+
+    A product of `FACTORS` chances is a polynomial in floor and span, whose coefficients are the elementary symmetric
+    polynomials of the parts: one product of matrices evaluates it at every rate.
+    """
     floors, spans = (rate.ravel() for rate in np.broadcast_arrays(floor, span))
     total = np.zeros((parts.shape[1] * parts.shape[2], spans.size))
     for start in range(0, len(parts), FACTORS):
@@ -290,8 +295,7 @@ def _log_products(parts: Array, floor: Array, span: Array) -> Array:
 def _marginal_densities(
     posterior: LogPosterior, box: _Box, lens: Array, etas: tuple[Array, Array]
 ) -> tuple[Array, Array, Array, float, float, Array]:
-    """Of one data set: means, the densities of threshold and log width on their nodes, the mean of eta, the logarithm
-    of the integral over all, and the shares beyond the levels."""
+    """Return means, densities of threshold and log width, mean eta, log total and shares beyond the levels."""
     prior, (low, high) = posterior.prior, (box.low[0], box.high[0])
     axes, weights = nodes_in(prior, low, high, posterior.counts.n_trials.sum(), lens)
     densities = np.stack([log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
@@ -314,8 +318,7 @@ def _marginal_densities(
 
 
 def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array:
-    """The central interval's lower end, the median and its upper end (n_sets, 3) of densities (n_sets, n_nodes) on
-    equidistant nodes from `low` to `high`, by the integral of their cubic splines."""
+    """Return low end, median and high end (n_sets, 3) of densities (n_sets, n_nodes) on equidistant nodes."""
     shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
     n_nodes = density.shape[1]
     fine, weights = spline_integral(n_nodes)
@@ -325,3 +328,38 @@ def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array
     places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])
     above_low = (high - low)[:, None] * places / (n_nodes - 1)
     return np.asarray(low[:, None] + above_low)
+
+
+@cache
+def spline_integral(n_nodes: int) -> tuple[Array, Array]:
+    """Return places on the nodes 0, 1, ... and the weights (n_nodes, n_places) of the integrals up to them.
+
+    The integral is that of the cubic spline through the values at four nodes or more, without a knot at the second
+    and the second to last node.
+
+    >>> places, weights = spline_integral(5)
+    >>> bool(np.allclose(np.arange(5.0) ** 3 @ weights, places**4 / 4))
+    True
+    """
+    values, moments = np.eye(n_nodes), _second_derivatives(n_nodes)
+    steps = (values[:-1] + values[1:]) / 2 - (moments[:-1] + moments[1:]) / 24
+    before = np.concatenate([np.zeros((1, n_nodes)), steps.cumsum(axis=0)])
+    places = np.linspace(0, n_nodes - 1, FINE * n_nodes)
+    node = np.minimum(places.astype(np.intp), n_nodes - 2)
+    t = (places - node)[:, None]
+    integral = before[node] + values[node] * (t - t**2 / 2) + values[node + 1] * t**2 / 2
+    integral -= moments[node] * (t**2 - t**3 + t**4 / 4) / 6 + moments[node + 1] * (t**2 / 2 - t**4 / 4) / 6
+    weights = np.ascontiguousarray(integral.T)
+    for shared in (places, weights):
+        shared.setflags(write=False)
+    return places, weights
+
+
+def _second_derivatives(n_nodes: int) -> Array:
+    """Return the matrix that maps a spline's values to its second derivatives at the nodes."""
+    inner = np.arange(1, n_nodes - 1)
+    left, right = np.zeros((2, n_nodes, n_nodes))
+    for offset, of_moment, of_value in ((-1, 1, 6), (0, 4, -12), (1, 1, 6)):
+        left[inner, inner + offset], right[inner, inner + offset] = of_moment, of_value
+    left[0, :3] = left[-1, -3:] = 1, -2, 1
+    return np.asarray(np.linalg.solve(left, right), dtype=np.float64)

@@ -16,12 +16,10 @@ class ThresholdFit:
     (`threshold_below_range`, `threshold_above_range`) the threshold is None and one end of the interval is
     the bound. Without a threshold for another reason, as for `flat`, the interval is that of the posterior, and an end
     is None if the threshold may lie beyond the levels on its side with a probability above 0.2. `deviance` is that of
-    the mode the method rests on (the likelihood's for ``ml`` and ``profile``, the posterior's otherwise). `note` says
-    what lies behind a status; for ``ok`` it is empty, but where ``ml``, ``map`` or ``profile`` meet the levels of an
-    adaptive track.
+    the mode of posterior or likelihood. `note` explains a status and is empty for ``ok``.
 
-    `method` names the method that the interval of the threshold comes from: ``posterior`` where the requested one has
-    none, as without a threshold, or for ``ml``, ``map`` and ``bootstrap`` where the answers change in one step.
+    `method` is ``posterior`` also where the likelihood was asked for but has no maximum, as without a threshold or
+    where the answers change in one step; a maximum of the likelihood has no interval.
 
     `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior, whatever the method;
     with overdispersion they are those of the beta-binomial posterior, as the interval is.

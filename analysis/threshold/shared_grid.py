@@ -1,10 +1,8 @@
-"""Posteriors of many data sets on the same levels: one grid for all, so that a product of matrices gives every
-log-likelihood.
+"""Posteriors of many data sets on the same levels: one grid for all, by products of matrices.
 
-The grid spans where any of the data sets holds density, at `STEP_SD` of a typical standard deviation. A data set
-whose posterior is too narrow for it is told as unresolved, and is for `posterior.marginals`, which lays a grid of
-its own. Against four times as many nodes, means and standard deviations differ by at most 0.2 % of the standard
-deviation, the ends of the intervals by 0.1 % of their width (tests), as long as `RESOLVED_STEPS` holds.
+The grid spans where any data set holds density, at `STEP_SD` of a typical standard deviation. A posterior too narrow
+for it gets a grid of its own (`posterior.marginals`). Against four times as many nodes, means and standard deviations
+differ by at most 0.2 % of the standard deviation, ends of intervals by 0.1 % of their width.
 """
 
 from collections.abc import Iterator
@@ -13,12 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Bools
-from .chances import linear
-from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from .log_posterior import LogPosterior
+from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, linear
+from .log_posterior import LogPosterior, Prior
 from .mode import Mode
 from .posterior import NEGLIGIBLE, Marginals, marginals, others, quantiles, rate_rule
-from .prior import Prior
 
 MOST_FREE = 3
 """With two free rates a grid for all has so many nodes that grids of their own are faster."""
@@ -54,7 +50,7 @@ class Grid:
 
 
 def batched_marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
-    """As `posterior.marginals`: data sets on the same levels share a grid, the others have their own."""
+    """Integrate as `posterior.marginals`; data sets on the same levels share a grid."""
     all_sets, is_alone = Marginals.empty(len(posterior)), np.ones(len(posterior), dtype=bool)
     if posterior.prior.overdispersion is None and len(posterior.prior.free) <= MOST_FREE:
         for members in posterior.alike():
@@ -67,7 +63,7 @@ def batched_marginals(posterior: LogPosterior, mode: Mode, interval: float) -> M
 
 
 def _marginals_on_grid(posterior: LogPosterior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
-    """And which of the data sets the grid resolves."""
+    """Return marginals, and which of the data sets the grid resolves."""
     grid, prior = common_grid(posterior, mode), posterior.prior
     along, log_total, beyond = marginal_masses(posterior, grid)
     m, v, lapse, guess = grid.nodes
@@ -77,12 +73,12 @@ def _marginals_on_grid(posterior: LogPosterior, mode: Mode, interval: float) -> 
     means = [(mass @ x) / mass.sum(axis=1) for mass, x in values]
     mean = prior.tied(np.stack(means, axis=1))
     log_evidence = log_total - prior.log_mass()
-    shared = Marginals(mean, threshold, width, np.zeros(len(mean)), log_evidence, beyond)
+    no_box = np.full(mean.shape, np.nan)
+    shared = Marginals(mean, threshold, width, np.zeros(len(mean)), log_evidence, beyond, no_box, no_box)
     return shared, _is_resolved(prior, grid, along)
 
 
 def common_grid(posterior: LogPosterior, mode: Mode) -> Grid:
-    """The grid of data sets on the same levels."""
     prior = posterior.prior
     low, high = (end[0] for end in prior.bounds())
     for _ in range(2):  # the first coarse search spans all that the priors allow, the second what that one has left
@@ -92,7 +88,7 @@ def common_grid(posterior: LogPosterior, mode: Mode) -> Grid:
 
 
 def _sizes(mode: Mode, reach: Array) -> list[int]:
-    """Numbers of nodes along threshold and log width."""
+    """Return the numbers of nodes along threshold and log width."""
     sizes, sd = [], mode.sd
     for place, most in zip((THRESHOLD, LOG_WIDTH), MOST_NODES, strict=True):
         known = sd[sd[:, place] > 0, place]  # a mode on a bound has none
@@ -113,7 +109,7 @@ def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid
 
 
 def _tables(posterior: LogPosterior, grid: Grid) -> tuple[Array, Array]:
-    """log psi and log(1 - psi) of the levels used (2 n_levels, n_nodes), and the log prior times weight (n_nodes,)."""
+    """Return log psi and log(1 - psi) at the levels (2 n_levels, n_nodes), and the weighted log prior (n_nodes,)."""
     prior = posterior.prior
     cdf, sf, _ = linear(posterior.shape, posterior.z_of(grid.nodes))
     lapse, guess = grid.nodes[LAPSE], prior.guess_nodes(grid.nodes[LAPSE], grid.nodes[GUESS])
@@ -130,7 +126,7 @@ def _tables(posterior: LogPosterior, grid: Grid) -> tuple[Array, Array]:
 
 
 def _densities(posterior: LogPosterior, grid: Grid) -> Iterator[tuple[slice, Array]]:
-    """Of some data sets after the others: which they are, and their log densities (n_sets, n_nodes)."""
+    """Yield slices of data sets with their log densities (n_sets, n_nodes)."""
     table, outside = _tables(posterior, grid)
     counts = posterior.counts
     used = counts.n_trials[0] > 0
@@ -142,7 +138,7 @@ def _densities(posterior: LogPosterior, grid: Grid) -> Iterator[tuple[slice, Arr
 
 
 def _ends(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array]:
-    """The ends of the nodes between which any data set holds density, one node more on each side."""
+    """Return the ends of the nodes between which any data set holds density, with one node more on each side."""
     kept = np.zeros(np.prod(grid.sizes), dtype=bool)
     for sets, density in _densities(posterior, grid):
         best = np.maximum(density.max(axis=1), mode.log_density[sets])
@@ -162,8 +158,7 @@ def _ends(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array
 
 
 def marginal_masses(posterior: LogPosterior, grid: Grid) -> tuple[list[Array], Array, Array]:
-    """Along each parameter the masses (n_sets, n_nodes) of every data set, the logarithms of their integrals (n_sets,),
-    and the shares (n_sets, 2) beyond the levels."""
+    """Return masses (n_sets, n_nodes) along each parameter, log integrals (n_sets,), and shares beyond the levels."""
     n_m, n_v, n_lapse, n_guess = grid.sizes
     n_curves, n_rates = n_m * n_v, n_lapse * n_guess
     beyond = posterior.beyond_levels(grid.nodes).reshape(2, -1).T
@@ -193,7 +188,6 @@ def _is_resolved(prior: Prior, grid: Grid, along: list[Array]) -> Bools:
 
 
 def _spread(mass: Array, nodes: Array) -> Array:
-    """Standard deviation (n_sets,) of masses (n_sets, n_nodes)."""
     share = mass / mass.sum(axis=1, keepdims=True)
     mean = share @ nodes
     variance = (share * np.square(nodes - mean[:, None])).sum(axis=1)

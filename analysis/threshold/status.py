@@ -1,19 +1,12 @@
-"""What the data can tell about a threshold, decided from the counts and the posterior, the same for every
-method.
+"""Statuses: what the data can tell about a threshold, from the counts and the posterior.
 
-The step function that fits best: where the answers change in one step, the steepness has no upper
-bound.
-
-Whether answers hold a threshold: the posterior probability that the levels meet the rise of the function.
-
-Four explanations are weighed. The levels meet the rise (some level lies between its 0.05 and 0.95 points, or levels lie
-on both sides of it); all levels lie on the upper asymptote; all lie on the lower one; or the chance is some other
-constant. The fit's own priors let the threshold lie up to half a range outside of the levels. To ask fairly, it may
-also be farther away than any curve of the fit, where only an asymptote is left to tell, or the function too shallow to
-rise: the evidence of such constant chances has a closed form. The ratios are Bayes factors (Kass and Raftery 1995,
-Journal of the American Statistical Association 90, 773-795). They depend on the likelihood alone, not on how the levels
-were chosen, so that tracks that aim at one part of the function are not punished for it; and answers that no curve
-made reach a Bayes factor of b for a curve in at most one of b cases, whatever the procedure (Markov's inequality).
+Four explanations are weighed by Bayes factors (Kass and Raftery 1995, Journal of the American Statistical Association
+90, 773-795): the levels meet the rise of the function (some level lies between its 0.05 and 0.95 points, or levels lie
+on both sides of it); all levels lie on the upper asymptote; all on the lower one; or the chance is another constant.
+The threshold may lie farther away than any curve of the fit, where only an asymptote is left: the evidence of such
+constant chances has a closed form. The ratios depend on the likelihood alone, not on how the levels were chosen, so
+that adaptive tracks are not punished; and answers that no curve made reach a Bayes factor of b for a curve in at most
+one of b cases, whatever the procedure (Markov's inequality).
 """
 
 from dataclasses import dataclass
@@ -24,14 +17,11 @@ from scipy.special import betainc, betaincinv, betaln, logsumexp
 
 from ..arrays import Array, Bools, StatusWithNote
 from ..distributions import ChiSquare
-from .chances import weighted
 from .counts import Counts
-from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood
-from .log_posterior import LogPosterior
+from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood, weighted
+from .log_posterior import LARGEST_RATE, LogPosterior, Prior, log_rate_mass
 from .mode import Mode
 from .posterior import Marginals
-from .prior import LARGEST_RATE, Prior, log_rate_mass
-from .splines import rising_fit
 
 HELD = 0.8
 """The posterior probability from which an explanation of the answers is taken: four to one."""
@@ -58,7 +48,7 @@ class StepFit:
 
 
 class Status(StatusWithNote):
-    """What the answers say of a threshold: ``ok``, or why there is none, or a bound alone."""
+    """What the answers say about a threshold: ``ok``, or why there is none, or only a bound."""
 
     OK = "ok", ""
     BELOW = "threshold_below_range", "the threshold is below the levels tested: the interval's upper end is its bound"
@@ -79,45 +69,21 @@ beside 1 for the curves of the fit. Unverified defaults: with them the census (d
 shares of wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers at a
 ceiling do."""
 
-TOO_NARROW = ("ml", "map", "profile")
-"""Methods whose intervals are known to be too narrow after an adaptive track."""
-AFTER_A_TRACK = (
-    "trials stand on the levels as an adaptive track leaves them, where intervals of ml, map and profile hold the "
-    "truth too seldom (84 % of map's and 91 % of profile's after 60 trials of QUEST+); take method='posterior'"
-)
-UNEVEN, FEW = 1e-3, 10
-
-
-def stand_as_after_a_track(counts: Counts) -> Bools:
-    """Whether some levels have more trials than an even spread explains (chi square), or hardly any has two: constant
-    stimuli are even."""
-    n, n_levels = counts.n_trials.sum(axis=1), np.maximum(counts.n_levels, 1)
-    even = np.maximum(n / n_levels, 1.0)[:, None]
-    squares = np.where(counts.n_trials > 0, (counts.n_trials - even) ** 2 / even, 0.0)
-    is_uneven = ChiSquare.sf(squares.sum(axis=1), np.maximum(n_levels - 1, 1)) < UNEVEN
-    is_scattered = (n_levels > FEW) & (n < 2 * n_levels)
-    return np.asarray(is_uneven | is_scattered)
-
-
 Statuses = NDArray[np.object_]
 
 
-def notes(counts: Counts, status: Statuses, method: str, interval: float) -> list[str]:
-    """What is said beside each status."""
+def notes(counts: Counts, status: Statuses, interval: float) -> list[str]:
+    """Return the explanation of each status."""
     said = [Status(word).note for word in status]
     for i in np.flatnonzero((status == Status.TOO_FEW_LEVELS) & (counts.n_levels == 1)):
         k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
         low, high = proportion_interval(k, n, interval)
         said[i] = f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
-    if method in TOO_NARROW:
-        for i in np.flatnonzero((status == Status.OK) & stand_as_after_a_track(counts)):
-            said[i] = AFTER_A_TRACK
     return said
 
 
 def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Status]:
-    """The status of each data set, the first that applies of: no data, one level, falling, all yes, the threshold
-    outside of the levels' reach or not to be told, one step, two levels; `shares` are those of `verdict_shares`."""
+    """Return the first status that applies to each data set; `shares` are those of `verdict_shares`."""
     counts = posterior.counts
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
     falls, status = _falls(counts), []
@@ -137,7 +103,6 @@ def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Stat
 
 
 def _outside(shares: Array, k: float, n: float, guess: float) -> Status:
-    """Of answers that do not hold a threshold; a constant rate that is neither a ceiling's nor guesses' tells none."""
     low, high = proportion_interval(k, n, 0.95)
     if shares[1] >= HELD and high >= CEILING_RATE:
         return Status.BELOW
@@ -145,7 +110,7 @@ def _outside(shares: Array, k: float, n: float, guess: float) -> Status:
 
 
 def _guess(prior: Prior, i: int) -> float:
-    """The guess rate, or for a free one the highest that the catch trials allow (the prior's mean without them)."""
+    """Return the guess rate; of a free one the highest that catch trials allow, or the mean of its prior."""
     if prior.guess_rate is not None:
         return prior.guess_rate
     if prior.n_catch[i] == 0:
@@ -166,8 +131,7 @@ def proportion_interval(k: float, n: float, interval: float) -> tuple[float, flo
 
 
 def _falls(counts: Counts) -> Bools:
-    """A falling trend (score test), or drops that no rising function explains (isotonic against
-    saturated)."""
+    """Return True for a falling trend (score test), or drops that no rising function explains."""
     n = counts.n_trials.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         # Equal answers or one level make z 0 / 0, and NaN is below no criterion.
@@ -183,7 +147,7 @@ def _falls(counts: Counts) -> Bools:
 
 
 def _isotonic_log_likelihood(counts: Counts) -> Array:
-    """Of the best rising function of the level; only sets with a drop between neighbours are fitted."""
+    """Return the log-likelihood of the best rising function; only sets with a drop are fitted."""
     fitted = saturated_log_likelihood(counts)  # of answers that rise already
     for i in range(len(counts)):
         used = counts.n_trials[i] > 0
@@ -195,6 +159,24 @@ def _isotonic_log_likelihood(counts: Counts) -> Array:
                 log_no = np.log1p(-np.minimum(p, 1))
                 fitted[i] = (weighted(k, np.log(p)) + weighted(n - k, log_no)).sum()
     return fitted
+
+
+def rising_fit(values: Array, weights: Array) -> Array:
+    """Return the rising sequence nearest to the values (n,) by weighted squares (pool adjacent violators).
+
+    >>> rising_fit(np.array([1.0, 3.0, 2.0, 4.0]), np.array([1.0, 1.0, 3.0, 1.0])).tolist()
+    [1.0, 2.25, 2.25, 4.0]
+    """
+    blocks: list[tuple[float, float, int]] = []
+    for value, weight in zip(values.tolist(), weights.tolist(), strict=True):
+        mean, total, size = value, weight, 1
+        while blocks and blocks[-1][0] >= mean:
+            before, its_total, its_size = blocks.pop()
+            mean = (before * its_total + mean * total) / (its_total + total)
+            total, size = total + its_total, size + its_size
+        blocks.append((mean, total, size))
+    means, _, sizes = zip(*blocks, strict=True)
+    return np.repeat(means, sizes)
 
 
 def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
@@ -220,8 +202,7 @@ def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
 
 
 def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
-    """Steps at each level (n_sets, n_levels), and before, between and after the levels (n_sets, n_levels +
-    1)."""
+    """Return those of steps at each level (n_sets, n_levels), and around the levels (n_sets, n_levels + 1)."""
     k, n = counts.n_yes, counts.n_trials
     lapse, guess = likeliest.theta[:, LAPSE, None], likeliest.theta[:, GUESS, None]
     with np.errstate(divide="ignore"):
@@ -240,8 +221,7 @@ def _finite_log(log_chance: Array) -> Array:
 
 
 def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
-    """Posterior probabilities (n_sets, 4): the levels meet the rise; all lie above it; all lie below it; there is none.
-    NaN for sets without a posterior."""
+    """Return probabilities (n_sets, 4): the levels meet the rise; lie above it; lie below it; there is none."""
     met = 1 - marginals.beyond.sum(axis=1, keepdims=True)
     curves = marginals.log_evidence[:, None] + _logarithm(np.hstack([met, marginals.beyond]))
     ceiling, guesses, constant = constant_evidence(posterior.counts, posterior.prior)
@@ -256,8 +236,10 @@ def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
 
 
 def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array]:
-    """Log evidence (n_sets,) of the upper asymptote alone for all answers, of the lower one, and of a chance that is
-    uniform between the two where they are known; with that of the answers to catch trials."""
+    """Return the log evidence (n_sets,) of the upper asymptote, the lower one, and any constant chance.
+
+    The last is uniform between the asymptotes where they are known. All include the answers to catch trials.
+    """
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
     alarms, correct = prior.n_false_alarms, prior.n_catch - prior.n_false_alarms
     low, high = prior.guess_rate or 0.0, 1 - (prior.lapse_rate or 0.0)
@@ -276,7 +258,7 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
 
 
 def _log_mean_chance(rate: float | None, beta: float, k: Array, rest: Array) -> Array:
-    """Log chance of k answers at a rate and the rest at its complement, averaged over the prior of a free rate."""
+    """Return the log chance of k answers at a rate and the rest at its complement, over the prior of a free rate."""
     if rate is None:
         a, b = k + 1, rest + beta
         share = np.asarray(betainc(a, b, LARGEST_RATE), dtype=np.float64)  # a free rate ends there, before 1
@@ -290,6 +272,6 @@ def _log_beta(a: Array, b: Array) -> Array:
 
 
 def _logarithm(x: Array) -> Array:
-    """Minus infinity for what rounding has brought to 0 or below."""
+    """Return the logarithm; minus infinity for what rounding has brought to 0 or below."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.log(np.maximum(x, 0.0)), dtype=np.float64)

@@ -20,7 +20,7 @@ from tactometry.safety.load import Load
 from tactometry.signal import Signal
 
 from ..study.experiment import Experiment, wire
-from ..study.felt_and_lost import felt_and_lost
+from ..study.felt_effects import predict
 from ..study.study_file import folder_of, load
 from .bench_file import BenchFile
 from .calibration import tone
@@ -73,11 +73,11 @@ def _study(study: str, *, allow_code: bool) -> tuple[list[Finding], Experiment |
         return [Finding("study", study, str(error), "a study that can run", fine=False)], None
     n = len(experiment.bank)
     words = f"{n} {'stimulus' if n == 1 else 'stimuli'}; the strongest levels are within the study's limits"
-    told = felt_and_lost(experiment)
+    predicted = predict(experiment)
     allowed = [Finding("study", "caution", caution) for caution in experiment.study.cautions]
-    unfelt = [Finding("study", "not felt", line, fine=False) for line in told.warnings]
-    felt = [Finding("scene", "felt", " ".join(map(str.strip, effects.lines))) for effects in told.effects]
-    contact = [Finding("finger", f"{finger.force_n:g} N", finger.line) for finger in told.fingers]
+    unfelt = [Finding("study", "not felt", line, fine=False) for line in predicted.warnings]
+    felt = [Finding("scene", "felt", " ".join(map(str.strip, effects.lines))) for effects in predicted.effects]
+    contact = [Finding("finger", f"{finger.force_n:g} N", finger.line) for finger in predicted.fingers]
     return [Finding("study", study, words, fine=True), *allowed, *unfelt, *felt, *contact], experiment
 
 

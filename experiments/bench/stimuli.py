@@ -12,7 +12,7 @@ import numpy as np
 from tactometry.arguments.require import expect
 from tactometry.devices.outputs.output import expect_following
 from tactometry.errors import InvalidParameter, rewording
-from tactometry.followed import FollowsFinger
+from tactometry.position_dependent import FollowsFinger
 from tactometry.rigs.emitter import NO_POSITION, render
 from tactometry.signal import Signal, Stimulus
 

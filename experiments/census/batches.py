@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.analysis.threshold.modes import TrackModes, fit_modes
+from tactometry.analysis.threshold.track_modes import TrackModes, fit_modes
 from tactometry.protocols.batch.answers import LevelTable, criteria
-from tactometry.protocols.batch.streams import stream
 from tactometry.protocols.batch.tracks import tracks
+from tactometry.protocols.order import stream
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.protocols.procedures.stepping import SteppingRule
 
@@ -33,7 +33,7 @@ class Respondents:
 
 @dataclass(frozen=True, eq=False)
 class FittedTracks:
-    """True thresholds (n_sets,), how each track ended (codes of `protocols.procedures.transition`), and its fit."""
+    """True thresholds (n_sets,), how each track ended (codes of `protocols.procedures.stepping`), and its fit."""
 
     thresholds: NDArray[np.float64]
     endings: NDArray[np.int8]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tactometry.analysis.hierarchical.fitting import HierarchicalFit, fit_hierarchical
 from tactometry.protocols.batch import tracks as batch
 from tactometry.protocols.batch.answers import criteria
-from tactometry.protocols.batch.streams import stream
+from tactometry.protocols.order import stream
 from tactometry.protocols.procedures.stepping import SteppingRule
 
 from .thresholds import PROCEDURES, SHAPE

@@ -1,8 +1,7 @@
 """What a touch, a stimulus or a trial leaves in the rows of a PsychoPy script: names as in a table of trials."""
 
-from tactometry.choice_form import ChoiceForm
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
-from tactometry.questionnaire import Questionnaire
+from tactometry.questionnaire import ChoiceForm, Questionnaire
 from tactometry.session.answer import Played, Touched
 
 Values = dict[str, float | str]
@@ -61,8 +60,8 @@ def of_trial(outcome: TrialOutcome) -> Values:
 def of_reply(form: Questionnaire | ChoiceForm, reply: Reply) -> dict[str, float | str | None]:
     """The row of an item of a questionnaire; of questions about a person with the category, in English if it has that.
 
-    >>> from tactometry.choice_form import load
-    >>> of_reply(load("demographics"), Reply(None, 1.0, item="handedness"))
+    >>> from tactometry.questionnaire import load_choices
+    >>> of_reply(load_choices("demographics"), Reply(None, 1.0, item="handedness"))
     {'item': 'handedness', 'response': 1.0, 'category': 'right'}
     """
     row: dict[str, float | str | None] = {"item": reply.item, "response": reply.response}

@@ -9,14 +9,13 @@ from typing import Any, Self, TypeVar
 import numpy as np
 
 from tactometry.arguments.require import expect, one_of
-from tactometry.choice_form import ChoiceForm, shipped_choices
 from tactometry.protocols.procedures.procedure import Procedure
 from tactometry.protocols.session import reply_to, words_of
 from tactometry.protocols.tasks.rating import fill_in
 from tactometry.protocols.tasks.task import Presentation, Reply, TrialOutcome
-from tactometry.questionnaire import Questionnaire, shipped_names
+from tactometry.questionnaire import ChoiceForm, Questionnaire, shipped_choices, shipped_names
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
-from tactometry.rigs.touch.touch import Beside
+from tactometry.rigs.touch.touch import ConcurrentPlay
 from tactometry.session.answer import Played, Touched
 from tactometry.session.request import Play, Press, Slide
 from tactometry.session.run import Course
@@ -117,7 +116,7 @@ class Guest:
         shown = Presentation(condition.stimulus, level, condition.touch, condition.alternatives)
         return self._carry_out(self.experiment.task.trial(shown, self._rng))
 
-    def begin(self, level: float | None, **factors: float | str) -> Beside:
+    def begin(self, level: float | None, **factors: float | str) -> ConcurrentPlay:
         """Begin to play with no condition on the finger, while the script draws: `look` each frame, `end` in the end.
 
         Raises

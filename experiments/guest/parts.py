@@ -7,7 +7,7 @@ from typing import Any
 
 from tactometry.errors import Stopped
 from tactometry.protocols.tasks.task import TrialOutcome
-from tactometry.rigs.touch.touch import Beside
+from tactometry.rigs.touch.touch import ConcurrentPlay
 
 from .columns import Values, of_stimulus, of_touch, of_trial
 from .guest import Guest
@@ -57,7 +57,7 @@ class TouchPart(GuestPart):
 class StimulusPart(GuestPart):
     """A stimulus beside what the routine draws."""
 
-    _beside: Beside | None = None
+    _beside: ConcurrentPlay | None = None
     stopped = False
     """Whether Escape was pressed while a sensor paused it."""
 

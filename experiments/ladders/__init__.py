@@ -28,8 +28,6 @@ LADDERS: Mapping[str, str] = {
     "skin-propagator": f"{_HERE}.skin_propagator:problem",
     "friction-events": f"{_HERE}.friction_events:problem",
     "threshold-fit": f"{_HERE}.threshold_fit:problem",
-    "threshold-likelihood": f"{_HERE}.threshold_fit:likelihood",
-    "threshold-bootstrap": f"{_HERE}.threshold_bootstrap:problem",
     "hierarchical-fit": f"{_HERE}.hierarchical_fit:problem",
     "quest-plus-grid": f"{_HERE}.quest_plus_grid:problem",
     "procedures": f"{_HERE}.procedures:problem",

@@ -48,6 +48,6 @@ def _chances(true_db: Real) -> Real:
 
 def _fitted_db(n_correct: NDArray[Any], n_trials: int) -> Real:
     counts = n_correct.reshape(-1, len(LEVELS_DB))
-    fits = fit_many(LEVELS_DB, counts, n_trials, shape="gumbel", guess_rate=0.5, lapse_rate=0.02, method="map")
+    fits = fit_many(LEVELS_DB, counts, n_trials, shape="gumbel", guess_rate=0.5, lapse_rate=0.02)
     thresholds_db = [MEAN_DB if fit.threshold is None else fit.threshold for fit in fits]
     return np.array(thresholds_db).reshape(n_correct.shape[:-1])

@@ -4,9 +4,8 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.analysis.hierarchical.model import GroupModel
+from tactometry.analysis.hierarchical.model import GroupModel, StudyCounts
 from tactometry.analysis.hierarchical.posterior import Conditional, Laplace, integrate
-from tactometry.analysis.hierarchical.study import StudyCounts
 from tactometry.psychometric import shape_named
 
 from ..cost.problem import Problem, Real, Reference, Rung

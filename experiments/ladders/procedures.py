@@ -104,7 +104,7 @@ def _constant(n_trials: int) -> ConstantStimuli:
 def _fit_thresholds(runs: Sequence[Run]) -> list[float | None]:
     answers = np.array([answered for _, answered in runs], dtype=np.float64)
     rates: Any = {"guess_rate": GUESS_RATE, "lapse_rate": LAPSE_RATE}
-    fits = fit_many(answers[..., 0], answers[..., 1], 1, shape="gumbel", method="map", **rates)
+    fits = fit_many(answers[..., 0], answers[..., 1], 1, shape="gumbel", **rates)
     return [fit.threshold for fit in fits]
 
 

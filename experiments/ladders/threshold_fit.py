@@ -1,7 +1,5 @@
-"""The interval of one threshold by each method of the fit, against the integral of the posterior and the profile of the
-likelihood."""
+"""The interval of one threshold, against the integral of the posterior written out."""
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,11 +13,7 @@ LEVELS = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
 N_CORRECT, N_TRIALS = np.array([23, 20, 26, 30, 37, 39, 40]), 40
 N_SETS, RANGE, GAP = 16, 6.0, 1.0
 N_FINEST, N_COARSER = (281, 241, 24), (201, 161, 16)
-GUESS, LAPSE = 0.5, 0.02
-SHAPE: Any = {"shape": "normal", "guess_rate": GUESS}
-FALL = 1.9207294103470607
-"""Half of the 95 % point of chi-square with one degree of freedom."""
-LOG_WIDTHS, FARTHEST, GRID = (0.0, 3.5), 3.5, (801, 701)
+SHAPE: Any = {"shape": "normal", "guess_rate": 0.5}
 
 
 def problem() -> Problem:
@@ -30,15 +24,14 @@ def problem() -> Problem:
         independent=Reference("the same with fewer nodes", lambda: posterior(*N_COARSER), 1e-4),
         error=over_interval,
         rungs=(
-            Rung("Laplace (map)", partial(_interval, "map")),
             Rung(f"shared grid, {N_SETS} sets", _shared_interval),
-            Rung("own grid", partial(_interval, "posterior", estimate="mean")),
+            Rung("own grid", _own_interval),
         ),
     )
 
 
-def _interval(method: str, **options: Any) -> Real:
-    return estimate_and_ends(fit(LEVELS, N_CORRECT, N_TRIALS, method=method, **SHAPE, **options))
+def _own_interval() -> Real:
+    return estimate_and_ends(fit(LEVELS, N_CORRECT, N_TRIALS, estimate="mean", **SHAPE))
 
 
 def _shared_interval() -> Real:
@@ -88,49 +81,3 @@ def width_prior(width: Real, spacing: float, level_range: float) -> Real:
     narrow = np.clip((2 * spacing - width) / spacing, 0, 1)
     wide = np.clip((width - level_range) / (2 * level_range), 0, 1)
     return np.asarray((1 + np.cos(np.pi * np.maximum(narrow, wide))) / 2)
-
-
-def likelihood() -> Problem:
-    """Wald and profile against the profile written out: the same answers, with the lapse rate known."""
-    wald, profile = (partial(_interval, method, lapse_rate=LAPSE) for method in ("ml", "profile"))
-    return Problem(
-        "largest error of threshold and 95 % interval of likelihood over its width, 7 levels x 40 trials, 2AFC",
-        reference=Reference("the profile written out, by Brent's methods", _by_brent, 1e-7),
-        independent=Reference("its highest values on a grid", _on_a_grid, 1e-4),
-        error=over_interval,
-        rungs=(Rung("Wald (ml)", wald), Rung("profile", profile)),
-    )
-
-
-def _log_likelihood(threshold: Real, log_width: Real) -> Real:
-    rise = ndtr((LEVELS - threshold[..., None]) / np.exp(log_width)[..., None] * 2 * ndtri(0.95))
-    chance = GUESS + (1 - GUESS - LAPSE) * rise
-    return np.asarray(np.log(chance) @ N_CORRECT + np.log1p(-chance) @ (N_TRIALS - N_CORRECT))
-
-
-def _profile(threshold: float) -> float:
-    from scipy.optimize import minimize_scalar
-
-    at = np.asarray(threshold)
-    lost = minimize_scalar(
-        lambda w: -float(_log_likelihood(at, np.asarray(w))), bounds=LOG_WIDTHS, options={"xatol": 1e-10}
-    )
-    return -float(lost.fun)
-
-
-def _by_brent() -> Real:
-    from scipy.optimize import brentq, minimize_scalar
-
-    best = minimize_scalar(lambda m: -_profile(m), bounds=(-FARTHEST, FARTHEST), options={"xatol": 1e-9})
-    ends = [brentq(lambda m: _profile(m) + best.fun + FALL, best.x, far) for far in (-FARTHEST, FARTHEST)]
-    return np.array([best.x, *ends])
-
-
-def _on_a_grid() -> Real:
-    from scipy.interpolate import CubicSpline
-
-    thresholds, log_widths = np.linspace(-FARTHEST, FARTHEST, GRID[0]), np.linspace(*LOG_WIDTHS, GRID[1])
-    profile = CubicSpline(thresholds, _log_likelihood(thresholds[:, None], log_widths).max(axis=1))
-    fine = np.linspace(-FARTHEST, FARTHEST, 100 * GRID[0])
-    inside = fine[profile(fine) > profile(fine).max() - FALL]
-    return np.array([fine[profile(fine).argmax()], inside[0], inside[-1]])

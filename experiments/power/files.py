@@ -1,11 +1,13 @@
 """The folder of a power analysis: what was asked, what each simulated study gave, batch by batch, and the results."""
 
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+from tactometry.analysis.reading.trials import Trials
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import make_folder, read_file, write_atomically
 from tactometry.files.json_file import prepare
@@ -14,9 +16,8 @@ from tactometry.provenance import sha256
 
 from ..parquet import arrow
 from ..workers import Spread
-from .data import DATA, MARK, PLACE, paths_of, simulated_and_kept
-from .design import PowerDesign
-from .replicate import Row
+from .design import Case, PowerDesign
+from .replicate import Row, studied
 from .sampling import Batch, simulated
 from .summary import PowerEstimate
 
@@ -115,3 +116,36 @@ class Folder:
 def _schema(pa: Any) -> Any:
     kinds = [(field.name, _TYPES[field.type]) for field in fields(Row)]  # type: ignore[index]
     return pa.schema([(name, getattr(pa, kind)()) for name, kind in kinds], MARK)
+
+
+PLACE = "power --out"
+DATA = "data"
+MARK = {b"simulated": b"true"}
+OF_FILES = ["row", "source"]
+"""Where trials stood in a file, which these never did."""
+
+
+def paths_of(root: Path, batch: Batch) -> list[Path]:
+    """A file for each study of a batch."""
+    return [root / DATA / f"{batch.case.name}_{number:07d}.parquet" for number in range(batch.first, batch.end)]
+
+
+def simulated_and_kept(root: Path, design: PowerDesign, batch: Batch, spread: Spread) -> Iterator[Row]:
+    """The rows of a batch, whose studies are written one by one: no more than a few are in memory."""
+    made = spread(partial(_with_content, design, batch.case), range(batch.first, batch.end))
+    for path, (rows, content) in zip(paths_of(root, batch), made, strict=True):
+        write_atomically(path, content)
+        yield from rows
+
+
+def _with_content(design: PowerDesign, case: Case, number: int) -> tuple[tuple[Row, ...], bytes]:
+    rows, trials = studied(design, case, number)
+    return rows, _content(trials)
+
+
+def _content(trials: Trials) -> bytes:
+    pa = arrow(PLACE)
+    table = pa.Table.from_pandas(trials.rows.drop(columns=OF_FILES), preserve_index=False)
+    content = io.BytesIO()
+    pa.parquet.write_table(table.replace_schema_metadata({**(table.schema.metadata or {}), **MARK}), content)
+    return content.getvalue()

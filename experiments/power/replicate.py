@@ -24,8 +24,7 @@ from ..study.session_plan import all_sessions, stream
 from .design import Case, PowerDesign
 from .level_map import with_stated_levels
 from .scenario import experiment_of, maps_of, plan_of_study
-from .scores import applied_effect, form_of_task, p_of_scores, task_scores
-from .tested import p_of
+from .scores import applied_effect, form_of_task, p_of, p_of_scores, task_scores
 from .truth import TRUTH, true_thresholds
 
 

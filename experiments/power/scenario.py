@@ -20,7 +20,7 @@ from tactometry.trials.tasks import FORM_TASK
 
 from ..study.cells import WiredCell, merge
 from ..study.experiment import Experiment, wire
-from ..study.felt_levels import contact_of, felt_db
+from ..study.predictions import contact_of, felt_db
 from ..study.session_plan import places_of
 from ..study.study import Study
 from ..study.study_file import parse

@@ -9,6 +9,8 @@ import numpy as np
 import pandas as pd
 
 from tactometry.analysis.attrakdiff.patterns import BY, THESIS, against_reference, frequency_by_envelope
+from tactometry.analysis.outcomes.findings import FORCE, Outcome, Primary
+from tactometry.analysis.outcomes.outcome import MEASURED
 from tactometry.analysis.outcomes.ratings import PATTERN, are_patterns, form_scores, score_outcome
 from tactometry.analysis.reading.trials import Trials, asked_rows
 from tactometry.observers.raters import Raters
@@ -20,7 +22,6 @@ from tactometry.trials.tasks import FORM_TASK
 from ..study.experiment import Experiment
 from ..study.study import Levels, Study
 from .effect import StatedEffect
-from .tested import p_of
 
 OF_THESIS: Final[Mapping[str, Levels]] = {
     name: tuple(dict.fromkeys(values[place] for values in THESIS.values())) for place, name in enumerate(BY)
@@ -120,3 +121,20 @@ def _least(table: pd.DataFrame, rows: Mapping[str, Any], column: str) -> float |
     kept = np.logical_and.reduce([table[name] == value for name, value in rows.items()])
     least = table.loc[kept, column].min()
     return None if pd.isna(least) else float(least)
+
+
+P_COLUMNS: Final = ("p_CM_corr", "p", "p_permutation")
+"""What an analysis reports of an effect: the first that its table has."""
+
+
+def p_of(tested: Outcome, factor: str) -> float | None:
+    """What the primary analysis says of a factor; None where it has no answer."""
+    effects = tested.effects
+    if effects is None:
+        return None
+    name = MEASURED if tested.primary is Primary.MIXED_MODEL and factor == FORCE else factor
+    of_factor = effects[effects.iloc[:, 0] == name]
+    column = next((column for column in P_COLUMNS if column in effects.columns), None)
+    if of_factor.empty or column is None or pd.isna(of_factor[column].iloc[0]):
+        return None
+    return float(of_factor[column].iloc[0])

@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping
 
-from .key_table import KeyTable
+from .key_table import KeyTable, toml_value
 from .keys import Key, keys_of
 from .meanings import summary
-from .toml_text import toml_value
 
 
 def heading(table: KeyTable) -> str:
@@ -30,8 +29,9 @@ def holds(key: Key) -> str:
 
 
 def block(table: KeyTable) -> str:
-    """The table as a file may hold it: what must be there, and the other keys as comments; tables at the top of a file
-    stand behind both.
+    """Return the table as a file may hold it: required keys, and the others as comments.
+
+    Tables at the top of a file follow both.
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> print(block(tables()["touch.press"]), end="")
@@ -42,13 +42,32 @@ def block(table: KeyTable) -> str:
     timeout_s = 10.0
     # tolerance = 0.15
     """
+    return _block(table, comments=True)
+
+
+def example(table: KeyTable) -> str:
+    """Return the table with the keys that an example needs.
+
+    >>> from tactometry.experiments.reference.tables import tables
+    >>> print(example(tables()["limits"]), end="")
+    [limits]
+    voltage_peak_v = 200.0
+    """
+    return _block(table, comments=False)
+
+
+def _block(table: KeyTable, *, comments: bool) -> str:
     keys = [key for key in keys_of(table) if key.example]
     stated = [key for key in keys if key.required or key.name in table.shown]
+    others = [f"# {key.name} = {key.example}" for key in keys if key not in stated]
+    if not stated and not comments:  # one optional key shows how the table is written
+        others = [line.removeprefix("# ") for line in others[:1]]
+
     apart = [] if table.header else [key for key in stated if isinstance(table.shown.get(key.name), Mapping)]
     lines = [f"{key.name} = {key.example}" for key in stated if key not in apart]
-    others = [f"# {key.name} = {key.example}" for key in keys if key not in stated]
     parts = [line for key in apart for line in ("", f"[{key.name}]", *_lines(table.shown[key.name]))]
-    return "".join(f"{line}\n" for line in [*filter(None, [table.header]), *lines, *others, *parts])
+    shown = others if comments or not stated else []
+    return "".join(f"{line}\n" for line in [*filter(None, [table.header]), *lines, *shown, *parts])
 
 
 def _lines(values: Mapping[str, object]) -> list[str]:

@@ -16,10 +16,9 @@ from tactometry.config.quantity import unit_in
 from tactometry.config.strict import fields_of, is_required, words_of
 from tactometry.errors import TactometryError
 
-from .key_table import KeyTable
+from .key_table import KeyTable, toml_value
 from .meanings import meanings, summary
 from .tables import inner_name
-from .toml_text import toml_value
 
 ASKED = "table"
 """The path under which a table is built to hear what it refuses."""

@@ -4,15 +4,14 @@
 """
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from functools import cache
 from itertools import groupby
 from pathlib import Path
 from typing import Final
 
-from tactometry.rigs.texts import texts_in
-
-from .block import block, holds
+from .block import example, holds
 from .key_table import KeyTable
 from .keys import Key, keys_of
 from .meanings import summary
@@ -21,20 +20,20 @@ from .tables import PAGES, tables_of_page
 BEGIN, END = "<!-- keys: written by `make keys` -->", "<!-- end of keys -->"
 ROOT: Final = Path(__file__).resolve().parents[2]
 FOLDER: Final = ROOT / "docs" / "reference"
+HEAD: Final = ("| key | holds | if left out | meaning |", "|---|---|---|---|")
+FEWEST_SHARED: Final = 2
+"""Rows of a table that are the same as those of an earlier one, from this number on, are named there only."""
+Shown = dict[str, str]
+"""Rows of a page, each with the name of the first table that holds it."""
 
 
-def texts() -> Mapping[str, str]:
-    """The messages and labels that `[texts]` may replace, as they are shipped, in the order of their file."""
-    shipped = texts_in("en", {})
-    return {**shipped.messages, **shipped.labels}
-
-
-def with_tables(text: str, page: str, behind: str = "") -> str:
-    """The text of a page with its tables of keys anew, between the marks."""
+def with_tables(text: str, page: str) -> str:
+    """Return the text of a page with its tables of keys written anew, between the marks."""
     before, _, rest = text.partition(BEGIN)
     _, _, after = rest.partition(END)
-    parts = [_section(alike, page) for alike in _sections(page)]
-    return "\n\n".join([f"{before}{BEGIN}", *parts, *filter(None, [behind]), f"{END}{after}"])
+    shown: Shown = {}
+    parts = [_section(alike, page, shown) for alike in _sections(page)]
+    return "\n\n".join([f"{before}{BEGIN}", *parts, f"{END}{after}"])
 
 
 def path_of(page: str) -> Path:
@@ -43,9 +42,8 @@ def path_of(page: str) -> Path:
 
 
 def text_of(page: str) -> str:
-    """A page that holds keys, as it should be."""
-    behind = _texts_in_words() if page == "studies" else ""
-    return with_tables(path_of(page).read_text(encoding="utf-8"), page, behind)
+    """Return a page with its tables of keys up to date."""
+    return with_tables(path_of(page).read_text(encoding="utf-8"), page)
 
 
 def _names(alike: Iterable[KeyTable]) -> str:
@@ -80,17 +78,30 @@ def _link(name: str, page: str) -> str:
     return f"[`{name}`]({'' if other == page else f'{other}.md'}#{anchor})"
 
 
-def _section(alike: list[KeyTable], page: str) -> str:
-    """Tables of one class: their names, where they stand, their keys, and one of them as a file may hold it."""
+def _section(alike: list[KeyTable], page: str, shown: Shown) -> str:
+    """Return the tables of one class: names, place, keys, and an example. Rows that the page has already are named."""
     table = alike[0]
     place = f"In `{table.header}`." if table.header else "At the top of the file."
     also = " and ".join(_link(name, page) for name in table.also)
-    beside = f"Beside its keys stand those of {also}." if also else ""
-    rows = [_row(key, alike, page) for key in keys_of(table)]
-    head = ["| key | holds | if left out | meaning |", "|---|---|---|---|"]
+    beside = f"The keys of {also} are allowed too." if also else ""
     said = " ".join(filter(None, [place, summary(table.reader), *(each.note for each in alike), beside]))
-    lines = [f"### {_names(alike)}", "", said, "", *head, *rows]
-    return "\n".join([*lines, "", f"<!-- keys: {table.name} -->", "```toml", block(table).rstrip(), "```"])
+
+    rows = {key.name: _row(key, alike, page) for key in keys_of(table)}
+    known = {name: shown[row] for name, row in rows.items() if row in shown}
+    shared = [place for place, n in Counter(known.values()).items() if n >= FEWEST_SHARED]
+    new = [row for name, row in rows.items() if known.get(name) not in shared]
+    same = [_shared(place, [name for name in rows if known.get(name) == place], page) for place in shared]
+    for row in rows.values():
+        shown.setdefault(row, table.name)
+
+    lines = [f"### {_names(alike)}", "", said, ""]
+    lines += [*HEAD, *new, ""] if new else []
+    return "\n".join([*lines, *same, f"<!-- keys: {table.name} -->", "```toml", example(table).rstrip(), "```"])
+
+
+def _shared(place: str, names: list[str], page: str) -> str:
+    listed = ", ".join(f"`{name}`" for name in names)
+    return f"As in {_link(place, page)}: {listed}.\n"
 
 
 def _row(key: Key, alike: list[KeyTable], page: str) -> str:
@@ -108,11 +119,6 @@ def _otherwise(key: Key) -> str:
     """What is taken in its place: a value as a file writes it, or that it must be there."""
     in_words = key.required or key.otherwise in ("none", "its own")
     return (key.otherwise or "**required**") if in_words else f"`{key.otherwise}`"
-
-
-def _texts_in_words() -> str:
-    rows = [f"| `{name}` | {' '.join(text.split())} |" for name, text in texts().items()]
-    return "\n".join(["### `[texts]`", "", "| name | as shipped |", "|---|---|", *rows])
 
 
 def main() -> None:

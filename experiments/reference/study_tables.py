@@ -9,8 +9,7 @@ from tactometry.stimuli.electrovibration.textures.kinds import TEXTURES
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.trials.tasks import TASKS
 
-from ..study.procedure_kinds import PROCEDURES, ProcedureKind
-from ..study.stimulus_kinds import STIMULI, TOUCHES, StimulusKind
+from ..study.kinds import PROCEDURES, STIMULI, TOUCHES, ProcedureKind, StimulusKind
 from .key_table import KeyTable, Values
 
 STUDY: Final[Values] = {

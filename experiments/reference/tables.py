@@ -15,13 +15,13 @@ _HERE: Final = __package__
 PAGES: Final[Mapping[str, tuple[str, ...]]] = {
     "studies": (
         f"{_HERE}.study_tables:study_tables",
-        f"{_HERE}.form_tables:form_tables",
+        f"{_HERE}.people_tables:form_tables",
         f"{_HERE}.people_tables:people_tables",
     ),
     "procedures": (f"{_HERE}.study_tables:procedure_tables",),
     "bench": (f"{_HERE}.bench_tables:bench_tables",),
     "scenes": (f"{_HERE}.scene_tables:scene_tables", f"{_HERE}.scene_tables:plate_tables"),
-    "maps": (f"{_HERE}.map_tables:map_tables",),
+    "maps": (f"{_HERE}.people_tables:map_tables",),
 }
 """By the page that holds them, what gives the tables of a file."""
 

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.block_state import Track
-from tactometry.protocols.procedures.practice import PracticeRun
 from tactometry.provenance import sha256, versions
 from tactometry.records.data_set import LARGEST_NUMBER, Session
 from tactometry.records.description import SIMULATED, StudyDescription
@@ -70,8 +69,7 @@ class Recorded:
     @property
     def practice_missed(self) -> bool:
         """Whether the practice ended without meeting its criterion."""
-        of_practice = [track for track in self.tracks if isinstance(track.procedure, PracticeRun)]
-        return any(track.ending == "trials" for track in of_practice)
+        return any(track.missed_practice for track in self.tracks)
 
     @property
     def endings(self) -> dict[str, int]:

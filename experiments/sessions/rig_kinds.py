@@ -91,7 +91,7 @@ def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "Rig
             terminal = experimenter_terminal(sys.stdin, sys.stderr)
             on_failure.callback(terminal.close)
             status = StatusLine(terminal, parts)
-            log.follow(status.hear, status.hear_event)
+            log.follow(status.on_request, status.on_event)
             window = screen.window()
             if window.caution is not None:
                 terminal.tell(window.caution)

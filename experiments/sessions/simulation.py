@@ -7,9 +7,9 @@ from pathlib import Path
 
 from tactometry.arguments.require import expect
 from tactometry.errors import rewording
-from tactometry.own_code import state_of
 from tactometry.records.erasures import refuse_erased
 from tactometry.records.head import LARGEST_SEED
+from tactometry.user_code import state_of
 
 from ..study.experiment import Experiment, wire
 from ..study.rehearsal import flaw

@@ -9,17 +9,17 @@ from tactometry.arguments.require import expect
 from tactometry.config.strict import as_table, build, build_kind, kind_of
 from tactometry.errors import Gathered, InvalidParameter, nearest, rewording
 from tactometry.loading import resolve
-from tactometry.own_code import is_own
 from tactometry.protocols.block_state import Condition
 from tactometry.protocols.tasks.touch import Sliding, Touch
 from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
 from tactometry.trials.cells import cell as cell_text
+from tactometry.user_code import is_own
 
 from .felt_scene import felt
+from .kinds import DEFAULT_SCENE, OWN, STIMULI, TOUCHES, StimulusKind
 from .own_parts import OwnStimulus, sensation_class, stimulus_class as own_stimulus_class
 from .procedure_table import ReadyProcedure, rule_of, without
-from .stimulus_kinds import DEFAULT_SCENE, OWN, STIMULI, TOUCHES, StimulusKind
 from .study import VARIED, Study
 
 Factors = Mapping[str, float | str]

@@ -12,8 +12,8 @@ from tactometry.errors import LimitExceeded
 from tactometry.signal import Signal
 from tactometry.stimuli.arrays import FloatArray
 
+from .checks import Strongest
 from .experiment import Experiment
-from .limit_checks import Strongest
 
 STEPS: Final = 4
 CLOSE: Final = 1e-3

@@ -13,32 +13,29 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactometry.arguments.require import at_most
-from tactometry.choice_form import ChoiceForm, choice_forms_of
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import Gathered, rewording
-from tactometry.followed import FollowsFinger
 from tactometry.observers.changes import Answer, Shift
 from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
 from tactometry.observers.people import Feeling, SimulatedPerson
-from tactometry.own_code import not_allowed
+from tactometry.position_dependent import FollowsFinger
 from tactometry.protocols.block_state import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import session, words_of
 from tactometry.protocols.tasks.task import AsksForm, Task
-from tactometry.questionnaire import Questionnaire, questionnaires_of
+from tactometry.questionnaire import ChoiceForm, Questionnaire, choice_forms_of, questionnaires_of
 from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Meeting, Rendering, Sensation, SimulatedRig, meeting, rendering
 from tactometry.session.run import Course
 from tactometry.signal import Stimulus
 from tactometry.trials.columns import Column, table_columns
 from tactometry.trials.tasks import TASKS
+from tactometry.user_code import not_allowed
 
-from .cell_checks import check_places, check_rules
 from .cells import WiredCell, Wiring
-from .felt_scene import FeltScene
-from .felt_words import scene_in_words
-from .limit_checks import Strongest, check_forces, check_signal
+from .checks import Strongest, check_forces, check_places, check_rules, check_signal
+from .felt_scene import FeltScene, scene_in_words
 from .own_parts import Unseen
 from .procedure_table import practice_of
 from .prompts import messages_of, texts_of

@@ -1,16 +1,15 @@
-"""Which effects the simulated participants of a study feel, which were left out, and what that changes."""
+"""Predictions for a study: effects felt and left out, conditions too weak to feel, fingers that lose contact."""
 
 import textwrap
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from math import inf
+from typing import Any
 
 from tactometry.config.strict import fields_of, is_required
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
-from tactometry.followed import felt_under, straight_way
 from tactometry.loading import resolve
-from tactometry.session.request import TRAJECTORY_M
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, Surface
 from tactometry.stimuli.scenes.effects import EFFECTS
@@ -18,8 +17,10 @@ from tactometry.stimuli.scenes.explain import error_in_words
 from tactometry.stimuli.scenes.scene import Scene
 
 from .cells import WiredCell
+from .contact_loss import FingerOfStudy, pulled_fingers
 from .experiment import Experiment
 from .felt_scene import FeltScene
+from .predictions import PredictedJnd, Unfelt, contact_of, played, predicted_jnds, unfelt
 
 WIDTH = 100
 SLIDING_M_PER_S = 0.05
@@ -112,7 +113,7 @@ def felt_effects(experiment: Experiment) -> list[FeltEffects]:
 
 def _explanation(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
     contact = contact_of(cell)
-    signal = _played(cell, level, contact.speed_m_per_s)
+    signal = played(cell, level, contact.speed_m_per_s)
     felt_db, felt = scene.sensation(signal, contact), scene.felt()
     off = felt.off()
     idle = (LeftOut(effect.kind, why="no output needs it") for effect in off)
@@ -134,19 +135,7 @@ def _is_felt_in_motion(cell: WiredCell, scene: Scene, level: float, contact: Con
     if contact.speed_m_per_s:
         return False
     sliding = replace(contact, speed_m_per_s=SLIDING_M_PER_S)
-    return scene.sensation(_played(cell, level, SLIDING_M_PER_S), sliding) > -inf
-
-
-def contact_of(cell: WiredCell) -> Contact:
-    """How the finger meets the surface in a cell of a study."""
-    touch = cell.condition.touch
-    return Contact(getattr(touch, "force_n", 0.0), getattr(touch, "speed_m_per_s", 0.0))
-
-
-def _played(cell: WiredCell, level: float, speed_m_per_s: float) -> Signal:
-    """The signal of a level, under a finger that slides straight on where it follows one."""
-    signal = cell.stimulus.at(level)
-    return felt_under(cell.stimulus, signal, *straight_way(signal.duration_s, speed_m_per_s, TRAJECTORY_M))
+    return scene.sensation(played(cell, level, SLIDING_M_PER_S), sliding) > -inf
 
 
 def _in_words(contact: Contact) -> str:
@@ -191,3 +180,56 @@ def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: C
 def _exclude(surface: Surface, effect: Effect, other: type[Effect]) -> bool:
     """Whether two effects cannot be in one scene."""
     return effect.slot == other.slot or effect.kind in surface.excluded(other) or other.kind in surface.excluded(effect)
+
+
+@dataclass(frozen=True)
+class StudyPrediction:
+    """Predictions for a study.
+
+    Effects felt per stimulus, fingers that are pulled, names of the models, conditions too weak to feel, and the just
+    noticeable differences of a comparison.
+    """
+
+    effects: tuple[FeltEffects, ...]
+    fingers: tuple[FingerOfStudy, ...]
+    models: tuple[str, ...]
+    unfelt: tuple[Unfelt, ...] = ()
+    jnds: tuple[PredictedJnd, ...] = ()
+
+    @property
+    def warnings(self) -> list[str]:
+        """A line for each condition that is predicted to be too weak."""
+        return [one.line for one in self.unfelt]
+
+    @property
+    def lines(self) -> list[str]:
+        """Lines of the dry run."""
+        felt = [line for effects in self.effects for line in effects.lines]
+        through = felt or [f"felt by {', '.join(self.models)}, no scene"]
+        return [*self.warnings, *(one.line for one in self.jnds), *through, *(finger.line for finger in self.fingers)]
+
+    @property
+    def record(self) -> dict[str, list[dict[str, Any]]]:
+        """Prediction for JSON; contact, unfelt and jnd only where there are any."""
+        contact, unfelt = [asdict(finger) for finger in self.fingers], [asdict(one) for one in self.unfelt]
+        jnds = [asdict(one) for one in self.jnds]
+        further = {name: told for name, told in (("contact", contact), ("unfelt", unfelt), ("jnd", jnds)) if told}
+        return {"felt": [asdict(effects) for effects in self.effects], **further}
+
+
+def predict(experiment: Experiment) -> StudyPrediction:
+    """Predict what participants feel of a study at its strongest levels, and which fingers lose contact.
+
+    >>> from .experiment import wire
+    >>> from .study_file import load
+    >>> predict(wire(load("tutorial")[0], "tutorial")).lines[0][:15]
+    'predicted for a'
+    """
+    models = {type(cell.sensation).__name__ for cell in experiment.cells.values()}
+    return StudyPrediction(
+        tuple(felt_effects(experiment)),
+        tuple(pulled_fingers(experiment)),
+        tuple(sorted(models)),
+        tuple(unfelt(experiment)),
+        tuple(predicted_jnds(experiment)),
+    )

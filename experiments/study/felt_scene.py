@@ -1,15 +1,21 @@
-"""A scene as the skin of a simulated participant."""
+"""Scenes as simulated participants feel them, and their effects in words for journals and reports."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cached_property
+from typing import Any, Final, cast
 
+from tactometry.config.strict import fields_of
 from tactometry.contact import Contact
 from tactometry.signal import Signal
 from tactometry.stimuli.arrays import FloatArray
+from tactometry.stimuli.composition.effect import Effect
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 
 FORCE = "contact_force_n"
+STATED_BY_STIMULUS: Final = ("setup", "places", "duration_s")
+"""Fields of a surface that the stimulus states."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,3 +67,46 @@ def felt(scene: Scene) -> FeltScene:
         return FeltByFingers(scene)
     kind = FeltScene if scene.surface.kind == "electrovibration" else FeltOnPlate
     return kind(scene)
+
+
+def scene_in_words(scene: Scene) -> str:
+    """List the effects that are felt, values of the surface other than defaults, and the tolerated error."""
+    off, surface = scene.felt().off(), scene.surface
+    effects = ", ".join(effect_in_words(effect) for effect in scene.effects if effect not in off)
+
+    stated = fields(cast("Any", surface))
+    defaults = {each.name: each.default for each in stated if each.default is not MISSING}
+    defaults |= {each.name: each.default_factory() for each in stated if each.default_factory is not MISSING}
+    return "; ".join([effects, *_deviations(vars(surface), defaults), f"accuracy {scene.accuracy:g}"])
+
+
+def effect_in_words(effect: Effect) -> str:
+    """Name an effect as a scene file does, with the values that are not its defaults.
+
+    >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
+    >>> from tactometry.stimuli.scenes.effects.focus_detection import FocusDetection
+    >>> effect_in_words(ForceLaw("sc_layer")), effect_in_words(FocusDetection(2e-5))
+    ('force_law (law = sc_layer)', 'focus_detection (reference_m = 2e-05)')
+    >>> effect_in_words(FocusDetection())
+    'focus_detection'
+    """
+    usual = {name: field.default for name, field in fields_of(type(effect)).items()}
+    stated = ", ".join(_deviations(vars(effect), usual))
+    return f"{effect.kind} ({stated})" if stated else effect.kind
+
+
+def _deviations(values: Mapping[str, Any], usual: Mapping[str, Any]) -> Iterator[str]:
+    """Yield values that differ from the usual ones, those of dataclasses field by field."""
+    for name, value in values.items():
+        if name in STATED_BY_STIMULUS or value == usual.get(name, value):
+            continue
+        if is_dataclass(value) and type(value) is type(usual[name]):
+            yield from _deviations(vars(value), vars(usual[name]))
+        else:
+            yield f"{name} = {_value_in_words(value)}"
+
+
+def _value_in_words(value: object) -> str:
+    if isinstance(value, tuple):
+        return " and ".join(map(_value_in_words, value))
+    return f"{value:.6g}" if isinstance(value, float) else f"{value}"

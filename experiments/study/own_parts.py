@@ -9,8 +9,8 @@ import numpy as np
 
 from tactometry.arguments.require import expect
 from tactometry.contact import Contact
-from tactometry.own_code import WAY, Expected, class_beside, guarded, not_allowed
 from tactometry.signal import Signal
+from tactometry.user_code import WAY, Expected, class_beside, guarded, not_allowed
 
 STATED: Final = ("duration_s", "level_unit")
 """What a study states of such a stimulus, so that its data are read without the code."""

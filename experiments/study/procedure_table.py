@@ -7,20 +7,23 @@ from typing import Any
 import numpy as np
 
 from tactometry.arguments.require import expect
-from tactometry.config.strict import build, fields_of, kind_of
+from tactometry.config.strict import build, check_keys, fields_of, kind_of
 from tactometry.errors import rewording
 from tactometry.loading import resolve
 from tactometry.protocols.procedures.easy import with_easy_trials
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.procedures.procedure import Procedure, Rule
 
-from .procedure_kinds import PROCEDURES, ProcedureKind
+from .kinds import PROCEDURES, ProcedureKind
 
 GUESS_RATE_TOLERANCE = 0.05
 HIGHEST_FALSE_ALARMS = 0.3
 """Of the guess rates of a rule, against those of its task (unverified defaults)."""
-SAYS_YES = ("yes_no", "comparison")
-"""Tasks whose guess rate is a rate of false alarms."""
+SAYS_YES = {
+    "yes_no": "the rate of false alarms, as 0.02",
+    "comparison": "the rate of 'more' far below the standard, as 0.02",
+}
+"""Expected guess rate of tasks in which it is no chance level."""
 
 
 def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
@@ -74,8 +77,9 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
         If it holds what its kind does not know.
     """
     kind: ProcedureKind = kind_of(table, "procedure", PROCEDURES)
-    of_tracks = fields_of(TracksTable)
-    built: Any = build(resolve(kind.table), without(table, "kind", *of_tracks), "procedure")
+    reader, of_tracks = resolve(kind.table), fields_of(TracksTable)
+    check_keys(table, ("kind", *fields_of(reader), *of_tracks), "procedure", read_by=reader)
+    built: Any = build(reader, without(table, "kind", *of_tracks), "procedure")
     with rewording(lambda words: f"procedure: {words}"):
         rule = kind.rule_of(built)
     tracks = build(TracksTable, {key: table[key] for key in of_tracks if key in table}, "procedure")
@@ -120,7 +124,7 @@ def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> 
         is_near = any(abs(rate - chance) <= GUESS_RATE_TOLERANCE for rate in rates)
         expect(is_near, f"procedure.{name}", found, f"chance, {chance:.2g}")
     elif task.get("kind") in SAYS_YES:
-        expect(min(rates) <= HIGHEST_FALSE_ALARMS, f"procedure.{name}", found, "the rate of false alarms, as 0.02")
+        expect(min(rates) <= HIGHEST_FALSE_ALARMS, f"procedure.{name}", found, SAYS_YES[task["kind"]])
 
 
 def practice_of(table: Mapping[str, Any]) -> Practice | None:

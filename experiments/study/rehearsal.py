@@ -6,10 +6,9 @@ from math import prod
 from pathlib import Path
 
 from tactometry.arguments.require import expect, one_of
-from tactometry.choice_form import ChoiceForm
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.protocols.session import pages
-from tactometry.questionnaire import Questionnaire
+from tactometry.questionnaire import ChoiceForm, Questionnaire
 from tactometry.rigs.texts import LIST, N_NEAREST, PageImage, Texts, image_of, languages, texts_in
 from tactometry.session.request import Show
 
@@ -17,8 +16,8 @@ from .experiment import Experiment
 from .prompts import by_language
 from .session_plan import all_sessions, stream
 
-WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "declined"))
-"""Pages that a block shows in the midst of its trials, and those of consent."""
+WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "declined", "practice_missed"))
+"""Pages within a block, and those of consent and of a missed practice."""
 
 
 def rehearse(experiment: Experiment) -> None:

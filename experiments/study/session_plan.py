@@ -9,14 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactometry.arguments.require import expect
-from tactometry.choice_form import ChoiceForm
-from tactometry.protocols import Block, Condition, Track
-from tactometry.protocols.batch import streams
+from tactometry.protocols import Block, Condition, Track, order
 from tactometry.protocols.order import Crossing, combinations
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import Alternative, Place
-from tactometry.questionnaire import Questionnaire
+from tactometry.questionnaire import ChoiceForm, Questionnaire
 from tactometry.signal import Stimulus
 from tactometry.trials.cells import cell as cell_text
 
@@ -186,4 +184,4 @@ def stream(seed: int, *keys: str | int) -> np.random.Generator:
     np.True_
     """
     words = tuple(key if isinstance(key, int) else zlib.crc32(key.encode()) for key in keys)
-    return streams.stream(seed, *words)
+    return order.stream(seed, *words)

@@ -4,18 +4,21 @@ import os
 import re
 from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from tactometry.arguments.require import expect
 from tactometry.config.quantity import as_si
-from tactometry.config.strict import build, fields_of
+from tactometry.config.strict import build, check_keys, fields_of
 from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
 from tactometry.errors import Gathered, InvalidFile, InvalidParameter, TactometryError, nearest, reworded
 from tactometry.files.durable import read_file
+from tactometry.questionnaire import form_of
 
-from .form_files import with_forms
 from .study import Study
 
 FOLDER = Path(__file__).parents[1]
+PATH: Final = "path"
+"""Key of the file that holds a questionnaire of a study."""
 
 
 def parse(content: bytes, where: str) -> Study:
@@ -100,3 +103,49 @@ def load(study: str) -> tuple[Study, bytes]:
     path = locate(study)
     content = with_forms(read_file(path, "a study file", LARGEST_FILE), path)
     return parse(content, str(path) if study not in shipped() else study), content
+
+
+def with_forms(content: bytes, path: Path) -> bytes:
+    """The bytes of a study file with the tables of the files that its `[forms.NAME]` name by `path`; a study that names
+    none is as it was.
+
+    Raises
+    ------
+    InvalidFile
+        If such a file cannot be read, or is no questionnaire; the sentence opens with it.
+    """
+    forms = table_of(content, str(path), "a study file").get("forms")
+    named = {}
+    if isinstance(forms, Mapping):
+        named = {name: form for name, form in forms.items() if isinstance(form, Mapping) and PATH in form}
+    if not named:
+        return content
+    import tomlkit
+
+    document: Any = tomlkit.parse(content.decode("utf-8-sig"))
+    for name, form in named.items():
+        with errors_in(path):
+            check_keys(form, [PATH], f"forms.{name}")
+            _check_path(path.parent, form[PATH], f"forms.{name}.{PATH}")
+        document["forms"][name] = _table_of_file(path.parent / form[PATH], name)
+    return tomlkit.dumps(document).encode()
+
+
+def _check_path(folder: Path, named: object, where: str) -> None:
+    """Refuse what names no file: a folder, or nothing at all, which is the folder of the study."""
+    expect(isinstance(named, str), where, repr(named), "a text, the name of a file")
+    is_folder = not str(named).strip() or (folder / str(named)).is_dir()
+    what = "a folder" if str(named).strip() else "no name"
+    expected = "the name of a file with a questionnaire, as seen from the study file"
+    expect(not is_folder, where, f"{named!r}, {what}", expected)
+
+
+def _table_of_file(path: Path, name: str) -> dict[str, Any]:
+    """The table of a questionnaire that a study calls `name`."""
+    what = "a questionnaire"
+    table = table_of(read_file(path, what, LARGEST_FILE), str(path), what)
+    with errors_in(path):
+        stated = table.pop("name", name)
+        expect(stated == name, "name", repr(stated), f"{name!r}, as the study calls it; or leave it out")
+        form_of({"name": name, **table}, "")
+    return table

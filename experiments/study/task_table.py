@@ -5,13 +5,23 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactometry.arguments.require import expect, one_of
-from tactometry.choice_form import KIND, ChoiceForm, choice_forms_of, is_choices, load as load_choices, shipped_choices
 from tactometry.config.strict import build, check_keys, fields_of, kind_of
 from tactometry.loading import resolve
 from tactometry.observers.decisions import Decision
 from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.tasks.task import Over, Task, TaskKind
-from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped_names
+from tactometry.questionnaire import (
+    KIND,
+    ChoiceForm,
+    Questionnaire,
+    choice_forms_of,
+    is_choices,
+    load,
+    load_choices,
+    questionnaires_of,
+    shipped_choices,
+    shipped_names,
+)
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
 from .prompts import Prompt, PromptTable, prompted

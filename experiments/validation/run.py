@@ -13,7 +13,7 @@ import pandas as pd
 from tactometry.arguments.require import one_of, whole
 from tactometry.files.durable import make_folder, write_atomically
 from tactometry.files.json_file import prepare
-from tactometry.protocols.batch.streams import stream
+from tactometry.protocols.order import stream
 
 from ..workers import Spread, here
 from .check import Check

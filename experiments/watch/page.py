@@ -4,9 +4,8 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from . import view
-from .drawn import Drawn
 from .files import page_text
-from .sight import Sight
+from .sight import Drawn, Sight
 
 if TYPE_CHECKING:
     from jinja2 import Template

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from tactometry.session.progress import AnsweredTouch, Progress
 
-from .drawn import Drawn, TouchDrawn
-from .sight import Sight
+from .sight import Drawn, Sight, TouchDrawn
 from .watcher import Watcher
 
 if TYPE_CHECKING:  # the libraries of the analysis take seconds to load, and the address is to be told at once

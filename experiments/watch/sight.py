@@ -3,11 +3,15 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import reduce
+from typing import TYPE_CHECKING
 
 from tactometry.records.head import Head
 from tactometry.records.journal import Entry, Line
 from tactometry.session.event import Event
 from tactometry.session.progress import PartAhead, Progress
+
+if TYPE_CHECKING:
+    from .plots import Plot
 
 
 @dataclass(frozen=True)
@@ -89,3 +93,19 @@ def _after(sight: Sight, line: Line) -> Sight:
             return replace(sight, progress=sight.progress.after_event(line), halted=line.kind == "stop" or sight.halted)
         case _:  # marks on a page that nobody has left yet
             return replace(sight, halted=False)
+
+
+@dataclass(frozen=True)
+class TouchDrawn:
+    """The samples of the last touch, or why they can't be read."""
+
+    plots: "tuple[Plot, ...]" = ()
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """The curve of the present condition, and the last touch."""
+
+    curve: "Plot | None" = None
+    touch: TouchDrawn = field(default_factory=TouchDrawn)

@@ -11,8 +11,8 @@ from tactometry.session.progress import AnsweredTouch
 from tactometry.session.request import Press, Slide
 from tactometry.signal import FloatArray
 
-from .drawn import TouchDrawn
 from .plots import Plot, samples_plot
+from .sight import TouchDrawn
 
 MOST_BINS = 150
 LABELS = {"force": ("Force", "force (N)"), "position": ("Position", "position (m)")}

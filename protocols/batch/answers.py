@@ -1,12 +1,16 @@
-"""Who answers in a batch. An answer is 1 where what is felt lies above the criterion of its trial: a psychometric
-function is a distribution of criteria, so that all that is random is drawn before the first trial."""
+"""Levels as delivered and felt, and the criteria above which they are answered with 1.
 
+A psychometric function is a distribution of criteria, so all that is random is drawn before the first trial.
+"""
+
+import math
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.arguments.constraints import NotNegative, constrained
 from tactometry.arguments.require import ascending, expect, finite_array
 from tactometry.psychometric import shape_named
 
@@ -15,22 +19,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LevelTable:
-    """What is felt at the levels of a stimulus: a table, straight lines between its places, its ends beyond them.
+    """Perceived levels, or chances of the answer 1, at rising levels; linear between them, constant beyond.
 
-    Sensation levels through a scene make one such table for a population; or chances of the answer 1, with uniform
-    criteria.
-
-    Parameters
-    ----------
-    levels : (n_levels,) array
-        Rising.
-    felt : (n_levels,) or (n_sets, n_levels) array
-        Of all sets, or of each.
-
-    Raises
-    ------
-    InvalidParameter
-        If levels do not rise, or a row is not as long as they are.
+    - `felt`: (n_levels,) for all sets, or (n_sets, n_levels).
 
     >>> LevelTable(np.array([0.0, 10.0]), np.array([-3.0, 7.0])).felt.shape
     (1, 2)
@@ -47,11 +38,11 @@ class LevelTable:
         object.__setattr__(self, "felt", np.atleast_2d(felt))
 
     def rows(self, sets: slice) -> Self:
-        """Of a part of the sets."""
+        """Return the table of some of the sets."""
         return self if len(self.felt) == 1 else type(self)(self.levels, self.felt[sets])
 
     def at(self, levels: Array, sets: NDArray[np.intp]) -> Array:
-        """What each of some sets feels at its level, (n,)."""
+        """Return what each of some sets feels at its level, (n,)."""
         if len(self.felt) == 1:
             return np.asarray(np.interp(levels, self.levels, self.felt[0]))
         pairs = zip(levels.tolist(), self.felt[sets], strict=True)
@@ -66,17 +57,13 @@ def criteria(
     guess_rate: ArrayLike = 0.0,
     lapse_rate: ArrayLike = 0.0,
 ) -> Array:
-    """The level above which a trial is answered with 1, of uniform numbers: the inverse of the psychometric function.
+    """Return the levels above which trials are answered with 1: the inverse psychometric function of uniform numbers.
 
-    Where a number is below the guess rate any level is, minus infinity; within the lapse rate of 1 no level is.
+    A criterion is minus infinity below the guess rate, and infinity within the lapse rate of 1.
 
-    Parameters
-    ----------
-    uniform : (n_sets, n_trials) array
-        In [0, 1).
-    shape : str
-        As of `tactometry.psychometric.PsychometricFunction`, as are the others: numbers, or arrays (n_sets, 1) or
-        (n_sets, n_trials).
+    - `uniform`: (n_sets, n_trials), in [0, 1).
+    - `shape`: As in `tactometry.psychometric.PsychometricFunction`; the other arguments are numbers, or arrays
+      (n_sets, 1) or (n_sets, n_trials).
 
     >>> criteria(np.array([[0.1, 0.74, 0.99]]), "normal", 20.0, 8.0, 0.5, 0.02).round(9).tolist()
     [[-inf, 20.0, inf]]
@@ -87,3 +74,38 @@ def criteria(
         z = kind.at(np.log(share), np.log1p(-share))
     away = (z - kind.z50) / kind.z_width * np.asarray(width)
     return np.asarray(np.asarray(threshold) * np.exp(away) if kind.on_log_levels else np.asarray(threshold) + away)
+
+
+def nearest(level: Any, step: float, low: float, high: float) -> Any:
+    """Round levels to whole steps (0: no steps) within bounds; compiled by numba too."""
+    stepped = step * np.rint(level / step) if step > 0 else level
+    return np.minimum(np.maximum(stepped, low), high)
+
+
+@dataclass(frozen=True)
+@constrained
+class Delivery:
+    """Output that delivers whole steps of a level (0: every level) from `low` to `high`.
+
+    >>> Delivery(step=0.5, high=30.0)(np.array([12.3, 31.0])).tolist()
+    [12.5, 30.0]
+    """
+
+    step: NotNegative = 0.0
+    low: float = -math.inf
+    high: float = math.inf
+
+    def __post_init__(self) -> None:
+        expect(self.low <= self.high, "Delivery.low", f"{self.low:g}", f"at most high, {self.high:g}")
+
+    @property
+    def numbers(self) -> tuple[float, float, float]:
+        """Step and bounds, as `nearest` takes them."""
+        return float(self.step), float(self.low), float(self.high)
+
+    def __call__(self, levels: Array) -> Array:
+        """Return the delivered levels."""
+        return np.asarray(nearest(levels, *self.numbers))
+
+
+AS_ASKED = Delivery()

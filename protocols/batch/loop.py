@@ -8,9 +8,9 @@ import numpy as np
 
 from tactometry.compiled import called, entry, sources
 
-from ..procedures import transition as codes
-from ..procedures.transition import GOES_ON, Transition
-from .delivery import nearest
+from ..procedures import stepping as codes
+from ..procedures.stepping import GOES_ON, Transition
+from .answers import nearest
 
 
 def _felt(level: float, levels: Any, felt: Any) -> Any:

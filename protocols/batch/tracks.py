@@ -1,20 +1,66 @@
-"""Many tracks of one rule at once."""
+"""Many tracks of one rule at once: in machine code, or in products of matrices."""
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
-from ..bayesian.weighing import WeighingRule
-from ..procedures.procedure import Rule
-from ..procedures.stepping import SteppingRule
-from ..procedures.transition import CENSORED, Numbers
-from .answers import Array, LevelTable
-from .delivery import AS_ASKED, Delivery
-from .results import TrackBatch
-from .weighing import weigh
+from ..bayesian.weighing import WeighingRule, judged, normalised
+from ..procedures.procedure import Ending, Rule
+from ..procedures.stepping import ABORTED, CENSORED_ABOVE, GOES_ON, Numbers, SteppingRule, ending_of
+from .answers import AS_ASKED, Array, Delivery, LevelTable
+
+NOT_ASKED = -1
+MOST_CELLS = 400_000
+"""Largest number of weights at a time, so that they stay in the cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrackBatch:
+    """Results of tracks, one row each.
+
+    - `asked`, `levels`: (n_sets, n_trials). Levels that the rule asked for, and those delivered; NaN after the end.
+    - `answers`: (n_sets, n_trials). The outcomes, for most rules 1 or 0, or `NOT_ASKED` after the end.
+    - `endings`: (n_sets,). Codes as in `tactometry.protocols.procedures.stepping`.
+    - `thresholds`: (n_sets,). The rule's own estimates, or NaN.
+    """
+
+    asked: Array
+    levels: Array
+    answers: NDArray[np.int8]
+    endings: NDArray[np.int8]
+    thresholds: Array
+
+    def __len__(self) -> int:
+        return len(self.levels)
+
+    @property
+    def n_trials(self) -> NDArray[np.int64]:
+        """Length of each track, (n_sets,)."""
+        return np.asarray((self.answers != NOT_ASKED).sum(axis=1))
+
+    @classmethod
+    def blank(cls, shape: tuple[int, ...]) -> Self:
+        """Return tracks of `shape` without answers."""
+        return cls(
+            asked=np.full(shape, np.nan),
+            levels=np.full(shape, np.nan),
+            answers=np.full(shape, NOT_ASKED, dtype=np.int8),
+            endings=np.full(shape[0], GOES_ON, dtype=np.int8),
+            thresholds=np.full(shape[0], np.nan),
+        )
+
+    def rows(self, sets: slice) -> Self:
+        """Return some of the sets, as views."""
+        return type(self)(**{name: values[sets] for name, values in vars(self).items()})
+
+    def ending(self, i: int) -> Ending | None:
+        """Return the ending of a track, None if it goes on."""
+        return ending_of(int(self.endings[i]))
 
 
 def tracks(
@@ -25,37 +71,30 @@ def tracks(
     orders: Array | None = None,
     delivery: Delivery = AS_ASKED,
 ) -> TrackBatch:
-    """A track for each row of criteria, of at most so many trials.
+    """Run a track for each row of criteria, of at most so many trials, as the rule's own run would go.
 
-    A trial is answered with 1 where what is felt lies above its criterion; of several criteria as many as lie below it
-    tell the outcome. Levels, answers and endings are those of the rule's own run, trial by trial.
+    The answer to a trial is the number of its criteria that the perceived level exceeds.
 
-    Parameters
-    ----------
-    rule : Rule
-        One with a transition of plain numbers, or `Quest` or `QuestPlus`.
-    criteria : (n_sets, n_trials) or (n_sets, n_trials, n_outcomes - 1) array
-        As `tactometry.protocols.batch.answers.criteria` makes them; NaN is above all that is felt.
-    table : LevelTable
-        What is felt at a level; without one the level itself.
-    orders : (n_sets, n_drawn) array
-        As the rule's `orders` draws them; without them the given order for all.
-    delivery : Delivery
-        What is delivered of a level; without it every level.
+    - `rule`: One with a transition of plain numbers, or `Quest` or `QuestPlus`.
+    - `criteria`: (n_sets, n_trials) or (n_sets, n_trials, n_outcomes - 1). NaN is above every level.
+    - `table`: Perceived level at each level; without one the level itself.
+    - `orders`: (n_sets, n_drawn). As the rule's `orders` draws them; without them the given order for all.
 
-    Raises
-    ------
-    InvalidParameter
-        If the rule is of another kind, there are no sets and trials or not the criteria of its outcomes, or tables and
-        orders are neither one nor one for each set.
+    Raises `InvalidParameter` if the rule is of another kind, or the shapes do not fit.
 
     >>> from tactometry.protocols import Staircase
     >>> rule = Staircase(20.0, (4.0,), 0.0, 40.0, n_down=1)
     >>> tracks(rule, np.full((2, 4), 14.0)).levels.tolist()
     [[20.0, 16.0, 12.0, 16.0], [20.0, 16.0, 12.0, 16.0]]
     """
-    drawn = criteria_of(rule, criteria, "(n_sets, n_trials)")
-    _check(len(drawn), table, orders)
+    drawn, n = np.asarray(criteria), rule.n_outcomes - 1
+    drawn = drawn[..., None] if n == 1 and drawn.ndim == 2 else drawn
+    fits = drawn.ndim == 3 and min(drawn.shape) > 0 and drawn.shape[-1] == n
+    shape = "(n_sets, n_trials)" if n == 1 else f"(n_sets, n_trials, {n})"
+    expect(fits, "tracks.criteria", f"the shape {np.shape(criteria)}", shape)
+    for name, rows in (("table", None if table is None else table.felt), ("orders", orders)):
+        n_rows = len(drawn) if rows is None else len(rows)
+        expect(n_rows in (1, len(drawn)), f"tracks.{name}", f"{n_rows} rows", f"1 or {len(drawn)}")
     made = TrackBatch.blank(drawn.shape[:2])
     if isinstance(rule, SteppingRule):
         _step(rule, drawn[..., 0], table, orders, delivery, made)
@@ -63,7 +102,7 @@ def tracks(
         weigh(rule, drawn, table, delivery, made)
     else:
         raise InvalidParameter(f"tracks.rule: found {rule.name}, expected a rule with a transition, or of weights")
-    made.thresholds[made.endings >= CENSORED] = np.nan
+    made.thresholds[made.endings >= CENSORED_ABOVE] = np.nan
     return made
 
 
@@ -75,7 +114,7 @@ def _step(
     delivery: Delivery,
     made: TrackBatch,
 ) -> None:
-    """Fill in a batch of a rule with a transition of plain numbers, in machine code."""
+    """Fill in a batch in machine code."""
     from .loop import loop_of  # slow to load
 
     orders = rule.orders(1, None) if orders is None else orders
@@ -85,21 +124,42 @@ def _step(
     loop_of(rule.transition)((_arrays(rule.numbers), orders), delivery.numbers, felt, criteria, results)
 
 
-def criteria_of(rule: Rule[Any], criteria: Array, axes: str) -> Array:
-    """With an axis for the criteria of a trial, one less than there are outcomes."""
-    n_axes, found, n = axes.count(",") + 1, np.shape(criteria), rule.n_outcomes - 1
-    whole = np.asarray(criteria)[..., None] if n == 1 and len(found) == n_axes else np.asarray(criteria)
-    fits = whole.ndim == n_axes + 1 and min(whole.shape) > 0 and whole.shape[-1] == n
-    expect(fits, "tracks.criteria", f"the shape {found}", axes if n == 1 else f"{axes[:-1]}, {n})")
-    return whole
-
-
-def _check(n_sets: int, table: LevelTable | None, orders: Array | None) -> None:
-    for name, rows in (("table", None if table is None else table.felt), ("orders", orders)):
-        fits = rows is None or len(rows) in (1, n_sets)
-        expect(fits, f"tracks.{name}", f"{0 if rows is None else len(rows)} rows", f"1 or {n_sets}")
-
-
 def _arrays(numbers: Numbers) -> tuple[Any, ...]:
-    """With an array for each sequence: tuples of different length would be types of their own, compiled anew."""
-    return tuple(np.array(value, dtype=np.float64) if isinstance(value, tuple) else value for value in numbers)
+    """Return numbers with an array for each sequence: for each length of a tuple, numba would compile anew."""
+    arrays = [np.array(value, dtype=np.float64) if isinstance(value, tuple) else value for value in numbers]
+    return type(numbers)(*arrays) if arrays else ()
+
+
+def weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delivery: Delivery, made: TrackBatch) -> None:
+    """Fill in a batch, of criteria (n_sets, n_trials, n_outcomes - 1)."""
+    size = max(1, MOST_CELLS // rule.prior_state.weights.size)
+    for first in range(0, len(criteria), size):
+        sets = slice(first, first + size)
+        _weigh(rule, criteria[sets], None if table is None else table.rows(sets), delivery, made.rows(sets))
+
+
+def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delivery: Delivery, made: TrackBatch) -> None:
+    """Of sets that go on together; one that has ended is left out."""
+    prior, going = rule.prior_state, np.arange(len(criteria))
+    logs, weights = (np.tile(each, (len(criteria), 1)) for each in (prior.log_weights, prior.weights))
+    n_trials = min(criteria.shape[1], rule.n_trials)
+    for n in range(n_trials):
+        asked = rule.places(logs, weights)
+        levels = delivery(asked)
+        felt = levels if table is None else table.at(levels, going)
+        answers = (felt[:, None] > criteria[going, n]).sum(axis=1, dtype=np.int8)
+        made.asked[going, n], made.levels[going, n], made.answers[going, n] = asked, levels, answers
+        learnt = logs + rule.log_likelihoods(levels, answers)
+        possible = np.isfinite(learnt.max(axis=1))
+        learnt[~possible] = logs[~possible]  # what no cell allows leaves the weights of before
+        logs, weights = normalised(learnt)
+        codes = np.full(len(going), GOES_ON, dtype=np.int8)
+        if rule.sd_stop is not None or n + 1 == n_trials:  # most trials need no look at the weights
+            made.thresholds[going], _, codes = judged(rule, weights, n + 1)
+        codes[~possible] = ABORTED
+        made.endings[going] = codes
+        left = codes == GOES_ON
+        if not left.any():
+            return
+        if not left.all():
+            going, logs, weights = going[left], logs[left], weights[left]

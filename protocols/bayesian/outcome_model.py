@@ -1,47 +1,43 @@
-"""What a Bayesian procedure needs of a model of answers: parameters, and the probability of each outcome at a level."""
+"""Models of answers for Bayesian procedures: parameters, and the probability of each outcome at a level."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, runtime_checkable
+from typing import Annotated, Protocol, runtime_checkable
 
 import numpy as np
+from annotated_types import Ge
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import expect, numbers, of_kind, some, whole
+from tactometry.arguments.constraints import constrained
+from tactometry.arguments.require import expect, numbers, of_kind, some
 
 Array = NDArray[np.float64]
 
 
 class Likelihoods(Protocol):
-    """Probabilities of the outcomes at the candidate levels, made ready for products with weights (n_cells,).
+    """Probabilities of the outcomes at the candidate levels, for products with weights (n_cells,).
 
-    Those of `DenseLikelihoods` take stacks of weights (n_cells, n_sets) too, whose results have the sets last.
+    `DenseLikelihoods` takes stacks of weights (n_cells, n_sets) too, and returns the sets last.
     """
 
     def total(self, weights: Array) -> Array:
-        """Sum over cells of probability times weight, (n_outcomes, n_levels)."""
+        """Sum probability times weight over cells, (n_outcomes, n_levels)."""
 
     def joint(self, weights: Array) -> Array:
-        """Sum of probability times weight over all parameters but the first, (n_outcomes, n_levels, n_first)."""
+        """Sum probability times weight over all parameters but the first, (n_outcomes, n_levels, n_first)."""
 
     def certainty(self, weights: Array) -> Array:
-        """Sum over cells of weight times the sum over outcomes of p log p, (n_levels,)."""
+        """Sum weight times p log p over cells and outcomes, (n_levels,)."""
 
     def log_likelihood(self, index: int, outcome: int) -> Array | None:
-        """log P(outcome) at the candidate of this index, (n_cells,), where a table holds it."""
-
-    def prepare(self) -> None:
-        """Compute now what `certainty` and `log_likelihood` need, so that no trial waits for it."""
+        """Return log P(outcome) at the candidate of this index, (n_cells,), or None without a table."""
 
 
 @runtime_checkable
 class OutcomeModel(Protocol):
-    """Every combination of parameters is a cell; cells are in C order, the first parameter slowest.
-
-    The first parameter is the one of interest: the threshold of a psychometric function.
-    """
+    """Combinations of parameters as cells in C order; the first parameter is the threshold."""
 
     @property
     def parameters(self) -> Mapping[str, tuple[float, ...]]: ...
@@ -50,19 +46,19 @@ class OutcomeModel(Protocol):
     def n_outcomes(self) -> int: ...
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
-        """log P(outcome) at a level, (n_cells,)."""
+        """Return log P(outcome) at a level, (n_cells,)."""
 
     def likelihoods(self, levels: Sequence[float]) -> Likelihoods: ...
 
 
 def size(model: OutcomeModel) -> tuple[int, int]:
-    """(n_first, n_rest): the number of values of the first parameter, and of combinations of the others."""
-    first, *rest = (len(values) for values in model.parameters.values())
+    """Return the number of values of the first parameter, and of combinations of the others."""
+    first, *rest = map(len, model.parameters.values())
     return first, math.prod(rest)
 
 
 def p_log_p(p: Array) -> Array:
-    """p log p, 0 where p is not above 0.
+    """Return p log p, 0 where p is not above 0.
 
     >>> p_log_p(np.array([0.0, 1.0]))
     array([0., 0.])
@@ -86,48 +82,32 @@ class DenseLikelihoods:
 
     @cached_property
     def logarithms(self) -> Array:
-        """log P, (n_outcomes, n_levels, n_cells)."""
+        """Log probabilities, (n_outcomes, n_levels, n_cells)."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(self.table.reshape(*self.table.shape[:2], -1)))
 
     @cached_property
     def cost(self) -> Array:
-        """Sum over outcomes of p log p, (n_levels, n_cells)."""
-        cost = np.zeros((self.table.shape[1], math.prod(self.table.shape[2:])))
-        for probabilities in self.table:
-            cost += p_log_p(probabilities.reshape(cost.shape))
-        return cost
+        """Sum of p log p over outcomes, (n_levels, n_cells)."""
+        return np.asarray(sum(map(p_log_p, self.table.reshape(*self.table.shape[:2], -1))))
 
     def log_likelihood(self, index: int, outcome: int) -> Array | None:
         del index, outcome
         return None
-
-    def prepare(self) -> None:
-        _ = self.cost
 
     def certainty(self, weights: Array) -> Array:
         return np.asarray(self.cost @ weights)
 
 
 @dataclass(frozen=True, eq=False)
+@constrained
 class FunctionModel:
-    """Any parameters and outcomes, by a function of log probabilities.
+    """Model of any parameters and outcomes, by a function of log probabilities.
 
-    Parameters
-    ----------
-    parameters : mapping of str to tuple of float
-        The grid of each parameter by its name; the first is the one of interest.
-    n_outcomes : int
-        How many answers there are, at least 2; they are told to the procedure as 0, 1, ...
-    log_probability : callable
-        ``log_probability(level, outcome, **parameters)``: the level a float, the parameters arrays that broadcast
-        against each other; gives log P(outcome), -inf where it is impossible. Those of all outcomes add up to 1.
-
-    Raises
-    ------
-    InvalidParameter
-        If a grid is empty or not finite, there are fewer than two outcomes, or at a level the probabilities do not add
-        up to 1.
+    - `parameters`: The grid of each parameter by its name; the first is the one of interest.
+    - `n_outcomes`: Number of answers, at least 2, reported to the procedure as 0, 1, ...
+    - `log_probability`: ``log_probability(level, outcome, **parameters)`` of a float and of arrays that broadcast
+      against each other; returns log P(outcome), -inf if it is impossible. Over outcomes P adds up to 1.
 
     >>> def coin(level, outcome, *, bias):
     ...     return np.log(np.where(outcome == 1, bias, 1 - bias))
@@ -136,19 +116,17 @@ class FunctionModel:
     """
 
     parameters: Mapping[str, tuple[float, ...]]
-    n_outcomes: int
+    n_outcomes: Annotated[int, Ge(2)]
     log_probability: Callable[..., Array]
 
     def __post_init__(self) -> None:
-        whole("FunctionModel", lowest=2, n_outcomes=self.n_outcomes)
         of_kind("FunctionModel", Callable, log_probability=self.log_probability)
         _check_parameters("FunctionModel", self.parameters)
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
         axes = dict(zip(self.parameters, np.ix_(*map(np.asarray, self.parameters.values())), strict=True))
-        shape = tuple(len(values) for values in self.parameters.values())
         log_p = np.asarray(self.log_probability(level, outcome, **axes), dtype=np.float64)
-        return np.broadcast_to(log_p, shape).ravel()
+        return np.broadcast_to(log_p, [len(values) for values in self.parameters.values()]).ravel()
 
     def likelihoods(self, levels: Sequence[float]) -> DenseLikelihoods:
         return tabulate(self, levels)
@@ -156,23 +134,12 @@ class FunctionModel:
 
 @dataclass(frozen=True, eq=False)
 class TableModel:
-    """Any parameters and outcomes, by a table of probabilities at given levels.
+    """Model of any parameters and outcomes, by a table of probabilities at rising levels.
 
-    Parameters
-    ----------
-    parameters : mapping of str to tuple of float
-        As in `FunctionModel`.
-    levels : tuple of float
-        Rising.
-    table : array, (n_outcomes, n_levels, n_values of the 1st parameter, ... of the last)
-        Probabilities; over outcomes they add up to 1.
+    Between two levels probabilities are interpolated linearly; a level beyond the table is refused.
 
-    A level between two of the table has the probabilities on the straight line between theirs; one beyond is refused.
-
-    Raises
-    ------
-    InvalidParameter
-        If the table's shape is another, a value is no probability, or levels do not rise.
+    - `parameters`: As in `FunctionModel`.
+    - `table`: (n_outcomes, n_levels, n_values of the 1st parameter, ... of the last); adds up to 1 over outcomes.
 
     >>> model = TableModel({"bias": (0.25, 0.75)}, (0.0, 1.0), np.array([[[0.75, 0.25]] * 2, [[0.25, 0.75]] * 2]))
     >>> np.exp(model.log_likelihood(0.5, 1))
@@ -187,7 +154,7 @@ class TableModel:
         _check_parameters("TableModel", self.parameters)
         numbers("TableModel.levels", self.levels)
         of_kind("TableModel", np.ndarray, table=self.table)
-        expected = (len(self.levels), *(len(values) for values in self.parameters.values()))
+        expected = (len(self.levels), *map(len, self.parameters.values()))
         shape = self.table.shape
         fits = len(shape) >= 3 and shape[0] >= 2 and shape[1:] == expected
         sizes = ", ".join(map(str, expected))
@@ -207,7 +174,6 @@ class TableModel:
         expect(low <= level <= high, "TableModel", f"the level {level:g}", among)
         place = float(np.interp(level, self.levels, range(len(self.levels))))
         before, beyond = math.floor(place), place % 1
-        # At the last level floor and ceiling are the same row, and no row beyond the table is read.
         probabilities = (1 - beyond) * self.table[outcome, before] + beyond * self.table[outcome, math.ceil(place)]
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(probabilities).ravel(), dtype=np.float64)
@@ -217,7 +183,7 @@ class TableModel:
 
 
 def tabulate(model: OutcomeModel, levels: Sequence[float]) -> DenseLikelihoods:
-    """The probabilities of a model at some levels; over outcomes they must add up to 1."""
+    """Tabulate a model at some levels; over outcomes its probabilities must add up to 1."""
     rows = [[np.exp(model.log_likelihood(level, outcome)) for level in levels] for outcome in range(model.n_outcomes)]
     table = np.array(rows).reshape(model.n_outcomes, len(levels), *size(model))
     for n, level in enumerate(levels):

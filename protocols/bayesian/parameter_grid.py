@@ -10,7 +10,7 @@ import numpy as np
 from tactometry.arguments.require import distinct, expect, numbers, some
 from tactometry.psychometric import shape_named
 
-from .outcome_model import Array, p_log_p
+from .outcome_model import Array, p_log_p, size
 
 EQUAL = 1e-13
 """Distances that differ by less, relative to the greatest, are one."""
@@ -22,17 +22,11 @@ BLOCK = 512
 
 @dataclass(frozen=True)
 class ParameterGrid:
-    """All combinations of thresholds, widths, guess and lapse rates of one shape: an `OutcomeModel` of answers 0, 1.
+    """Model of the answers 0 and 1: combinations of thresholds, widths, guess and lapse rates of one shape.
 
     Threshold and width as in `tactometry.psychometric` (half of the unscaled function; its 0.05 to 0.95 points). In
     decibels the shape ``gumbel`` is Weibull's function of the amplitude; ``weibull`` takes the amplitude itself, with
     widths in natural logarithms.
-
-    Raises
-    ------
-    InvalidParameter
-        If a list is empty, holds a value twice, or a value that is not of its domain, or guess and lapse rates leave
-        nothing between them.
 
     >>> ParameterGrid(thresholds=(10.0, 20.0), widths=(4.0, 8.0), lapse_rates=(0.0, 0.02, 0.04)).size
     (2, 6)
@@ -66,8 +60,8 @@ class ParameterGrid:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(n_thresholds, n_others)."""
-        return len(self.thresholds), len(self.widths) * len(self.guess_rates) * len(self.lapse_rates)
+        """Number of thresholds, and of combinations of the other parameters."""
+        return size(self)
 
     @cached_property
     def rates(self) -> tuple[Array, Array]:
@@ -76,13 +70,7 @@ class ParameterGrid:
         return guess.ravel(), lapse.ravel()
 
     def distances(self, levels: Sequence[float]) -> Array:
-        """Level less threshold, or the logarithm of their ratio for ``weibull``, (n_levels, n_thresholds).
-
-        Raises
-        ------
-        InvalidParameter
-            If a level is below 0 and the shape is ``weibull``.
-        """
+        """Return level minus threshold, or the logarithm of their ratio for ``weibull``, (n_levels, n_thresholds)."""
         x, t = np.ix_(np.asarray(levels, dtype=np.float64), np.asarray(self.thresholds, dtype=np.float64))
         if not shape_named(self.shape).on_log_levels:
             return np.asarray(x - t)
@@ -91,26 +79,23 @@ class ParameterGrid:
             return np.asarray(np.log(x) - np.log(t))
 
     def log_likelihood_at(self, distances: Array, outcome: int) -> Array:
-        """log P(outcome) at distances from the threshold, of shape ``(*distances, n_widths, n_rates)``: a logarithm of
-        a sum of positive terms, or a sum of logarithms where the floor is 0."""
+        """Return log P(outcome) at distances from the threshold, of shape ``(*distances, n_widths, n_rates)``."""
         shape, (guess, lapse) = shape_named(self.shape), self.rates
         z = shape.z50 + distances[..., None] / np.asarray(self.widths) * shape.z_width
         log_s = (shape.log_cdf if outcome else shape.log_sf)(z)
         s, floor, span = np.exp(log_s), guess if outcome else lapse, 1 - guess - lapse
-        # span s + floor for every pair of rates, as one product of matrices.
         with np.errstate(divide="ignore"):
-            mixed = np.log(np.stack([s, np.ones_like(s)], axis=-1) @ np.stack([span, floor]))
+            mixed = np.log(np.stack([s, np.ones_like(s)], axis=-1) @ np.stack([span, floor]))  # span s + floor
         no_floor = floor == 0
         if no_floor.any():
             mixed[..., no_floor] = np.log1p(-guess - lapse)[no_floor] + log_s[..., None]
         return np.asarray(mixed, dtype=np.float64)
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
-        """log P(outcome) at a level, (n_cells,)."""
         return self.log_likelihood_at(self.distances([level])[0], outcome).ravel()
 
     def certainty(self, distances: Array) -> Array:
-        """Sum over answers of p log p, of shape ``(*distances, n_widths, n_rates)``."""
+        """Return the sum of p log p over answers, of shape ``(*distances, n_widths, n_rates)``."""
         return np.asarray(sum(p_log_p(np.exp(self.log_likelihood_at(distances, answer))) for answer in (0, 1)))
 
     def likelihoods(self, levels: Sequence[float]) -> "MixtureLikelihoods":
@@ -128,26 +113,26 @@ def _check(name: str, values: tuple[float, ...], low: float, high: float) -> Non
 
 @dataclass(frozen=True, eq=False)
 class MixtureLikelihoods:
-    """P(1) = g + (1 - g - l) S: all sums over guess and lapse rates are taken before the product with S."""
+    """Likelihoods of P(1) = g + (1 - g - l) S: sums over guess and lapse rates are taken before the product with S."""
 
     grid: ParameterGrid
     levels: tuple[float, ...]
 
     @cached_property
     def sigmoid(self) -> Array:
-        """S, (n_levels, n_thresholds, n_widths)."""
+        """Values of S, (n_levels, n_thresholds, n_widths)."""
         shape = shape_named(self.grid.shape)
         distances = self.grid.distances(self.levels)[..., None]
         return np.exp(shape.log_cdf(shape.z50 + distances / np.asarray(self.grid.widths) * shape.z_width))
 
     @cached_property
     def mixture(self) -> Array:
-        """What S is multiplied by, what is added, and 1, for each pair of guess and lapse rate, (3, n_pairs)."""
+        """Factor of S, summand, and 1, for each pair of guess and lapse rate, (3, n_pairs)."""
         guess, lapse = self.grid.rates
         return np.array([1 - guess - lapse, guess, np.ones_like(guess)])
 
     def moments(self, weights: Array) -> Array:
-        """Sums of weight times `mixture` over guess and lapse rates, (3, n_thresholds, n_widths)."""
+        """Sum weight times `mixture` over guess and lapse rates, (3, n_thresholds, n_widths)."""
         sums: Array = self.mixture @ weights.reshape(-1, self.mixture.shape[1]).T
         return sums.reshape(3, len(self.grid.thresholds), -1)
 
@@ -163,16 +148,23 @@ class MixtureLikelihoods:
 
     @cached_property
     def steps(self) -> Array | None:
-        """All distances from the highest level's to the lowest one's, where levels and thresholds have equal steps.
+        """Distances from the highest level to the lowest one, or None unless levels and thresholds have equal steps.
 
         A probability then depends on the distance only, and blocks of neighbouring thresholds are views of one table
         (n_levels + n_thresholds - 1, n_rest), which stays in the cache.
         """
-        return _diagonal(self.grid.distances(self.levels))
+        distances = self.grid.distances(self.levels)
+        if not np.isfinite(distances).all():
+            return None
+        along = np.concatenate([distances[::-1, 0], distances[0, 1:]])
+        n_levels, n_thresholds = distances.shape
+        expected = along[np.arange(n_levels - 1, -1, -1)[:, None] + np.arange(n_thresholds)]
+        are_equal = np.abs(distances - expected).max() <= EQUAL * (1 + np.abs(distances).max())
+        return along if are_equal else None
 
     @cached_property
     def log_tables(self) -> tuple[Array, Array] | None:
-        """log P of the answers 0 and 1 at `steps`, two of (n_steps, n_rest)."""
+        """Log probabilities of the answers 0 and 1 at `steps`, two of (n_steps, n_rest)."""
         if self.steps is None:
             return None
         no, yes = (self.grid.log_likelihood_at(self.steps, answer).reshape(len(self.steps), -1) for answer in (0, 1))
@@ -186,7 +178,7 @@ class MixtureLikelihoods:
 
     @cached_property
     def costs(self) -> Array:
-        """Sum over answers of p log p, (n_thresholds, n_levels, n_rest)."""
+        """Sum of p log p over answers, (n_thresholds, n_levels, n_rest)."""
         if self.steps is None:
             distances = self.grid.distances(self.levels)
             return np.stack([self.grid.certainty(column).reshape(-1, self.grid.size[1]) for column in distances.T])
@@ -195,9 +187,6 @@ class MixtureLikelihoods:
         windows = np.lib.stride_tricks.sliding_window_view(table, len(self.levels), axis=0)
         return windows.transpose(0, 2, 1)[::-1]
 
-    def prepare(self) -> None:
-        _ = self.costs, self.sigmoid, self.log_tables
-
     def certainty(self, weights: Array) -> Array:
         by_threshold = weights.reshape(len(self.grid.thresholds), -1, 1)
         total = np.zeros(len(self.levels))
@@ -205,14 +194,3 @@ class MixtureLikelihoods:
             of_block = np.matmul(self.costs[:, :, n : n + BLOCK], by_threshold[:, n : n + BLOCK])
             total += of_block[..., 0].sum(axis=0)
         return total
-
-
-def _diagonal(distances: Array) -> Array | None:
-    """The distances from the last level's of the first threshold to the first level's of the last one, if they are
-    equal along every diagonal of (n_levels, n_thresholds)."""
-    along = np.concatenate([distances[::-1, 0], distances[0, 1:]])
-    n_levels, n_thresholds = distances.shape
-    expected = along[np.arange(n_levels - 1, -1, -1)[:, None] + np.arange(n_thresholds)]
-    if not np.isfinite(distances).all():
-        return None
-    return along if np.abs(distances - expected).max() <= EQUAL * (1 + np.abs(distances).max()) else None

@@ -8,9 +8,11 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import below_1, expect, finite, one_of, positive
+from tactometry.arguments.constraints import Finite, Positive, Rate, constrained
+from tactometry.arguments.require import expect, one_of
 from tactometry.psychometric import shape_named
 
+from ..procedures.procedure import Count
 from .outcome_model import Array
 from .parameter_grid import NARROWEST, ParameterGrid
 from .weighing import Posterior, WeighingRule, WeighingRun
@@ -21,86 +23,62 @@ N_STEPS = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
+@constrained
 class Quest(WeighingRule):
     """The threshold's posterior under a Weibull function of known slope; the next level is its quantile, mean or mode.
 
     Watson and Pelli, Perception & Psychophysics 33, 113 (1983), in the form of Psychtoolbox and PsychoPy:
     ``P(1) = d g + (1 - d) (1 - (1 - g) exp(-10^(slope (x - t + e))))`` with x in decades of amplitude, g `guess_rate`,
-    d `blind_share`, and e such that P(1) is `target` at the threshold t. The prior is normal. The quantile is the one
-    of Pelli (1987) and King-Smith, which depends on the two asymptotes only.
+    d `blind_share`, and e such that P(1) is `target` at the threshold t. The prior is normal, the quantile that of
+    Pelli (1987) and King-Smith. Unlike PsychoPy's QuestHandler, it does not round delivered levels to the grid, and is
+    censored if the likeliest threshold is an end of the grid.
 
-    Differences from PsychoPy's QuestHandler: the level that was delivered counts as it is, not rounded to the grid; and
-    where the likeliest threshold is an end of the grid the run is censored.
-
-    Parameters
-    ----------
-    start : float
-        Mean of the prior of the threshold.
-    start_sd : float
-        Standard deviation of the prior of the threshold.
-    low : float
-        Lowest level, and lowest threshold thought possible.
-    high : float
-        Highest level, and highest threshold thought possible.
-    step : float
-        Distance between neighbouring thresholds of the grid.
-    decade : float
-        A factor of ten in amplitude, in the unit of the levels: 20 for decibels, 1 for log10.
-    target : float
-        Chance of the answer 1 at the threshold. 0.82 is PsychoPy's.
-    slope : float
-        Exponent of the Weibull function; the default is that of Watson and Pelli.
-    blind_share : float
-        Share of answers given without regard to the stimulus; the default is that of Watson and Pelli.
-    guess_rate : float
-        Chance of the answer 1 where nothing is felt.
-    placing : {"quantile", "mean", "mode"}
-        What of the posterior the next level is.
-    n_trials : int
-        Largest number of trials of a track.
-    sd_stop : float, optional
-        It ends when the posterior's standard deviation is so small, in the unit of the levels.
-
-    Raises
-    ------
-    InvalidParameter
-        If a number is out of its domain.
+    - `start`: Mean of the prior of the threshold.
+    - `start_sd`: Standard deviation of the prior of the threshold.
+    - `low`: Lowest level, and lowest threshold thought possible.
+    - `high`: Highest level, and highest threshold thought possible.
+    - `step`: Distance between neighbouring thresholds of the grid.
+    - `decade`: A factor of ten in amplitude, in the unit of the levels: 20 for decibels, 1 for log10.
+    - `target`: Chance of the answer 1 at the threshold. 0.82 is PsychoPy's.
+    - `slope`: Exponent of the Weibull function; the default is that of Watson and Pelli.
+    - `blind_share`: Share of answers given without regard to the stimulus; the default is that of Watson and Pelli.
+    - `guess_rate`: Chance of the answer 1 where nothing is felt.
+    - `placing`: What of the posterior the next level is.
+    - `n_trials`: Largest number of trials of a track.
+    - `sd_stop`: It ends when the posterior's standard deviation is so small, in the unit of the levels.
 
     >>> rule = Quest(start=20.0, start_sd=10.0, low=0.0, high=40.0, step=0.5, placing="mean")
     >>> rule.level, rule.after(1).level < 20 < rule.after(0).level
     (20.0, True)
     """
 
-    start: float
-    start_sd: float
-    low: float
-    high: float
-    step: float
-    decade: float = 20.0
-    target: float = 0.82
-    slope: float = 3.5
-    guess_rate: float = 0.5
-    blind_share: float = 0.01
+    start: Finite
+    start_sd: Positive
+    low: Finite
+    high: Finite
+    step: Positive
+    decade: Positive = 20.0
+    target: Finite = 0.82
+    slope: Positive = 3.5
+    guess_rate: Rate = 0.5
+    blind_share: Rate = 0.01
     placing: Placing = "quantile"
-    n_trials: int = 40
-    sd_stop: float | None = None
+    n_trials: Count = 40
+    sd_stop: Positive | None = None
 
     name = "quest"
 
     def __post_init__(self) -> None:
         one_of("Quest.placing", self.placing, get_args(Placing))
-        finite("Quest", start=self.start, low=self.low, high=self.high, target=self.target)
-        finite("Quest", guess_rate=self.guess_rate, blind_share=self.blind_share)
-        positive("Quest", start_sd=self.start_sd, step=self.step, decade=self.decade, slope=self.slope)
         is_wide = self.start_sd >= NARROWEST * (self.high - self.low)
         expect(is_wide, "Quest.start_sd", f"{self.start_sd:g}", "more; the prior is a point")
-        self._check_stop()
+
         n_steps = (self.high - self.low) / self.step
         is_grid = self.low <= self.start <= self.high and 1 <= n_steps <= N_STEPS
         numbers = f"{self.start:g}, low {self.low:g}, high {self.high:g} and step {self.step:g}"
         between = f"a start between low and high, which are 1 to {N_STEPS} steps apart"
         expect(is_grid, "Quest.start", numbers, between)
-        below_1("Quest", guess_rate=self.guess_rate, blind_share=self.blind_share)
+
         low, high = self.guess_rate, 1 - self.lapse_rate
         asymptotes = f"a chance between the asymptotes ({low:g} and {high:g})"
         expect(low < self.target < high, "Quest.target", f"{self.target:g}", asymptotes)
@@ -121,17 +99,16 @@ class Quest(WeighingRule):
 
     def places(self, log_weights: Array, weights: Array) -> Array:
         del log_weights
-        placed = {"mean": self._means, "mode": self._modes, "quantile": self._quantiles}[self.placing](weights)
+        if self.placing == "mean":
+            placed = weights @ self.thresholds
+        elif self.placing == "mode":
+            placed = self.thresholds[weights.argmax(axis=1)]
+        else:
+            placed = self._quantiles(weights)
         return np.clip(placed, self.low, self.high)
 
-    def _means(self, weights: Array) -> Array:
-        return np.asarray(weights @ self.thresholds)
-
-    def _modes(self, weights: Array) -> Array:
-        return np.asarray(self.thresholds[weights.argmax(axis=1)])
-
     def _quantiles(self, weights: Array) -> Array:
-        """On straight lines between the sums of the weights, each height once: where it is first reached."""
+        """Interpolate the cumulative weights linearly, from the first place of each height."""
         summed, at = np.cumsum(weights, axis=1), np.arange(len(weights))
         orders = self.quantile_order * summed[:, -1]
         right = (summed < orders[:, None]).sum(axis=1)
@@ -154,19 +131,19 @@ class Quest(WeighingRule):
 
     @property
     def lapse_rate(self) -> float:
-        """Of a blind press the part that is not a lucky guess."""
+        """Share of blind answers that are no lucky guess."""
         return self.blind_share * (1 - self.guess_rate)
 
     @cached_property
     def thresholds(self) -> Array:
-        """The grid: whole steps from `low`, `high` the last if a step falls on it, (n_thresholds,)."""
+        """Grid of thresholds (n_thresholds,) in whole steps from `low` up to `high`."""
         # Whole steps may divide to just less than a whole number: 0.3 / 0.1 does.
         n_steps = math.floor((self.high - self.low) / self.step * (1 + 1e-12))
         return np.asarray(self.low + self.step * np.arange(n_steps + 1), dtype=np.float64)
 
     @cached_property
     def grid(self) -> ParameterGrid:
-        """The same functions by their half points."""
+        """Grid of the same functions by their half points."""
         gumbel, scale = shape_named("gumbel"), self.decade / (self.slope * math.log(10))
         unscaled = (self.target - self.guess_rate) / (1 - self.guess_rate - self.lapse_rate)
         # log(-log(1 - p)) is a straight line over the level: a step of `scale` for each unit.
@@ -176,26 +153,25 @@ class Quest(WeighingRule):
 
     @cached_property
     def quantile_order(self) -> float:
-        """Between the asymptotes, the part at which an answer tells most: where the entropy of the answer exceeds the
-        chord between its values at the asymptotes by most."""
+        """Share between the asymptotes at which an answer is most informative.
+
+        There the entropy of the answer exceeds the chord between its values at the asymptotes by most.
+        """
         low, high = self.guess_rate, 1 - self.lapse_rate
-        chord = (_binary_entropy(high) - _binary_entropy(low)) / (high - low)
+        entropies = [-sum(q * math.log(q) for q in (p, 1 - p) if q > 0) for p in (low, high)]
+        chord = (entropies[1] - entropies[0]) / (high - low)
         return (1 / (1 + math.exp(chord)) - low) / (high - low)
 
 
 @dataclass(frozen=True, eq=False)
 class QuestRun(WeighingRun[Quest]):
-    """Places the next level on the posterior of the threshold."""
+    """Run of a `Quest`."""
 
     @property
     def posterior(self) -> Array:
-        """Weights of the thresholds that add up to 1."""
+        """Weights (n_thresholds,) that add up to 1."""
         return self.state.weights
 
     @cached_property
     def level(self) -> float:
         return float(self.rule.places(self.state.log_weights[None], self.state.weights[None])[0])
-
-
-def _binary_entropy(p: float) -> float:
-    return -sum(q * math.log(q) for q in (p, 1 - p) if q > 0)

@@ -1,70 +1,58 @@
 """QUEST+: the level whose answer is expected to tell most, on one track or several that share all but a threshold."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import prod
 from typing import Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.arguments.constraints import Positive, constrained
 from tactometry.arguments.require import at_most, expect, lookup, numbers, of_kind, one_of
 from tactometry.errors import rewording
 
-from ..procedures.procedure import DelegatingProcedure, Procedure
+from ..procedures.procedure import Count, DelegatingProcedure, Procedure
 from .outcome_model import Array, DenseLikelihoods, Likelihoods, OutcomeModel, p_log_p, size, tabulate
-from .weighing import Posterior, WeighingRule, WeighingRun, entropies, log_prior
+from .weighing import Posterior, WeighingRule, WeighingRun, entropies
 
 Aim = Literal["parameters", "threshold"]
 Criterion = Literal["entropy", "variance"]
 MOST_CHANCES = 100_000_000
-"""What a table of one outcome may hold: 800 MB."""
+"""Largest number of entries in a table of one outcome: 800 MB."""
 TIE = 1e-12
-"""Expected losses this near to the least are equal: the order of a sum must not decide where a session goes."""
+"""Expected losses this near to the least are equal, so that rounding does not choose a level."""
 
 
 @dataclass(frozen=True, eq=False)
+@constrained
 class QuestPlus(WeighingRule):
     """Bayesian placement by minimum expected entropy or variance, for any model of answers.
 
-    Watson, J. Vision 17(3):10 (2017). `aim` ``parameters`` is QUEST+: the entropy of the whole posterior, or the sum of
-    the parameters' variances, each in units of its prior variance. ``threshold`` minimises the entropy or variance of
-    the marginal of the first parameter, with the others as nuisance (Prins, J. Vision 13(7):3, 2013). Ties go to the
-    first level.
+    Watson, J. Vision 17(3):10 (2017). The `aim` ``parameters`` minimises the entropy of the posterior, or the sum of
+    the parameters' variances relative to their priors; ``threshold`` that of the first parameter alone (Prins, J.
+    Vision 13(7):3, 2013). Ties go to the first level.
 
-    It ends after `n_trials`, or when the first parameter's posterior standard deviation is at most `sd_stop` (in the
-    unit of the levels). Where that parameter is most likely the first or last of its grid, the answers tell a bound
-    only and the run is censored. Answers that no cell of the grid allows end it as aborted; `remark` says which.
+    A run ends after `n_trials`, or at a posterior standard deviation of the first parameter of `sd_stop`. It is
+    censored if this parameter is most likely at an end of its grid, and aborted if no cell allows the answers.
 
-    Parameters
-    ----------
-    levels : tuple of float
-        The candidates.
-    grid : OutcomeModel
-        `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the first
-        parameter is the threshold.
-    prior : mapping of str to sequence of float
-        Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
-
-    Raises
-    ------
-    InvalidParameter
-        If there are fewer than two levels, a level is not finite or stands twice, a number is out of its domain, or a
-        prior does not fit.
+    - `levels`: The candidates.
+    - `grid`: `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the
+      first parameter is the threshold.
+    - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
     >>> from tactometry.protocols import ParameterGrid
-    >>> rule = QuestPlus(
-    ...     levels=tuple(range(-40, 1)), grid=ParameterGrid(tuple(range(-40, 1)), widths=(10.0,)), n_trials=2
-    ... )
+    >>> levels = tuple(range(-40, 1))
+    >>> rule = QuestPlus(levels, ParameterGrid(levels, widths=(10.0,)), n_trials=2)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).ending
     (-17, -21, 'trials')
     """
 
     levels: tuple[float, ...]
     grid: OutcomeModel
-    n_trials: int = 60
-    sd_stop: float | None = None
+    n_trials: Count = 60
+    sd_stop: Positive | None = None
     aim: Aim = "parameters"
     criterion: Criterion = "entropy"
     prior: Mapping[str, Sequence[float]] = field(default_factory=dict)
@@ -79,13 +67,9 @@ class QuestPlus(WeighingRule):
         one_of("QuestPlus.aim", self.aim, get_args(Aim))
         one_of("QuestPlus.criterion", self.criterion, get_args(Criterion))
         of_kind("QuestPlus", OutcomeModel, grid=self.grid)
-        n_combinations = prod(map(len, self.grid.parameters.values()))
-        at_most("QuestPlus: levels times combinations of parameters", len(self.levels) * n_combinations, MOST_CHANCES)
-        self._check_stop()
-        # the first trial waits for neither the tables nor its level
-        if self.aim == "parameters" and self.criterion == "entropy":
-            self.likelihoods.prepare()
-        _ = self.level, self.log_likelihood(self.levels[0], 0)
+        n_chances = n_levels * math.prod(size(self.grid))
+        at_most("QuestPlus: levels times combinations of parameters", n_chances, MOST_CHANCES)
+        _ = self.level, self.log_likelihood(self.levels[0], 0)  # makes the tables before the first trial
 
     @property
     def n_outcomes(self) -> int:
@@ -104,7 +88,20 @@ class QuestPlus(WeighingRule):
 
     @cached_property
     def prior_state(self) -> Posterior:
-        prior = Posterior.of(log_prior(self.grid.parameters, self.prior, "QuestPlus"))
+        parameters = self.grid.parameters
+        of_kind("QuestPlus", Mapping, prior=self.prior)
+        for name, weights in self.prior.items():
+            numbers(f"QuestPlus.prior[{name!r}]", weights)
+            one_of("QuestPlus.prior", name, parameters)
+            known, n_values = np.asarray(weights, dtype=np.float64), len(parameters[name])
+            are_weights = known.shape == (n_values,) and (known >= 0).all() and 0 < known.sum() < math.inf
+            listed = f"{len(weights)} weights from {known.min(initial=0):g} on"
+            expect(are_weights, f"QuestPlus.prior[{name!r}]", listed, f"{n_values} finite numbers from 0, not all 0")
+
+        with np.errstate(divide="ignore"):
+            axes = [np.log(self.prior.get(name, np.ones(len(values)))) for name, values in parameters.items()]
+        total: Array = sum(np.ix_(*axes), start=np.zeros(()))
+        prior = Posterior.of(total.ravel())
         assert prior is not None  # every parameter has a weight above 0
         return prior
 
@@ -118,7 +115,7 @@ class QuestPlus(WeighingRule):
 
     @cached_property
     def dense(self) -> DenseLikelihoods:
-        """All chances in one table, for stacks of sets."""
+        """Chances in one table, for stacks of sets."""
         return tabulate(self.grid, self.levels)
 
     def places(self, log_weights: Array, weights: Array) -> Array:
@@ -126,16 +123,12 @@ class QuestPlus(WeighingRule):
         return np.asarray(self.levels, dtype=np.float64)[least(losses)]
 
     def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
-        places = self._places_of(levels)
+        index = {level: n for n, level in enumerate(self.levels)}
+        places = np.array([index.get(level, -1) for level in levels.tolist()], dtype=np.intp)
         found = np.asarray(self.dense.logarithms[answers, places])
         for n in np.flatnonzero(places < 0):  # delivered, and none of the candidates
             found[n] = self.grid.log_likelihood(float(levels[n]), int(answers[n]))
         return found
-
-    def _places_of(self, levels: Array) -> NDArray[np.intp]:
-        """Of levels (n_sets,) among the candidates; -1 of others."""
-        index = {level: n for n, level in enumerate(self.levels)}
-        return np.array([index.get(level, -1) for level in levels.tolist()], dtype=np.intp)
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
         tabled = self.likelihoods.log_likelihood(self.levels.index(level), outcome) if level in self.levels else None
@@ -144,7 +137,7 @@ class QuestPlus(WeighingRule):
 
 @dataclass(frozen=True, eq=False)
 class QuestPlusRun(WeighingRun[QuestPlus]):
-    """Looks at every level for what its answer is expected to tell."""
+    """Run of a `QuestPlus`."""
 
     @property
     def posterior(self) -> Array:
@@ -152,13 +145,7 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
         return self.state.weights.reshape(size(self.rule.grid))
 
     def marginal(self, parameter: str) -> Array:
-        """The posterior of one parameter, (n_values,).
-
-        Raises
-        ------
-        InvalidParameter
-            If there is no such parameter.
-        """
+        """Return the posterior of one parameter, (n_values,)."""
         names = list(self.rule.grid.parameters)
         one_of("QuestPlus.marginal", parameter, names)
         cells = self.state.weights.reshape([len(values) for values in self.rule.grid.parameters.values()])
@@ -166,21 +153,21 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
         return np.asarray(cells.sum(axis=others), dtype=np.float64)
 
     def mean(self, parameter: str) -> float:
-        """The posterior mean of one parameter."""
+        """Return the posterior mean of one parameter."""
         return float(self.marginal(parameter) @ np.asarray(self.rule.grid.parameters[parameter]))
 
     @cached_property
     def level(self) -> float:
-        """The level with the least expected loss; the first of equals."""
+        """First level with the least expected loss."""
         return self.rule.levels[int(least(self.expected_loss()))]
 
     def expected_loss(self) -> Array:
-        """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance."""
+        """Return expected entropy (nat) or variance after one more answer at each level, (n_levels,)."""
         return expected_losses(self.rule, self.rule.likelihoods, self.state.weights, self.state.entropy)
 
     @property
     def remark(self) -> str | None:
-        """One sentence on a run that has no threshold."""
+        """Reason why a run has no threshold, or None."""
         first = next(iter(self.rule.grid.parameters))
         if self.ending == "aborted":
             return (
@@ -198,25 +185,9 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
 class SharedQuestPlus:
     """`QuestPlus` on several tracks whose posterior shares every parameter but the first.
 
-    Given the shared parameters, thresholds are independent, so that the joint posterior of all thresholds is exact
-    from one likelihood table (n_first, n_rest) a track: a track weighs its own table with the evidence of all others,
-    ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. Expected entropy (Watson 2017) is that of the
-    track's own threshold and the shared parameters; an answer tells nothing of the other thresholds that these do not.
-
-    `procedures()` gives each track as a procedure for a block that interleaves them. A track whose spread was within
-    the rule's `sd_stop` may go on again when another track's answers move what they share; `n_trials` bounds each.
-
-    Parameters
-    ----------
-    rule : QuestPlus
-        That of every track.
-    tracks : tuple of str
-        Their names.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is no track, or a name stands twice.
+    Thresholds are independent given the shared parameters, so one likelihood table (n_first, n_rest) a track is exact:
+    ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. A track that was within `sd_stop` may go on
+    again after answers on another track; `n_trials` bounds each.
 
     >>> from tactometry.protocols import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
@@ -241,44 +212,34 @@ class SharedQuestPlus:
         return all(self.procedure(track).finished for track in self.tracks)
 
     def procedure(self, track: str) -> QuestPlusRun:
-        """How a track stands. Tell answers to the pool, not to this."""
+        """Return the run of a track. Report answers to the pool, not to this run."""
         return lookup("SharedQuestPlus.track", track, self._views)
 
     def procedures(self) -> tuple["SharedTrack", ...]:
-        """One for each track."""
+        """Return a procedure for each track."""
         return tuple(SharedTrack(self, track) for track in self.tracks)
 
     @cached_property
     def _views(self) -> Mapping[str, QuestPlusRun]:
         from scipy.special import logsumexp  # slow to load
 
-        evidence = {track: logsumexp(self._log_joint(track), axis=0) for track in self.tracks}
-        return {track: self._view(track, evidence) for track in self.tracks}
+        prior = self.rule.prior_state.weights.reshape(size(self.rule.grid))
+        with np.errstate(divide="ignore"):
+            first, shared = np.log(prior.sum(axis=1)), np.log(prior.sum(axis=0))
+        unanswered = np.zeros(prior.shape)
+        joint = {track: first[:, None] + self.log_likelihoods.get(track, unanswered) for track in self.tracks}
+        evidence = {track: logsumexp(table, axis=0) for track, table in joint.items()}
 
-    def _view(self, track: str, evidence: Mapping[str, Array]) -> QuestPlusRun:
-        of_others = sum((table for name, table in evidence.items() if name != track), start=self._log_priors[1])
-        state = Posterior.of((self._log_joint(track) + of_others).ravel())
-        assert state is not None  # answers that nothing allows are not taken in
-        return replace(self.runs.get(track, self.rule.begin()), state=state)
-
-    def _log_joint(self, track: str) -> Array:
-        """log p(t) L(t, s), (n_first, n_rest)."""
-        first, shared = self._log_priors
-        return np.asarray(first[:, None] + self.log_likelihoods.get(track, 0.0) + np.zeros(len(shared)))
-
-    @cached_property
-    def _log_priors(self) -> tuple[Array, Array]:
-        """Of the first parameter, and of all others together."""
-        first, *shared = self.rule.grid.parameters
-        return self._log_prior(first), self._log_prior(*shared)
-
-    def _log_prior(self, *names: str) -> Array:
-        parameters = {name: self.rule.grid.parameters[name] for name in names}
-        prior = {name: weights for name, weights in self.rule.prior.items() if name in names}
-        return log_prior(parameters, prior, "SharedQuestPlus")
+        views = {}
+        for track in self.tracks:
+            of_others = sum((each for name, each in evidence.items() if name != track), start=shared)
+            state = Posterior.of((joint[track] + of_others).ravel())
+            assert state is not None  # answers that nothing allows are not taken in
+            views[track] = replace(self.runs.get(track, self.rule.begin()), state=state)
+        return views
 
     def after(self, track: str, response: int | bool, delivered: float | None = None) -> Self:
-        """The pool after an answer to the level that was delivered on one track."""
+        """Return the pool after an answer to the level that was delivered on one track."""
         with rewording(lambda words: f"SharedQuestPlus track {track!r}, {words}"):
             run = self.procedure(track).after(response, delivered)
         pool = replace(self, runs={**self.runs, track: run})
@@ -291,15 +252,7 @@ class SharedQuestPlus:
 
 @dataclass(frozen=True, eq=False)
 class SharedTrack(DelegatingProcedure):
-    """One track of a `SharedQuestPlus` as a procedure.
-
-    >>> from tactometry.protocols import ParameterGrid
-    >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
-    >>> slow, fast = SharedQuestPlus(rule, ("30 Hz", "240 Hz")).procedures()
-    >>> slow = slow.after(1)
-    >>> fast.learning_from(slow).pool is slow.pool
-    True
-    """
+    """One track of a `SharedQuestPlus` as a procedure."""
 
     pool: SharedQuestPlus
     track: str
@@ -309,28 +262,25 @@ class SharedTrack(DelegatingProcedure):
 
     @property
     def view(self) -> QuestPlusRun:
-        """The track's run with what all tracks say: threshold, spread, marginals, `remark`."""
         return self.pool.procedure(self.track)
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
-        """The track after an answer of its own."""
         return replace(self, pool=self.pool.after(self.track, response, delivered))
 
     def learning_from(self, other: Procedure) -> Self:
-        """The track after an answer on another track of the same pool."""
         if isinstance(other, SharedTrack) and other.pool.rule is self.pool.rule:
             return replace(self, pool=other.pool)
         return self
 
 
 def least(losses: Array) -> NDArray[np.intp]:
-    """The first place of the least losses (n_levels, ...), up to `TIE`."""
+    """Return the first place of the least losses (n_levels, ...), up to `TIE`."""
     lowest = losses.min(axis=0)
     return np.asarray((losses <= lowest + TIE * (1 + np.abs(lowest))).argmax(axis=0))
 
 
 def expected_losses(rule: QuestPlus, likelihoods: Likelihoods, weights: Array, entropy: Array | float) -> Array:
-    """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance.
+    """Return expected entropy (nat) or variance after one more answer at each level, (n_levels,).
 
     Weights are (n_cells,), or (n_cells, n_sets) with the entropy of each where `likelihoods` takes stacks.
     """
@@ -345,21 +295,18 @@ def expected_losses(rule: QuestPlus, likelihoods: Likelihoods, weights: Array, e
 
 
 def _expected_variance(rule: QuestPlus, likelihoods: Likelihoods, weights: Array) -> Array:
-    """The expected variance of the first parameter, or the sum over all, each against that of its prior."""
+    """Return the expected variance of the first parameter, or the sum over all, each relative to its prior."""
+    values = [np.asarray(each, dtype=np.float64) for each in rule.grid.parameters.values()]
+    axes = [axis.ravel() for axis in np.meshgrid(*values, indexing="ij")]
     if rule.aim == "threshold":
-        return _variance_of(_axis(rule, 0), likelihoods, weights)
-    axes = [_axis(rule, n) for n, values in enumerate(rule.grid.parameters.values()) if len(values) > 1]
-    prior = rule.prior_state.weights
-    spreads = [float(prior @ (axis - float(prior @ axis)) ** 2) for axis in axes]
-    pairs = zip(axes, spreads, strict=True)
-    relative = [_variance_of(axis, likelihoods, weights) / spread for axis, spread in pairs if spread > 0]
-    return sum(relative, start=np.zeros((len(rule.levels), *weights.shape[1:])))
+        return _variance_of(axes[0], likelihoods, weights)
 
-
-def _axis(rule: QuestPlus, n: int) -> Array:
-    """The value of the nth parameter in each cell, (n_cells,)."""
-    axes = np.meshgrid(*rule.grid.parameters.values(), indexing="ij")
-    return np.asarray(axes[n], dtype=np.float64).ravel()
+    prior, total = rule.prior_state.weights, np.zeros((len(rule.levels), *weights.shape[1:]))
+    for axis in axes:
+        spread = float(prior @ (axis - float(prior @ axis)) ** 2)
+        if np.ptp(axis) > 0 and spread > 0:
+            total += _variance_of(axis, likelihoods, weights) / spread
+    return total
 
 
 def _variance_of(axis: Array, likelihoods: Likelihoods, weights: Array) -> Array:
@@ -370,5 +317,5 @@ def _variance_of(axis: Array, likelihoods: Likelihoods, weights: Array) -> Array
 
 
 def _sum_p_log_p(probabilities: Array) -> Array:
-    """Over outcomes, the first axis."""
+    """Return the sum of p log p over outcomes, the first axis."""
     return np.asarray(p_log_p(probabilities).sum(axis=0), dtype=np.float64)

@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
 
-from tactometry.arguments.constraints import excerpt
+from tactometry.arguments.constraints import Rate, constrained, excerpt
 from tactometry.arguments.magnitudes import is_number
-from tactometry.arguments.require import below, below_1, expect, finite, numbers, one_of, whole, without_none
+from tactometry.arguments.require import below, expect, finite, numbers, one_of, whole, without_none
 
 from .parameter_grid import ParameterGrid
 from .quest_plus import Aim, Criterion, QuestPlus
@@ -19,12 +20,9 @@ MOST_VALUES = 10_000
 
 
 def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
-    """Values with equal steps or equal ratios: the lowest, the highest and how many, by the names that a caller gave.
+    """Return values with equal steps or equal ratios; `grid` names the lowest, the highest and their number.
 
-    Raises
-    ------
-    InvalidParameter
-        If they make no rising grid; `owner` and the name open the sentence.
+    Raises `InvalidParameter` if they make no rising grid; `owner` and the name open the message.
 
     >>> grid_values("levels", "log", low=1.0, high=100.0, n=3)
     (1.0, 10.0, 100.0)
@@ -32,7 +30,6 @@ def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...
     (of_low, low), (of_high, high), (of_n, n) = grid.items()
     finite(owner, **{of_low: low, of_high: high})
     whole(owner, lowest=1, highest=MOST_VALUES, **{of_n: n})
-    n = int(n)
     one_of(f"{owner}.spacing", spacing, get_args(Spacing))
     if n > 1:
         below(owner, **{of_low: low, of_high: high})
@@ -40,58 +37,34 @@ def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...
         expect(low > 0, f"{owner}.{of_low}", f"{low:g}", "above 0 (values with equal ratios)")
     if n == 1:
         return (low,)
-    values = np.linspace(low, high, n) if spacing == "linear" else np.geomspace(low, high, n)
-    return tuple(float(value) for value in values)
+    spaced = np.linspace if spacing == "linear" else np.geomspace
+    return tuple(spaced(low, high, int(n)).tolist())
 
 
 @dataclass(frozen=True)
 class QuestPlusSettings:
     """QUEST+: each trial presents the level that is expected to tell most about the psychometric function.
 
-    Parameters
-    ----------
-    low : float
-        Lowest level that is presented.
-    high : float
-        Highest level that is presented.
-    n_levels : int
-        Number of levels from `low` to `high`.
-    spacing : str
-        ``linear`` for levels in decibels, ``log`` for levels above 0 in a linear unit (with the shape ``weibull``).
-    width_low : float
-        Smallest width thought possible, in the unit of the levels, or in natural logarithms for ``weibull``.
-    width_high : float
-        Largest width thought possible, in the same unit.
-    n_widths : int
-        Number of widths from `width_low` to `width_high`, with equal ratios.
-    width_prior_factor : float
-        If given, the widths' prior is log-normal about the geometric middle of their grid with this factor, above 1,
-        for a standard deviation; else it is flat on the grid.
-    threshold_low : float, optional
-        Lowest threshold thought possible; by default the lowest level.
-    threshold_high : float, optional
-        Highest threshold thought possible; by default the highest level.
-    n_thresholds : int, optional
-        Number of thresholds between them; by default that of the levels.
-    shape : str
-        Of the psychometric function: ``gumbel``, ``normal``, ``logistic``, ``reversed_gumbel`` or ``weibull``.
-    guess_rates : tuple of float
-        Guess rates thought possible; a single one is taken as known.
-    lapse_rates : tuple of float
-        Lapse rates thought possible; a single one is taken as known.
-    n_trials : int
-        Largest number of trials of a track.
-    sd_stop : float, optional
-        It ends when the threshold's standard deviation is so small, in the unit of the levels.
-    aim : {"threshold", "parameters"}
-        What is to be known: the threshold alone, or all parameters.
-    criterion : {"entropy", "variance"}
-        What of it a level is to make least.
-
-    Raises
-    ------
-    InvalidParameter
-        As `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
+    - `low`: Lowest level that is presented.
+    - `high`: Highest level that is presented.
+    - `n_levels`: Number of levels from `low` to `high`.
+    - `spacing`: ``linear`` for levels in decibels, ``log`` for levels above 0 in a linear unit (with the shape
+      ``weibull``).
+    - `width_low`: Smallest width thought possible, in the unit of the levels, or in natural logarithms for ``weibull``.
+    - `width_high`: Largest width thought possible, in the same unit.
+    - `n_widths`: Number of widths from `width_low` to `width_high`, with equal ratios.
+    - `width_prior_factor`: If given, the widths' prior is log-normal about the geometric middle of their grid with this
+      factor, above 1, for a standard deviation; else it is flat on the grid.
+    - `threshold_low`: Lowest threshold thought possible; by default the lowest level.
+    - `threshold_high`: Highest threshold thought possible; by default the highest level.
+    - `n_thresholds`: Number of thresholds between them; by default that of the levels.
+    - `shape`: Of the psychometric function: ``gumbel``, ``normal``, ``logistic``, ``reversed_gumbel`` or ``weibull``.
+    - `guess_rates`: Guess rates thought possible; a single one is taken as known.
+    - `lapse_rates`: Lapse rates thought possible; a single one is taken as known.
+    - `n_trials`: Largest number of trials of a track.
+    - `sd_stop`: It ends when the threshold's standard deviation is so small, in the unit of the levels.
+    - `aim`: What is to be known: the threshold alone, or all parameters.
+    - `criterion`: What of it a level is to make least.
 
     >>> settings = QuestPlusSettings(low=0.0, high=40.0, n_levels=41, width_low=4.0, width_high=16.0, n_widths=3)
     >>> rule = settings.procedure()
@@ -119,23 +92,13 @@ class QuestPlusSettings:
     criterion: Criterion = "entropy"
 
     def __post_init__(self) -> None:
-        _ = self._levels(), self._grid()
+        _ = self._levels, self._grid
 
-    def procedure(self) -> QuestPlus:
-        levels, grid = self._levels(), self._grid()
-        factor = self.width_prior_factor
-        prior = {} if factor is None else {"width": self._width_prior(factor, grid.widths)}
-        return QuestPlus(levels, grid, self.n_trials, self.sd_stop, self.aim, self.criterion, prior)
-
-    def _width_prior(self, factor: float, widths: tuple[float, ...]) -> tuple[float, ...]:
-        is_factor = is_number(factor) and factor > 1
-        expect(is_factor, "QuestPlusSettings.width_prior_factor", excerpt(factor), "a number above 1")
-        middle = math.sqrt(widths[0]) * math.sqrt(widths[-1])  # roots first: the product may leave the floats
-        return tuple(math.exp(-0.5 * (math.log(width / middle) / math.log(factor)) ** 2) for width in widths)
-
+    @cached_property
     def _levels(self) -> tuple[float, ...]:
         return grid_values("QuestPlusSettings", self.spacing, low=self.low, high=self.high, n_levels=self.n_levels)
 
+    @cached_property
     def _grid(self) -> ParameterGrid:
         as_levels = {"threshold_low": self.low, "threshold_high": self.high, "n_thresholds": self.n_levels}
         stated = without_none({name: getattr(self, name) for name in as_levels})
@@ -144,8 +107,20 @@ class QuestPlusSettings:
         widths = grid_values("QuestPlusSettings", "log", **bounds)
         return ParameterGrid(thresholds, widths, self.guess_rates, self.lapse_rates, self.shape)
 
+    def procedure(self) -> QuestPlus:
+        prior = {} if self.width_prior_factor is None else {"width": self._width_prior(self.width_prior_factor)}
+        return QuestPlus(self._levels, self._grid, self.n_trials, self.sd_stop, self.aim, self.criterion, prior)
+
+    def _width_prior(self, factor: float) -> tuple[float, ...]:
+        is_factor = is_number(factor) and factor > 1
+        expect(is_factor, "QuestPlusSettings.width_prior_factor", excerpt(factor), "a number above 1")
+        widths = np.log(self._grid.widths)
+        weights = np.exp(-0.5 * ((widths - (widths[0] + widths[-1]) / 2) / math.log(factor)) ** 2)
+        return tuple(weights.tolist())
+
 
 @dataclass(frozen=True)
+@constrained
 class PsiSettings:
     """The psi method: QUEST+ for threshold and slope of a cumulative normal, guess and lapse rate known.
 
@@ -153,35 +128,17 @@ class PsiSettings:
     standard deviations (the inverse slopes) have equal ratios, the prior is flat on both, and the expected entropy of
     threshold and slope together is least. `psi_marginal` minimises that of the threshold alone (Prins 2013).
 
-    Parameters
-    ----------
-    low : float
-        Lowest level, and lowest threshold thought possible.
-    high : float
-        Highest level, and highest threshold thought possible.
-    n_levels : int
-        Number of levels, and of thresholds, from `low` to `high`.
-    sd_low : float
-        Smallest standard deviation of the normal thought possible, in the unit of the levels.
-    sd_high : float
-        Largest standard deviation of the normal thought possible, in the unit of the levels.
-    n_sds : int
-        Number of standard deviations from `sd_low` to `sd_high`.
-    guess_rate : float
-        Guess rate, taken as known; 0.5 is that of two-interval forced choice (unverified default).
-    lapse_rate : float
-        Lapse rate, taken as known; 0.02 is that of 4 % blind answers in two intervals (unverified default).
-    psi_marginal : bool
-        Only the threshold is to be known.
-    n_trials : int
-        Largest number of trials of a track.
-    sd_stop : float, optional
-        It ends when the threshold's standard deviation is so small, in the unit of the levels.
-
-    Raises
-    ------
-    InvalidParameter
-        As `QuestPlus` and `ParameterGrid`, or if a grid does not rise.
+    - `low`: Lowest level, and lowest threshold thought possible.
+    - `high`: Highest level, and highest threshold thought possible.
+    - `n_levels`: Number of levels, and of thresholds, from `low` to `high`.
+    - `sd_low`: Smallest standard deviation of the normal thought possible, in the unit of the levels.
+    - `sd_high`: Largest standard deviation of the normal thought possible, in the unit of the levels.
+    - `n_sds`: Number of standard deviations from `sd_low` to `sd_high`.
+    - `guess_rate`: Guess rate, taken as known; 0.5 is that of two-interval forced choice (unverified default).
+    - `lapse_rate`: Lapse rate, taken as known; 0.02 is that of 4 % blind answers in two intervals (unverified default).
+    - `psi_marginal`: Only the threshold is to be known.
+    - `n_trials`: Largest number of trials of a track.
+    - `sd_stop`: It ends when the threshold's standard deviation is so small, in the unit of the levels.
 
     >>> PsiSettings(low=0.0, high=40.0, n_levels=41, sd_low=1.0, sd_high=8.0, n_sds=4).procedure().level
     23.0
@@ -193,27 +150,28 @@ class PsiSettings:
     sd_low: float
     sd_high: float
     n_sds: int = 20
-    guess_rate: float = 0.5
-    lapse_rate: float = 0.02
+    guess_rate: Rate = 0.5
+    lapse_rate: Rate = 0.02
     psi_marginal: bool = False
     n_trials: int = 60
     sd_stop: float | None = None
 
     def __post_init__(self) -> None:
-        _ = self._levels(), self._sds()
-        below_1("PsiSettings", guess_rate=self.guess_rate, lapse_rate=self.lapse_rate)
+        _ = self._levels, self._sds
 
+    @cached_property
     def _levels(self) -> tuple[float, ...]:
         return grid_values("PsiSettings", "linear", low=self.low, high=self.high, n_levels=self.n_levels)
 
+    @cached_property
     def _sds(self) -> tuple[float, ...]:
         return grid_values("PsiSettings", "log", sd_low=self.sd_low, sd_high=self.sd_high, n_sds=self.n_sds)
 
     def procedure(self) -> QuestPlus:
         return psi(
-            self._levels(),
-            self._levels(),
-            self._sds(),
+            self._levels,
+            self._levels,
+            self._sds,
             guess_rate=self.guess_rate,
             lapse_rate=self.lapse_rate,
             n_trials=self.n_trials,
@@ -233,7 +191,7 @@ def psi(
     sd_stop: float | None = None,
     aim: Aim = "parameters",
 ) -> QuestPlus:
-    """The psi method on any grids: `PsiSettings` says what it is.
+    """Return the psi method on any grids, see `PsiSettings`.
 
     >>> psi((0.0, 1.0), (0.0, 1.0), (0.5, 1.0), guess_rate=0.5, lapse_rate=0.02, n_trials=20).name
     'quest_plus'

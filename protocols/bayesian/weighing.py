@@ -1,11 +1,10 @@
-"""Rules that weigh a grid of parameters: its weights, when such a rule ends, and what it makes of the threshold.
+"""Rules that weigh a grid of parameters: weights, endings, and estimates of the threshold.
 
-Weights are in log space throughout, so that no cell is lost that may come back.
+Weights are kept as logarithms, so that no cell is lost that may come back.
 """
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self, TypeVar
@@ -13,17 +12,14 @@ from typing import Any, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import expect, numbers, of_kind, one_of, positive, whole, without_none
-
 from ..procedures.procedure import Ending, Rule, RuleThreshold, Run
-from ..procedures.transition import CENSORED_ABOVE, CENSORED_BELOW, GOES_ON, ending_of
+from ..procedures.stepping import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, ending_of
 from .outcome_model import Array
 
 HIGHEST = 1 + 1e-9
-"""How much the weight of an end must pass all others to count as the highest."""
-
+"""Factor by which the weight of an end must exceed all others to be the highest."""
 LOWEST = -1e300
-"""For log 0 in a product with 0."""
+"""Stands for log 0 in a product with 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +31,7 @@ class Posterior:
 
     @classmethod
     def of(cls, log_weights: Array) -> Self | None:
-        """Normalised; None if every weight is zero.
+        """Normalise weights; return None if every weight is zero.
 
         >>> Posterior.of(np.array([-2000.0, -2000.0])).weights
         array([0.5, 0.5])
@@ -44,17 +40,16 @@ class Posterior:
 
     @property
     def entropy(self) -> float:
-        """Nat; a weight of zero adds nothing."""
+        """Entropy in nat."""
         return float(entropies(self.log_weights, self.weights))
 
     def after(self, log_likelihood: Array) -> Self | None:
-        """After an answer with these log likelihoods, (n_cells,); None if no cell allows it."""
+        """Multiply by likelihoods (n_cells,) of an answer; return None if no cell allows it."""
         return type(self).of(self.log_weights + log_likelihood)
 
 
 def normalised(log_weights: Array) -> tuple[Array, Array]:
-    """Log weights (..., n_cells) and weights that add up to 1 over the cells."""
-    # the largest weight is 1 before they are divided: none overflows
+    """Return log weights (..., n_cells) and weights that add up to 1 over the cells."""
     shifted = log_weights - log_weights.max(axis=-1, keepdims=True)
     weights = np.exp(shifted)
     total = weights.sum(axis=-1, keepdims=True)
@@ -64,65 +59,34 @@ def normalised(log_weights: Array) -> tuple[Array, Array]:
 
 
 def entropies(log_weights: Array, weights: Array) -> Array:
-    """Nat, (...), of stacks of weights (..., n_cells)."""
+    """Return entropies (...) in nat of stacks of weights (..., n_cells)."""
     return np.asarray(-np.einsum("...c,...c->...", weights, np.maximum(log_weights, LOWEST)))
 
 
-def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, Sequence[float]], where: str) -> Array:
-    """The sum of the parameters' log priors, (n_cells,); a parameter without one is flat.
+def judged(rule: "WeighingRule", weights: Array, n_answers: int) -> tuple[Array, Array, NDArray[np.int8]]:
+    """Return mean and standard deviation of the threshold and codes of endings, each (n_sets,).
 
-    Raises
-    ------
-    InvalidParameter
-        If a prior is of no parameter, of another length, or not of finite numbers from 0 with one above it.
+    Weights are (n_sets, n_cells).
     """
-    of_kind(where, Mapping, prior=prior)
-    for name, weights in prior.items():
-        numbers(f"{where}.prior[{name!r}]", weights)
-        one_of(f"{where}.prior", name, parameters)
-        known = np.asarray(weights, dtype=np.float64)
-        n_values = len(parameters[name])
-        are_weights = known.shape == (n_values,) and (known >= 0).all() and 0 < known.sum() < math.inf
-        listed = f"{len(weights)} weights from {known.min(initial=0):g} on"
-        expect(are_weights, f"{where}.prior[{name!r}]", listed, f"{n_values} finite numbers from 0, not all 0")
-    with np.errstate(divide="ignore"):
-        axes = [np.log(prior.get(name, np.ones(len(values)))) for name, values in parameters.items()]
-    total: Array = sum(np.ix_(*axes), start=np.zeros(()))
-    return np.asarray(total.ravel(), dtype=np.float64)
+    values = rule.thresholds
+    marginals = weights.reshape(len(weights), len(values), -1).sum(axis=2)
+    mean = marginals @ values
+    sd = np.sqrt(np.einsum("st,st->s", marginals, (values - mean[:, None]) ** 2))
 
+    at_end = TRIALS if n_answers >= rule.n_trials else GOES_ON
+    sd_stop = -1.0 if rule.sd_stop is None else rule.sd_stop
+    codes = np.where(sd <= sd_stop, CONVERGED, at_end).astype(np.int8)
 
-def edge(values: Array, marginal: Array) -> Ending | None:
-    """Whether the highest weight is that of the greatest or the least value, which then say only a bound.
-
-    >>> edge(np.array([1.0, 2.0, 3.0]), np.array([0.6, 0.3, 0.1]))
-    'censored_below'
-    """
-    return ending_of(int(edges(values, marginal[None])[0]))
-
-
-def edges(values: Array, marginals: Array) -> NDArray[np.int8]:
-    """`edge` of each row of (n_sets, n_values), as codes of endings."""
-    found = np.full(len(marginals), GOES_ON, dtype=np.int8)
-    if len(values) < 2:
-        return found
-    for code, at in ((CENSORED_BELOW, int(values.argmin())), (CENSORED_ABOVE, int(values.argmax()))):
-        found[marginals[:, at] > HIGHEST * np.delete(marginals, at, axis=1).max(axis=1)] = code
-    return found
-
-
-def mean_sd(values: Array, marginal: Array) -> tuple[float, float]:
-    """Mean and standard deviation of a parameter with these weights.
-
-    >>> mean_sd(np.array([1.0, 3.0]), np.array([0.5, 0.5]))
-    (2.0, 1.0)
-    """
-    mean = float(marginal @ values)
-    return mean, math.sqrt(float(marginal @ (values - mean) ** 2))
+    # At an end of the grid a small spread is the grid's own: the run is censored, however it ended.
+    ends = {CENSORED_BELOW: values.argmin(), CENSORED_ABOVE: values.argmax()} if len(values) > 1 else {}
+    for code, end in ends.items():
+        is_highest = marginals[:, end] > HIGHEST * np.delete(marginals, end, axis=1).max(axis=1)
+        codes[is_highest & (codes != GOES_ON)] = code
+    return mean, sd, codes
 
 
 class WeighingRule(Rule[Any]):
-    """Numbers of a rule that asks until `n_trials`, or until the posterior standard deviation of the threshold is at
-    most `sd_stop`."""
+    """Numbers of a rule that ends after `n_trials`, or at a posterior standard deviation of `sd_stop`."""
 
     sd_stop: float | None
     learns_from_easy = True
@@ -130,35 +94,29 @@ class WeighingRule(Rule[Any]):
     @property
     @abstractmethod
     def prior_state(self) -> Posterior:
-        """Of all cells, before the first answer."""
+        """Weights of all cells before the first answer."""
 
     @property
     @abstractmethod
     def thresholds(self) -> Array:
-        """The values of the threshold, (n_thresholds,)."""
+        """Values of the threshold, (n_thresholds,)."""
 
     @property
     @abstractmethod
     def point(self) -> str:
-        """Of its functions, at which the threshold lies, in words."""
+        """Point of the functions at which the threshold lies, in words."""
 
     @abstractmethod
     def log_likelihood(self, level: float, outcome: int) -> Array:
-        """log P(outcome) at a level in each cell, (n_cells,)."""
+        """Return log P(outcome) at a level in each cell, (n_cells,)."""
 
     @abstractmethod
     def places(self, log_weights: Array, weights: Array) -> Array:
-        """The next level (n_sets,) of each row of weights (n_sets, n_cells)."""
+        """Return the next level (n_sets,) of each row of weights (n_sets, n_cells)."""
 
     @abstractmethod
     def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
-        """log P(answer) at the level (n_sets,) of each set, (n_sets, n_cells)."""
-
-    def _check_stop(self) -> None:
-        """Refuse what never ends."""
-        owner = type(self).__name__
-        whole(owner, lowest=1, n_trials=self.n_trials)
-        positive(owner, **without_none({"sd_stop": self.sd_stop}))
+        """Return log P(answer) at the level (n_sets,) of each set, (n_sets, n_cells)."""
 
 
 RuleT = TypeVar("RuleT", bound=WeighingRule)
@@ -166,41 +124,36 @@ RuleT = TypeVar("RuleT", bound=WeighingRule)
 
 @dataclass(frozen=True, eq=False)
 class WeighingRun(Run[RuleT]):
-    """The weights of all cells after the answers (`state`); those of before where no cell allows the last one
-    (`contradicted`)."""
+    """A run with the weights of all cells (`state`); `contradicted` if no cell allows the last answer."""
 
     state: Posterior = field(kw_only=True, repr=False)
     contradicted: bool = False
 
     learns_from_easy = True
 
-    @property
-    def marginal_of_threshold(self) -> Array:
-        """Weights of the thresholds that add up to 1, (n_thresholds,)."""
-        return np.asarray(self.state.weights.reshape(len(self.rule.thresholds), -1).sum(axis=1), dtype=np.float64)
-
     @cached_property
+    def _judged(self) -> tuple[float, float, int]:
+        mean, sd, codes = judged(self.rule, self.state.weights[None], len(self.responses))
+        return float(mean[0]), float(sd[0]), int(codes[0])
+
+    @property
     def mean_sd(self) -> tuple[float, float]:
-        """The posterior mean of the threshold, and its standard deviation."""
-        return mean_sd(self.rule.thresholds, self.marginal_of_threshold)
+        """Posterior mean of the threshold, and its standard deviation."""
+        return self._judged[:2]
 
     @property
     def threshold_sd(self) -> float:
-        """The posterior standard deviation of the threshold."""
-        return self.mean_sd[1]
+        """Posterior standard deviation of the threshold."""
+        return self._judged[1]
 
-    @cached_property
+    @property
     def ending(self) -> Ending | None:
         if self.contradicted:
             return "aborted"
-        last, sd_stop = len(self.responses) >= self.rule.n_trials, self.rule.sd_stop
-        if not last and (sd_stop is None or not self.responses):
-            return None  # without a look at the weights, which most trials need not take
-        converged = sd_stop is not None and self.threshold_sd <= sd_stop
-        if not (last or converged):
-            return None
-        # At an end of the grid a small spread is the grid's own: the run is censored, however it ended.
-        return edge(self.rule.thresholds, self.marginal_of_threshold) or ("converged" if converged else "trials")
+        may_converge = self.rule.sd_stop is not None and self.responses
+        if len(self.responses) < self.rule.n_trials and not may_converge:
+            return None  # without a look at the weights
+        return ending_of(self._judged[2])
 
     def _estimate(self) -> RuleThreshold:
         return RuleThreshold(*self.mean_sd, len(self.responses), f"posterior mean {self.rule.point}")

@@ -1,6 +1,5 @@
 """The method of constant stimuli."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
@@ -8,28 +7,29 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import distinct, expect, numbers, some, whole
+from tactometry.arguments.constraints import constrained
+from tactometry.arguments.require import distinct, expect, numbers, some
 from tactometry.errors import count_of
 
-from .procedure import MOST_TRIALS, FixedOrder, RuleThreshold, checked_outcome
-from .stepping import SteppingRule, SteppingRun
-from .transition import CENSORED_ABOVE, CENSORED_BELOW, GOES_ON, TRIALS, Numbers, Order, State, Transition
+from .procedure import MOST_TRIALS, Count, FixedOrder, checked_outcome
+from .stepping import (
+    CENSORED_ABOVE,
+    CENSORED_BELOW,
+    GOES_ON,
+    TRIALS,
+    Numbers,
+    Order,
+    State,
+    SteppingRule,
+    SteppingRun,
+    Transition,
+)
 
 
 # order: the levels in their order; state: how many of them were presented or left out
-def _start(numbers: Numbers, order: Order) -> State:
-    return (0,)
-
-
 def _level(numbers: Numbers, order: Order, state: State) -> float:
     n_done: int = state[0]
     return order[min(n_done, len(order) - 1)]  # a run that has ended still has a level
-
-
-def _after(
-    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
-) -> tuple[State, float]:
-    return (state[0] + 1,), math.nan
 
 
 def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
@@ -41,12 +41,8 @@ def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]
     return CENSORED_ABOVE if n_yes == 0 < len(answers) else TRIALS
 
 
-def _threshold(marks: Sequence[float]) -> float:
-    """None: a fit makes one."""
-    return math.nan
-
-
 @dataclass(frozen=True)
+@constrained
 class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     """Each of `levels` is presented `repeats` times, in an order that no response changes.
 
@@ -55,18 +51,8 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     (1997), chapter 3. A run whose answers are all 1 or all 0 tells only on which side of its levels the threshold lies,
     and ends as censored.
 
-    Parameters
-    ----------
-    levels : tuple of float
-        The levels that are presented, each once in a repeat.
-    repeats : int
-        How often each is presented.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is no level, a level is not finite or stands twice, `repeats` is below 1, or there are more than
-        `MOST_TRIALS`.
+    - `levels`: The levels that are presented, each once in a repeat.
+    - `repeats`: How often each is presented.
 
     >>> rule = ConstantStimuli(levels=(1.0, 2.0), repeats=1)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).finished
@@ -74,15 +60,14 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     """
 
     levels: tuple[float, ...]
-    repeats: int
+    repeats: Count
 
     name = "constant_stimuli"
-    transition = Transition(_start, _level, _after, _ending, _threshold)
+    transition = Transition(_level, _ending)
     unreplayed = "no rule: the levels of constant stimuli do not depend on the answers"
 
     def __post_init__(self) -> None:
         numbers("ConstantStimuli.levels", self.levels)
-        whole("ConstantStimuli", lowest=1, repeats=self.repeats)
         some("ConstantStimuli.levels", self.levels)
         once = "each level once; raise repeats to present it more often"
         distinct("ConstantStimuli.levels", self.levels, once)
@@ -100,10 +85,6 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
         blocks = [rng.permutation(self.levels) for _ in range(self.repeats)]
         return ConstantStimuliRun(self, order=tuple(float(level) for block in blocks for level in block))
 
-    @property
-    def numbers(self) -> Numbers:
-        return ()
-
     def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
         blocks = np.tile(np.asarray(self.levels, dtype=np.float64), (n_sets, self.repeats, 1))
         return (blocks if rng is None else rng.permuted(blocks, axis=2)).reshape(n_sets, -1)
@@ -117,14 +98,10 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
 
 @dataclass(frozen=True)
 class ConstantStimuliRun(SteppingRun[ConstantStimuli], FixedOrder):
-    """The levels in their `order`."""
+    """Run of `ConstantStimuli`; its `order` holds the levels."""
 
     def take(self, response: int | bool) -> Self:
         return replace(self, responses=(*self.responses, checked_outcome(response, 2, "ConstantStimuli")))
 
     def skip(self) -> Self:
         return replace(self, state=(self.state[0] + 1,))
-
-    def _estimate(self) -> RuleThreshold:
-        """None: the rule makes no estimate, a fit does (`tactometry.analysis.threshold.fitting.fit`)."""
-        return RuleThreshold(note=self.rule.unreplayed)

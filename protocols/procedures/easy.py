@@ -1,4 +1,4 @@
-"""Easy trials of an adaptive procedure: a share of its trials far above threshold, which show the lapse rate."""
+"""Easy trials of an adaptive procedure, far above threshold, which show the lapse rate."""
 
 from dataclasses import dataclass, replace
 from math import ceil
@@ -13,21 +13,10 @@ from .procedure import DelegatingProcedure, Ending, Procedure
 
 @dataclass(frozen=True)
 class EasyTrials(DelegatingProcedure):
-    """An adaptive procedure, some of whose trials are presented at one easy level.
+    """An adaptive procedure, some of whose trials (`places`, from 0) are presented at one easy level.
 
     A staircase does not learn of the answers to easy trials, a Bayesian procedure does. They count towards the largest
     number of trials.
-
-    Parameters
-    ----------
-    procedure : Procedure
-        The procedure that chooses all other levels.
-    easy_level : float
-        The level of the easy trials.
-    places : frozenset of int
-        Which trials of the track are easy, from 0.
-    n_answers : int
-        Number of answers so far.
 
     >>> from tactometry.protocols import Staircase
     >>> rule = Staircase(20.0, (4.0,), 0.0, 40.0, n_down=1)

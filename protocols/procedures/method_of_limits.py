@@ -3,24 +3,26 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
+from annotated_types import Ge, Interval
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import expect, finite, one_of, whole
+from tactometry.arguments.constraints import Finite, constrained
+from tactometry.arguments.require import expect, one_of
 
 from .procedure import MOST_TRIALS, RuleThreshold
-from .stepping import SteppingRule, SteppingRun
-from .transition import (
+from .stepping import (
     ABORTED,
     CENSORED_ABOVE,
     CENSORED_BELOW,
     GOES_ON,
     TRIALS,
-    Numbers,
     Order,
     State,
+    SteppingRule,
+    SteppingRun,
     Transition,
 )
 
@@ -33,40 +35,48 @@ UNCHANGED = math.inf
 """The mark of an answer that ends a series without a transition."""
 
 
-# numbers: low, step, number of steps, number of series, place in `DIRECTIONS`
+class LimitsNumbers(NamedTuple):
+    """Numbers of the rule; `direction_index` is a place in `DIRECTIONS`."""
+
+    low: float
+    step: float
+    n_steps: int
+    n_series: int
+    direction_index: int
+
+
 # order: where each series begins, in steps inwards
 # state: series that are over, answers in the present one, how many of the former had no transition
-def _start(numbers: Numbers, order: Order) -> State:
+def _start(numbers: LimitsNumbers, order: Order) -> State:
     return 0, 0, 0
 
 
-def _level(numbers: Numbers, order: Order, state: State) -> float:
-    low, step, n_steps, n_series, direction = numbers
-    n_over, n_in_series, _ = state
-    n = min(order[min(n_over, n_series - 1)] + n_in_series, n_steps)  # a run that has ended still has a level
-    ascending = n_over % 2 == 1 if direction == ALTERNATING else direction == ASCENDING
-    level: float = low + step * (n if ascending else n_steps - n)
-    return level
+def _level(numbers: LimitsNumbers, order: Order, state: State) -> float:
+    n_over: int = state[0]
+    n_in_series: int = state[1]
+    inwards = order[min(n_over, numbers.n_series - 1)] + n_in_series
+    n = min(int(inwards), numbers.n_steps)  # a run that has ended still has a level
+    ascending = n_over % 2 == 1 if numbers.direction_index == ALTERNATING else numbers.direction_index == ASCENDING
+    return numbers.low + numbers.step * (n if ascending else numbers.n_steps - n)
 
 
 def _after(
-    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+    numbers: LimitsNumbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
 ) -> tuple[State, float]:
-    """The next level of the series, or the first of the next one; a transition lies half-way between the last two."""
-    _, _, n_steps, _, direction = numbers
+    """Go on in the series, or begin the next one; a transition lies half-way between the last two levels."""
     n_over, n_in_series, n_unchanged = state
-    ascending = n_over % 2 == 1 if direction == ALTERNATING else direction == ASCENDING
+    ascending = n_over % 2 == 1 if numbers.direction_index == ALTERNATING else numbers.direction_index == ASCENDING
     turned = (answers[-1] == 1) == ascending  # rising levels change the answer to 1, falling ones to 0
-    if not turned and order[n_over] + n_in_series < n_steps:
+    if not turned and order[n_over] + n_in_series < numbers.n_steps:
         return (n_over, n_in_series + 1, n_unchanged), math.nan
     if turned and n_in_series > 0:
         return (n_over + 1, 0, n_unchanged), 0.5 * (levels[-2] + levels[-1])
     return (n_over + 1, 0, n_unchanged + 1), UNCHANGED
 
 
-def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
+def _ending(numbers: LimitsNumbers, order: Order, state: State, answers: Sequence[int]) -> int:
     n_over, _, n_unchanged = state
-    if n_over < numbers[3]:
+    if n_over < numbers.n_series:
         return GOES_ON
     if 2 * n_unchanged <= n_over:
         return TRIALS
@@ -77,7 +87,7 @@ def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]
 
 
 def _threshold(marks: Sequence[float]) -> float:
-    """The mean of the transitions."""
+    """Mean of the transitions."""
     n, total = 0, 0.0
     for mark in marks:
         if math.isfinite(mark):
@@ -86,6 +96,7 @@ def _threshold(marks: Sequence[float]) -> float:
 
 
 @dataclass(frozen=True)
+@constrained
 class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     """Series of rising or falling levels, each until the answer changes.
 
@@ -96,26 +107,13 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     when more than half of all series have none, the run is censored, or aborted if it has as many 1 as 0: such answers
     contradict each other and bound nothing.
 
-    Parameters
-    ----------
-    low : float
-        Lowest level that is presented.
-    high : float
-        Highest level that is presented.
-    step : float
-        Distance between neighbouring levels.
-    n_series : int
-        How many series there are.
-    n_start_steps : int
-        `begin` with a generator moves the start of each series inwards by 0 to this many steps, against the habit of
-        counting.
-    direction : {"alternating", "ascending", "descending"}
-        Which way series go.
-
-    Raises
-    ------
-    InvalidParameter
-        If bounds, step or counts make no series of at least two levels.
+    - `low`: Lowest level that is presented.
+    - `high`: Highest level that is presented.
+    - `step`: Distance between neighbouring levels.
+    - `n_series`: How many series there are.
+    - `n_start_steps`: `begin` with a generator moves the start of each series inwards by 0 to this many steps, against
+      the habit of counting.
+    - `direction`: Which way series go.
 
     >>> rule = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=2)
     >>> for answer in (1, 1, 0, 0, 0, 1):
@@ -124,22 +122,20 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     ((7.0, 3.0), 5.0)
     """
 
-    low: float
-    high: float
-    step: float
-    n_series: int = 10
+    low: Finite
+    high: Finite
+    step: Finite
+    n_series: Annotated[int, Interval(ge=0, le=MOST_TRIALS)] = 10
     direction: Direction = "alternating"
-    n_start_steps: int = 0
+    n_start_steps: Annotated[int, Ge(0)] = 0
 
     name = "method_of_limits"
-    transition = Transition(_start, _level, _after, _ending, _threshold)
+    named = LimitsNumbers
+    transition = Transition(_level, _ending, _start, _after, _threshold)
     unreplayed = "the series of the method of limits are not replayed"
 
     def __post_init__(self) -> None:
         one_of("MethodOfLimits.direction", self.direction, DIRECTIONS)
-        finite("MethodOfLimits", low=self.low, high=self.high, step=self.step)
-        whole("MethodOfLimits", lowest=0, highest=MOST_TRIALS, n_series=self.n_series)
-        whole("MethodOfLimits", lowest=0, n_start_steps=self.n_start_steps)
         are_steps = self.step > 0 and self.low < self.high <= self.low + N_STEPS * self.step
         range_ = f"{self.step:g} from low {self.low:g} to high {self.high:g}"
         few = f"above 0, low below high, and at most {N_STEPS} steps between them"
@@ -155,15 +151,15 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
         return math.floor((self.high - self.low) / self.step * (1 + 1e-12))
 
     @property
-    def numbers(self) -> Numbers:
-        return self.low, self.step, self.n_steps, self.n_series, DIRECTIONS.index(self.direction)
+    def direction_index(self) -> int:
+        return DIRECTIONS.index(self.direction)
 
     @property
     def n_trials_at_most(self) -> int:
         return self.n_series * (self.n_steps + 1)
 
     def begin(self, rng: np.random.Generator | None = None) -> "MethodOfLimitsRun":
-        """With a generator each series starts at another level, drawn from `n_start_steps` + 1 of them."""
+        """Return a run; a generator draws where each series starts, from `n_start_steps` + 1 levels."""
         if rng is None:
             return MethodOfLimitsRun(self, order=(0,) * self.n_series)
         drawn = rng.integers(self.n_start_steps + 1, size=self.n_series)
@@ -176,13 +172,12 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
 
 @dataclass(frozen=True)
 class MethodOfLimitsRun(SteppingRun[MethodOfLimits]):
-    """The series so far: where each begins in steps inwards is their `order`."""
+    """Run of a `MethodOfLimits`; its `order` holds where each series begins, in steps inwards."""
 
     @property
     def transitions(self) -> tuple[float | None, ...]:
-        """Of the series that are over; None for one without."""
+        """Transitions of the series that are over, None for one without."""
         return tuple(None if mark == UNCHANGED else mark for mark in self.marks if not math.isnan(mark))
 
     def _estimate(self) -> RuleThreshold:
-        """The mean of the transitions; None where there is none."""
         return RuleThreshold(self._threshold(), note=f"of {self.name}")

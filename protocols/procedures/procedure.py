@@ -1,18 +1,20 @@
-"""What every rule for the next level is: its numbers (`Rule`), and how far it has come with them (`Run`)."""
+"""Base classes of procedures: the numbers of a rule (`Rule`) and a run with its answers (`Run`)."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar, runtime_checkable
+from typing import Annotated, Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
+from annotated_types import Ge
 
 from tactometry.arguments.constraints import excerpt
 from tactometry.arguments.magnitudes import is_number
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
+Count = Annotated[int, Ge(1)]
 MOST_TRIALS = 1_000_000
 """More make no session: at 5 s each they last 58 days."""
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
@@ -20,8 +22,7 @@ Ending = Literal["converged", "trials", "censored_above", "censored_below", "abo
 
 @dataclass(frozen=True)
 class RuleThreshold:
-    """What a rule makes of its answers: a level, its standard deviation, of how many reversals or answers it comes, and
-    what it is or why there is none."""
+    """A rule's estimate: level, SD, number of reversals or answers, and its kind or why it is missing."""
 
     level: float | None = None
     sd: float | None = None
@@ -37,46 +38,44 @@ class Procedure(ABC):
     """
 
     learns_from_easy: ClassVar[bool] = False
-    """Whether it is told the answers to easy trials (`easy.EasyTrials`)."""
+    """Whether answers to easy trials (`easy.EasyTrials`) are reported to it."""
 
     @property
     @abstractmethod
     def name(self) -> str:
-        """As the column `procedure` of a trials table has it."""
+        """Name in the column `procedure` of a trials table."""
 
     @property
     @abstractmethod
     def bounds(self) -> tuple[float, float]:
-        """The lowest and the highest level that it may ask for."""
+        """Lowest and highest level that it may ask for."""
 
     @property
     @abstractmethod
     def n_trials_at_most(self) -> int:
-        """How many answers it takes at most."""
+        """Largest number of answers."""
 
     @property
     @abstractmethod
     def level(self) -> float:
-        """The next level."""
+        """Next level."""
 
     @property
     @abstractmethod
     def ending(self) -> Ending | None:
-        """How it came to its end; None if it goes on."""
+        """Why the procedure ended, or None while it runs."""
 
     @property
     @abstractmethod
     def estimate(self) -> RuleThreshold:
-        """What it makes of its answers, and how that came about."""
+        """Threshold estimate and how it was obtained."""
 
     @abstractmethod
     def after(self, response: int | bool, delivered: float | None = None) -> "Procedure":
-        """The procedure after a response to the level that was delivered (default: the one asked for).
+        """Return the procedure after a response to the level that was delivered (default: the one asked for).
 
-        Raises
-        ------
-        InvalidParameter
-            If the response is no outcome of the rule, the level not a finite number, or the procedure has finished.
+        Raises `InvalidParameter` if the response is no outcome of the rule, the level is not a finite number, or the
+        procedure has finished.
         """
 
     @property
@@ -90,12 +89,11 @@ class Procedure(ABC):
 
     @property
     def threshold(self) -> float | None:
-        """What the rule itself makes of the answers so far, in the unit of the levels; None before the first one, of a
-        rule that makes no estimate, and where the answers only bound it."""
+        """Estimate from the answers so far, in the unit of the levels, or None."""
         return self.estimate.level
 
     def learning_from(self, other: "Procedure") -> Self:
-        """This procedure, when that of another track has just had an answer; itself if the two share nothing."""
+        """Return this procedure after an answer on another track; itself if the two share nothing."""
         del other
         return self
 
@@ -105,15 +103,15 @@ class FixedOrder(Procedure):
 
     @abstractmethod
     def skip(self) -> "FixedOrder":
-        """The next presentation; the present one is left to the block, which comes back to it."""
+        """Return the procedure at the next presentation; the block comes back to the present one."""
 
     @abstractmethod
     def take(self, response: int | bool) -> "FixedOrder":
-        """The answer counts, the presentation stays."""
+        """Return the procedure with one more answer, at the same presentation."""
 
 
 class DelegatingProcedure(Procedure):
-    """A procedure that stands where another one does: its `view`."""
+    """A procedure that behaves as another one, its `view`."""
 
     @property
     @abstractmethod
@@ -152,20 +150,16 @@ class OfLevels(Protocol):
 
 
 class Rule(DelegatingProcedure, Generic[RunT]):
-    """The numbers of a procedure, frozen and checked: what a study file holds.
-
-    It is a procedure too, that which stands before its first answer.
-    """
+    """Numbers of a procedure, frozen and checked, as a study file states them; also the run before its first answer."""
 
     low: float
     high: float
     n_trials: int
     unreplayed: ClassVar[str] = ""
-    """Why answers and levels alone do not bring a run back; empty where they do."""
+    """Why a run does not follow from answers and levels alone; empty if it does."""
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """The least and the greatest of its `levels`, or, where it has none, its `low` and its `high`."""
         ends = self.levels if isinstance(self, OfLevels) else (self.low, self.high)
         return min(ends), max(ends)
 
@@ -175,20 +169,19 @@ class Rule(DelegatingProcedure, Generic[RunT]):
 
     @abstractmethod
     def begin(self, rng: np.random.Generator | None = None) -> RunT:
-        """A run without answers; an order of its own is drawn from `rng`, and the given one without."""
+        """Return a run without answers; `rng` draws its order, if it has one."""
 
     def begin_together(self, tracks: Sequence[str]) -> "tuple[Procedure, ...]":
-        """A procedure for each of some tracks that learn from each other's answers; most rules share nothing."""
+        """Return a procedure for each of some tracks that learn from each other's answers; most share nothing."""
         return tuple(self.begin() for _ in tracks)
 
     @property
     def n_outcomes(self) -> int:
-        """How many answers there are, told as 0, 1, ..."""
+        """Number of different answers, reported as 0, 1, ..."""
         return 2
 
     @cached_property
     def view(self) -> RunT:
-        """The run that has just begun."""
         return self.begin()
 
     def after(self, response: int | bool, delivered: float | None = None) -> RunT:
@@ -197,8 +190,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
 
 @dataclass(frozen=True)
 class Run(Procedure, Generic[RuleT]):
-    """How far a rule has come: the rule, the history (`responses`, and the levels that were `delivered`), and in each
-    kind of run what the rule has made of them."""
+    """A rule and its history: the responses, and the levels that were delivered."""
 
     rule: RuleT
     responses: tuple[int, ...] = ()
@@ -229,25 +221,21 @@ class Run(Procedure, Generic[RuleT]):
             raise InvalidParameter(f"{owner}.after: the procedure has finished, expected no further response")
         level = self.level if delivered is None else delivered
         expect(is_number(level), f"{owner}.after", f"the delivered level {excerpt(level)}", "a finite number")
-        history = replace(self, responses=(*self.responses, outcome), delivered=(*self.delivered, level))
-        return history._updated()
+        return replace(self, responses=(*self.responses, outcome), delivered=(*self.delivered, level))._updated()
 
     @abstractmethod
     def _updated(self) -> Self:
-        """What the rule makes of the last response of the history."""
+        """Take in the last response of the history."""
 
     @abstractmethod
     def _estimate(self) -> RuleThreshold:
-        """Of a run that has answers, and was neither censored nor aborted."""
+        """Estimate from at least one answer, of a run neither censored nor aborted."""
 
 
 def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
-    """`response` as the number of an outcome, from 0.
+    """Return `response` as the number of an outcome, from 0.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is none of them: an unanswered trial must be asked again, not counted as wrong.
+    Raises `InvalidParameter` if it is none: an unanswered trial must be asked again, not counted as wrong.
     """
     if n_outcomes == 2 and isinstance(response, int | float | np.bool_ | np.number) and response in (0, 1):
         return int(response)
@@ -262,7 +250,7 @@ def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
 def after_answer(
     procedures: Sequence[Procedure], index: int, response: int | bool, delivered: float | None = None
 ) -> tuple[Procedure, ...]:
-    """All procedures after an answer to one of them.
+    """Return all procedures after an answer to one of them.
 
     >>> from tactometry.protocols import ConstantStimuli
     >>> first, second = after_answer((ConstantStimuli((1.0,), 1), ConstantStimuli((2.0,), 1)), 0, 1)

@@ -5,66 +5,94 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean, stdev
+from typing import NamedTuple
 
 import numpy as np
 
-from tactometry.arguments.require import below, expect, finite, numbers, some, whole
+from tactometry.arguments.constraints import Finite, constrained
+from tactometry.arguments.require import below, expect, numbers, some
 
-from .procedure import RuleThreshold
-from .stepping import SteppingRule, SteppingRun
-from .transition import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, Numbers, Order, State, Transition
+from .procedure import Count, RuleThreshold
+from .stepping import (
+    CENSORED_ABOVE,
+    CENSORED_BELOW,
+    CONVERGED,
+    GOES_ON,
+    TRIALS,
+    Order,
+    State,
+    SteppingRule,
+    SteppingRun,
+    Transition,
+)
 
 UP, STAY, DOWN = 1, 0, -1
 DISCARDED = 2
 """Reversals that the estimate leaves out: those of the large first steps."""
 
 
-# numbers: start, low, high, steps up, steps down, n_up, n_down, initial_rule, n_reversals, n_trials, n_at_bound
+class StaircaseNumbers(NamedTuple):
+    """Numbers of both staircases."""
+
+    start: float
+    low: float
+    high: float
+    steps_up: tuple[float, ...]
+    steps_down: tuple[float, ...]
+    n_up: int
+    n_down: int
+    initial_rule: bool
+    n_reversals: int
+    n_trials: int
+    n_at_bound: int
+
+
 # state: level asked, direction of the last move, streak, number of reversals, moves in a row beyond a bound
-def _start(numbers: Numbers, order: Order) -> State:
-    return numbers[0], STAY, 0, 0, 0
+def _start(numbers: StaircaseNumbers, order: Order) -> State:
+    return numbers.start, STAY, 0, 0, 0
 
 
-def _level(numbers: Numbers, order: Order, state: State) -> float:
+def _level(numbers: StaircaseNumbers, order: Order, state: State) -> float:
     asked: float = state[0]
     return asked
 
 
 def _after(
-    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+    numbers: StaircaseNumbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
 ) -> tuple[State, float]:
-    """A step from the level that was delivered, marked if it turns round; it counts as pinned if a bound stood there
-    already."""
-    _, low, high, ups, downs, n_up, n_down, initial_rule, _, _, _ = numbers
+    """Step from the delivered level, marked at a reversal. At a bound the step counts as pinned."""
+    low, high = numbers.low, numbers.high
     _, last, streak, n_reversals, n_pinned = state
     level = levels[-1]
     streak = max(streak, 0) + 1 if answers[-1] else min(streak, 0) - 1
-    is_first = initial_rule and n_reversals == 0
-    down, up = streak >= (1 if is_first else n_down), -streak >= (1 if is_first else n_up)
+
+    is_first = numbers.initial_rule and n_reversals == 0
+    down = streak >= (1 if is_first else numbers.n_down)
+    up = -streak >= (1 if is_first else numbers.n_up)
     if not (down or up):
         return (min(max(level, low), high), last, streak, n_reversals, n_pinned), math.nan
+
     direction = DOWN if down else UP
     turned = last == -direction  # never at the first move, whose predecessor is STAY
     n_reversals += 1 if turned else 0
-    steps = downs if down else ups
+    steps = numbers.steps_down if down else numbers.steps_up
     asked = level + direction * steps[min(n_reversals, len(steps) - 1)]
     pinned = level <= low if down else level >= high
     n_pinned = (1 if turned else n_pinned + 1) if pinned else 0
     return (min(max(asked, low), high), direction, 0, n_reversals, n_pinned), level if turned else math.nan
 
 
-def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
-    _, _, _, _, _, _, _, _, most_reversals, n_trials, n_at_bound = numbers
+def _ending(numbers: StaircaseNumbers, order: Order, state: State, answers: Sequence[int]) -> int:
     _, direction, _, n_reversals, n_pinned = state
-    if n_pinned >= n_at_bound:
+    if n_pinned >= numbers.n_at_bound:
         return CENSORED_ABOVE if direction == UP else CENSORED_BELOW
-    if n_reversals >= most_reversals:
+    if n_reversals >= numbers.n_reversals:
         return CONVERGED
-    return TRIALS if len(answers) >= n_trials else GOES_ON
+    return TRIALS if len(answers) >= numbers.n_trials else GOES_ON
 
 
 def _threshold(marks: Sequence[float]) -> float:
-    """The mean of the last reversals, as many peaks as valleys, without the first `DISCARDED`."""
+    """Mean of the last reversals, as many peaks as valleys, without the first `DISCARDED`."""
     n, total = 0, 0.0
     for mark in marks:
         n += 0 if math.isnan(mark) else 1
@@ -77,7 +105,7 @@ def _threshold(marks: Sequence[float]) -> float:
 
 
 class UpDown(SteppingRule["StaircaseRun"]):
-    """What the transformed and the weighted staircase share: everything but the sizes of their steps."""
+    """Base of both staircases, which differ in the sizes of their steps."""
 
     start: float
     n_up: int
@@ -86,50 +114,35 @@ class UpDown(SteppingRule["StaircaseRun"]):
     n_at_bound: int
     initial_rule: bool
 
-    transition = Transition(_start, _level, _after, _ending, _threshold)
-
-    @property
-    @abstractmethod
-    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """The sizes of steps up and of steps down: number k after k reversals, the last from then on."""
-
-    @property
-    def numbers(self) -> Numbers:
-        counts = self.n_up, self.n_down, self.initial_rule, self.n_reversals, self.n_trials, self.n_at_bound
-        return self.start, self.low, self.high, *self.schedules, *counts
+    transition = Transition(_level, _ending, _start, _after, _threshold)
+    named = StaircaseNumbers
 
     @property
     @abstractmethod
     def point(self) -> str:
-        """At which level it settles, in words."""
+        """Target of the staircase, in words."""
 
     def begin(self, rng: np.random.Generator | None = None) -> "StaircaseRun":
         del rng
         return StaircaseRun(self)
 
     def _check(self, **schedules: tuple[float, ...]) -> None:
-        """Refuse bounds, a start, counts or schedules of steps that make no staircase."""
-        owner = type(self).__name__
-        finite(owner, start=self.start, low=self.low, high=self.high)
-        for name, steps in schedules.items():
-            numbers(f"{owner}.{name}", steps)
-        counts = {"n_up": self.n_up, "n_down": self.n_down, "n_reversals": self.n_reversals}
-        whole(owner, lowest=1, **counts, n_trials=self.n_trials, n_at_bound=self.n_at_bound)
+        """Refuse bounds, a start or schedules of steps that make no staircase."""
+        owner, widest = type(self).__name__, self.high - self.low
         below(owner, low=self.low, high=self.high)
         among = f"a level between low ({self.low:g}) and high ({self.high:g})"
         expect(self.low <= self.start <= self.high, f"{owner}.start", f"{self.start:g}", among)
+
         for name, steps in schedules.items():
-            _check_steps(f"{owner}.{name}", steps, self.high - self.low)
-
-
-def _check_steps(where: str, steps: tuple[float, ...], widest: float) -> None:
-    some(where, steps)
-    for n, step in enumerate(steps):
-        expected = f"above 0 and at most the range of levels ({widest:g})"
-        expect(0 < step <= widest, f"{where}[{n}]", f"{step:g}", expected)
+            numbers(f"{owner}.{name}", steps)
+            some(f"{owner}.{name}", steps)
+            for n, step in enumerate(steps):
+                expected = f"above 0 and at most the range of levels ({widest:g})"
+                expect(0 < step <= widest, f"{owner}.{name}[{n}]", f"{step:g}", expected)
 
 
 @dataclass(frozen=True)
+@constrained
 class Staircase(UpDown):
     """n-up m-down: `n_down` correct responses in a row lower the level, `n_up` wrong ones in a row raise it.
 
@@ -141,48 +154,31 @@ class Staircase(UpDown):
     `n_reversals` reversals or `n_trials` trials, whichever comes first (PsychoPy: when both are reached); and
     `n_at_bound` moves in a row that ask for a level beyond `low` or `high` end it as censored (PsychoPy goes on).
 
-    Parameters
-    ----------
-    start : float
-        Level of the first trial.
-    steps : tuple of float
-        By how much a level changes: the first step until the first reversal, and so on; the last one stays.
-    low : float
-        Lowest level that is presented.
-    high : float
-        Highest level that is presented.
-    n_up : int
-        So many wrong answers in a row raise the level.
-    n_down : int
-        So many right answers in a row lower it.
-    n_reversals : int
-        It ends after so many reversals.
-    n_trials : int
-        Largest number of trials of a track.
-    n_at_bound : int
-        So many moves in a row beyond a bound end it as censored.
-    initial_rule : bool
-        Until the first reversal one answer moves the level.
-
-    Raises
-    ------
-    InvalidParameter
-        If bounds, start, steps or counts make no staircase.
+    - `start`: Level of the first trial.
+    - `steps`: By how much a level changes: the first step until the first reversal, and so on; the last one stays.
+    - `low`: Lowest level that is presented.
+    - `high`: Highest level that is presented.
+    - `n_up`: So many wrong answers in a row raise the level.
+    - `n_down`: So many right answers in a row lower it.
+    - `n_reversals`: It ends after so many reversals.
+    - `n_trials`: Largest number of trials of a track.
+    - `n_at_bound`: So many moves in a row beyond a bound end it as censored.
+    - `initial_rule`: Until the first reversal one answer moves the level.
 
     >>> rule = Staircase(start=20.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=2, n_reversals=4, n_trials=50)
     >>> rule.after(1).level, rule.after(1).after(0).level
     (16.0, 18.0)
     """
 
-    start: float
+    start: Finite
     steps: tuple[float, ...]
-    low: float
-    high: float
-    n_up: int = 1
-    n_down: int = 2
-    n_reversals: int = 8
-    n_trials: int = 60
-    n_at_bound: int = 3
+    low: Finite
+    high: Finite
+    n_up: Count = 1
+    n_down: Count = 2
+    n_reversals: Count = 8
+    n_trials: Count = 60
+    n_at_bound: Count = 3
     initial_rule: bool = True
 
     name = "staircase"
@@ -191,8 +187,12 @@ class Staircase(UpDown):
         self._check(steps=self.steps)
 
     @property
-    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        return self.steps, self.steps
+    def steps_up(self) -> tuple[float, ...]:
+        return self.steps
+
+    @property
+    def steps_down(self) -> tuple[float, ...]:
+        return self.steps
 
     @property
     def point(self) -> str:
@@ -200,40 +200,31 @@ class Staircase(UpDown):
 
 
 @dataclass(frozen=True)
+@constrained
 class WeightedStaircase(UpDown):
     """Steps up and down of different size: the target is p = (d_up / (d_up + d_down))^(1 / n_down).
 
     With `n_down` 1 it is Kaernbach's (Perception & Psychophysics 49, 227, 1991), above 1 Garcia-Perez's weighted
     transformed one (Vision Research 38, 1861, 1998). Reversals, bounds and endings are those of `Staircase`.
 
-    Parameters
-    ----------
-    steps_up : tuple of float
-        Steps upwards, one after each number of reversals; the last one stays.
-    steps_down : tuple of float
-        Steps downwards, as many as `steps_up`.
-    start, low, high, n_down, n_reversals, n_trials, n_at_bound
-        As in `Staircase`.
-
-    Raises
-    ------
-    InvalidParameter
-        If the pairs do not match, or as `Staircase`.
+    - `steps_up`: Steps upwards, one after each number of reversals; the last one stays.
+    - `steps_down`: Steps downwards, as many as `steps_up`.
+    - `start`, `low`, `high`, `n_down`, `n_reversals`, `n_trials`, `n_at_bound`: As in `Staircase`.
 
     >>> rule = WeightedStaircase(start=20.0, steps_up=(6.0,), steps_down=(2.0,), low=0.0, high=40.0)
     >>> rule.target, rule.after(1).level, rule.after(0).level
     (0.75, 18.0, 26.0)
     """
 
-    start: float
+    start: Finite
     steps_up: tuple[float, ...]
     steps_down: tuple[float, ...]
-    low: float
-    high: float
-    n_down: int = 1
-    n_reversals: int = 8
-    n_trials: int = 60
-    n_at_bound: int = 3
+    low: Finite
+    high: Finite
+    n_down: Count = 1
+    n_reversals: Count = 8
+    n_trials: Count = 60
+    n_at_bound: Count = 3
 
     name = "weighted_staircase"
     n_up = 1
@@ -245,12 +236,8 @@ class WeightedStaircase(UpDown):
         expect(n_up == n_down, "WeightedStaircase.steps_up", f"{n_up} steps and {n_down} steps_down", "pairs")
 
     @property
-    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        return self.steps_up, self.steps_down
-
-    @property
     def target(self) -> float:
-        """The probability correct at which up and down balance, with the last pair of steps."""
+        """Probability correct at which up and down balance, with the last pair of steps."""
         up, down = self.steps_up[-1], self.steps_down[-1]
         return math.pow(up / (up + down), 1 / self.n_down)
 
@@ -261,11 +248,11 @@ class WeightedStaircase(UpDown):
 
 @dataclass(frozen=True)
 class StaircaseRun(SteppingRun[UpDown]):
-    """A staircase on its way."""
+    """Run of a staircase."""
 
     @property
     def reversals(self) -> tuple[float, ...]:
-        """The levels at which it turned round."""
+        """Levels at which the staircase turned."""
         return tuple(mark for mark in self.marks if not math.isnan(mark))
 
     @property
@@ -274,8 +261,10 @@ class StaircaseRun(SteppingRun[UpDown]):
         return int(self.state[2])
 
     def mean_of_reversals(self, *, discard: int = DISCARDED) -> float | None:
-        """The mean level of the reversals without the first `discard`, made even in number; None if there are fewer
-        than two of them or the run is censored."""
+        """Return the mean of the reversals without the first `discard`, made even in number.
+
+        None if there are fewer than two of them or the run is censored.
+        """
         kept = self._late_reversals(discard)
         censored = self.ending in ("censored_above", "censored_below")
         return None if censored or len(kept) < 2 else fmean(kept)
@@ -284,7 +273,6 @@ class StaircaseRun(SteppingRun[UpDown]):
         return self.reversals[discard + (len(self.reversals) - discard) % 2 :]  # as many peaks as valleys
 
     def _estimate(self) -> RuleThreshold:
-        """`mean_of_reversals` without the first two."""
         kept = self._late_reversals()
         if len(kept) < 2:
             return RuleThreshold(note=f"too few reversals: {len(self.reversals)} {self.rule.point}")

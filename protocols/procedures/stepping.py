@@ -1,32 +1,90 @@
-"""Rules whose every step is a `Transition` of a few plain numbers: all but those that weigh a grid of functions."""
+"""Rules whose steps are pure functions of plain numbers, which a session calls and a batch compiles (`Transition`)."""
 
-from abc import abstractmethod
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import isnan
-from typing import Any, ClassVar, Self, TypeVar
+from typing import Any, ClassVar, Self, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .procedure import Ending, Rule, Run
-from .transition import Numbers, State, Transition, ending_of
+from .procedure import Ending, Rule, RuleThreshold, Run
+
+Numbers = tuple[Any, ...]
+Order = Sequence[float]
+State = tuple[Any, ...]
+GOES_ON, CONVERGED, TRIALS, CENSORED_ABOVE, CENSORED_BELOW, ABORTED = range(6)
+"""Codes of `Transition.ending`. Runs that end with the last three have no threshold."""
+
+
+def _no_answer(numbers: Numbers, order: Order) -> State:
+    return (0,)
+
+
+def _one_more(
+    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+) -> tuple[State, float]:
+    return (state[0] + 1,), math.nan
+
+
+def _no_threshold(marks: Sequence[float]) -> float:
+    return math.nan
+
+
+@dataclass(frozen=True)
+class Transition:
+    """Steps of a kind of procedure, as functions that call only what numba knows.
+
+    `numbers` are those of the rule, a named tuple of numbers and of sequences of numbers; `order` is what was drawn for
+    the run before its first answer, empty for most rules; `state` is a tuple of numbers, each either always whole or
+    never; `answers` and `levels` are the history with the last answer.
+
+    - `level`: ``level(numbers, order, state)``: the next level, also of a run that has ended.
+    - `ending`: ``ending(numbers, order, state, answers)``: `GOES_ON`, or how it ended.
+    - `start`: ``start(numbers, order)``: the state before the first answer; by default no answers.
+    - `after`: ``after(numbers, order, state, answers, levels)``: the state after the last answer, and its mark: a level
+      that an estimate rests on (a reversal, a transition), else NaN; by default the number of answers and NaN.
+    - `threshold`: ``threshold(marks)``: the rule's own estimate from the marks of all answers; by default NaN.
+    """
+
+    level: Callable[..., float]
+    ending: Callable[..., int]
+    start: Callable[..., State] = _no_answer
+    after: Callable[..., tuple[State, float]] = _one_more
+    threshold: Callable[[Sequence[float]], float] = _no_threshold
+
+
+def ending_of(code: int) -> Ending | None:
+    """Return the ending of a code.
+
+    >>> ending_of(GOES_ON), ending_of(CENSORED_BELOW)
+    (None, 'censored_below')
+    """
+    endings: tuple[Ending, ...] = get_args(Ending)
+    return endings[code - 1] if code else None
+
 
 RunT = TypeVar("RunT", bound="SteppingRun[Any]")
 
 
 class SteppingRule(Rule[RunT]):
-    """Numbers of a rule that has a `transition`."""
+    """Numbers of a rule that has a `transition`, whose functions take those `named` in a named tuple."""
 
     transition: ClassVar[Transition]
+    named: ClassVar[type[Numbers]] = tuple
 
     @property
-    @abstractmethod
     def numbers(self) -> Numbers:
-        """As the functions of the transition take them."""
+        return self.named(*(getattr(self, name) for name in getattr(self.named, "_fields", ())))
+
+    def begin(self, rng: np.random.Generator | None = None) -> RunT:
+        del rng
+        run: Any = SteppingRun(self)
+        return run  # type: ignore[no-any-return]
 
     def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
-        """What is drawn before the first answers of so many runs, (n_sets, n_drawn); most rules draw nothing."""
+        """Draw the orders of so many runs, (n_sets, n_drawn); most rules draw nothing."""
         del rng
         return np.zeros((n_sets, 0))
 
@@ -36,16 +94,11 @@ RuleT = TypeVar("RuleT", bound=SteppingRule[Any])
 
 @dataclass(frozen=True)
 class SteppingRun(Run[RuleT]):
-    """How far such a rule has come.
+    """Run of such a rule.
 
-    Parameters
-    ----------
-    order : tuple of float
-        What was drawn before the first answer.
-    state : tuple
-        What the transition makes of the answers; before the first one where none is given.
-    marks : tuple of float
-        One for each answer: a level that the estimate rests on, else NaN.
+    - `order`: What was drawn before the first answer.
+    - `state`: The state of the transition; by default that before the first answer.
+    - `marks`: One for each answer: a level that the estimate rests on, else NaN.
     """
 
     order: tuple[float, ...] = ()
@@ -65,9 +118,11 @@ class SteppingRun(Run[RuleT]):
         return ending_of(self.rule.transition.ending(self.rule.numbers, self.order, self.state, self.responses))
 
     def _threshold(self) -> float | None:
-        """The rule's own, None where it has none yet."""
         level = self.rule.transition.threshold(self.marks)
-        return None if isnan(level) else level
+        return None if math.isnan(level) else level
+
+    def _estimate(self) -> RuleThreshold:
+        return RuleThreshold(self._threshold(), note=self.rule.unreplayed)
 
     def _updated(self) -> Self:
         step = self.rule.transition.after

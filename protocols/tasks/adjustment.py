@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.arguments.require import below, expect, finite
+from tactometry.arguments.constraints import Finite, constrained
+from tactometry.arguments.require import below, expect
 from tactometry.session.answer import Adjusted
 from tactometry.session.request import Adjust, Play, Slide
 
@@ -12,48 +13,32 @@ from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 
 
 @dataclass(frozen=True)
+@constrained
 class AdjustmentTask(Task):
-    """The participant sets the level itself, from where the trial starts it, in steps of `step` within the bounds.
+    """The participant sets the level, from the procedure's level, in steps of `step` within the bounds.
 
-    The row's `level` is the start, its response the level that was left standing. Gescheider, Psychophysics: The
-    Fundamentals, 3rd ed. (1997), chapter 3.
+    The row's `level` is the start, its response the final level. Gescheider, Psychophysics: The Fundamentals, 3rd ed.
+    (1997), chapter 3.
 
-    Parameters
-    ----------
-    step : float
-        What an arrow key changes.
-    low : float
-        Lowest level that can be set.
-    high : float
-        Highest level that can be set.
-
-    Raises
-    ------
-    InvalidParameter
-        If the bounds or the step leave nothing to adjust.
+    - `step`: What an arrow key changes.
+    - `low`: Lowest level that can be set.
+    - `high`: Highest level that can be set.
     """
 
-    step: float
-    low: float
-    high: float
+    step: Finite
+    low: Finite
+    high: Finite
 
     name = "adjustment"
 
     def __post_init__(self) -> None:
-        finite("AdjustmentTask", step=self.step, low=self.low, high=self.high)
         below("AdjustmentTask", low=self.low, high=self.high)
         widest = self.high - self.low
-        is_step = 0 < self.step <= widest
-        expect(is_step, "AdjustmentTask.step", f"{self.step:g}", f"above 0 and at most the range ({widest:g})")
+        expected = f"above 0 and at most the range ({widest:g})"
+        expect(0 < self.step <= widest, "AdjustmentTask.step", f"{self.step:g}", expected)
 
     def check_starts(self, low: float, high: float) -> None:
-        """Refuse a procedure whose levels, where trials start, leave the bounds.
-
-        Raises
-        ------
-        InvalidParameter
-            If `low` or `high` is beyond them.
-        """
+        """Refuse a procedure whose levels, where trials start, leave the bounds."""
         starts = f"levels from {low:g} to {high:g} where an adjustment starts"
         bounds = f"them within the bounds of the task ({self.low:g} to {self.high:g})"
         expect(self.low <= low <= high <= self.high, "procedure", starts, bounds)

@@ -15,14 +15,9 @@ from .task import AgainstStandard, Presentation, Reply, TaskKind, TrialCourse
 class Comparison(AgainstStandard):
     """The standard and a level in random order, then: which is stronger? For just noticeable differences.
 
-    The response is 1 if the level was called stronger than the standard, and it is what the procedure is told; it is
-    correct if the level was higher, and not defined at equality. `target` is the interval of the level. Gescheider,
-    Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
-
-    Raises
-    ------
-    InvalidParameter
-        If the standard is not a finite number.
+    The response, also to the procedure, is 1 if the level was called stronger; it is correct if the level was higher,
+    and not defined at equality. `target` is the interval of the level. Gescheider, Psychophysics: The Fundamentals,
+    3rd ed. (1997), chapter 3.
     """
 
     name = "comparison"
@@ -33,11 +28,10 @@ class Comparison(AgainstStandard):
             return outcome
         choice: Chosen = yield Choose("which_stronger", (1, 2), ("1", "2"))
         stronger = choice.option == outcome.target
-        answer = Reply(choice, int(stronger), self._correct(shown.level, stronger=stronger))
+        is_equal = shown.level is None or shown.level == self.standard_level
+        is_higher = shown.level is not None and shown.level > self.standard_level
+        answer = Reply(choice, int(stronger), None if is_equal else stronger == is_higher)
         return replace(outcome, replies=(answer,), success=stronger)
-
-    def _correct(self, level: float | None, *, stronger: bool) -> bool | None:
-        return None if level is None or level == self.standard_level else stronger == (level > self.standard_level)
 
 
 TASK = TaskKind(

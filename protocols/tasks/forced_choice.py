@@ -20,15 +20,7 @@ class ForcedChoice(Task):
 
     Green and Swets, Signal Detection Theory and Psychophysics (1966), section 2.4.
 
-    Parameters
-    ----------
-    n_intervals : int
-        Number of intervals of a trial; the chance level is 1 divided by it.
-
-    Raises
-    ------
-    InvalidParameter
-        If there are fewer than 2 or more than 4 intervals.
+    - `n_intervals`: Number of intervals of a trial; the chance level is 1 divided by it.
     """
 
     n_intervals: int = 2

@@ -1,4 +1,4 @@
-"""Where was it?"""
+"""Localisation among alternatives."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -18,9 +18,8 @@ from .task import Over, Places, Presentation, Task, TaskKind, TrialCourse, Trial
 class Localisation(Task):
     """One of several alternatives (places, foci), drawn at random, then: which? An m-alternative forced choice.
 
-    `target` is the number of the alternative, from 1; chance is one over their number. Of alternatives with places,
-    `separation_m` is the distance between the two that are nearest to each other, and `error_m` that of the answered
-    one from the right one.
+    `target` is the number of the alternative, from 1; chance is one over their number. For alternatives with places,
+    `separation_m` is the smallest distance between two of them, and `error_m` that of the answer from the target.
     """
 
     name = "localisation"
@@ -43,14 +42,13 @@ class Localisation(Task):
 
 @lru_cache(maxsize=256)  # every trial of a track has the same
 def _separation_m(alternatives: tuple[Places, ...]) -> float | None:
-    """Between the two that are nearest to each other."""
+    """Return the distance between the two alternatives that are nearest to each other."""
     distances_m = [_distance_m(one, other) for one, other in combinations(alternatives, 2)]
     return min((distance_m for distance_m in distances_m if distance_m is not None), default=None)
 
 
 def _distance_m(one: Places, other: Places) -> float | None:
-    """Hausdorff's, in whole nanometres: how far a place of either is at most from the nearest of the other; None
-    without places."""
+    """Return the Hausdorff distance in whole nanometres, or None without places."""
     if not (one and other):
         return None
     pairs = ((one, other), (other, one))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.arguments.require import positive
+from tactometry.arguments.constraints import Positive, constrained
 from tactometry.session.answer import Rated, Touched
 from tactometry.session.request import Enter
 
@@ -12,30 +12,19 @@ from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 
 
 @dataclass(frozen=True)
+@constrained
 class Magnitude(Task):
     """One stimulus, then a number for its strength, from 0, without a modulus unless `high` bounds it.
 
-    Stevens, American Journal of Psychology 69, 1 (1956). The procedure is told whether anything was felt (above 0).
+    Stevens, American Journal of Psychology 69, 1 (1956). The procedure learns whether anything was felt (above 0).
 
-    Parameters
-    ----------
-    high : float, optional
-        Highest number that can be given; without it numbers have no upper bound.
-
-    Raises
-    ------
-    InvalidParameter
-        If `high` is given and not a finite number above 0.
+    - `high`: Highest number that can be given; without it numbers have no upper bound.
     """
 
-    high: float | None = None
+    high: Positive | None = None
 
     name = "magnitude"
     takes_catch_trials = True
-
-    def __post_init__(self) -> None:
-        if self.high is not None:
-            positive("Magnitude", high=self.high)
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         del rng

@@ -1,4 +1,4 @@
-"""A measurement: a stimulus under a held contact, and what an instrument reads meanwhile."""
+"""Measurement of a stimulus under a held contact by an instrument."""
 
 import math
 from dataclasses import dataclass
@@ -23,15 +23,7 @@ class Measurement(Task):
     The row holds the reading as `response` (nm) and as `level_measured` in the unit of the levels. A reading of 0 is
     below what the instrument resolves: it has no level in decibels.
 
-    Parameters
-    ----------
-    level_unit : str
-        That of the stimulus, ``dB re 1 um`` or ``m``.
-
-    Raises
-    ------
-    InvalidParameter
-        If the unit is another.
+    - `level_unit`: That of the stimulus, ``dB re 1 um`` or ``m``.
     """
 
     level_unit: LevelUnit = "dB re 1 um"
@@ -52,7 +44,7 @@ class Measurement(Task):
 
 
 def level_of(nanometres: float | None, level_unit: str) -> float | None:
-    """A reading in the unit of the levels; None where there is none.
+    """Convert a reading to the unit of the levels; None if it has no level.
 
     >>> level_of(10e3, "dB re 1 um"), level_of(0.0, "dB re 1 um"), level_of(0.0, "m")
     (20.0, None, 0.0)

@@ -16,8 +16,8 @@ from .touch import feel_in_turn
 class Preference(Task):
     """Two alternatives in random order, then: which do you prefer?
 
-    A row holds them as `item` and `item_b` in the order in which they were felt; the response is 1 or 2, so that the
-    winner is `item` or `item_b`: what a Bradley-Terry fit takes. Bradley and Terry, Biometrika 39, 324 (1952).
+    A row holds them as `item` and `item_b` in their order; the response, 1 or 2, names the winner, as a Bradley-Terry
+    fit takes it. Bradley and Terry, Biometrika 39, 324 (1952).
     """
 
     name = "preference"

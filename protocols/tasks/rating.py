@@ -1,11 +1,14 @@
-"""Questionnaires as protocols: after a stimulus, or on their own."""
+"""Questionnaires, after a stimulus or alone."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Ge, Interval
 
-from tactometry.arguments.require import of_kind, whole
+from tactometry.arguments.constraints import constrained
+from tactometry.arguments.require import of_kind
 from tactometry.questionnaire import Item, Questionnaire
 from tactometry.session.answer import Filled, Touched
 from tactometry.session.request import Fill, Question
@@ -15,31 +18,27 @@ from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 
 N_PER_PAGE, N_STATEMENTS_PER_PAGE = 7, 5
 MOST_TOUCHES = 1000
-"""Before one rating."""
+"""Largest number of touches before a rating."""
 
 
 def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
-    """The items on as many equally long pages as they need."""
+    """Lay the items out on equally long pages."""
     most = N_STATEMENTS_PER_PAGE if any(item.statement for item in items) else N_PER_PAGE
     n_pages = -(-len(items) // most)
     n_each = -(-len(items) // n_pages)
-    by_page = [items[start : start + n_each] for start in range(0, len(items), n_each)]
-    questions = [tuple(_question(form, item) for item in of_page) for of_page in by_page]
+    questions = [
+        Question(item.id, {name: form.words(item.id, name) for name in form.languages}, item.reversed) for item in items
+    ]
+    by_page = [tuple(questions[start : start + n_each]) for start in range(0, len(items), n_each)]
     scale = form.low, form.high, form.steps
     return [
         Fill(form.name, of_page, *scale, stem=form.stem, page=number, n_pages=n_pages)
-        for number, of_page in enumerate(questions, 1)
+        for number, of_page in enumerate(by_page, 1)
     ]
 
 
-def _question(form: Questionnaire, item: Item) -> Question:
-    words: Mapping[str, tuple[str, str, str]] = {name: form.words(item.id, name) for name in form.languages}
-    return Question(item.id, words, item.reversed)
-
-
 def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) -> Course[tuple[Reply, ...]]:
-    """Page after page, and back where it is wished: a reply for each item in the order of its presentation, as its page
-    was left last."""
+    """Ask page after page, or back; return a reply for each item in the order of presentation."""
     order = rng.permutation(len(form.items)) if shuffled else range(len(form.items))
     asked = pages(form, [form.items[int(n)] for n in order])
     filled: dict[int, Filled] = {}
@@ -48,33 +47,26 @@ def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) ->
         given = filled[at].values if at in filled else ()
         filled[at] = yield replace(asked[at], given=given)
         at = max(at - 1, 0) if filled[at].back else at + 1
-    return tuple(reply for number, page in enumerate(asked) for reply in _replies(page, filled[number]))
-
-
-def _replies(page: Fill, filled: Filled) -> list[Reply]:
-    pairs = zip(page.questions, filled.values, strict=True)
-    return [Reply(filled, value, item=question.item) for question, value in pairs]
+    return tuple(
+        Reply(filled[number], value, item=question.item)
+        for number, page in enumerate(asked)
+        for question, value in zip(page.questions, filled[number].values, strict=True)
+    )
 
 
 @dataclass(frozen=True)
+@constrained
 class Rating(Task):
-    """A stimulus, felt `n_touches` times, then a questionnaire about it. A row for each item.
-
-    Raises
-    ------
-    InvalidParameter
-        If `form` is no questionnaire, or `n_touches` below 1.
-    """
+    """A stimulus, felt `n_touches` times, then a questionnaire about it. A row for each item."""
 
     form: Questionnaire
     shuffled: bool = False
-    n_touches: int = 1
+    n_touches: Annotated[int, Ge(1)] = 1
 
     name = "rating"
 
     def __post_init__(self) -> None:
         of_kind("Rating", Questionnaire, form=self.form)
-        whole("Rating", lowest=1, n_touches=self.n_touches)
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         touches: list[Touched] = []
@@ -87,25 +79,18 @@ class Rating(Task):
 
 
 @dataclass(frozen=True)
+@constrained
 class RatingTable:
     """A questionnaire by its name.
 
-    Parameters
-    ----------
-    form : str
-        The questionnaire: a shipped one, or one of `[forms]`.
-    shuffled : bool
-        Whether its items come in an order drawn for each participant.
-    n_touches : int
-        How often the stimulus is felt before it is rated.
+    - `form`: The questionnaire: a shipped one, or one of `[forms]`.
+    - `shuffled`: Whether its items come in an order drawn for each participant.
+    - `n_touches`: How often the stimulus is felt before it is rated.
     """
 
     form: str
     shuffled: bool = False
-    n_touches: int = 1
-
-    def __post_init__(self) -> None:
-        whole("RatingTable", lowest=1, highest=MOST_TOUCHES, n_touches=self.n_touches)
+    n_touches: Annotated[int, Interval(ge=1, le=MOST_TOUCHES)] = 1
 
 
 TASK = TaskKind(

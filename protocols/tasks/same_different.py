@@ -1,4 +1,4 @@
-"""Same or different?"""
+"""Same-different discrimination."""
 
 from dataclasses import dataclass
 
@@ -16,11 +16,6 @@ class SameDifferent(AgainstStandard):
     """The standard and a level in random order, or (as catch trials) the standard twice, then: same or different?
 
     The response is 1 for "different". Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
-
-    Raises
-    ------
-    InvalidParameter
-        If the standard is not a finite number.
     """
 
     name = "same_different"

@@ -1,4 +1,4 @@
-"""What a trial is: how it is presented, and what is asked."""
+"""Tasks: presentation of a trial, its questions and their outcome."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -6,7 +6,7 @@ from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from tactometry.arguments.require import finite
+from tactometry.arguments.constraints import Finite, constrained
 from tactometry.observers.decisions import Decision
 from tactometry.questionnaire import Questionnaire
 from tactometry.session.answer import Answer, Chosen, Touched
@@ -22,8 +22,7 @@ Places = tuple[Place, ...]
 
 @dataclass(frozen=True)
 class Alternative:
-    """One of the stimuli that a trial has to choose among: its name, what the participant reads, its factors, and where
-    it is made, if it is made at places."""
+    """A stimulus that a trial chooses among: name, label on the page, factors, and its places, if any."""
 
     stimulus: str
     label: str
@@ -43,7 +42,7 @@ class Presentation:
 
 @dataclass(frozen=True)
 class Reply:
-    """What a row says of an answer: without a response it was left open, without an answer the question was not put."""
+    """Cells of an answer; without a response it was left open, without an answer the question was not asked."""
 
     answer: Answer | None = None
     response: float | None = None
@@ -55,11 +54,11 @@ class Reply:
 
 @dataclass(frozen=True)
 class TrialOutcome:
-    """What came of one presentation, a row for each reply.
+    """Outcome of one presentation, with a row for each reply.
 
-    `stimulus` is the touch whose delivered level counts; `success` is what the procedure is told (None: nothing);
-    `factors` are those that the trial itself chose; `rule` stands in the column `procedure` in place of the
-    procedure's name. `separation_m` and `error_m` are distances between alternatives that have places.
+    `stimulus` is the touch whose delivered level counts; `success` is the response for the procedure (None: no
+    response); `factors` are those that the trial chose; `rule` replaces the procedure's name in its column.
+    `separation_m` and `error_m` are distances between alternatives that have places.
     """
 
     touches: tuple[Touched, ...]
@@ -75,7 +74,7 @@ class TrialOutcome:
 
     @property
     def valid(self) -> bool:
-        """Whether every touch held its conditions and every answer counts."""
+        """Whether every touch met its conditions and every answer counts."""
         return bool(self.replies) and all(each.valid for each in self._parts)
 
     @property
@@ -83,7 +82,7 @@ class TrialOutcome:
         return all(touch.valid for touch in self.touches)
 
     def score(self, choice: Chosen, *, correct: bool) -> Self:
-        """With the reply of a choice that is right or wrong, as the procedure is told too."""
+        """Return the outcome with a choice that is right or wrong, also for the procedure."""
         return replace(self, replies=(Reply(choice, choice.option, correct),), success=correct)
 
     @property
@@ -92,23 +91,23 @@ class TrialOutcome:
 
     @property
     def correct(self) -> bool | None:
-        """Whether the answer is right; None where it does not count, or none is right or wrong."""
+        """Whether the answer is right; None if it does not count or cannot be right or wrong."""
         return self.replies[0].correct if self.valid else None
 
     @property
     def invalid_reason(self) -> Reason | None:
-        """Why the first touch or answer that does not count does not."""
+        """Reason of the first touch or answer that does not count."""
         return next((each.invalid_reason for each in self._parts if not each.valid), None)
 
     @property
     def n_gaps(self) -> int | None:
-        """Gaps of the output in all stimuli; None where it tells of none."""
+        """Number of gaps of the output, None if the output reports none."""
         known = [each.n_gaps for each in self._parts if each.n_gaps is not None]
         return sum(known) if known else None
 
     @property
     def onset_s(self) -> float:
-        """The onset of the first stimulus, or of the first question where nothing was felt."""
+        """Onset of the first stimulus, or of the first question if nothing was felt."""
         return self._parts[0].onset_s
 
 
@@ -117,7 +116,7 @@ TrialCourse = Course[TrialOutcome]
 
 @runtime_checkable
 class Task(Protocol):
-    """The course of one trial."""
+    """A task, with the course of one trial."""
 
     @property
     def name(self) -> str: ...
@@ -128,27 +127,17 @@ class Task(Protocol):
 
 
 @dataclass(frozen=True)
+@constrained
 class AgainstStandard(Task):
-    """A task that holds a level against a standard.
+    """A task that compares a level with a standard.
 
-    Parameters
-    ----------
-    standard_level : float
-        The level that every other level is compared with.
-
-    Raises
-    ------
-    InvalidParameter
-        If the standard is not a finite number.
+    - `standard_level`: The level that every other level is compared with.
     """
 
-    standard_level: float
-
-    def __post_init__(self) -> None:
-        finite(type(self).__name__, standard_level=self.standard_level)
+    standard_level: Finite
 
     def feel(self, shown: Presentation, level: float | None, rng: np.random.Generator) -> TrialCourse:
-        """The standard and a level in random order; `target` is the interval of the level."""
+        """Present the standard and a level in random order; `target` is the interval of the level."""
         target = int(rng.integers(1, 3))
         levels = [level if interval == target else self.standard_level for interval in (1, 2)]
         touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 2, levels)
@@ -165,12 +154,9 @@ class AsksForm(Protocol):
 
 @dataclass(frozen=True)
 class Over:
-    """The factor whose levels are the alternatives of a trial, or are paired.
+    """Factor whose levels are the alternatives of a trial.
 
-    Parameters
-    ----------
-    over : str
-        Name of the factor whose levels a trial chooses among.
+    - `over`: Name of the factor whose levels a trial chooses among.
     """
 
     over: str
@@ -178,25 +164,15 @@ class Over:
 
 @dataclass(frozen=True)
 class TaskKind:
-    """How a study file asks for a task, and what is known of it before a session: the `TASK` of each task's file.
+    """How a study file names a task, and what is known of it before a session: the `TASK` of each task's file.
 
-    Parameters
-    ----------
-    table : type
-        What reads its own keys of the table `task`; `Over` for a task whose trials choose among `alternatives`.
-    example : mapping
-        Keys that `table` takes, with levels from 0 to 40.
-    questions : mapping of str to Decision
-        How a simulated participant answers each `Choose` of a trial, by its `question`.
-    made : callable
-        From the table, and a finder of questionnaires by name, to the task.
-    n_together : int or None
-        So many alternatives make a track, every choice of them one; None: all alternatives make one track.
-    own_levels : tuple of str
-        Attributes of the task that are levels which it plays itself, beside those of the procedure.
-    check_levels : callable
-        Given the task, and the lowest and the highest level of the procedure, raises `InvalidParameter` where the task
-        cannot take them.
+    - `table`: What reads its own keys of the table `task`; `Over` for a task that chooses among `alternatives`.
+    - `example`: Keys that `table` takes, with levels from 0 to 40.
+    - `questions`: How a simulated participant answers each `Choose` of a trial, by its `question`.
+    - `made`: Makes the task of the table, and of a finder of questionnaires by name.
+    - `n_together`: Number of alternatives in a track, every choice of them one; None: all alternatives in one track.
+    - `own_levels`: Attributes that are levels which the task plays itself, besides those of the procedure.
+    - `check_levels`: Given the task and the lowest and highest level of the procedure, refuses levels it cannot take.
     """
 
     table: type

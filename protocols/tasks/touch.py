@@ -1,10 +1,11 @@
-"""How stimuli are felt: the conditions on the finger while one plays, and several one after the other."""
+"""Conditions on the finger while a stimulus plays, and several stimuli in turn."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from tactometry.arguments.require import expect, positive, without_none
+from tactometry.arguments.constraints import Positive, constrained
+from tactometry.arguments.require import expect
 from tactometry.session.answer import Touched
 from tactometry.session.request import TRAJECTORY_M, Play, Press, Slide
 from tactometry.session.run import Course
@@ -17,7 +18,7 @@ class Touch(Protocol):
 
 
 def fair_tolerance(force_n: float) -> float:
-    """The relative tolerance that people can keep: 20 % from 0.5 N on, 30 % below (unverified default).
+    """Return the relative tolerance that people can keep: 20 % from 0.5 N, 30 % below (unverified default).
 
     >>> fair_tolerance(0.5), fair_tolerance(0.2)
     (0.2, 0.3)
@@ -26,45 +27,36 @@ def fair_tolerance(force_n: float) -> float:
 
 
 @dataclass(frozen=True)
+@constrained
 class GatedTouch:
     """A finger that presses `force_n` within `tolerance` (relative; None: `fair_tolerance`) for `hold_s` until the
     stimulus begins, at most `timeout_s` later, and while it lasts.
 
-    Parameters
-    ----------
-    duration_s : float
-        How long it lasts, which is that of the stimulus.
-    force_n : float
-        The force that is asked for.
-    hold_s : float
-        How long the force must be held before the stimulus begins.
-    timeout_s : float
-        A touch that has not begun after this time does not count.
-    tolerance : float, optional
-        How far the force may be off, relative; by default 0.2, below 0.5 N 0.3.
+    - `duration_s`: How long it lasts, which is that of the stimulus.
+    - `force_n`: The force that is asked for.
+    - `hold_s`: How long the force must be held before the stimulus begins.
+    - `timeout_s`: A touch that has not begun after this time does not count.
+    - `tolerance`: How far the force may be off, relative; by default 0.2, below 0.5 N 0.3.
     """
 
-    duration_s: float
-    force_n: float
-    hold_s: float
-    timeout_s: float
-    tolerance: float | None = None
+    duration_s: Positive
+    force_n: Positive
+    hold_s: Positive
+    timeout_s: Positive
+    tolerance: Positive | None = None
 
     def __post_init__(self) -> None:
-        owner = type(self).__name__
-        positive(owner, duration_s=self.duration_s, force_n=self.force_n)
-        positive(owner, hold_s=self.hold_s, timeout_s=self.timeout_s, **without_none({"tolerance": self.tolerance}))
         longest = f"less than timeout_s ({self.timeout_s:g} s): no touch could ever begin"
-        expect(self.hold_s < self.timeout_s, f"{owner}.hold_s", f"{self.hold_s:g} s", longest)
+        expect(self.hold_s < self.timeout_s, f"{type(self).__name__}.hold_s", f"{self.hold_s:g} s", longest)
 
     @property
     def gate_tolerance(self) -> float:
-        """The tolerance that holds, relative."""
+        """Relative tolerance of the force."""
         return fair_tolerance(self.force_n) if self.tolerance is None else self.tolerance
 
     @property
     def _gate(self) -> tuple[float, float, float, float, float]:
-        """The conditions as a request lists them."""
+        """Conditions in the order of a request."""
         return self.duration_s, self.force_n, self.gate_tolerance, self.hold_s, self.timeout_s
 
 
@@ -82,24 +74,14 @@ class Sliding(GatedTouch):
 
     The speed is gated within `speed_tolerance` (relative; None: not gated).
 
-    Parameters
-    ----------
-    speed_m_per_s : float
-        The speed that is asked for.
-    length_m : float
-        Length of the path, out and back.
-    speed_tolerance : float, optional
-        How far the speed may be off, relative; without it the speed is not gated.
+    - `speed_m_per_s`: The speed that is asked for.
+    - `length_m`: Length of the path, out and back.
+    - `speed_tolerance`: How far the speed may be off, relative; without it the speed is not gated.
     """
 
-    speed_m_per_s: float = field(kw_only=True)
-    length_m: float = TRAJECTORY_M
-    speed_tolerance: float | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        speeds = without_none({"speed_tolerance": self.speed_tolerance})
-        positive("Sliding", speed_m_per_s=self.speed_m_per_s, length_m=self.length_m, **speeds)
+    speed_m_per_s: Positive = field(kw_only=True)
+    length_m: Positive = TRAJECTORY_M
+    speed_tolerance: Positive | None = None
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Slide:
         path = self.speed_m_per_s, interval, self.length_m, self.speed_tolerance
@@ -107,7 +89,7 @@ class Sliding(GatedTouch):
 
 
 def feel_in_turn(touch: Touch, stimuli: Sequence[str], levels: Sequence[float | None]) -> Course[tuple[Touched, ...]]:
-    """The touches of intervals 1, 2, ...; a touch that is not valid is the last."""
+    """Return the touches of intervals 1, 2, ..., up to the first invalid one."""
     touches: list[Touched] = []
     for interval, (stimulus, level) in enumerate(zip(stimuli, levels, strict=True), 1):
         touches.append((yield touch.request(stimulus, level, interval)))
@@ -117,5 +99,5 @@ def feel_in_turn(touch: Touch, stimuli: Sequence[str], levels: Sequence[float | 
 
 
 def nth(touches: Sequence[Touched], interval: int) -> Touched | None:
-    """The touch of an interval, if it came to it."""
+    """Return the touch of an interval, or None if there was none."""
     return touches[interval - 1] if interval <= len(touches) else None

@@ -27,11 +27,10 @@ if TYPE_CHECKING:
         force_form as force_form,
     )
     from .attraction.offset import WithOffset as WithOffset
-    from .attraction.periodic_force import periodic_force_n as periodic_force_n
     from .attraction.polarity import Polarity as Polarity
     from .motion.coulomb_friction import CoulombFriction as CoulombFriction
     from .motion.dry_friction import DryFriction as DryFriction
-    from .motion.finger import Motion as Motion, sliding as sliding, sliding_many as sliding_many
+    from .motion.finger import Motion as Motion, sliding as sliding
     from .motion.friction_lag import FrictionLag as FrictionLag, lagged_friction_n as lagged_friction_n
     from .motion.pad import Finger as Finger
     from .motion.skin_mobility import SkinMobility as SkinMobility
@@ -47,7 +46,6 @@ if TYPE_CHECKING:
         DispersiveLayer as DispersiveLayer,
         Layer as Layer,
         Stack as Stack,
-        periodic_voltages_v as periodic_voltages_v,
     )
     from .textures.followed_texture import FollowedTexture as FollowedTexture
     from .textures.maps import GreyImage as GreyImage, HeightMap as HeightMap

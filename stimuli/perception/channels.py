@@ -26,10 +26,7 @@ def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
     A piecewise form of the model of Bolanowski, Gescheider, Verrillo and Checkosky (J. Acoust. Soc. Am. 84, 1680,
     1988) for a contactor of 2.9 cm^2; its numbers are unverified defaults.
 
-    Raises
-    ------
-    InvalidParameter
-        If a frequency is not a finite number above 0.
+    Raises `InvalidParameter` if a frequency is not a finite number above 0.
 
     >>> channel_thresholds_db([1.0, 40.0, 250.0]).min(axis=0).round(1).tolist()
     [48.0, 29.3, 0.0]

@@ -1,6 +1,6 @@
 """Scenes in which a stimulus is felt where a study states none."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 from math import inf
@@ -16,8 +16,6 @@ from .scene import SENSATION, Scene
 if TYPE_CHECKING:
     from ..composition.effect import Surface
     from ..electrovibration.sensation import ElectrovibrationSensation
-    from ..hybrid import HybridSensation
-    from ..time_reversal.stimulus.placed_foci import FingersSensation
     from ..time_reversal.stimulus.sensation import TimeReversalSensation
     from .surfaces.electrovibration import PlayedElectrovibration
 
@@ -26,8 +24,6 @@ ACCURACY: Final = 0.02
 
 WITHOUT_LEAK: Final = ("parallel_plate", "total_thickness")
 """Force laws without a term for a leaking corneum."""
-
-Parts = tuple["Surface", Iterator[Effect]]
 
 
 def default_scene(model: Any, duration_s: float = 1.0) -> Scene:
@@ -59,12 +55,29 @@ def default_scene(model: Any, duration_s: float = 1.0) -> Scene:
     >>> abs(round(index_db, 2)), middle_db < -3
     (0.0, True)
     """
-    surface, effects = _PARTS[type(model).__name__](model, duration_s)
+    surface, effects = _parts(model, duration_s)
     return Scene(surface, tuple(effects), (SENSATION,), ACCURACY, surface.touches)
 
 
-def _electrovibration(model: "ElectrovibrationSensation", duration_s: float) -> Parts:
-    return _panel(model, duration_s), _friction_effects(model)
+def _parts(model: Any, duration_s: float) -> "tuple[Surface, Iterator[Effect]]":
+    kind = type(model).__name__
+    if kind == "ElectrovibrationSensation":
+        return _panel(model, duration_s), _friction_effects(model)
+
+    from .surfaces.played_plates import PlayedFingers, PlayedHybrid, PlayedTimeReversal
+
+    if kind == "TimeReversalSensation":
+        surface = PlayedTimeReversal(model.setup, model.finger_x_m, model.finger_y_m, model.finger)
+        return surface, _focus_effects(model)
+    if kind == "FingersSensation":
+        fingers = PlayedFingers(model.setup, model.places, model.fingers)
+        return fingers, iter((_effect("focus_detection", model.reference_m),))
+
+    from ..time_reversal.stimulus.sensation import TimeReversalSensation
+
+    foci = TimeReversalSensation(model.setup, model.reference_m)
+    both = PlayedHybrid(_panel(model.friction, duration_s), PlayedTimeReversal(model.setup))
+    return both, chain(_focus_effects(foci), _friction_effects(model.friction))
 
 
 def _panel(model: "ElectrovibrationSensation", duration_s: float) -> "PlayedElectrovibration":
@@ -74,36 +87,6 @@ def _panel(model: "ElectrovibrationSensation", duration_s: float) -> "PlayedElec
     resistivity_ohm_m = inf if model.skin.corneum_resistivity_ohm_m else 0.0
     skin = replace(model.skin, corneum_resistivity_ohm_m=resistivity_ohm_m, gap_m=0.0, body_resistance_ohm=0.0)
     return PlayedElectrovibration(skin, duration_s=duration_s)
-
-
-def _time_reversal(model: "TimeReversalSensation", duration_s: float) -> Parts:
-    from .surfaces.played_plates import PlayedTimeReversal
-
-    return PlayedTimeReversal(model.setup, model.finger_x_m, model.finger_y_m, model.finger), _focus_effects(model)
-
-
-def _fingers(model: "FingersSensation", duration_s: float) -> Parts:
-    from .surfaces.played_plates import PlayedFingers
-
-    surface = PlayedFingers(model.setup, model.places, model.fingers)
-    return surface, iter((_effect("focus_detection", model.reference_m),))
-
-
-def _hybrid(model: "HybridSensation", duration_s: float) -> Parts:
-    from ..time_reversal.stimulus.sensation import TimeReversalSensation
-    from .surfaces.played_plates import PlayedHybrid, PlayedTimeReversal
-
-    foci = TimeReversalSensation(model.setup, model.reference_m)
-    surface = PlayedHybrid(_panel(model.friction, duration_s), PlayedTimeReversal(model.setup))
-    return surface, chain(_focus_effects(foci), _friction_effects(model.friction))
-
-
-_PARTS: Mapping[str, Callable[[Any, float], Parts]] = {
-    "ElectrovibrationSensation": _electrovibration,
-    "TimeReversalSensation": _time_reversal,
-    "FingersSensation": _fingers,
-    "HybridSensation": _hybrid,
-}
 
 
 def _friction_effects(model: "ElectrovibrationSensation") -> Iterator[Effect]:

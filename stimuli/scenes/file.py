@@ -88,7 +88,11 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
     with found.part():
         surface, effects, contacts = _parts(stated)
     found.end()
-    scene = _scene(tables, surface, effects, contacts)
+    try:
+        scene = Scene(surface, effects, tables.outputs, tables.accuracy, contacts, tables.settings or {})
+    except InvalidParameter as error:
+        raise InvalidParameter(str(error).removeprefix("Scene.")) from None
+
     given = tables.given or {}
     check_keys(given, scene.surface.given, "given", "quantity")
     return SceneFile(tables.title, scene, convert(dict[str, float], given, "given"))
@@ -116,12 +120,3 @@ def _all_of(
             with found.part():
                 parts.append(made(table, f"{key}[{n}]"))
     return tuple(parts)
-
-
-def _scene(
-    tables: SceneTables, surface: Any, effects: tuple[Effect, ...], contacts: tuple[FingerContact, ...]
-) -> Scene:
-    try:
-        return Scene(surface, effects, tables.outputs, tables.accuracy, contacts, tables.settings or {})
-    except InvalidParameter as error:
-        raise InvalidParameter(str(error).removeprefix("Scene.")) from None

@@ -33,6 +33,9 @@ OfSignal = Callable[[Signal], OfContact]
 class Scene:
     """The physics between output and skin.
 
+    Raises `InvalidParameter` if the accuracy is outside of its range, nothing is asked for, two effects fill one slot,
+    contradict each other, do not belong to the surface, or lack something that they require.
+
     Parameters
     ----------
     surface : Surface
@@ -46,12 +49,6 @@ class Scene:
         Fingers on the surface.
     settings : mapping
         Settings of single stages, by the name of the stage, that a person sets in place of the chosen ones.
-
-    Raises
-    ------
-    InvalidParameter
-        If the accuracy is outside of its range, nothing is asked for, two effects fill one slot, contradict each other,
-        do not belong to the surface, or lack something that they require.
 
     >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
     >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -125,13 +122,7 @@ class Scene:
         return max(self.fingers_db(signal, contact))
 
     def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]:
-        """The same at each finger of a surface that several touch, of which `sensation` is the highest.
-
-        Raises
-        ------
-        InvalidParameter
-            As `sensation`.
-        """
+        """The same at each finger of a surface that several touch, of which `sensation` is the highest."""
         _check_felt(signal, contact)
         return self._of_signal(signal)(contact)
 

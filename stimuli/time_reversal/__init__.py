@@ -17,7 +17,6 @@ if TYPE_CHECKING:
         focus_amplitude as focus_amplitude,
         focus_amplitudes as focus_amplitudes,
     )
-    from .focusing.inverse_filter import inverse_filter_waveform as inverse_filter_waveform
     from .focusing.merit import uniformity as uniformity
     from .focusing.one_bit import OneBit as OneBit
     from .focusing.pattern import Pattern as Pattern, pattern_drive as pattern_drive

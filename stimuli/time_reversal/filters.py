@@ -1,4 +1,4 @@
-"""Gains over frequency: bands, amplifiers, a hold."""
+"""Gains over frequency: bands and amplifiers."""
 
 import math
 from dataclasses import dataclass
@@ -36,17 +36,14 @@ def filtered(samples: FloatArray, rate_hz: Positive, gain: GainCurve) -> FloatAr
 class Band:
     """Passes f_min..f_max without a change of phase; raised-cosine flanks of `flank_hz` lie inside the band.
 
+    Raises `InvalidParameter` if the band is empty.
+
     Parameters
     ----------
     f_min_hz, f_max_hz : float
         0 <= f_min < f_max.
     flank_hz : float
         At least 0; at most the width of the band.
-
-    Raises
-    ------
-    InvalidParameter
-        If the band is empty.
     """
 
     f_min_hz: float
@@ -86,46 +83,6 @@ class Butterworth:
         k = np.arange(self.order)
         poles = np.exp(1j * math.pi * (2 * k + self.order + 1) / (2 * self.order))
         return np.asarray(np.prod(-poles / (s[..., None] - poles), axis=-1))
-
-
-@checked
-@dataclass(frozen=True)
-class MeasuredGain:
-    """An amplifier's measured gain, linear between its frequencies and constant outside.
-
-    Parameters
-    ----------
-    frequency_hz : tuple of float
-        Ascending.
-    gain : tuple of complex
-        As many.
-    """
-
-    frequency_hz: tuple[float, ...]
-    gain: tuple[complex, ...]
-
-    def __post_init__(self) -> None:
-        if len(self.frequency_hz) != len(self.gain) or not self.gain:
-            raise InvalidParameter(
-                f"MeasuredGain: found {len(self.frequency_hz)} frequencies and {len(self.gain)} gains, expected as many"
-            )
-        if any(b <= a for a, b in zip(self.frequency_hz, self.frequency_hz[1:], strict=False)):
-            raise InvalidParameter("MeasuredGain.frequency_hz: found values that do not rise, expected ascending ones")
-
-    def at(self, frequency_hz: FloatArray) -> ComplexArray:
-        return np.asarray(np.interp(frequency_hz, self.frequency_hz, np.asarray(self.gain, complex)))
-
-
-@checked
-@dataclass(frozen=True)
-class Hold:
-    """An output that holds each sample: sinc(f / rate) and half a sample of delay."""
-
-    rate_hz: float
-
-    def at(self, frequency_hz: FloatArray) -> ComplexArray:
-        relative = np.asarray(frequency_hz) / self.rate_hz
-        return np.asarray(np.sinc(relative) * np.exp(-1j * math.pi * relative))
 
 
 def _step(above_hz: FloatArray, flank_hz: float) -> FloatArray:

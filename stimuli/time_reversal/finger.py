@@ -40,36 +40,6 @@ def amplitude_loss(
 
 
 @checked
-def amplitude_ratio_at_focus(plate: Plate, impedance_n_s_per_m: complex) -> float:
-    """Closed form of the local part at the focus: |1 / (1 + Z / Z_p)|."""
-    return 1 / abs(1 + impedance_n_s_per_m / plate.point_impedance_n_s_per_m)
-
-
-@checked
-def absorbing_tau_s(plate: Plate, impedance_n_s_per_m: complex) -> float:
-    """tau_f = 2 M / R_eff, R_eff = Re Z / |1 + Z / Z_p|^2: how fast one contact alone empties the plate.
-
-    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-    >>> round(absorbing_tau_s(A4_SCREEN, 10.0) * 1e3)
-    51
-    """
-    effective = complex(impedance_n_s_per_m).real * amplitude_ratio_at_focus(plate, impedance_n_s_per_m) ** 2
-    return 2 * plate.mass_kg / effective if effective > 0 else math.inf
-
-
-@checked
-def contact_is_lost(
-    amplitude_m: float, frequency_hz: float, force_n: float, pulp_mass_kg: float = PULP_MASS_KG
-) -> bool:
-    """Whether the pulp leaves the plate: m |d^2u/dt^2| > F with a lumped mass (0.1 g, unverified default).
-
-    >>> contact_is_lost(10e-6, 12.5e3, 6.0), contact_is_lost(10e-6, 12.5e3, 6.5)
-    (True, False)
-    """
-    return ejection_force_n(amplitude_m, frequency_hz, pulp_mass_kg) > force_n
-
-
-@checked
 def ejection_force_n(amplitude_m: float, frequency_hz: float, pulp_mass_kg: Positive = PULP_MASS_KG) -> float:
     """m w^2 A: the force that a focus of this amplitude can lift."""
     return float(pulp_mass_kg * np.abs(amplitude_m) * (2 * math.pi * frequency_hz) ** 2)
@@ -127,15 +97,14 @@ class Contactor:
             return []
         if self.kind == "finger":
             return [Fingertip().load(at_m, force_n)]
-        skin = [self._part(point, force_n) for point in _disc(at_m, self.diameter_m / 2) if plate.contains(*point)]
+        area = (self.diameter_m / FINGER_DIAMETER_M) ** 2
+        part = Fingertip(RESISTANCE_N_S_PER_M * area / N_POINTS)
+        points = [point for point in _disc(at_m, self.diameter_m / 2) if plate.contains(*point)]
+        skin = [part.load(point, force_n) for point in points]
         if self.kind != "rigid":
             return list(skin)
         # a Hertz contact of millimetres of radius under newtons is 0.1 mm wide: one point
         return [*skin, SprungMass(*at_m, RIGID_MASS_KG, hertz_stiffness_n_per_m(force_n, self.diameter_m / 2))]
-
-    def _part(self, at_m: Point, force_n: float) -> PlateLoad:
-        area = (self.diameter_m / FINGER_DIAMETER_M) ** 2
-        return Fingertip(RESISTANCE_N_S_PER_M * area / N_POINTS).load(at_m, force_n)
 
 
 @checked

@@ -1,4 +1,4 @@
-"""An annotation as a rule: what a value must be to fit it, as a test and in words."""
+"""Read an annotation as a rule: a test of a value, and its description in words."""
 
 import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -35,10 +35,13 @@ SHORT = 2**14
 
 @dataclass(frozen=True)
 class AnnotationRule:
-    """What a value must be: a test of it, and in words.
+    """A test of a value and its description.
 
-    Of what holds something, the rule of its parts; of numbers, the test of each in an array; of words, which there are;
-    of an array, its type. Of what fits, what is demanded of its sign; it is told where the value stands.
+    - `part`: Rule of the parts of a container.
+    - `good`: Elementwise test of the numbers of an array.
+    - `choices`: Allowed texts.
+    - `dtype`: Type of the array.
+    - `demand`: Check of the sign, which names the place of the value.
     """
 
     fits: Test
@@ -52,7 +55,7 @@ class AnnotationRule:
 
 @functools.cache
 def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
-    """The rule of an annotation, its numbers up to `high`, or infinite if `unbounded`.
+    """Return the rule of an annotation; its numbers go up to `high`, or to infinity if `unbounded`.
 
     >>> rule_of(Sequence[float], 1e9).words
     'a list, each of it a finite number'
@@ -71,7 +74,12 @@ def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
             lambda value: isinstance(value, str) and value in inner, f"one of {', '.join(inner)}", choices=inner
         )
     if origin is Mapping:
-        return _mapped(rule_of(inner[1], high, unbounded))
+        part = rule_of(inner[1], high, unbounded)
+        return AnnotationRule(
+            lambda value: isinstance(value, Mapping) and all(map(part.fits, value.values())),
+            f"a mapping to {part.words}",
+            part=part,
+        )
     if origin in (tuple, Sequence, list):
         parts = [rule_of(part, high, unbounded) for part in inner if part is not Ellipsis]
         return _each(parts[0], high if inner[0] is float else None) if len(parts) == 1 else _row(parts)
@@ -81,7 +89,7 @@ def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
 
 
 def as_array(value: Any) -> NDArray[Any] | None:
-    """The array that a value makes, if it makes one."""
+    """Return the array that a value makes, or None."""
     try:
         return np.asarray(value)
     except (ValueError, TypeError):
@@ -89,7 +97,7 @@ def as_array(value: Any) -> NDArray[Any] | None:
 
 
 def parts_of(value: Any) -> Iterable[tuple[Any, Any]]:
-    """Each part of a mapping or a sequence, after its place."""
+    """Return each part of a mapping or sequence, with its place."""
     if isinstance(value, Mapping):
         return value.items()
     return enumerate(value) if _is_listed(value) else ()
@@ -145,7 +153,7 @@ def _array(kinds: str, high: float, good: Callable[[Any], NDArray[np.bool_]]) ->
 
 
 def _all_within(found: NDArray[Any], high: float) -> bool:
-    """A long array without a copy; NaN is not."""
+    """Test a long array without a copy; NaN fails."""
     if found.size <= SHORT:
         return bool(np.abs(found).max(initial=0.0) <= high)
     if found.dtype.kind == "c":
@@ -167,7 +175,7 @@ def _annotated(hint: Any, high: float) -> AnnotationRule:
 
 
 def _either(rules: Sequence[AnnotationRule]) -> AnnotationRule:
-    """Of several rules; the parts and numbers are those of the first that has some."""
+    """Combine rules; parts and numbers are those of the first rule that has some."""
     tests = [rule.fits for rule in rules]
     return AnnotationRule(
         lambda value: any(fits(value) for fits in tests),
@@ -189,7 +197,7 @@ def _row(rules: Sequence[AnnotationRule]) -> AnnotationRule:
 
 
 def _each(rule: AnnotationRule, high: float | None) -> AnnotationRule:
-    """A list; one of numbers is looked at as an array, for it may be long."""
+    """Return the rule of a list; numbers are tested as an array, as there may be many."""
     words = f"a list, each of it {rule.words}"
     if high is not None and rule.good is not None:
         row = _array("iuf", high, rule.good)
@@ -200,15 +208,8 @@ def _each(rule: AnnotationRule, high: float | None) -> AnnotationRule:
     return AnnotationRule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
 
 
-def _mapped(rule: AnnotationRule) -> AnnotationRule:
-    def fits(value: Any) -> bool:
-        return isinstance(value, Mapping) and all(map(rule.fits, value.values()))
-
-    return AnnotationRule(fits, f"a mapping to {rule.words}", part=rule)
-
-
 def _of_class(kind: type) -> AnnotationRule:
-    """A class is looked at once: whether it has what a protocol asks for takes longer than many a call."""
+    """Return the rule of a class; types that passed are remembered, as protocol checks are slow."""
     known: set[type] = set()
 
     def fits(value: Any) -> bool:

@@ -1,11 +1,8 @@
-"""Arguments checked by what their annotations and names say: the kind by the annotation, the domain by the unit.
-
-What else must hold (ascending, not longer than) each function and constructor says itself, with `require`.
-"""
+"""Check arguments by their annotations (kind) and names (domain of the unit)."""
 
 import functools
 import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, TypeVar, cast, get_origin
 
 import numpy as np
@@ -20,11 +17,11 @@ T = TypeVar("T", bound=Callable[..., Any])
 
 
 def checked(thing: T) -> T:
-    """A function, or a class with its constructor and public methods, that looks at its arguments first.
+    """Return a function, or a class with its constructor and public methods, that checks its arguments first.
 
-    A number is finite and within the domain of its name (`magnitudes`), never a truth value; where the annotation
-    is `Unbounded`, infinity is a number too, and a `Positive` number is above 0. A list where an array belongs is made
-    one. An array may have any dimensions, a `Vector` one and at least one number, a `Matrix` two.
+    A number is finite and within the domain of its name (`magnitudes`), never a truth value. An `Unbounded` number may
+    be infinite, and a `Positive` one is above 0. A list becomes an array where an array is annotated. An array may have
+    any dimensions, a `Vector` one and at least one number, a `Matrix` two.
 
     >>> @checked
     ... def twice(length_m: float) -> float:
@@ -69,7 +66,9 @@ def _with_check(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
             if name in by_name and not by_name[name].fits(value):
                 raise _refusal(f"{owner}.{name}", value, by_name[name])
         if demands:
-            _meet(demands, owner, (*zip(names, args, strict=False), *kwargs.items()))
+            for name, value in (*zip(names, args, strict=False), *kwargs.items()):
+                if name in demands and value is not None:
+                    demands[name](f"{owner}.{name}", value)
         if not (makes_arrays and any(isinstance(value, list | tuple) for value in (*args, *kwargs.values()))):
             return function(*args, **kwargs)
         named = {name: _as_array(by_name.get(name), value) for name, value in kwargs.items()}
@@ -79,22 +78,14 @@ def _with_check(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
     return guarded
 
 
-def _meet(demands: Mapping[str, Demand], owner: str, values: Iterable[tuple[str, Any]]) -> None:
-    """What is demanded of the arguments that are given."""
-    for name, value in values:
-        if name in demands and value is not None:
-            demands[name](f"{owner}.{name}", value)
-
-
 def _as_array(rule: AnnotationRule | None, value: Any) -> Any:
-    """A list as the array that the annotation wants."""
     if rule is not None and rule.dtype is not None and isinstance(value, list | tuple):
         return np.asarray(value, rule.dtype)
     return value
 
 
 def _refusal(where: str, value: Any, rule: AnnotationRule) -> InvalidParameter:
-    """One sentence; in a sequence, a mapping or an array it names the first that is wrong."""
+    """Name the first wrong part of a sequence, a mapping or an array."""
     if rule.part is not None:
         for place, part in parts_of(value):
             if not rule.part.fits(part):

@@ -151,7 +151,7 @@ def is_whole(value: Any) -> bool:
 
 
 def excerpt(value: object) -> str:
-    """What was found, on one line and not too long."""
+    """Show a value on one line of at most 60 characters."""
     return f"{' '.join(repr(value).split()):.60}"
 
 

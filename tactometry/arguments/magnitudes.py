@@ -1,7 +1,7 @@
-"""Magnitudes: how small and how large a number may be, by the unit that ends its name.
+"""Smallest and largest magnitudes by the unit that ends a name.
 
-A number that is not 0 and lies outside is a slip of units; squares and quotients of what lies inside stay within the
-range of a double.
+A number that is not 0 and lies outside is probably in the wrong unit. Squares and quotients of numbers inside stay
+within the range of a double.
 """
 
 from collections.abc import Mapping
@@ -42,7 +42,7 @@ TINY = 5e-324
 
 @lru_cache(maxsize=4096)
 def domain(name: str) -> tuple[float, float]:
-    """Smallest (0 aside) and largest magnitude that a name allows.
+    """Return the smallest (0 aside) and largest magnitude that a name allows.
 
     >>> domain("Sine.frequency_hz"), domain("level")
     ((1e-12, 1e+18), (1e-30, 1e+30))
@@ -52,18 +52,14 @@ def domain(name: str) -> tuple[float, float]:
 
 
 def is_number(value: Any) -> TypeGuard[float]:
-    """Whether it is a real number that a double holds; True is none.
+    """Return True for a finite real number that a double can represent; truth values are not numbers.
 
     >>> is_number(2), is_number(True), is_number(1e400), is_number("2"), is_number(10**400)
     (True, False, False, False, False)
     """
     if type(value) is float:
         return isfinite(value)
-    return not isinstance(value, bool) and isinstance(value, Real) and _fits_double(value)
-
-
-def _fits_double(value: Real) -> bool:
     try:
-        return isfinite(float(value))
+        return not isinstance(value, bool) and isinstance(value, Real) and isfinite(float(value))
     except OverflowError:
         return False

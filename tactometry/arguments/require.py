@@ -1,7 +1,7 @@
-"""What arguments must be, in one vocabulary; each refusal is one sentence: where, what was found, what was expected.
+"""Checks of arguments, one vocabulary; each error says where, what was found and what was expected.
 
-Numbers are given by their names, after their owner; each has the domain of magnitude that the unit in its name states
-(`magnitudes`). One thing, or an array, is given after the words that open its sentence.
+Numbers are given by name after their owner; the unit in the name sets their domain (`magnitudes`). A single value or an
+array is given after the place that opens its message.
 """
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
@@ -29,9 +29,7 @@ _RATE = ranges(Interval(ge=0, lt=1))
 def expect(
     holds: bool | np.bool_, where: object, found: object, expected: str, error: type[TactometryError] = InvalidParameter
 ) -> None:
-    """What a value must be where no other word says it; `found` stands in the sentence as it is to be read.
-
-    Raises `InvalidParameter` unless it `holds`; of a file an `InvalidFile`, where `error` says so.
+    """Raise `error` unless a condition holds; `found` is printed as it is.
 
     >>> expect(0 < 0.5 <= 1, "Scene.accuracy", 0.5, "above 0 and at most 1")
     >>> expect(0 < 2.0 <= 1, "Scene.accuracy", 2.0, "above 0 and at most 1")
@@ -82,7 +80,7 @@ def within(owner: str, low: float, high: float, /, **values: object) -> None:
 
 
 def below(owner: str, /, **values: float) -> None:
-    """Each of some finite numbers is less than the next one.
+    """Require that each number is less than the next one.
 
     >>> below("Staircase", low=40.0, high=0.0)
     Traceback (most recent call last):
@@ -93,7 +91,7 @@ def below(owner: str, /, **values: float) -> None:
 
 
 def not_zero(owner: str, /, **values: object) -> None:
-    """Each is a finite number other than 0: a factor of either sign.
+    """Require finite numbers other than 0.
 
     >>> not_zero("ForceCalibration", newtons_per_count=0.0)
     Traceback (most recent call last):
@@ -133,7 +131,7 @@ def truth(owner: str, /, **values: object) -> None:
 
 
 def of_kind(owner: str, kind: Any, /, **values: object) -> None:
-    """Each is of a kind: a class, one of a tuple of classes, or a protocol that can be asked.
+    """Require instances of a class, of one of a tuple of classes, or of a protocol.
 
     >>> of_kind("Solution", Real, rate=None)
     Traceback (most recent call last):
@@ -144,7 +142,7 @@ def of_kind(owner: str, kind: Any, /, **values: object) -> None:
 
 
 def at_most(where: str, found: float, highest: float) -> None:
-    """`found`, a measure of the work asked for, is not above `highest`.
+    """Require a number that is not above `highest`.
 
     >>> at_most("modes below f_max_hz", 2e6, 1e6)
     Traceback (most recent call last):
@@ -154,12 +152,12 @@ def at_most(where: str, found: float, highest: float) -> None:
 
 
 def without_none(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Those of optional values that are not None."""
+    """Return the values that are not None."""
     return {name: value for name, value in values.items() if value is not None}
 
 
 def one_of(where: str, found: object, choices: Iterable[object]) -> None:
-    """`found` is one of `choices`, texts or numbers; True is not 1.
+    """Require one of `choices`, texts or numbers; True is not 1.
 
     >>> one_of("QuestPlus.aim", "threshold", ("parameters", "threshold"))
     """
@@ -169,7 +167,7 @@ def one_of(where: str, found: object, choices: Iterable[object]) -> None:
 
 
 def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
-    """What `name` stands for among `choices`.
+    """Return the choice of this name.
 
     >>> lookup("sensor", "hand", {"hand": 1}), lookup("sensor", "hnad", {"hand": 1})
     Traceback (most recent call last):
@@ -185,7 +183,7 @@ def some(where: str, found: Sequence[object] | Mapping[Any, object]) -> None:
 
 
 def first_repeat(values: Iterable[Hashable]) -> int | None:
-    """The place of the first value that stood before; None where each stands once.
+    """Return the index of the first value that occurred before, or None.
 
     >>> first_repeat((3.0, 1, 3)), first_repeat("abc")
     (2, None)
@@ -199,7 +197,7 @@ def first_repeat(values: Iterable[Hashable]) -> int | None:
 
 
 def distinct(where: str, found: Sequence[float | str], expected: str) -> None:
-    """`found` holds nothing twice; `expected` says so in the words of its place.
+    """Require different values; `expected` says so in the words of the caller.
 
     >>> distinct("Staircase.steps", (4.0, 2.0, 4.0), "each step once")
     Traceback (most recent call last):
@@ -213,7 +211,7 @@ def distinct(where: str, found: Sequence[float | str], expected: str) -> None:
 
 
 def numbers(where: str, found: object) -> None:
-    """`found` is a sequence of finite numbers, empty or not.
+    """Require a sequence of finite numbers, which may be empty.
 
     >>> numbers("Staircase.steps", (4.0, 2.0))
     """
@@ -225,7 +223,7 @@ def numbers(where: str, found: object) -> None:
 
 
 def array(where: str, values: ArrayLike) -> NDArray[np.float64]:
-    """`values` as an array of numbers of any size, infinity and NaN among them."""
+    """Return an array of numbers of any size; infinity and NaN are allowed."""
     try:
         found = np.asarray(values)
         if found.dtype.kind not in "iuf":
@@ -262,14 +260,14 @@ def not_negative_array(where: str, values: ArrayLike, *, infinite: bool = False)
 
 
 def samples(where: str, values: ArrayLike) -> NDArray[np.float64]:
-    """`values` as an array (..., n_samples) of finite numbers, with at least one sample."""
+    """Return an array (..., n_samples) of finite numbers with at least one sample."""
     found = finite_array(where, values)
     expect(found.ndim > 0 and found.size > 0, where, f"shape {found.shape}", "(..., n_samples), at least one sample")
     return found
 
 
 def ascending(where: str, values: ArrayLike) -> NDArray[np.float64]:
-    """`values` as a row of two or more finite numbers, each above the one before."""
+    """Return a row of at least two finite, ascending numbers."""
     found = finite_array(where, values)
     rises = found.ndim == 1 and len(found) >= 2 and (np.diff(found) > 0).all()
     expect(rises, where, f"shape {found.shape} not ascending", "two or more ascending numbers")
@@ -277,7 +275,7 @@ def ascending(where: str, values: ArrayLike) -> NDArray[np.float64]:
 
 
 def shape(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
-    """`values` have a shape; None stands for any length.
+    """Require a shape; None stands for any length.
 
     >>> shape("field_m", [1.0, 2.0], (3,))
     Traceback (most recent call last):
@@ -290,14 +288,14 @@ def shape(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
 
 
 def in_range(where: str, result: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A result, if a double can hold it."""
+    """Return a result, or raise if a double cannot represent it."""
     beyond = "a result beyond the range of a double"
     expect(np.isfinite(result).all(), where, beyond, "arguments of smaller magnitude")
     return result
 
 
 def class_names(kinds: Iterable[type]) -> str:
-    """What an instance of one of some classes is called: "a Plate", "a Layer or None"."""
+    """Describe an instance of some classes: "a Plate", "a Layer or None"."""
     return " or ".join("None" if kind is NoneType else f"a {kind.__name__}" for kind in kinds)
 
 

@@ -24,7 +24,7 @@ HIGHEST: Final[Mapping[str, float]] = {
 
 
 class Unlimited(float):
-    """A limit that is switched off. It is infinite, and a file writes it as a text."""
+    """A limit that is switched off: infinite, and written as a text in a file."""
 
     def __new__(cls) -> "Unlimited":
         return super().__new__(cls, inf)
@@ -43,9 +43,7 @@ UNLIMITED: Final = Unlimited()
 
 
 def check_highest(path: str, value: float) -> None:
-    """Refuse a limit of a file that is above its plausible upper bound.
-
-    Raises `InvalidParameter` if it is; `path` ends with its key. NaN is left to the class that gets it.
+    """Raise `InvalidParameter` if a limit of a file is above its plausible upper bound.
 
     >>> check_highest("limits.force_peak_n", 1e9)
     Traceback (most recent call last):

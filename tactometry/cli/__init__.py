@@ -1,7 +1,4 @@
-"""The command line: a table of commands, each imported when it is called.
-
-This module is all that `tactometry --help` loads, so it imports nothing heavy.
-"""
+"""The command line: a table of commands, each imported when it is called."""
 
 import signal
 import sys
@@ -54,7 +51,7 @@ GROUPS = {
 
 
 class Commands(click.Group):
-    """The commands of the table; help is shown without importing any."""
+    """Commands of the table; `--help` imports none of them."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx
@@ -106,7 +103,7 @@ def _terminate(number: int, frame: FrameType | None) -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run a command; every foreseen error is one line on standard error and an exit status."""
+    """Run a command; a foreseen error becomes a line on standard error and an exit status."""
     for number in _ENDING:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, _terminate)

@@ -69,7 +69,7 @@ def command(
 
 
 def summary_text(analysis: "Analysis") -> str:
-    """Warnings, group tables and analyses of variance for a terminal."""
+    """Return warnings, group tables and analyses of variance for a terminal."""
     from rich.console import Console
 
     from tactometry.analysis.report.terminal import tables

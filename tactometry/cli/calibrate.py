@@ -47,7 +47,6 @@ def _somebody(ctx: click.Context, param: click.Parameter, by: str) -> str:
 
 
 def _numbers(ctx: click.Context, param: click.Parameter, text: str) -> list[float]:
-    """The numbers of an option; none where nothing was given."""
     del ctx
     try:
         return [float(number) for number in text.split(",")] if text else []
@@ -173,7 +172,6 @@ def force(
 
 
 def _count_weights(reader: Reader, channel: int, masses_kg: list[float]) -> list[float]:
-    """Mean counts over a second with each weight on."""
     with closing(reader):
         reader.open()
         counts = []
@@ -199,7 +197,7 @@ def display(bar_m: float | None, bench_path: Path | None, *, write: bool) -> Non
 
 
 def _ask_bar_m(screen: int) -> float:
-    """The bar is seen first, alone; then the terminal asks, which a full screen may have hidden."""
+    """Show the bar, then ask in the terminal, which a full screen may have hidden."""
     from ..rigs.window import Window
 
     with closing(Window(fullscreen=True, screen=screen)) as window:
@@ -291,7 +289,7 @@ def _tell(
     *,
     write: bool,
 ) -> None:
-    """Say a table of the bench file as it was measured, with what the file states beside it; write it if asked to."""
+    """Print a table of the bench file as measured, and write it on request."""
     stated = {} if bench_path is None else stated_in(bench_path, name)
     lines = [table_toml(name, {**stated, **values}), *(f"# {remark}\n" for remark in remarks)]
     written = None
@@ -305,14 +303,14 @@ def _tell(
 
 
 def _devices(bench: BenchFile) -> Devices:
-    """Those of a bench that no finger touches, within the limits that it states itself."""
+    """Return the devices of a bench that no finger touches, within the bench's own limits."""
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
     return bench.devices(bench.limits, TODAY(), touched=False)
 
 
 def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> Learning:
-    """What is played, on which channels: a sweep a fifth beyond the band, or a sequence of maximum length."""
+    """Return the excitation and its channels: a sweep a fifth beyond the band, or a maximum-length sequence."""
     low_hz, high_hz = asked["band_hz"]
     half = f"at most {rate_hz / 2:g} Hz, half the rate of {asked['sensor']!r}"
     expect(high_hz <= rate_hz / 2, "--band-hz", f"up to {high_hz:g} Hz", half)
@@ -356,7 +354,7 @@ def _provenance(asked: Mapping[str, Any], learning: Learning, output: str, senso
 
 
 def _draw(figure: str, measured: object, path: Path | None) -> None:
-    """Write one of the figures of `bench.figures`, where a file is asked for; nothing else loads them."""
+    """Write a figure of `bench.figures` if a file was given; only this loads them."""
     if path is not None:
         with writing(path):
             resolve(f"tactometry.experiments.bench.figures:{figure}")(measured, path)

@@ -51,14 +51,10 @@ def _write(climbs: list[Climb], out: Path) -> None:
 def _record(climbs: list[Climb]) -> dict[str, object]:
     ladders = {
         climb.problem.name: {
-            "points": [_plain(asdict(point)) for point in climb.points],
+            "points": [asdict(point) | ({"error": None} if point.unstable else {}) for point in climb.points],
             "reference_error": climb.floor,
             "cheapest": answers(climb),
         }
         for climb in climbs
     }
     return {"machine": machine(), "ladders": ladders}
-
-
-def _plain(point: dict[str, object]) -> dict[str, object]:
-    return {**point, "error": None} if point["unstable"] else point

@@ -84,7 +84,6 @@ def _text(best: Sheet, among: Sequence[Sheet]) -> str:
 
 
 def _trade_off(best: Sheet, among: Sequence[Sheet]) -> Iterator[str]:
-    """A line per thickness; the recommended one is marked."""
     yield "  thickness  resolution  contrast  amplitude    Q  mean frequency  stress   bends    not reached"
     for sheet in among:
         design, mark = sheet.guide.design, "*" if sheet is best else " "
@@ -97,7 +96,7 @@ def _trade_off(best: Sheet, among: Sequence[Sheet]) -> Iterator[str]:
 
 
 def _bends(sheet: Sheet) -> str:
-    """The deflection, or that it is beyond what small deflections tell."""
+    """Show the deflection, or that it exceeds the range of small deflections."""
     if sheet.bends_linearly:
         return f"{sheet.deflection_m * 1e6:.0f} um"
     return f"> {SMALL * sheet.thickness_m * 1e6:.0f} um"

@@ -12,15 +12,12 @@ from .output import say, subcommand
 
 if TYPE_CHECKING:
     from tactometry.experiments.reference.key_table import KeyTable
-    from tactometry.experiments.reference.keys import Key
 
 WIDTH: Final = 80
 """Of a terminal that all of it fits."""
 
 
 class TableName(click.ParamType[str]):
-    """The name of a table."""
-
     name = "NAME"
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -35,10 +32,16 @@ class TableName(click.ParamType[str]):
 def command(name: str | None) -> None:
     """The keys of a table of a study, bench, scene or map file: type, unit, default, range, meaning, an example.
 
-    NAME is that of a table, as touch.slide, bench.output or map; without it the names are listed.
+    NAME is that of a table, such as touch.slide, bench.output or map, or texts for the texts that [texts] may replace.
+    Without it the names are listed.
     """
+    from tactometry.experiments.reference.key_table import toml_value
     from tactometry.experiments.reference.tables import find, tables
 
+    if name == "texts":
+        shipped = _shipped_texts()
+        say("\n".join(f"{message} = {toml_value(text)}" for message, text in shipped.items()), shipped)
+        return
     if name is None:
         say(_names(list(tables())), list(tables()))
         return
@@ -49,8 +52,16 @@ def command(name: str | None) -> None:
     say("\n\n".join(map(_text, found)), [_record(table) for table in found])
 
 
+def _shipped_texts() -> dict[str, str]:
+    """Return the English messages and labels by name, in the order of their file."""
+    from ..rigs.texts import texts_in
+
+    shipped = texts_in("en", {})
+    return {**shipped.messages, **shipped.labels}
+
+
 def where_keys_are_told(error: BaseException | None) -> str:
-    """What a refusal of an unknown or missing key ends with: the command that tells those of its table."""
+    """Return the command that lists the keys of a table, if an error is an unknown or missing key."""
     while error is not None and not isinstance(error, InvalidKey):
         error = error.__context__
     if error is None:
@@ -62,17 +73,12 @@ def where_keys_are_told(error: BaseException | None) -> str:
 
 
 def _names(names: list[str]) -> str:
-    """The names by their first word, a line each."""
     groups: dict[str, list[str]] = {}
     for name in names:
         first, _, rest = name.partition(".")
         groups.setdefault(first, []).append(rest)
-    return "\n".join(_group(first, list(filter(None, rest))) for first, rest in groups.items())
-
-
-def _group(first: str, rest: list[str]) -> str:
-    indent = " " * 12
-    return fill(f"{first:<12}{' '.join(rest)}".rstrip(), WIDTH, subsequent_indent=indent, break_on_hyphens=False)
+    lines = (f"{first:<12}{' '.join(filter(None, rest))}".rstrip() for first, rest in groups.items())
+    return "\n".join(fill(line, WIDTH, subsequent_indent=" " * 12, break_on_hyphens=False) for line in lines)
 
 
 def _record(table: "KeyTable") -> dict[str, Any]:
@@ -84,11 +90,10 @@ def _record(table: "KeyTable") -> dict[str, Any]:
 
 
 def _text(table: "KeyTable") -> str:
-    """Heading, keys and an example."""
     from rich.console import Console
     from rich.table import Column, Table
 
-    from tactometry.experiments.reference.block import block, heading
+    from tactometry.experiments.reference.block import block, heading, holds
     from tactometry.experiments.reference.keys import keys_of
 
     keys = keys_of(table)
@@ -101,16 +106,10 @@ def _text(table: "KeyTable") -> str:
     for key in keys:
         more = f" See: tactometry keys {key.see}" if key.see else ""
         means = f"{key.means}{more}".replace("``", '"').replace("`", "")
-        shown.add_row(key.name, _holds(key), key.otherwise or "required", means)
+        shown.add_row(key.name, holds(key).replace("`", ""), key.otherwise or "required", means)
     console = Console()
     with console.capture() as capture:
         console.print(shown, markup=False, highlight=False)
     lines = [line.rstrip() for line in capture.get().splitlines()]
     opened = fill(f"{table.name}: {heading(table)}".replace("`", ""), WIDTH, break_on_hyphens=False)
     return "\n".join([opened, "", *lines, "", block(table).rstrip()])
-
-
-def _holds(key: "Key") -> str:
-    from tactometry.experiments.reference.block import holds
-
-    return holds(key).replace("`", "")

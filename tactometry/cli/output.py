@@ -1,4 +1,4 @@
-"""What commands share: options, results as text or JSON, files that they write, progress, a word at the terminal."""
+"""Shared parts of commands: options, results as text or JSON, progress, questions at the terminal."""
 
 import json
 import math
@@ -24,10 +24,7 @@ _AS_JSON: Final = f"{__name__}.as_json"
 
 
 class NamedFile(click.Path):
-    """The name of a built-in file, or the path of another; both are completed.
-
-    - `names`: Target string of what gives the names.
-    """
+    """Name of a built-in file or path of another; both are completed. `names` is a target string."""
 
     def __init__(self, names: str) -> None:
         super().__init__()
@@ -47,12 +44,12 @@ SCENE: Final = NamedFile("tactometry.experiments.scenes:names")
 
 
 def path_option(*names: str, **said: Any) -> Callable[[F], F]:
-    """An option that names a file or a folder."""
+    """Return an option that names a file or a folder."""
     return click.option(*names, type=click.Path(path_type=Path), **said)
 
 
 def figure_option(said: str) -> Callable[[F], F]:
-    """The option of a figure, refused before anything is computed or measured if its name ends in no format."""
+    """Return the option of a figure; a wrong format is refused before anything is computed."""
     return path_option("--figure", callback=_check_figure, help=said)
 
 
@@ -84,7 +81,7 @@ data_argument: Callable[[F], F] = click.argument("path", type=click.Path(path_ty
 
 
 def subcommand(example: str, group: click.Group | None = None) -> Callable[[Callable[..., Any]], click.Command]:
-    """A command, of a group if one is given, with an example below its help, which says its result as text or JSON."""
+    """Make a command with an example in its help and an option `--json`."""
 
     def made_of(function: Callable[..., Any]) -> click.Command:
         made = click.command(epilog=f"Example: tactometry {example}")(function)
@@ -97,13 +94,13 @@ def subcommand(example: str, group: click.Group | None = None) -> Callable[[Call
 
 
 def say(text: str, value: object) -> None:
-    """Print the result of the command that runs: as text, or as JSON where that was asked for."""
+    """Print the result of the running command, as text or as JSON."""
     as_json = click.get_current_context().meta[_AS_JSON]
     click.echo(json.dumps(_finite(value), indent=2, allow_nan=False) if as_json else text)
 
 
 def _finite(value: object) -> object:
-    """`value` with null where a number is not finite: JSON has no other word for it."""
+    """Replace numbers that are not finite by null, as JSON has no other form for them."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, Mapping):
@@ -114,7 +111,7 @@ def _finite(value: object) -> object:
 def drawn_seed(seed: int | None, *, resume: bool = False) -> int:
     """Return the seed, or draw one and print it on standard error.
 
-    Raises `InvalidParameter` if what is resumed has another seed than one that is drawn.
+    Raises `InvalidParameter` if a run is resumed without its seed.
     """
     if seed is not None:
         return seed
@@ -126,12 +123,12 @@ def drawn_seed(seed: int | None, *, resume: bool = False) -> int:
 
 
 def writing(path: Path) -> AbstractContextManager[None]:
-    """A file that cannot be written is one sentence."""
+    """Turn a failure to write a file into one sentence."""
     return attempt(path, "cannot write", "a place to write to")
 
 
 def progress(items: Iterable[T], total: int, what: str) -> Iterator[T]:
-    """`items`, with a bar on standard error if that is a terminal."""
+    """Yield `items`, with a progress bar on standard error if that is a terminal."""
     if not sys.stderr.isatty():
         yield from items
         return
@@ -142,10 +139,7 @@ def progress(items: Iterable[T], total: int, what: str) -> Iterator[T]:
 
 
 def hands_are_off() -> bool:
-    """Whether somebody at the terminal types that no hand is on the surface; without a terminal nobody does.
-
-    Asked before something plays that no gate stops.
-    """
+    """Return True if someone at the terminal types that no hand is on the surface."""
     if not sys.stdin.isatty():
         return False
     question = f"The output will play. Type '{HANDS_OFF}' when no hand is on the surface"

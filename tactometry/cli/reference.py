@@ -24,13 +24,12 @@ progress on a terminal alone.
 
 
 def text() -> str:
-    """The page, as it should be."""
+    """Return the page of the commands."""
     root = click.Context(tactometry, info_name="tactometry")
     return "\n".join([HEAD, *_sections(tactometry, root)])
 
 
 def _sections(group: click.Group, context: click.Context) -> Iterator[str]:
-    """The commands of a group, and of those that are groups themselves, in their order."""
     for name in group.list_commands(context):
         command = group.get_command(context, name)
         if command is not None:
@@ -41,8 +40,10 @@ def _sections(group: click.Group, context: click.Context) -> Iterator[str]:
 
 def _section(command: click.Command, context: click.Context) -> str:
     usage = " ".join([context.command_path, *command.collect_usage_pieces(context)])
-    options = [record for one in command.get_params(context) if _is_told(one) and (record := _record(one, context))]
-    table = ["| option | meaning |", "|---|---|", *(f"| `{names}` | {said} |" for names, said in options)]
+    shown = [one for one in command.get_params(context) if isinstance(one, click.Option) and "--help" not in one.opts]
+    options = [record for one in shown if (record := one.get_help_record(context))]
+    rows = [f"| `{_cell(names)}` | {_cell(said)} |" for names, said in options]
+    table = ["| option | meaning |", "|---|---|", *rows]
     example = (command.epilog or "").partition(": ")[2]
     parts = [
         f"## `{context.command_path}`",
@@ -52,15 +53,6 @@ def _section(command: click.Command, context: click.Context) -> str:
         *([f"Example: `{example}`"] if example else []),
     ]
     return "\n\n".join(parts) + "\n"
-
-
-def _is_told(parameter: click.Parameter) -> bool:
-    return isinstance(parameter, click.Option) and not parameter.hidden and "--help" not in parameter.opts
-
-
-def _record(parameter: click.Parameter, context: click.Context) -> tuple[str, str] | None:
-    record = parameter.get_help_record(context)
-    return record and (_cell(record[0]), _cell(record[1]))
 
 
 def _cell(text: str) -> str:

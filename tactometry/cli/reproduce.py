@@ -42,7 +42,7 @@ def command(*, name: str, out: Path | None, page: Path | None) -> None:
 
 
 def _item_of(name: str) -> str:
-    """The item of a name or of a caption; one that none makes is refused with the reason."""
+    """Return the item of a name or caption, or refuse it with the reason."""
     reason = reason_for(name)
     expect(reason is None, "NAME", name, f"what can be made anew: this is {reason}")
     one_of("NAME", item_of(name), ("all", *REPRODUCTIONS))
@@ -50,7 +50,6 @@ def _item_of(name: str) -> str:
 
 
 def _text(made: list[Reproduced]) -> str:
-    """What is stated beside what comes out; one item alone with all of its numbers."""
     lines = []
     for reproduced in made:
         numbers = reproduced.numbers if len(made) == 1 else reproduced.compared

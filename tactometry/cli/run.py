@@ -13,7 +13,6 @@ from tactometry.experiments.sessions.recording import Recorded, Who, record
 from tactometry.experiments.sessions.rig_kinds import check_needs, rig_kind
 from tactometry.experiments.study.dry_run import check_duration, duration_s, plan
 from tactometry.experiments.study.experiment import Experiment, wire
-from tactometry.experiments.study.felt_and_lost import felt_and_lost
 from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
 from tactometry.experiments.study.study_file import folder_of, load
 
@@ -84,7 +83,7 @@ def command(
 
 
 def _check_duration(experiment: Experiment, who: Who, *, begun: bool) -> None:
-    """Tell of a long session; refuse one that nobody sits through, unless it has begun."""
+    """Warn of a long session, and refuse an excessive one unless it has begun."""
     planned = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     try:
         caution = check_duration(experiment, planned)
@@ -108,6 +107,8 @@ ENDINGS = {
 
 
 def _print_plan(experiment: Experiment, who: Who) -> None:
+    from tactometry.experiments.study.felt_effects import predict
+
     blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     minutes = duration_s(experiment, blocks) / 60
     rows = [
@@ -118,13 +119,12 @@ def _print_plan(experiment: Experiment, who: Who) -> None:
     drawn = "random" in experiment.study.plan.orders and who.seed is None
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
     longest = f"at most {count_of(math.ceil(minutes), 'minute')}, without repeated trials"
-    told = felt_and_lost(experiment)
+    predicted = predict(experiment)
     plan_record = {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}
-    say("\n".join(["block", *rows, *notes, longest, *told.lines]), plan_record | told.record)
+    say("\n".join(["block", *rows, *notes, longest, *predicted.lines]), plan_record | predicted.record)
 
 
 def _report(root: Path, recorded: Recorded) -> int:
-    """Print what was recorded: status 1 if a block, or one of its tracks, did not come to its end."""
     counts = recorded.endings
     failed = bool(UNFINISHED & counts.keys())
     missed = "; the practice ended without meeting its criterion" if recorded.practice_missed else ""
@@ -143,7 +143,7 @@ def _report(root: Path, recorded: Recorded) -> int:
 
 
 def _advice(counts: dict[str, int], root: Path) -> str:
-    """What to do next. Where nobody agreed to take part, no touch was invalid.
+    """Return the next step for the user.
 
     >>> _advice({"not begun": 2}, Path("d")), _advice({"skipped": 1, "aborted": 1}, Path("d"))
     ('nothing to analyse: no block came to its end', 'tactometry analyse d')
@@ -155,7 +155,7 @@ def _advice(counts: dict[str, int], root: Path) -> str:
 
 
 def _ending_words(counts: dict[str, int]) -> str:
-    """How the procedures of a session ended, in words.
+    """Describe how the procedures of a session ended.
 
     >>> _ending_words({"trials": 2, "aborted": 1})
     '; 3 procedures: 2 came to their last trial, 1 aborted'

@@ -61,7 +61,6 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
 
 
 def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) -> Result:
-    """What only a run finds wrong is of the file too."""
     if cache is None:
         with errors_in(file):
             return compute(plan, given)
@@ -72,7 +71,7 @@ def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) 
 
 
 def _figure(result: Result, title: str) -> Any:
-    """A map and courses, or courses alone, as the outputs allow."""
+    """Draw a map with time courses, or time courses alone, as the outputs allow."""
     if {"x_m", "y_m", "field_m"} <= set(result.values):
         from tactometry.stimuli.scenes.figures.courses import focus_sheet
 
@@ -87,7 +86,7 @@ def _figure(result: Result, title: str) -> Any:
 
 
 def _film(scene_file: SceneFile, path: Path) -> None:
-    """The scene with a movie as its only output, no finer than a film shows."""
+    """Film the scene, no finer than a film shows."""
     from tactometry.stimuli.scenes.effects.movie import Movie
     from tactometry.stimuli.scenes.figures.courses import write_film
 
@@ -104,8 +103,6 @@ def _film(scene_file: SceneFile, path: Path) -> None:
 
 
 def _record(result: Result, pulled: list[PulledFinger]) -> dict[str, Any]:
-    """Numbers as they are, of a course its extremes and its length."""
-
     def summary(value: Any) -> Any:
         if np.ndim(value) == 0:
             return float(value)

@@ -1,6 +1,6 @@
 """`tactometry show`: what happened in one trial."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,7 +44,7 @@ def command(
                     drawing.figure.savefig(drawn, metadata={"CreationDate": None, "Subject": drawing.about})
     records = [{"touch": heading(touch), **_record(touch)} for touch in touches]
     told = f"figure: {drawn}" if drawn else f"trial {trial}: nothing was felt in it"
-    whose = _whose(touches)
+    whose = {name: getattr(touch.head, name) for touch in touches[:1] for name in ("participant", "session")}
     lines = [
         ", ".join(f"{name} {value}" for name, value in whose.items()),
         *("\n".join(_text(record)) for record in records),
@@ -55,12 +55,7 @@ def command(
     )
 
 
-def _whose(touches: "Sequence[TouchTrace]") -> dict[str, Any]:
-    return {name: getattr(touch.head, name) for touch in touches[:1] for name in ("participant", "session")}
-
-
 def _record(touch: "TouchTrace") -> dict[str, Any]:
-    """What is told of a touch, by name."""
     answer, emitted = touch.answer, touch.emitted
     names = ("gate_s", "invalid_reason", "force_mean_n", "force_in_band", "speed_mean_m_per_s", "n_gaps")
     known = {name: value for name in names if (value := getattr(answer, name, None)) is not None}
@@ -78,7 +73,6 @@ def _record(touch: "TouchTrace") -> dict[str, Any]:
 
 
 def _text(record: dict[str, Any]) -> Iterator[str]:
-    """A line for each thing that is known."""
     yield " - ".join(record["touch"].splitlines())
     for name, value in record.items():
         if name not in ("touch", "files") and value is not None:

@@ -2,12 +2,12 @@
 
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import click
 
 from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
-from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.felt_and_lost import felt_and_lost
+from tactometry.experiments.study.experiment import Experiment, wire
 from tactometry.experiments.study.study_file import folder_of, load, parse
 from tactometry.experiments.workers import check_workers
 
@@ -43,8 +43,6 @@ def simulate(
     explain: bool,
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
-    from tactometry.experiments.study.unfelt import unfelt
-
     check_workers(n_jobs, scheduler)
     _, content = load(study)
     code_from = folder_of(study) if allow_code else None
@@ -63,13 +61,21 @@ def simulate(
     missed = f", {count_of(n_missed, 'practice')} without its criterion" if n_missed else ""
     text = f"{out}: {count_of(n_participants, 'simulated participant')}, {count_of(n_trials, 'trial')}{aborted}{missed}"
     experiment = wire(parse(content, study), study, code_from)
-    if explain:
-        told = felt_and_lost(experiment)
-        lines, record = told.lines, told.record
-    else:
-        nobody = list(unfelt(experiment, simulated=True))
-        lines, record = [one.line for one in nobody], {"unfelt": [asdict(one) for one in nobody]} if nobody else {}
+    lines, record = _predictions(experiment, explain=explain)
     say("\n".join([text, *lines]), {**result, "aborted": n_aborted, "practice_missed": n_missed, **record})
+
+
+def _predictions(experiment: Experiment, *, explain: bool) -> tuple[list[str], dict[str, Any]]:
+    """Return lines and JSON of the conditions too weak to feel, or of all predictions."""
+    if explain:
+        from tactometry.experiments.study.felt_effects import predict
+
+        predicted = predict(experiment)
+        return predicted.lines, predicted.record
+    from tactometry.experiments.study.predictions import unfelt
+
+    too_weak = list(unfelt(experiment, simulated=True))
+    return [one.line for one in too_weak], {"unfelt": [asdict(one) for one in too_weak]} if too_weak else {}
 
 
 @subcommand("demo --out demo --seed 1")

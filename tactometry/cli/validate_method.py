@@ -1,6 +1,6 @@
 """`tactometry validate-method`."""
 
-from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +8,7 @@ import click
 
 from tactometry.experiments.validation.checks import CHECKS, check_of
 from tactometry.experiments.validation.page import departures, page as page_of
-from tactometry.experiments.validation.run import Chunk, Validated, Validation, validate
+from tactometry.experiments.validation.run import Validated, Validation, validate
 from tactometry.experiments.workers import check_workers, workers
 
 from ..arguments.require import expect, one_of
@@ -41,7 +41,8 @@ def command(
         one_of("--check", check, tuple(CHECKS))
     validation = Validation(checks=tuple(dict.fromkeys(checks)) or tuple(CHECKS), **options)
     with workers(n_jobs, scheduler) as spread:
-        found = validate(validation, out, resume=resume, spread=spread, tell=_told)
+        bar = partial(progress, what="validating")
+        found = validate(validation, out, resume=resume, spread=spread, tell=bar)
     _write(found, out / PAGE, as_pixels=True)
     if page is not None:
         _write(found, page, as_pixels=False)
@@ -51,10 +52,6 @@ def command(
         "processor_s": dict(found.seconds),
     }
     say(_text(found, out), record)
-
-
-def _told(chunks: Iterator[Chunk], n: int) -> Iterator[Chunk]:
-    return progress(chunks, n, "validating")
 
 
 def _write(found: Validated, path: Path, *, as_pixels: bool) -> None:

@@ -41,18 +41,14 @@ def command(
     )
     with suppress(AttributeError, OSError):  # not everywhere; who looks on takes no time from the session
         os.nice(NICENESS)
-    serve(Scenery(watcher), port, _tell, sys.stdin.buffer if until_input_ends else None)
-
-
-def _tell(url: str) -> None:
-    say(url, {"url": url})
+    serve(Scenery(watcher), port, lambda url: say(url, {"url": url}), sys.stdin.buffer if until_input_ends else None)
 
 
 @contextmanager
 def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
-    """The address of a page that follows a session, from a process of its own; it ends with the body, or with us.
+    """Yield the address of a page that follows a session, served by another process until the body ends.
 
-    Raises `DeviceFailed` if there is none, with what that process says.
+    Raises `DeviceFailed` if the page cannot be served.
     """
     session = ["--participant", participant, "--session", str(n_session)]
     command = [sys.executable, "-m", "tactometry", "watch", str(root), *session, "--wait", "--until-input-ends"]

@@ -1,4 +1,4 @@
-"""Quantities as a human writes them in TOML: a number in SI, or a string with a unit."""
+"""Quantities in TOML: a number in SI units, or a string with a unit."""
 
 import re
 from collections.abc import Mapping
@@ -53,7 +53,7 @@ _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?
 
 
 def unit_suffix(name: str) -> str | None:
-    """The unit suffix of a name, or None; a part of a unit that has no name here (N/V in ``moment_n_per_v``) is none.
+    """Return the unit suffix of a name, or None.
 
     >>> unit_suffix("speed_m_per_s"), unit_suffix("force_n"), unit_suffix("repeats"), unit_suffix("moment_n_per_v")
     ('m_per_s', 'n', None, None)
@@ -64,7 +64,7 @@ def unit_suffix(name: str) -> str | None:
 
 
 def unit_in(name: str) -> str:
-    """The unit that a name ends with, ratios of units too; empty without one.
+    """Return the unit that a name ends with, also a ratio of units; empty without one.
 
     >>> unit_in("force_n"), unit_in("moment_n_per_v"), unit_in("slope_hz_per_m_per_s"), unit_in("repeats")
     ('N', 'N/V', 'Hz/(m/s)', '')
@@ -82,7 +82,7 @@ def unit_in(name: str) -> str:
 
 
 def units(suffix: str) -> tuple[str, Mapping[str, float]]:
-    """The SI unit of a suffix, and every unit that may be written for it, in SI units."""
+    """Return the SI unit of a suffix, and the factor to SI of every unit that may be written for it."""
     if suffix in _COMPOUND:
         return _COMPOUND[suffix]
     symbol = _SI[suffix]
@@ -90,7 +90,7 @@ def units(suffix: str) -> tuple[str, Mapping[str, float]]:
 
 
 def si_unit(unit: str, where: str) -> tuple[str, float]:
-    """The SI unit of a unit's dimension, and what one of `unit` is in it.
+    """Return the SI unit of a unit's dimension, and the factor to it.
 
     >>> si_unit("ms", "units"), si_unit("mV", "units"), si_unit("cm/s", "units")
     (('s', 0.001), ('V', 0.001), ('m/s', 0.01))
@@ -103,9 +103,9 @@ def si_unit(unit: str, where: str) -> tuple[str, float]:
 
 
 def si(text: str, suffix: str, where: str) -> float:
-    """A quantity in SI units.
+    """Convert a text such as "50 mm/s" to SI units.
 
-    Raises `InvalidParameter` if `text` is not a number with a unit of the right dimension; `where` opens the sentence.
+    Raises `InvalidParameter` if it is no number with a unit of the right dimension.
 
     >>> si("50 mm/s", "m_per_s", "speed_m_per_s")
     0.05
@@ -122,9 +122,9 @@ def si(text: str, suffix: str, where: str) -> float:
 
 
 def as_si(value: object, path: str, found: Gathered | None = None) -> Any:
-    """`value` with every string below a key with a unit suffix turned into a number in SI; `path` names the value.
+    """Convert every string below a key with a unit suffix to a number in SI units.
 
-    A limit that is "unlimited" stays as it is. With `found`, mistakes are kept there, and the values are NaN.
+    "unlimited" stays as it is. With `found`, mistakes are collected there, and their values are NaN.
     """
     if isinstance(value, dict):
         return {key: as_si(item, f"{path}.{key}" if path else str(key), found) for key, item in value.items()}

@@ -1,4 +1,4 @@
-"""Tables of a file as frozen dataclasses: nothing unknown, nothing missing, nothing of another type."""
+"""Read tables of a file as frozen dataclasses: unknown, missing and mistyped keys are refused."""
 
 import dataclasses
 import re
@@ -32,10 +32,10 @@ _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
 
 
 def build(kind: type[T], table: object, path: str, **given: object) -> T:
-    """A `kind` from a table of a file, which must not hold the `given` fields.
+    """Build a `kind` from a table of a file, which must not contain the `given` fields.
 
-    Raises `InvalidParameter` if a key is unknown (with the nearest name), missing or of another type, or `kind` refuses
-    a value; each sentence opens with the key path.
+    Raises `InvalidParameter`, whose message starts with the key path, if a key is unknown, missing or of another type,
+    or `kind` refuses a value.
     """
     values = values_of(kind, table, path, given)
     try:
@@ -71,13 +71,13 @@ def values_of(kind: type, table: object, path: str, given: Collection[str] = ())
 
 
 def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) -> Any:
-    """What a table describes whose key ``kind`` names one of `targets`, each the target string of a class."""
+    """Build the class that the key ``kind`` of a table names; `targets` are target strings."""
     target = kind_of(table, path, targets)
     return build(resolve(target), {key: value for key, value in table.items() if key != "kind"}, path)
 
 
 def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
-    """What the key ``kind`` of a table names.
+    """Return the value that the key ``kind`` of a table names.
 
     >>> kind_of({"kind": "sine"}, "stimulus", {"sine": 1})
     1
@@ -91,7 +91,7 @@ def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
 
 
 def as_table(value: object, path: str) -> Mapping[str, Any]:
-    """A value of a file, if it is a table."""
+    """Return a value of a file if it is a table."""
     if isinstance(value, Mapping):
         return value
     raise InvalidParameter(f"{path}: found {value!r}, expected a table")
@@ -101,7 +101,7 @@ LOST_LEVEL: Final = "; of a level that the study has no more, remove the line"
 
 
 class InvalidKey(InvalidParameter):
-    """A key of a table that is unknown or missing; `read_by` is the class that reads the table, where one does."""
+    """An unknown or missing key of a table; `read_by` is the class that reads the table."""
 
     def __init__(self, sentence: str, read_by: type | None = None) -> None:
         super().__init__(sentence)
@@ -116,8 +116,11 @@ def check_keys(
     cure: str = "",
     read_by: type | None = None,
 ) -> None:
-    """Refuse a key that is none of `names`, with the nearest of them; `what` says what the names are, `cure` what else
-    may be done, `read_by` the class whose keys they are.
+    """Refuse keys that are not among `names`, each with the nearest name.
+
+    - `what`: Noun for the names.
+    - `cure`: What else the user may do.
+    - `read_by`: Class whose keys they are.
     """
     found = Gathered()
     unknown = [key for key in table if key not in names]
@@ -129,16 +132,16 @@ def check_keys(
 
 
 def read_toml(kind: type[T], path: Path, what: str) -> T:
-    """A `kind` from a TOML file; `what` says in an error what was expected."""
+    """Build a `kind` from a TOML file; `what` describes the expected file."""
     table = read_table(path, what)
     with errors_in(path):
         return build(kind, table, "")
 
 
 def convert(kind: Any, value: object, path: str) -> Any:
-    """`value` as `kind`, a plain type, a dataclass or a container of such.
+    """Convert `value` to a plain type, a dataclass or a container of these.
 
-    Raises `InvalidParameter` if it is of another type; the sentence opens with the key path.
+    Raises `InvalidParameter`, whose message starts with the key path, if it is of another type.
     """
     of_optional = [choice for choice in typing.get_args(kind) if dataclasses.is_dataclass(choice)]
     table_class = of_optional[0] if typing.get_origin(kind) is types.UnionType and of_optional else kind
@@ -165,7 +168,6 @@ def convert(kind: Any, value: object, path: str) -> Any:
 
 
 def _each(kind: Any, values: Mapping[str, object]) -> list[Any]:
-    """Convert values by their paths."""
     found, converted = Gathered(), []
     for path, value in values.items():
         with found.part():
@@ -188,7 +190,7 @@ def _limit(kind: Any, value: object, path: str) -> float | int:
 
 
 def fields_of(kind: type) -> dict[str, dataclasses.Field[Any]]:
-    """The fields of a class that a table of a file may set, by name."""
+    """Return the fields of a class that a table of a file may set, by name."""
     fields = dataclasses.fields(kind)
     return {field.name: field for field in fields if field.init and field.name[0] != "_"}
 
@@ -218,7 +220,7 @@ def _in_toml(value: object) -> str:
 
 
 def words_of(kind: Any) -> str:
-    """A type in words.
+    """Describe a type in words.
 
     >>> words_of(float), words_of(tuple[str, ...]), words_of(int | None)
     ('a number', 'a list of texts', 'a whole number')

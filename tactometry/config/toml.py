@@ -1,4 +1,4 @@
-"""TOML files as tables, on disk or in a package; each reading error is one sentence that names the file."""
+"""Read TOML files from disk or a package; each error is one sentence that names the file."""
 
 import re
 import tomllib
@@ -18,15 +18,14 @@ LONGEST_LIST, DEEPEST = 10_000, 30
 
 
 def read_table(path: Path, what: str) -> dict[str, Any]:
-    """The table of a file; `what` says in an error what was expected."""
+    """Return the table of a file; `what` describes the expected file."""
     return table_of(read_file(path, what, LARGEST_FILE), str(path), what)
 
 
 def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
-    """The table of the bytes of a file; `where` opens every sentence.
+    """Parse the bytes of a TOML file; `where` opens each error message.
 
-    Raises `InvalidFile` if the bytes are no UTF-8 or no TOML, or more than `LARGEST_FILE`, `LONGEST_LIST` and `DEEPEST`
-    allow.
+    Raises `InvalidFile` if they are not UTF-8 or TOML, or exceed `LARGEST_FILE`, `LONGEST_LIST` or `DEEPEST`.
 
     >>> table_of(b"accuracy = 0.01", "s.toml", "a scene file")
     {'accuracy': 0.01}
@@ -48,7 +47,7 @@ def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
 
 
 def _declared_twice(text: str, damage: str) -> str:
-    """Which lines begin the same table, where that is the damage: of the first the reader of TOML says nothing."""
+    """Return the lines that begin the same table; tomllib names only the second."""
     named = re.match(r"Cannot declare \((.*)\) twice", damage)
     if named is None:
         return ""
@@ -62,7 +61,6 @@ def _declared_twice(text: str, damage: str) -> str:
 
 
 def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
-    """Refuse what nobody writes by hand, before anything walks through it."""
     level: list[object] = [table]
     for _ in range(DEEPEST + 1):
         if not level:
@@ -77,9 +75,7 @@ def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
 
 @contextmanager
 def errors_in(where: str | Path) -> Iterator[None]:
-    """What is wrong with the content of a file, with its place: `where` before the key path.
-
-    Raises `InvalidFile` if the body raises an error that a person can mend.
+    """Raise `InvalidFile`, with `where` before the key path, for errors in the content of a file.
 
     >>> with errors_in("s.toml"):
     ...     raise InvalidFile("accuracy: found 2, expected at most 1")
@@ -97,7 +93,7 @@ SUFFIX: Final = ".toml"
 
 
 def shipped_in(package: str) -> tuple[str, ...]:
-    """The names of the TOML files of a package.
+    """Return the names of the TOML files of a package.
 
     >>> "attrakdiff" in shipped_in("tactometry.questionnaires")
     True
@@ -107,6 +103,6 @@ def shipped_in(package: str) -> tuple[str, ...]:
 
 
 def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str], T]) -> T:
-    """One of them, as `parse` makes it of its bytes and of what opens each sentence."""
+    """Load a TOML file of a package; `parse` gets its bytes and the opening of error messages."""
     one_of(what, name, shipped_in(package))
     return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")

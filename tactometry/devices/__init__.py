@@ -1,5 +1,5 @@
-"""What is plugged in: outputs that play a signal, sensors of force and of position; one driver a file.
+"""Devices: outputs that play a signal, sensors of force and position; one driver per file.
 
-`outputs.output` says what a driver promises, `sensors.reader` what a source does, and `kinds` names all of them by
-the words of a bench file. A driver imports its library when it is opened, and nothing else in the house imports one.
+`outputs.output` and `sensors.reader` define what a driver promises; `kinds` lists all by their bench-file names. A
+driver imports its library when it is opened.
 """

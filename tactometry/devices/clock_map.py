@@ -1,4 +1,4 @@
-"""Clocks: a device's clock on ours by the least delayed recent samples, and the clock since boot."""
+"""Clocks: map a device's clock to ours by the least delayed samples, and read the time since boot."""
 
 import functools
 import math
@@ -28,14 +28,13 @@ GAINED_S = 0.05
 
 @dataclass(frozen=True)
 class ClockMap:
-    """From device seconds to our seconds, given when samples arrived.
+    """Map from device seconds to ours, estimated from arrival times.
 
-    A sample arrives later than it was taken, never earlier, so arrival minus device time is the difference of the
-    clocks plus a delay; its smallest recent value is taken for the difference. What is left is the smallest delay of
-    the way, which only a second clock could tell.
+    A sample never arrives before it was taken, so arrival minus device time is the clock difference plus a delay; its
+    smallest recent value estimates the difference. The smallest delay of the path remains unknown.
 
-    - `smallest_s`: The smallest difference in each of the last bins of `BIN_S` of our time.
-    - `floor_s`: The smallest of the bins before, raised by `DRIFT` since then.
+    - `smallest_s`: The smallest difference in each of the last bins of `BIN_S`.
+    - `floor_s`: The smallest of earlier bins, raised by `DRIFT` since then.
 
     >>> clocks = ClockMap()
     >>> for device_s, arrival_s in [(0.0, 10.25), (0.25, 10.375), (0.5, 10.75)]:
@@ -48,7 +47,7 @@ class ClockMap:
     floor_s: float = math.inf
 
     def after(self, device_s: float, arrival_s: float) -> "ClockMap":
-        """With a sample that was taken at `device_s` and arrived at `arrival_s`.
+        """Add a sample that was taken at `device_s` and arrived at `arrival_s`.
 
         Raises `InvalidParameter` if a time is not finite.
         """
@@ -68,21 +67,16 @@ class ClockMap:
         return ClockMap((*kept, (now, difference_s)), floor_s)
 
     def ours_s(self, device_s: float) -> float:
-        """A device time on our clock.
-
-        Raises `InvalidParameter` before the first sample.
-        """
+        """Convert a device time to our clock. Raises `InvalidParameter` before the first sample."""
         if self.offset_s is None:
             raise InvalidParameter("ClockMap: found no sample yet, expected one to relate the clocks")
         return device_s + self.offset_s
 
     def check(self, name: str) -> None:
-        """Refuse a clock that does not run as ours: the difference falls from bin to bin, or rises by half of the time.
+        """Raise `DeviceFailed` if the device's clock runs at another rate than ours.
 
-        One of the bins may do something else. A difference that rises less is one of samples that are late; one that
-        falls back to what it was, of late ones that catch up.
-
-        Raises `DeviceFailed` in one sentence that opens with `name`.
+        The difference then falls from bin to bin, or rises by half of the time; one bin may deviate. A slower rise
+        means late samples, and a fall back to an earlier value means that late samples have caught up.
 
         >>> clocks = ClockMap()
         >>> for n in range(50):
@@ -119,8 +113,7 @@ within 2%; mend the device, or what the bench file says of its rate
 
 
 def clock_offset_s(theirs_s: Callable[[], float], n_readings: int = 5) -> float:
-    """Our clock (`time.perf_counter`) minus one that can be read at any time, s, by the quickest of some readings: a
-    busy machine may stop a program between the two.
+    """Return our clock minus a readable one, s, by the quickest of some readings.
 
     >>> abs(clock_offset_s(time.perf_counter)) < 1e-3
     True

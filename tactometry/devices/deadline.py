@@ -1,4 +1,4 @@
-"""What a driver may take its time for, and what goes on without it."""
+"""Run a driver's call with a time limit."""
 
 import threading
 from collections.abc import Callable
@@ -14,9 +14,9 @@ CLOSE_WITHIN_S: Final = 2.0
 
 
 def within(longest_s: float, what: str, call: Callable[[], None], cure: str = "switch its amplifier off") -> None:
-    """Wait for `call`, in a thread of its own, no longer than this; what hangs there keeps no process from its end.
+    """Run `call` in a thread, and wait for it no longer than this.
 
-    Raises `DeviceFailed` if it takes longer; the sentence opens with `what`. Whatever it raises.
+    Raises `DeviceFailed` if it takes longer; `what` opens the message. Other errors of `call` are raised too.
 
     >>> import time
     >>> within(1.0, "output 'x'", lambda: None)

@@ -1,4 +1,4 @@
-"""Every kind of device, by the name that a bench file uses: what its table holds, imported when it is named."""
+"""Kinds of devices by their bench-file names; each is imported when it is named."""
 
 from typing import ClassVar, Final, Protocol
 
@@ -23,12 +23,12 @@ SENSORS: Final = {
 
 
 class OutputSettings(Protocol):
-    """The table of an output; `connected` if that leads out of the computer, to an amplifier."""
+    """Table of an output; `connected` if it leads out of the computer, to an amplifier."""
 
     connected: ClassVar[bool]
 
     def driver(self, gain: Gain | None) -> Driver:
-        """Raises `InvalidParameter` for a connected output without a gain."""
+        """Make the driver. Raises `InvalidParameter` for a connected output without a gain."""
 
     def chain(self) -> SignalChain:
-        """What its gain holds for."""
+        """Return the signal chain for which the gain is valid."""

@@ -1,4 +1,4 @@
-"""When a calibration was measured, by whom, and how long it holds."""
+"""Date, author and allowed age of a calibration."""
 
 from datetime import date
 from typing import Annotated
@@ -14,11 +14,9 @@ MaxAge = Annotated[int, Ge(0)] | Unlimited
 
 @constrained
 class Measured:
-    """What a calibration states of its date and author, and of the age (days) up to which it is used.
+    """Date and author of a calibration, and the age (days) up to which it is used.
 
     None and "unlimited" are no limit.
-
-    Raises `InvalidParameter` if the age is a number, but not a whole number of at least 0.
     """
 
     measured_on: date | None
@@ -26,9 +24,7 @@ class Measured:
     max_age_days: MaxAge | None
 
     def check_age(self, what: str, today: date) -> None:
-        """Refuse a calibration that is older than allowed, or of unknown age where one is asked for.
-
-        Raises `DeviceFailed` in one sentence that opens with `what`.
+        """Raise `DeviceFailed` if the calibration is too old, or has no date but an age limit.
 
         >>> from .outputs.gain import Gain
         >>> Gain(1.0, 1.0, date(2026, 1, 2), "ZG", max_age_days=90).check_age("output.gain", date(2026, 3, 1))

@@ -1,4 +1,4 @@
-"""The one import of PortAudio (extra: audio), and what output and sensor of a sound card share."""
+"""Shared parts of sound-card output and sensor; the only import of PortAudio (extra: audio)."""
 
 import atexit
 from types import ModuleType
@@ -15,7 +15,7 @@ DEFAULTS: Final = ("default", "sysdefault")
 
 
 def end_stream(stream: Any, name: str) -> None:
-    """Let go of a stream, and of one that hangs with its sound server: that would keep the process from its end."""
+    """Close a stream, also one that hangs with its sound server."""
 
     def end() -> None:
         stream.abort()
@@ -30,14 +30,14 @@ def end_stream(stream: Any, name: str) -> None:
 
 
 def refuse_default(owner: str, device: str) -> None:
-    """Refuse what is another device after a change of the system's settings."""
+    """Refuse a device name that changes with the system's settings."""
     named = device.strip().casefold() not in ("", *DEFAULTS)
     card = "the name of a card (python -m sounddevice lists them): a default may be another one tomorrow"
     expect(named, f"{owner}.device", repr(device), card)
 
 
 def library() -> ModuleType:
-    """PortAudio, imported when a card is opened. Raises `DeviceFailed`."""
+    """Import PortAudio. Raises `DeviceFailed`."""
     with library_needed(
         "audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get install "
         "libportaudio2; nothing was played"

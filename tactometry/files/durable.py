@@ -1,4 +1,4 @@
-"""Files as data need them: read for what they are, written whole, and open to nobody else."""
+"""Files of data: read within limits, written completely, private to their owner."""
 
 import fnmatch
 import os
@@ -23,7 +23,7 @@ _DRAFT = re.compile(r"\..+\.\d+")
 
 @contextmanager
 def private() -> Iterator[None]:
-    """Whatever the process makes meanwhile, through any library, is its owner's alone."""
+    """Make all files of the process private to their owner during the body."""
     before = os.umask(0o777 & ~PRIVATE_FOLDER)
     try:
         yield
@@ -32,9 +32,9 @@ def private() -> Iterator[None]:
 
 
 def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
-    """The bytes of a file; `what` says in an error what was expected. A pipe is not waited for.
+    """Return the bytes of a file; `what` describes the expected file. Pipes are not waited for.
 
-    Raises `InvalidFile` if there is none, it may not be read, it is no file, or has more than `largest` bytes.
+    Raises `InvalidFile` if it is missing, not readable, not a file, or has more than `largest` bytes.
     """
     with _opened(path, what) as file:
         size = os.fstat(file.fileno()).st_size
@@ -58,7 +58,7 @@ def whole_lines(content: bytes, beginning: bytes = b"") -> Iterator[bytes]:
 
 
 def read_bytes(path: Path, what: str, first_byte: int, n_bytes: int) -> bytes:
-    """Some of the bytes of a file, as many as there are; otherwise as `read_file`."""
+    """Return some bytes of a file, as many as there are; otherwise as `read_file`."""
     with _opened(path, what) as file:
         file.seek(first_byte)
         return file.read(n_bytes)
@@ -76,7 +76,7 @@ def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
 
 
 def files_in(folder: Path, pattern: str = "*") -> list[Path]:
-    """What a folder holds of this pattern, sorted, without hidden names; nothing where there is no folder."""
+    """Return the files of a folder with this pattern, sorted, without hidden ones; none if there is no folder."""
     try:
         names = os.listdir(folder)  # noqa: PTH208 - a glob keeps silent about a folder that may not be read
     except (FileNotFoundError, NotADirectoryError):
@@ -87,9 +87,9 @@ def files_in(folder: Path, pattern: str = "*") -> list[Path]:
 
 
 def open_private(path: Path, flags: int) -> int:
-    """A file that is open for writing, made for its owner alone where there was none.
+    """Open a file for writing, and create it for its owner only.
 
-    Raises `DeviceFailed` if it cannot be opened. Raises `InvalidFile` if it is no file, or a link and the flags hold
+    Raises `DeviceFailed` if it cannot be opened, `InvalidFile` if it is no file, or a link and the flags contain
     `NO_LINK`.
     """
     if flags & NO_LINK and path.is_symlink():
@@ -101,7 +101,6 @@ def open_private(path: Path, flags: int) -> int:
 
 
 def _refuse_others(file: int, path: Path, what: str) -> None:
-    """Close the file and refuse it if it is none."""
     mode = os.fstat(file).st_mode
     if not stat.S_ISREG(mode):
         os.close(file)
@@ -110,9 +109,9 @@ def _refuse_others(file: int, path: Path, what: str) -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder with those above it, each for its owner alone; what is there stays as it is.
+    """Make a folder and its parents for their owner only; existing ones stay as they are.
 
-    Raises `InvalidFile` if there is a file in its place. Raises `DeviceFailed` if it cannot be made.
+    Raises `InvalidFile` if a file is in its place, `DeviceFailed` if it cannot be made.
     """
     for folder in (*reversed(path.parents), path):
         try:
@@ -128,7 +127,7 @@ def make_folder(path: Path) -> None:
 
 
 def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
-    """Write all of `line` at the end of the file, or nothing of it.
+    """Write all of `line` at the end of the file, or nothing.
 
     Raises `DeviceFailed` if the disk is full or fails; the file then ends with its last whole line.
     """
@@ -149,48 +148,46 @@ def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
 
 
 def drafts(folder: Path, name: str = "*") -> list[Path]:
-    """The drafts of the files of this name that killed processes left in a folder, sorted."""
+    """Return the drafts of files of this name that killed processes left in a folder, sorted."""
     return sorted(path for path in folder.glob(f".{name}.*") if _DRAFT.fullmatch(path.name))
 
 
 @contextmanager
 def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
-    """New content for a file, on the disk beside it: open at its end, with the mode of the file that is there.
+    """Write new content for a file next to it, with its mode; yield the open draft, which is removed at the end.
 
-    What the body leaves of the draft is removed.
-
-    Raises `DeviceFailed` if the disk is full or fails; the file itself stands.
+    Raises `DeviceFailed` if the disk is full or fails; the file itself is unchanged.
     """
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    drafted = path.with_name(f".{path.name}.{os.getpid()}")
     with suppress(OSError):
-        beside.unlink()  # of a process that had this number, and was killed
-    file = open_private(beside, os.O_RDWR | os.O_EXCL)
+        drafted.unlink()  # of a process that had this number, and was killed
+    file = open_private(drafted, os.O_RDWR | os.O_EXCL)
     try:
         if path.exists() and hasattr(os, "fchmod"):
             os.fchmod(file, stat.S_IMODE(path.stat().st_mode))
         write_whole(file, content, path, durable=True)
-        yield file, beside
+        yield file, drafted
     except BaseException:
         os.close(file)
         raise
     finally:
-        beside.unlink(missing_ok=True)
+        drafted.unlink(missing_ok=True)
 
 
-def put_in_place(beside: Path, path: Path) -> None:
-    """Make a draft the file: whoever is killed meanwhile leaves the old one or the new one."""
+def put_in_place(drafted: Path, path: Path) -> None:
+    """Replace a file by its draft, atomically."""
     with attempt(path, "cannot write", "room on the disk; make room and try again"):
-        beside.replace(path)
+        drafted.replace(path)
         sync_folder(path.parent)
 
 
 def replace_file(path: Path, content: bytes) -> int:
-    """A file in the place of another, open at its end: a reader sees the old content or the new.
+    """Replace a file atomically and return it open at its end.
 
-    Raises `DeviceFailed` if the disk is full or fails; the old file stands.
+    Raises `DeviceFailed` if the disk is full or fails; the old file stays.
     """
-    with draft(path, content) as (file, beside):
-        put_in_place(beside, path)
+    with draft(path, content) as (file, drafted):
+        put_in_place(drafted, path)
     return file
 
 
@@ -199,12 +196,12 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 
 def write_first(path: Path, content: bytes) -> None:
-    """Make a file unless there is one, whoever else tries to at the same time: one of them makes it, whole."""
+    """Make a file unless it exists; of several processes one makes it, completely."""
     if path.exists():
         return
-    with draft(path, content) as (file, beside):
+    with draft(path, content) as (file, drafted):
         try:
-            os.link(beside, path)
+            os.link(drafted, path)
         except FileExistsError:
             pass
         except OSError:
@@ -214,7 +211,7 @@ def write_first(path: Path, content: bytes) -> None:
 
 
 def _copy_first(path: Path, content: bytes) -> None:
-    """As `write_first` where the disk has no links."""
+    """Make a file on a disk without links."""
     with attempt(path, "cannot write", "room and permission"), suppress(FileExistsError):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, PRIVATE_FILE)
         try:
@@ -224,7 +221,7 @@ def _copy_first(path: Path, content: bytes) -> None:
 
 
 def sync_folder(path: Path) -> None:
-    """A folder's names on the disk, where the system can."""
+    """Sync the names in a folder, where the system can."""
     if os.name == "posix":
         folder = os.open(path, os.O_RDONLY)
         try:

@@ -1,7 +1,7 @@
-"""Samples of an HDF5 file, read by a process of its own: damaged bytes can keep its library from ever coming back.
+"""Read samples of an HDF5 file in a separate process, as damaged files can hang its library.
 
-`python -P hdf5_file.py FILE LARGEST` writes what it holds as NPZ to standard output, or one sentence to standard error;
-`-P`, as modules beside this one have names of the standard library's.
+`python -P hdf5.py FILE LARGEST` writes NPZ to standard output, or one sentence to standard error; `-P`, as modules next
+to this one have names of the standard library's.
 """
 
 import io
@@ -19,10 +19,10 @@ READ_WITHIN_S: Final = 30.0
 
 
 def as_npz(path: Path, largest_bytes: int) -> bytes:
-    """The arrays ``samples``, ``rate_hz`` and, where the file says it, ``quantity`` as the bytes of an NPZ file.
+    """Return the arrays ``samples``, ``rate_hz`` and optionally ``quantity`` as the bytes of an NPZ file.
 
-    Raises `ImportError` if there is no h5py. Raises `ValueError` if the file is none, is damaged, or holds links, parts
-    of other files, or more than `largest_bytes`.
+    Raises `ImportError` without h5py, `ValueError` if the file is damaged, refers to other files, or has more than
+    `largest_bytes`.
     """
     if find_spec("h5py") is None:
         raise ImportError("h5py")
@@ -40,7 +40,7 @@ def as_npz(path: Path, largest_bytes: int) -> bytes:
 
 
 def _own_dataset(file: Any, name: str, largest_bytes: int) -> Any:
-    """A dataset whose samples are in this file: no link, no part of another file, and no more than is read."""
+    """Return a dataset whose samples are in this file and not too large."""
     import h5py  # type: ignore[import-untyped, unused-ignore]
 
     if not isinstance(file.get(name, getlink=True), h5py.HardLink):

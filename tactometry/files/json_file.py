@@ -1,4 +1,4 @@
-"""JSON of files and cells, read within bounds of size and depth; a list of trials is read trial by trial."""
+"""Read JSON within limits of size and depth; a list of trials is read item by item."""
 
 import json
 import re
@@ -34,7 +34,7 @@ def json_value(text: str | bytes) -> Any:
 
 
 def json_object(path: Path, what: str) -> dict[str, Any]:
-    """Read a file with one JSON object; `what` says in an error what was expected.
+    """Read a file with one JSON object; `what` describes the expected file.
 
     Raises `InvalidFile` if it cannot be read, has more than `LARGEST_OBJECT` bytes, or is no JSON object.
     """
@@ -49,10 +49,9 @@ def json_object(path: Path, what: str) -> dict[str, Any]:
 
 
 def json_items(text: str) -> Iterator[Any]:
-    """Parse the items of JSON lists, one list after the other, item by item; numbers stay as they were written.
+    """Parse the items of consecutive JSON lists one by one; numbers stay text.
 
-    Raises `ValueError` if the text is no list in JSON, or an item has half of a character or is nested deeper than
-    `DEEPEST`.
+    Raises `ValueError` if the text is no list in JSON, or an item has half of a character or is nested too deeply.
 
     >>> list(json_items("[1, [0.10]] [null]"))
     ['1', ['0.10'], None]
@@ -88,7 +87,7 @@ def _skip(text: str, place: int) -> int:
 
 
 def _checked(value: Any) -> Any:
-    """Return a value that is not too deep. Raises `ValueError`, also for half a character, which no file can hold."""
+    """Return a value that is not too deep. Raises `ValueError`, also for half a character."""
     level = [value]
     for _ in range(DEEPEST):
         parts = (part if isinstance(part, dict) else (part,) for part in level)
@@ -112,14 +111,11 @@ ASKED = "asked.json"
 
 
 def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -> None:
-    """Make a folder that holds what is asked, or (`resume`) go on with one that an earlier run of the same left.
+    """Make a folder for a request, or (`resume`) go on with that of an interrupted run.
 
-    The versions stand beside what is asked: they may be others when it goes on.
+    `wanted` determines the results, as JSON values; `work` names the request: ``power analysis``.
 
-    Raises `InvalidFile` if it holds this question already and `resume` is not given, or another one.
-
-    - `wanted`: All that the results follow from, as JSON reads it again: numbers, texts, lists.
-    - `work`: What is asked, in words: ``power analysis``.
+    Raises `InvalidFile` if the folder has this request and `resume` is not given, or another request.
     """
     path = root / ASKED
     if path.exists():

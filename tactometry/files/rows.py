@@ -1,4 +1,4 @@
-"""Rows of a data file as text, safe for spreadsheets, a README and file names."""
+"""Rows of a data file as text, safe for spreadsheets, Markdown and file names."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -13,12 +13,12 @@ _QUOTED_SIGNS = '"\r\n'
 
 
 def write_records(kind: type[Any], records: Iterable[Any], path: Path) -> None:
-    """A row for each record of a dataclass, a column for each of its fields; a cell is empty where one is None."""
+    """Write a row for each record of a dataclass, a column for each field; None is an empty cell."""
     write_rows([field.name for field in fields(kind)], map(astuple, records), path)
 
 
 def write_rows(head: Sequence[str], rows: Iterable[Sequence[Any]], path: Path) -> None:
-    """A CSV in a folder that is made."""
+    """Write a CSV file, and make its folder."""
     with attempt(path, "cannot write", "a place to write to"):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(spreadsheet_text((head, *rows)))
@@ -55,9 +55,9 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def cell_text(text: str) -> str:
-    """Escape a text that a spreadsheet would compute with an apostrophe; a number stays a number.
+    """Escape a text that a spreadsheet would compute; numbers stay numbers.
 
-    A byte-order mark before it is removed, which programs skip at the beginning of a file.
+    A leading byte-order mark, which programs skip, is removed.
 
     >>> cell_text("=1+1"), cell_text("\\ufeff=1+1"), cell_text("-0.5"), cell_text("P01")
     ("'=1+1", "'=1+1", '-0.5', 'P01')
@@ -67,7 +67,7 @@ def cell_text(text: str) -> str:
 
 
 def markdown_text(text: str) -> str:
-    r"""Escape the signs of a text that begin HTML or a link in Markdown, and remove a byte-order mark before it.
+    r"""Escape characters that begin HTML or a link in Markdown; remove a leading byte-order mark.
 
     >>> print(markdown_text("<script> [a](b)"))
     \<script> \[a](b)
@@ -76,9 +76,7 @@ def markdown_text(text: str) -> str:
 
 
 def file_text(text: str) -> str:
-    """`text` as part of a file's name: letters, digits, `_`, `-` and `.` stay, others become their number in Unicode.
-
-    Different texts give different names, and none holds a separator of paths.
+    """Return a text for a file name: characters other than letters, digits, `_`, `-`, `.` become their code.
 
     >>> file_text("force_n"), file_text("x/../y")
     ('force_n', 'x%2F..%2Fy')

@@ -1,6 +1,6 @@
-"""Files of samples, WAV and NPZ, read for no more than they hold: whole or not at all, and within bounds.
+"""Read samples from WAV and NPZ files: whole or not at all, and within limits.
 
-Whatever is wrong with their bytes is a `ValueError` whose words say what was found and what was expected.
+Damaged bytes raise a `ValueError` that says what was found and expected.
 """
 
 import io
@@ -34,7 +34,7 @@ class Wav(NamedTuple):
     frames: NDArray[Any]
 
     def parts(self) -> NDArray[np.float64]:
-        """Convert the frames to parts of full scale; samples of 24 bits are read as the upper ones of 32.
+        """Convert frames to parts of full scale; 24-bit samples are the upper ones of 32.
 
         >>> Wav(48_000.0, np.array([[0, 255]], np.uint8)).parts().tolist()
         [[-1.0, 0.9921875]]
@@ -48,9 +48,9 @@ class Wav(NamedTuple):
 
 
 def wav_of(content: bytes) -> Wav:
-    """The samples of a WAV file.
+    """Read a WAV file.
 
-    Raises `ValueError` if it is none, is torn, or holds no sample.
+    Raises `ValueError` if it is none, is incomplete, or has no sample.
     """
     from scipy.io import wavfile
 
@@ -66,7 +66,7 @@ def wav_of(content: bytes) -> Wav:
 
 
 def _check_wav(content: bytes) -> None:
-    """Refuse what is no WAV file, and one whose samples are not all there."""
+    """Refuse a file that is no complete WAV file."""
     if len(content) < 12 or content[:4] not in (b"RIFF", b"RF64") or content[8:12] != b"WAVE":
         raise ValueError("found no WAV file, expected one that begins with RIFF and WAVE")
     frame_bytes, long_bytes, at = 0, 0, 12
@@ -106,9 +106,9 @@ def _frame_bytes(form: bytes) -> int:
 
 
 def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.float64]:
-    """The rows (n_rows, n_columns) of numbers between commas.
+    """Parse rows (n_rows, n_columns) of comma-separated numbers.
 
-    Raises `ValueError` if there is none, or they have not so many columns.
+    Raises `ValueError` if there is none, or their columns are not as many.
 
     >>> table_of_numbers(io.StringIO("1,2\\n3,4"), n_columns=2).tolist()
     [[1.0, 2.0], [3.0, 4.0]]
@@ -127,7 +127,7 @@ def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.
 
 
 class Npz:
-    """The arrays of an NPZ file by their names, each read when it is asked for.
+    """Arrays of an NPZ file by name, each read on demand.
 
     >>> file = io.BytesIO()
     >>> np.savez(file, samples=np.arange(3.0))
@@ -149,17 +149,11 @@ class Npz:
         return self._array(name, LARGEST_BYTES)
 
     def words(self, name: str) -> str:
-        """A text.
-
-        Raises `ValueError` as for an array, and if it is not one text.
-        """
+        """Return a text. Raises `ValueError` if it is not one text."""
         return str(self._single(name, "U", "text"))
 
     def number(self, name: str) -> float:
-        """A number.
-
-        Raises `ValueError` as for an array, and if it is not one number.
-        """
+        """Return a number. Raises `ValueError` if it is not one number."""
         return float(self._single(name, "iuf", "number"))
 
     def _single(self, name: str, kinds: str, what: str) -> NDArray[Any]:

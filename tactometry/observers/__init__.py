@@ -1,5 +1,4 @@
-"""Models of a participant, for simulation: `decisions` says what one promises, `signal_detection` is the shipped one.
+"""Models of a participant for simulation: `decisions` defines the interface, `signal_detection` is the default.
 
-They draw from the generator that they are given and know no protocol; `finger` is how a simulated finger presses and
-slides, and `tactometry.rigs.simulated` asks both.
+They draw from the generator that they get and know no protocol; `finger` simulates touches.
 """

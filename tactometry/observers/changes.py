@@ -1,4 +1,4 @@
-"""Changes of a simulated participant during a session: learning, fatigue, drift, runs of lapses, dependence."""
+"""Changes of a simulated participant during a session: learning, fatigue, drift, lapses, dependence."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,15 +16,16 @@ Answer = float | str | None
 
 @dataclass(frozen=True)
 class Shift:
-    """By how much a participant is off in one trial: more sensitive, more reluctant to say yes (in units of the
-    internal noise), and with lapses beside the usual ones."""
+    """Deviation of a participant in one trial: sensitivity, criterion (in units of the internal noise), and additional
+    lapses.
+    """
 
     sensitivity_db: float = 0.0
     criterion: float = 0.0
     lapse_rate: float = 0.0
 
     def __add__(self, other: "Shift") -> "Shift":
-        """Both: who lapses for one reason cannot lapse for another.
+        """Add two shifts; lapses combine as independent events.
 
         >>> Shift(1.0, lapse_rate=0.5) + Shift(2.0, lapse_rate=0.5)
         Shift(sensitivity_db=3.0, criterion=0.0, lapse_rate=0.75)
@@ -37,15 +38,16 @@ class Shift:
 
 
 class Change(Protocol):
-    """A pure function of how many trials were before, what was answered in them, and a stream of its own, which stands
-    at its beginning in every trial."""
+    """A pure function of the number of earlier trials, their answers, and a random stream that starts anew in every
+    trial.
+    """
 
     def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift: ...
 
 
 @runtime_checkable
 class Shifted(Protocol):
-    """An observer that can be off."""
+    """An observer that a `Shift` can change."""
 
     def shifted(self, shift: Shift) -> Self: ...
 

@@ -1,4 +1,4 @@
-"""What every model of a participant is, and what it answers to a choice from what it felt in the trial."""
+"""Interface of observers, and answers to a choice from what was felt in the trial."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,26 +10,28 @@ from ..session.request import Choose, Facts
 
 
 class Observer(Protocol):
-    """Decides from sensation levels (dB re the detection threshold, -inf for nothing), never from a nominal level."""
+    """Decides from sensation levels (dB re the detection threshold, -inf for nothing), never from nominal levels."""
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
-        """Whether a stimulus is reported as felt."""
+        """Return True if a stimulus is reported as felt."""
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
-        """The index of the one that is felt most."""
+        """Return the index of the strongest."""
 
     def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
-        """The index of the alternative that it is taken for: each is known by the level at each place of the skin, and
-        number `n_felt`, from 0, is felt."""
+        """Return the index of the alternative for which number `n_felt` is taken.
+
+        Each alternative is known by the level at each place of the skin.
+        """
 
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
-        """Whether two stimuli are reported as different."""
+        """Return True if two stimuli are reported as different."""
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """How strong it felt, a number from 0."""
+        """Return the felt strength, a number from 0."""
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """How good it felt, from -1 to 1."""
+        """Return how pleasant it felt, from -1 to 1."""
 
     def answer_time_s(self, rng: np.random.Generator) -> float: ...
 
@@ -40,8 +42,7 @@ class Observer(Protocol):
 class Felt:
     """A stimulus that was felt in this trial, with its sensation level.
 
-    `fingers_db` says what each finger feels of it, or would have felt of another stimulus in the same touch; None: the
-    skin feels it at one place, and each other stimulus apart from it.
+    `fingers_db` returns what each finger feels of any stimulus in the same touch; None for a single place of the skin.
     """
 
     stimulus: str
@@ -78,7 +79,7 @@ def most_liked(observer: Observer, felt: Sequence[Felt], request: Choose, rng: n
 
 
 def locate(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """By what each finger feels of each alternative; without fingers each is felt at a place of its own alone."""
+    """Choose by what each finger feels of each alternative, or by separate places without fingers."""
     last, names = felt[-1], request.stimuli
     apart = ([last.level_db if name == place else float("-inf") for place in names] for name in names)
     levels_db = list(apart) if last.fingers_db is None else [last.fingers_db(name) for name in names]

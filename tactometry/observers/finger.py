@@ -1,4 +1,4 @@
-"""A simulated finger that holds a force and a speed as well as a person does, and its touches by trial."""
+"""A simulated finger that holds force and speed with human variability."""
 
 import math
 from collections.abc import Callable
@@ -19,7 +19,7 @@ N_TRIES = 100
 
 @dataclass(frozen=True)
 class Grip:
-    """What a finger did during a stimulus: stamps, forces, places along its path, and its mean speed."""
+    """One touch: stamps, forces, positions along the path, and mean speed."""
 
     times_s: Array
     forces_n: Array
@@ -29,7 +29,7 @@ class Grip:
 
 @dataclass(frozen=True)
 class Grips:
-    """The same of several touches with the same stamps: a row of forces and places, and a speed, for each."""
+    """Several touches with the same stamps: a row of forces and positions, and a speed, for each."""
 
     times_s: Array
     forces_n: Array
@@ -50,24 +50,14 @@ class SimulatedFinger:
     `waver_s`), of the mean speed, and of its waver within a trial. `force_factor` and `speed_factor` are habits: how
     many times the force and the speed that are asked the finger presses and slides, where the band lets it.
 
-    Parameters
-    ----------
-    force_cv : float
-        Coefficient of variation of the mean force, from trial to trial.
-    waver_cv : float
-        Of the force within a trial.
-    waver_s : float
-        How long the waver stays correlated.
-    speed_cv : float
-        Of the mean speed, from trial to trial.
-    speed_waver_cv : float
-        Of the speed within a trial.
-    rate_hz : float
-        Samples of force and place per second.
-    force_factor : float
-        Ratio of the force that the finger presses with to the requested force.
-    speed_factor : float
-        Ratio of the speed of the finger to the requested speed.
+    - `force_cv`: Coefficient of variation of the mean force, from trial to trial.
+    - `waver_cv`: Of the force within a trial.
+    - `waver_s`: How long the waver stays correlated.
+    - `speed_cv`: Of the mean speed, from trial to trial.
+    - `speed_waver_cv`: Of the speed within a trial.
+    - `rate_hz`: Samples of force and place per second.
+    - `force_factor`: Ratio of the force that the finger presses with to the requested force.
+    - `speed_factor`: Ratio of the speed of the finger to the requested speed.
     """
 
     force_cv: Rate = 0.15
@@ -80,11 +70,11 @@ class SimulatedFinger:
     speed_factor: Positive = 1.0
 
     def hold(self, request: Press | Slide, rng: np.random.Generator) -> Grip:
-        """One touch as `request` asks for it, at `rate_hz` for its duration."""
+        """Return one touch for a request, at `rate_hz` for its duration."""
         return self.holds(request, rng.standard_normal((1, self.n_draws(request)))).of(0)
 
     def n_draws(self, request: Press | Slide) -> int:
-        """How many normal numbers a touch takes: for the force, the waver and, of a slide, the speed and its waver."""
+        """Return how many normal numbers a touch takes."""
         n_samples = self._n_samples(request)
         return N_TRIES + n_samples + (0 if isinstance(request, Press) else 1 + n_samples)
 
@@ -92,7 +82,7 @@ class SimulatedFinger:
         return max(round(request.duration_s * self.rate_hz), 2)
 
     def holds(self, request: Press | Slide, drawn: Array) -> Grips:
-        """A touch for each row of (n_touches, n_draws) standard normal numbers."""
+        """Return a touch for each row of (n_touches, n_draws) standard normal numbers."""
         n_samples = self._n_samples(request)
         times_s = np.arange(n_samples) / self.rate_hz
         tries, waver, path = np.split(drawn, (N_TRIES, N_TRIES + n_samples), axis=1)
@@ -117,7 +107,7 @@ class SimulatedFinger:
         return Grips(times_s, forces_n, triangle(paths_m, request.length_m), steps.mean(axis=1))
 
     def _waver(self, drawn: Array) -> Array:
-        """A stationary first-order process of unit variance from each row."""
+        """Return a stationary first-order process of unit variance from each row."""
         keep = math.exp(-1 / (self.waver_s * self.rate_hz))
         steps = drawn.T.copy()
         steps[1:] *= math.sqrt(1 - keep**2)  # the first has the variance of the process: stationary from there on
@@ -131,7 +121,7 @@ N_AHEAD = 32
 
 
 class KeptTouch(NamedTuple):
-    """A touch, how its force was kept, and its speed where that is gated."""
+    """A touch with its compliance of force, and of speed if gated."""
 
     grip: Grip
     force: Compliance
@@ -139,7 +129,7 @@ class KeptTouch(NamedTuple):
 
 
 def kept_touches(finger: SimulatedFinger, request: Press | Slide, drawn: Array) -> list[KeptTouch]:
-    """A touch for each row of (n_touches, `finger.n_draws`) standard normal numbers."""
+    """Return a touch for each row of (n_touches, `finger.n_draws`) standard normal numbers."""
     grips = finger.holds(request, drawn)
     forces = compliances(grips.times_s, grips.forces_n, request.target_n, request.tolerance)
     speeds: list[SpeedCompliance] | list[None] = [None] * len(drawn)
@@ -150,10 +140,10 @@ def kept_touches(finger: SimulatedFinger, request: Press | Slide, drawn: Array) 
 
 
 class Touches:
-    """What is random in each trial of a session: its touches first, then whatever `rng` is asked for.
+    """Touches of a session, and the random stream of each trial behind them.
 
-    Trial n draws from `rng_of(n)` alone. The numbers of touches are drawn, and touches computed, for the trials that
-    follow too, as if they asked alike: a trial that does not has its stream made anew, so that nothing depends on it.
+    Trial n draws from `rng_of(n)` only. Touches of following trials are computed in advance, as if they had the same
+    requests; a trial that differs recreates its stream, so that results do not depend on this.
     """
 
     def __init__(self, finger: SimulatedFinger, rng_of: Callable[[int], np.random.Generator]) -> None:
@@ -170,19 +160,18 @@ class Touches:
 
     @property
     def rng(self) -> np.random.Generator:
-        """The stream of this trial, behind its touches."""
+        """Random stream of this trial, behind its touches."""
         if self._rng is None:
             ahead = self._ahead.pop(self._n, None)
-            self._rng = ahead.rng if ahead is not None and ahead.drawn.size == self._n_drawn else self._anew()
+            if ahead is not None and ahead.drawn.size == self._n_drawn:
+                self._rng = ahead.rng
+            else:
+                self._rng = self._rng_of(self._n)
+                self._rng.standard_normal(self._n_drawn)
         return self._rng
 
-    def _anew(self) -> np.random.Generator:
-        rng = self._rng_of(self._n)
-        rng.standard_normal(self._n_drawn)
-        return rng
-
     def touch(self, request: Press | Slide) -> KeptTouch:
-        """The next touch of this trial."""
+        """Return the next touch of this trial."""
         asked = replace(request, stimulus="", level=None, interval=None)
         if self._rng is None and (self._n_touches == 0 or asked == self._asked):
             return self._next(asked)
@@ -215,7 +204,7 @@ class Touches:
 
 @dataclass(frozen=True, eq=False)
 class _Ahead:
-    """The stream of a trial, behind the numbers that were drawn from it."""
+    """Random stream of a trial, behind the numbers drawn from it."""
 
     rng: np.random.Generator
     drawn: Array

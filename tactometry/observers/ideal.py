@@ -17,19 +17,11 @@ from .people import ObserverWithTraits, Traits
 class IdealObserver(ObserverWithTraits):
     """Feels whatever is above its threshold, and tells apart whatever differs; guesses only between what is felt alike.
 
-    Parameters
-    ----------
-    sensitivity_db : float
-        How much more sensitive than the reference, in dB of sensation level.
-    between_sd_db : float
-        Standard deviation of it between people.
-    latency_s : float
-        Time from the stimulus to the answer.
+    - `sensitivity_db`: How much more sensitive than the reference, in dB of sensation level.
+    - `between_sd_db`: Standard deviation of it between people.
+    - `latency_s`: Time from the stimulus to the answer.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its range.
+    Raises `InvalidParameter` if a value is outside of its range.
     """
 
     sensitivity_db: Finite = 0.0
@@ -50,13 +42,12 @@ class IdealObserver(ObserverWithTraits):
         return int(rng.choice(best))
 
     def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
-        """The index of what is felt, or of another that is felt alike."""
+        """Return the index of what is felt, or of another that feels the same."""
         felt = tuple(alternatives_db[n_felt])
         alike = [n for n, levels in enumerate(alternatives_db) if tuple(levels) == felt]
         return int(rng.choice(alike))
 
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
-        """Whether two levels differ."""
         del rng
         first, second = sensations_db
         return first != second
@@ -66,7 +57,6 @@ class IdealObserver(ObserverWithTraits):
         return responses.magnitude(sensation_db + self.sensitivity_db)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """`responses.liking`, without a noise."""
         del rng
         return responses.liking(sensation_db + self.sensitivity_db)
 

@@ -1,4 +1,4 @@
-"""Kinds of simulated participant by the name in a study file, imported when named, and custom observers."""
+"""Kinds of simulated participants by their names in a study file, and custom observers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,7 +23,7 @@ import math
 from contextlib import suppress
 from types import NoneType
 
-from ..own_code import MARK, Expected, class_beside, guarded, not_allowed
+from ..user_code import MARK, Expected, class_beside, guarded, not_allowed
 
 USUAL: Final = "signal_detection"
 """What a table that names no kind means."""
@@ -35,15 +35,17 @@ OBSERVERS: Final = {
 
 
 class Middle(Protocol):
-    """The table of an observer: the middle of the people that a participant is drawn from."""
+    """Table of an observer: the average of the population of participants."""
 
     def participant(self, rng: np.random.Generator) -> Observer: ...
 
 
 @dataclass(frozen=True)
 class Population:
-    """The people that participants are drawn from: their middle, how they differ from it, how they change during a
-    session, by the kind of the change, and how they rate, where not by how good the strength of a stimulus feels."""
+    """Population of participants: average, differences, changes during a session by kind, and raters.
+
+    Without raters, ratings follow the liking of the strength.
+    """
 
     middle: Middle
     people: People = field(default_factory=People)
@@ -51,12 +53,12 @@ class Population:
     raters: "Raters | None" = None
 
     def check_allowed(self) -> None:
-        """Refuse people whose code is not allowed to run, before anything is written."""
+        """Refuse code that is not allowed to run, before anything is written."""
         if isinstance(self.middle, NotAllowed):
             self.middle.participant(np.random.default_rng(0))
 
     def person(self, rng: np.random.Generator) -> SimulatedPerson:
-        """One of them; a middle that knows no traits draws its participant itself."""
+        """Draw a person; a middle without traits draws it itself."""
         if not isinstance(self.middle, Varied):
             return SimulatedPerson(self.middle.participant(rng))
         traits = self.people.traits(rng)
@@ -70,25 +72,21 @@ class Population:
         return replace(stated, deviation_db=self.people.deviation_db(factors, modality, draws))
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
-        """Refuse what names no factor or level of a study.
-
-        Raises `InvalidParameter` at the first; `path` opens the sentence.
-        """
+        """Raise `InvalidParameter` for names that are no factor or level of a study."""
         self.people.check(factors, f"{path}.people")
         if isinstance(self.middle, Stated):
             self.middle.check(factors, path)
 
     def shift(self, n_trials: int, answers: Sequence[Answer], draws: Draws) -> Shift:
-        """By how much the person whose session has these streams is off in a trial."""
+        """Return the change of a person in a trial."""
         parts = (change.shift(n_trials, answers, draws("change", kind)) for kind, change in self.changes.items())
         return reduce(add, parts, Shift())
 
 
 def population_of(table: Mapping[str, Any], path: str, code_from: Path | None = None) -> Population:
-    """The people that a table describes; the code of an observer of one's own, ``module:Class``, is run only if it is
-    allowed to be taken from a folder.
+    """Build the population that a table describes; custom code is run only from an allowed folder.
 
-    Raises `InvalidParameter` if the kind is unknown, or does not know what the table holds; `path` opens the sentence.
+    Raises `InvalidParameter` if the kind is unknown, or does not know a key.
 
     >>> population_of({"criterion": 2.0, "people": {"criterion_sd": 0.3}}, "observer").middle.criterion
     2.0
@@ -171,13 +169,13 @@ OTHERS: Final = ("stated", "check", "__post_init__")
 
 @functools.cache
 def guarded_observer(kind: type) -> type:
-    """A class as it stands, each of whose calls ends with a plain answer or one sentence (`own_code.guarded`)."""
+    """Return a class whose calls return a plain answer or raise one sentence (`user_code.guarded`)."""
     observer = Expected("an observer (observers/decisions.py)", _is_observer, _of_guarded_class)
     return guarded(kind, {**ANSWERS, **dict.fromkeys(PEOPLE, observer), **dict.fromkeys(OTHERS)})
 
 
 def _of_guarded_class(observer: Any) -> Any:
-    """An observer that own code made, of a class that is guarded too; the house's own need no guard."""
+    """Guard the class of an observer that user code made."""
     kind: Any = type(observer)
     if not kind.__module__.startswith("tactometry.") and not hasattr(kind, MARK):
         with suppress(TypeError):  # classes that are written in C are what they are
@@ -191,22 +189,21 @@ METHODS: Final = ("participant", *ANSWERS)
 
 @dataclass(frozen=True)
 class NotAllowed:
-    """An observer whose code is not to run: a study is read, planned, replayed and analysed without it."""
+    """An observer whose code may not run: the study can still be read, planned, replayed and analysed."""
 
     target: str
     path: str
 
     def participant(self, rng: np.random.Generator) -> Observer:
-        """Nobody."""
+        """Raise `InvalidParameter`."""
         del rng
         raise not_allowed(f"{self.path}.kind", self.target, "an observer")
 
 
 def own_class(target: str, folder: Path, path: str) -> Any:
-    """The class that ``module:Class`` names, from the file of the module in `folder`.
+    """Return the class that ``module:Class`` names, from a file in `folder`.
 
-    Raises `InvalidParameter` if there is no such file, its import fails, or it holds no frozen dataclass with the
-    methods of an observer; `path` opens the sentence.
+    Raises `InvalidParameter` if it is missing, its import fails, or it lacks methods of an observer.
     """
     where = f"{path}.kind"
     kind = class_beside(target, folder, where)

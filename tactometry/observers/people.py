@@ -1,4 +1,4 @@
-"""How people differ: the traits of one person, drawn from a population, and how that person feels each cell."""
+"""Differences between people: traits drawn from a population, and how a person feels each cell."""
 
 import itertools
 from abc import ABC, abstractmethod
@@ -27,10 +27,9 @@ MODALITIES: Final[Mapping[str, tuple[str, ...]]] = {"hybrid": ("electrovibration
 
 @dataclass(frozen=True)
 class Traits:
-    """One person beside the middle of the population.
+    """Traits of one person relative to the population.
 
-    `sensitivity` is in standard deviations of the population, `criterion` is added in units of the internal noise, the
-    others are factors of exponent, lapse rate, time to answer, numbers that are given, force and speed.
+    `sensitivity` is in standard deviations, `criterion` in units of the internal noise; the others are factors.
     """
 
     sensitivity: float = 0.0
@@ -43,41 +42,43 @@ class Traits:
     speed_factor: float = 1.0
 
     def lapse_rate(self, usual: float) -> float:
-        """This person's, at most `MOST_LAPSES` unless the usual one is higher."""
+        """Return this person's rate, at most `MOST_LAPSES` unless the usual one is higher."""
         return min(usual * self.lapse_factor, max(usual, MOST_LAPSES))
 
 
 @runtime_checkable
 class Varied(Protocol):
-    """The middle of a population whose people have traits."""
+    """Average of a population whose people have traits."""
 
     def person(self, traits: Traits) -> Self: ...
 
 
 class ObserverWithTraits(ABC):
-    """A middle that draws a participant itself too."""
+    """An average that can draw a participant itself."""
 
     @abstractmethod
     def person(self, traits: Traits) -> Self:
-        """The participant with these traits."""
+        """Return the participant with these traits."""
 
     def participant(self, rng: np.random.Generator) -> Self:
-        """One of a population whose people differ in their sensitivity alone."""
+        """Draw a participant who differs in sensitivity only."""
         return self.person(Traits(sensitivity=float(rng.standard_normal())))
 
 
 @dataclass(frozen=True)
 class Feeling:
-    """How one person feels one cell: so many decibels more than the skin model says; or, where `threshold` is stated
-    in the unit of the level, `level - threshold` in place of what it says, with the deviation in that unit, times
-    `stretch`."""
+    """How one person feels one cell: a deviation from the skin model, or a stated `threshold`.
+
+    With a threshold (in the unit of the level), `level - threshold` plus the deviation, times `stretch`, replaces the
+    model.
+    """
 
     deviation_db: float = 0.0
     threshold: float | None = None
     stretch: float = 1.0
 
     def felt_db(self, level: float, sensation_db: Callable[[], float]) -> float:
-        """The sensation level of a stimulus at `level`; the skin model is asked only where no threshold is stated.
+        """Return the sensation level at `level`; the skin model is computed only without a threshold.
 
         >>> Feeling(2.0).felt_db(30.0, lambda: -1.0), Feeling(2.0, threshold=25.0).felt_db(30.0, lambda: -1.0)
         (1.0, 7.0)
@@ -89,7 +90,7 @@ class Feeling:
 
 @runtime_checkable
 class Stated(Protocol):
-    """A person whose thresholds are stated in the unit of the level."""
+    """An observer with thresholds in the unit of the level."""
 
     def stated(self, factors: Mapping[str, float | str]) -> Feeling: ...
 
@@ -98,7 +99,7 @@ class Stated(Protocol):
 
 @dataclass(frozen=True)
 class SimulatedPerson:
-    """A person that was drawn: who decides, and by which factors force and speed are off what is asked."""
+    """A drawn person: observer, and factors of force and speed."""
 
     observer: Observer
     force_factor: float = 1.0
@@ -164,12 +165,15 @@ class People:
 
     @property
     def deviation_sd_db(self) -> float:
-        """The standard deviation of a person's deviation in a cell of one modality."""
+        """Standard deviation of a person's deviation in a cell of one modality."""
         return hypot(self.modality_sd_db, self.condition_sd_db, *self.factor_sd_db.values())
 
     def traits(self, rng: np.random.Generator) -> Traits:
-        """One person's, from the first numbers of `rng`."""
-        z = dict(zip(TRAITS, (self._root() @ rng.standard_normal(len(TRAITS))).tolist(), strict=True))
+        """Draw the traits of one person."""
+        drawn = rng.standard_normal(len(TRAITS))
+        if self.correlations:
+            drawn = _cholesky(correlation_matrix(self.correlations)) @ drawn
+        z = dict(zip(TRAITS, drawn.tolist(), strict=True))
         return Traits(
             sensitivity=z["sensitivity"],
             criterion=self.criterion_sd * z["criterion"],
@@ -181,21 +185,15 @@ class People:
             speed_factor=exp(self.speed_bias_cv * z["speed"]),
         )
 
-    def _root(self) -> NDArray[np.float64]:
-        return np.eye(len(TRAITS)) if not self.correlations else _cholesky(correlation_matrix(self.correlations))
-
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
-        """Refuse what names no factor or level of a study.
-
-        Raises `InvalidParameter` at the first; `path` opens the sentence.
-        """
+        """Raise `InvalidParameter` for names that are no factor or level of a study."""
         check_keys(self.factor_sd_db, factors, f"{path}.factor_sd_db", "factor")
         check_keys(self.effects_db, factors, f"{path}.effects_db", "factor")
         for name, of_level in self.effects_db.items():
             check_keys(of_level, list(map(cell_text, factors[name])), f"{path}.effects_db.{name}", "level", LOST_LEVEL)
 
     def deviation_db(self, factors: Mapping[str, float | str], modality: str, draws: Draws) -> float:
-        """What a person feels more in a cell than the skin model says; `draws` are the streams of that person."""
+        """Return what a person feels more in a cell than the skin model says, from that person's streams."""
         levels = {name: cell_text(level) for name, level in factors.items()}
         of_everybody = sum(self.effects_db.get(name, {}).get(text, 0.0) for name, text in levels.items())
         cell = ", ".join(f"{name}={levels[name]}" for name in sorted(levels))
@@ -210,7 +208,7 @@ class People:
 
 
 def correlation_matrix(pairs: Mapping[str, Mapping[str, float]]) -> NDArray[np.float64]:
-    """The correlations of all traits, from those of pairs.
+    """Return the correlations of all traits, from those of pairs.
 
     >>> correlation_matrix({"sensitivity": {"criterion": 0.5}})[:2, :2].tolist()
     [[1.0, 0.5], [0.5, 1.0]]
@@ -239,7 +237,7 @@ def _check_correlations(pairs: Mapping[str, Mapping[str, float]]) -> None:
 
 
 def _cholesky(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A lower root with ones on its diagonal's ground, of a matrix that may be singular."""
+    """Return a lower root of a matrix that may be singular."""
     n, root = len(matrix), np.zeros_like(matrix)
     for j in range(n):
         rest = matrix[j:, j] - root[j:, :j] @ root[j, :j]

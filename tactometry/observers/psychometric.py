@@ -32,26 +32,16 @@ class PsychometricObserver(ObserverWithTraits):
     F(level)``; of several that are not empty the one that is highest, each with a normal noise that makes the width.
     Schuett, Harmeling, Macke and Wichmann, Vision Research 122 (2016), 105-123.
 
-    Parameters
-    ----------
-    threshold : float
-        Level at which the unscaled function is 0.5, where `conditions` sets no other.
-    width : float
-        Distance of levels between 0.05 and 0.95 of the unscaled function, where `conditions` sets no other.
-    conditions : tuple of tables
-        Each with levels of factors, and the ``threshold`` and ``width`` that hold there; the last that fits counts.
-    shape : str
-        One of the shapes of `tactometry.psychometric` on linear levels.
-    false_alarm_rate : float
-        Rate of yes without a stimulus: the lower asymptote of yes/no.
-    lapse_rate : float
-        Distance of the upper asymptote from 1.
-    sensitivity_db : float
-        By how much the thresholds of this person are lower.
-    between_sd_db : float
-        Standard deviation of it between people.
-    latency_s : float
-        Median time to answer.
+    - `threshold`: Level at which the unscaled function is 0.5, where `conditions` sets no other.
+    - `width`: Distance of levels between 0.05 and 0.95 of the unscaled function, where `conditions` sets no other.
+    - `conditions`: Each with levels of factors, and the ``threshold`` and ``width`` that hold there; the last that fits
+      counts.
+    - `shape`: One of the shapes of `tactometry.psychometric` on linear levels.
+    - `false_alarm_rate`: Rate of yes without a stimulus: the lower asymptote of yes/no.
+    - `lapse_rate`: Distance of the upper asymptote from 1.
+    - `sensitivity_db`: By how much the thresholds of this person are lower.
+    - `between_sd_db`: Standard deviation of it between people.
+    - `latency_s`: Median time to answer.
     """
 
     threshold: Finite
@@ -76,10 +66,7 @@ class PsychometricObserver(ObserverWithTraits):
             positive(where, width=convert(float, of.get("width", self.width), f"{where}.width"))
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
-        """Refuse a condition that names no factor or level of a study.
-
-        Raises `InvalidParameter` at the first; `path` opens the sentence.
-        """
+        """Raise `InvalidParameter` for a condition that names no factor or level of a study."""
         for n, of in enumerate(self.conditions):
             where = f"{path}.conditions[{n}]"
             check_keys(of, (*factors, "threshold", "width"), where)
@@ -87,7 +74,7 @@ class PsychometricObserver(ObserverWithTraits):
                 one_of(f"{where}.{name}", cell_text(of[name]), list(map(cell_text, factors[name])))
 
     def stated(self, factors: Mapping[str, float | str]) -> Feeling:
-        """How this person feels a cell: in units that make its width that of the observer."""
+        """Return how this person feels a cell, in units that make its width that of the observer."""
         there = {"threshold": self.threshold, "width": self.width}
         levels = {name: cell_text(level) for name, level in factors.items()}
         for of in self.conditions:
@@ -96,23 +83,25 @@ class PsychometricObserver(ObserverWithTraits):
         return Feeling(threshold=there["threshold"] - self.sensitivity_db, stretch=self.width / there["width"])
 
     def person(self, traits: Traits) -> Self:
-        """The participant with these traits; its width is divided by the factor of the exponent."""
+        """Return the participant with these traits; the exponent's factor divides the width."""
         return replace(
             self,
             sensitivity_db=self.sensitivity_db + self.between_sd_db * traits.sensitivity,
             width=self.width / traits.exponent_factor,
-            conditions=tuple(_narrower(of, traits.exponent_factor) for of in self.conditions),
+            conditions=tuple(
+                {**of, "width": of["width"] / traits.exponent_factor} if "width" in of else of for of in self.conditions
+            ),
             lapse_rate=traits.lapse_rate(self.lapse_rate),
             latency_s=self.latency_s * traits.latency_factor,
         )
 
     def shifted(self, shift: Shift) -> Self:
-        """This participant as it is in one trial; its criterion is part of the stated function and stays."""
+        """Return this participant in one trial; the criterion is part of the stated function and stays."""
         highest = ALMOST_ALL - self.false_alarm_rate
         return replace(self, lapse_rate=min(responses.either(self.lapse_rate, min(shift.lapse_rate, highest)), highest))
 
     def chance(self, sensation_db: float, guess_rate: float) -> float:
-        """The chance of a yes, or of the right interval, at so much above the threshold."""
+        """Return the probability of a yes, or of the correct interval, at a level above threshold."""
         lapse_rate = min(self.lapse_rate, ALMOST_ALL - guess_rate)
         return _rate(self.shape, self.width, guess_rate, lapse_rate, sensation_db)
 
@@ -120,7 +109,6 @@ class PsychometricObserver(ObserverWithTraits):
         return bool(rng.random() < self.chance(sensation_db, self.false_alarm_rate))
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
-        """The index of the one that is felt most."""
         chance, other = rng.random(), int(rng.integers(len(sensations_db) - 1)) if len(sensations_db) > 1 else 0
         noise = rng.standard_normal(len(sensations_db))
         there = np.flatnonzero(np.isfinite(sensations_db))
@@ -133,13 +121,13 @@ class PsychometricObserver(ObserverWithTraits):
         return int(np.argmax(np.asarray(sensations_db) + self._sd * noise / math.sqrt(2)))
 
     def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
-        """What is felt with the chance of a forced choice at its highest level, else any other."""
+        """Return what is felt with the probability of a forced choice at its highest level, else any other."""
         highest_db, m = max(alternatives_db[n_felt]), len(alternatives_db)
         chance, other = rng.random(), int(rng.integers(m - 1)) if m > 1 else 0
         return n_felt if chance < self.chance(highest_db, 1 / m) else other + (other >= n_felt)
 
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
-        """Whether two levels, each with its noise, are further apart than one width (unverified default)."""
+        """Compare two noisy levels; they differ if further apart than one width (unverified default)."""
         first, second = (max(level, -HIGHEST_DB) for level in sensations_db)
         noise, lapses, guess = rng.standard_normal(2), rng.random() < self.lapse_rate, rng.random() < 0.5
         apart = abs(first - second + self._sd / math.sqrt(2) * float(noise[0] - noise[1]))
@@ -150,12 +138,10 @@ class PsychometricObserver(ObserverWithTraits):
         return self.width / OF_WIDTH
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """The amplitude in units of the threshold, with the noise of a level."""
         felt_db = sensation_db + self._sd * float(rng.standard_normal())
         return responses.magnitude(felt_db)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """`responses.liking`, without a noise."""
         del rng
         return responses.liking(sensation_db)
 
@@ -172,7 +158,3 @@ def _rate(shape: str, width: float, guess_rate: float, lapse_rate: float, level:
     if level == -math.inf:
         return guess_rate
     return float(PsychometricFunction(shape, 0.0, width, guess_rate, lapse_rate).probability(level))
-
-
-def _narrower(of: Mapping[str, Any], factor: float) -> dict[str, Any]:
-    return {name: value / factor if name == "width" else value for name, value in of.items()}

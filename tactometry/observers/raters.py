@@ -1,4 +1,4 @@
-"""How people fill in questionnaires: attitudes by dimension and stimulus, the loadings of items, noise and a style."""
+"""Simulated answers to questionnaires: attitudes, loadings of items, noise and response style."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -29,28 +29,16 @@ class Raters:
     `liking` times how good the strength of the stimulus feels, and of what is this person's own in general, of the
     dimension, and of the dimension of that stimulus. All numbers are unverified defaults.
 
-    Parameters
-    ----------
-    loading : float
-        Loading of every item that `loadings` does not name.
-    loadings : mapping of str to float
-        Loading of single items, by the item's id.
-    noise : float
-        Standard deviation of an item's own noise.
-    liking : float
-        Weight of how good the strength of the stimulus feels, which the observer says.
-    attitude_sd : float
-        Standard deviation between people of their attitude to everything.
-    dimension_sd : float
-        Standard deviation between people of their attitude to a dimension.
-    stimulus_sd : float
-        Standard deviation between people of their attitude to a dimension of one stimulus.
-    extremity_cv : float
-        Spread between people of the factor by which they use the scale, on a logarithmic scale.
-    acquiescence_sd : float
-        Standard deviation between people of the shift of all their answers to the right.
-    effects : mapping of str to mapping of str to mapping of str to float
-        What a level of a factor adds to everybody's attitude, by factor, level and dimension.
+    - `loading`: Loading of every item that `loadings` does not name.
+    - `loadings`: Loading of single items, by the item's id.
+    - `noise`: Standard deviation of an item's own noise.
+    - `liking`: Weight of how good the strength of the stimulus feels, which the observer says.
+    - `attitude_sd`: Standard deviation between people of their attitude to everything.
+    - `dimension_sd`: Standard deviation between people of their attitude to a dimension.
+    - `stimulus_sd`: Standard deviation between people of their attitude to a dimension of one stimulus.
+    - `extremity_cv`: Spread between people of the factor by which they use the scale, on a logarithmic scale.
+    - `acquiescence_sd`: Standard deviation between people of the shift of all their answers to the right.
+    - `effects`: What a level of a factor adds to everybody's attitude, by factor, level and dimension.
     """
 
     loading: Loading = 0.8
@@ -67,10 +55,7 @@ class Raters:
     def check(
         self, factors: Mapping[str, Sequence[float | str]], dimension_of: Mapping[str, Mapping[str, str]], path: str
     ) -> None:
-        """Refuse what names no factor, level, item or dimension of a study.
-
-        Raises `InvalidParameter` at the first; `path` opens the sentence.
-        """
+        """Raise `InvalidParameter` for names that are no factor, level, item or dimension of a study."""
         items = {item: name for of_form in dimension_of.values() for item, name in of_form.items()}
         check_keys(self.loadings, items, f"{path}.loadings", "item")
         check_keys(self.effects, factors, f"{path}.effects", "factor")
@@ -81,7 +66,7 @@ class Raters:
                 check_keys(of_level, dimensions, f"{path}.effects.{name}.{level}", "dimension")
 
     def attitude(self, dimension: str, factors: Factors, draws: Draws) -> float:
-        """Of the person of these streams, to a dimension of the stimulus of a cell; without factors, to no stimulus."""
+        """Return a person's attitude to a dimension of a cell; without factors, to no stimulus."""
         levels = {name: cell_text(level) for name, level in factors.items()}
         of_everybody = sum(
             self.effects.get(name, {}).get(text, {}).get(dimension, 0.0) for name, text in levels.items()
@@ -97,8 +82,12 @@ class Raters:
 
 @dataclass(frozen=True)
 class Rater:
-    """One person who rates, by what `draws` gives; `dimension_of` says by questionnaire to which dimension an item
-    belongs, `factors_of` the cell of what was felt."""
+    """One rater.
+
+    - `draws`: Random streams of the person.
+    - `dimension_of`: Dimension of each item, by questionnaire.
+    - `factors_of`: Cell of what was felt.
+    """
 
     raters: Raters
     draws: Draws
@@ -114,7 +103,7 @@ class Rater:
         return self.raters.acquiescence_sd * float(self.draws("acquiescence").standard_normal())
 
     def answers(self, request: Fill, met: object, liking: float, rng: np.random.Generator) -> list[float]:
-        """To each question of a page a place from -1 (left) to 1 (right); `met` is what was felt, or None."""
+        """Answer each question of a page from -1 (left) to 1 (right); `met` is what was felt, or None."""
         factors: Factors = {} if met is None else self.factors_of(met)
         of_item = self.dimension_of[request.form]
         names = {of_item[question.item] for question in request.questions}

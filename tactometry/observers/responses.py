@@ -1,4 +1,4 @@
-"""How what was felt becomes a response, whatever decides: how good, in which number, after what time, by a lapse."""
+"""From sensation to response, shared by all observers: liking, magnitude, latency, lapses."""
 
 import math
 from typing import Final
@@ -18,8 +18,7 @@ LATENCY_CV: Final = 0.3
 
 
 def liking(level_db: float) -> float:
-    """How good a level feels, from -1 to 1, an inverted U: best at `COMFORT_DB` above the threshold, worst
-    `COMFORT_RANGE_DB` beside it (unverified defaults).
+    """Return how pleasant a level is, from -1 to 1: best at `COMFORT_DB`, worst `COMFORT_RANGE_DB` from it.
 
     >>> liking(15.0), liking(27.5), liking(float("-inf"))
     (1.0, 0.0, -1.0)
@@ -28,7 +27,7 @@ def liking(level_db: float) -> float:
 
 
 def magnitude(level_db: float) -> float:
-    """The amplitude of a level in units of the threshold, as a person says it.
+    """Return the amplitude of a level in units of the threshold, to three digits.
 
     >>> magnitude(40.0), magnitude(float("-inf"))
     (100.0, 0.0)
@@ -37,7 +36,7 @@ def magnitude(level_db: float) -> float:
 
 
 def in_words(number: float) -> float:
-    """As a person says a number: to three digits.
+    """Round a number to three digits, as people state numbers.
 
     >>> in_words(1234.5)
     1230.0
@@ -50,7 +49,7 @@ def answer_time_s(median_s: float, rng: np.random.Generator) -> float:
 
 
 def either(lapse_rate: float, other: float) -> float:
-    """Of two rates of lapses: who lapses for one reason cannot lapse for the other.
+    """Combine two independent lapse rates.
 
     >>> either(0.5, 0.5)
     0.75

@@ -1,4 +1,4 @@
-"""A participant who decides by signal detection, from what the skin receives."""
+"""An observer that decides by signal detection, from what the skin receives."""
 
 import math
 from collections.abc import Sequence
@@ -46,7 +46,7 @@ class SignalDetectionObserver(ObserverWithTraits):
     number_factor: Positive = 1.0
 
     def person(self, traits: Traits) -> Self:
-        """The participant with these traits."""
+        """Return the participant with these traits."""
         return replace(
             self,
             sensitivity_db=self.sensitivity_db + self.between_sd_db * traits.sensitivity,
@@ -58,7 +58,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         )
 
     def shifted(self, shift: Shift) -> Self:
-        """This participant as it is in one trial."""
+        """Return this participant in one trial."""
         return replace(
             self,
             sensitivity_db=self.sensitivity_db + shift.sensitivity_db,
@@ -67,7 +67,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         )
 
     def d_prime(self, sensation_db: float) -> float:
-        """The distance between stimulus and noise in units of the noise; 0 for -inf dB, at most 1e6."""
+        """Return the distance of stimulus and noise in units of the noise; 0 for -inf dB, at most 1e6."""
         exponent = self.exponent * (sensation_db + self.sensitivity_db) / 20
         return float(min(self.criterion * 10.0 ** min(exponent, 300.0), 1e6))
 
@@ -77,18 +77,16 @@ class SignalDetectionObserver(ObserverWithTraits):
         return bool(guess) if lapses else bool(self.d_prime(sensation_db) + noise > self.criterion + self.bias)
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
-        """The index of the interval that is felt most."""
         signals = np.array([self.d_prime(level) for level in sensations_db])
         felt = signals + rng.standard_normal(len(sensations_db))
         lapses, guess = rng.random() < self.lapse_rate, int(rng.integers(len(sensations_db)))
         return guess if lapses else int(np.argmax(felt))
 
     def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
-        """The index of the most likely of alternatives that are known by their d' at each place of the skin, where
-        noise is independent and equal: the one whose d' lie nearest to what is felt.
+        """Return the most likely alternative, known by its d' at each place of the skin, in equal independent noise.
 
-        Of two, ``Phi(D / 2)`` are right, where D is the distance between their d'; Green and Swets (1966), chapter 9.
-        Where each is felt at a place of its own, it is the place that feels most, as in `compare`.
+        It is the one whose d' are nearest to what is felt; of two, ``Phi(D / 2)`` are right, where D is the distance of
+        their d'; Green and Swets (1966), chapter 9.
         """
         expected = np.array([[self.d_prime(level) for level in levels] for levels in alternatives_db])
         felt = expected[n_felt] + rng.standard_normal(expected.shape[1])
@@ -98,10 +96,9 @@ class SignalDetectionObserver(ObserverWithTraits):
         return guess if lapses else int(best[guess % len(best)])
 
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
-        """Whether two stimuli are reported as different: the differencing rule.
+        """Decide by the differencing rule; Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
 
-        Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9. The criterion on the difference is
-        sqrt(2) times that of a single stimulus (unverified default).
+        The criterion on the difference is sqrt(2) times that of a single stimulus (unverified default).
         """
         first, second = (self.d_prime(level) for level in sensations_db)
         noise, lapses, guess = rng.standard_normal(2), rng.random() < self.lapse_rate, rng.random() < 0.5
@@ -109,13 +106,12 @@ class SignalDetectionObserver(ObserverWithTraits):
         return bool(guess) if lapses else difference > math.sqrt(2) * self.criterion + self.bias
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """d' with its noise, at least 0, in this person's numbers, to three digits: a power law of the amplitude, as
-        Stevens found."""
+        """Return d' with its noise, at least 0, times the number factor, to three digits."""
         felt = max(self.d_prime(sensation_db) + float(rng.standard_normal()), 0.0)
         return responses.in_words(self.number_factor * felt)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """`responses.liking` with a noise of standard deviation `LIKING_NOISE` (unverified default)."""
+        """Return `responses.liking` with a noise of standard deviation `LIKING_NOISE` (unverified default)."""
         felt = responses.liking(sensation_db + self.sensitivity_db)
         return float(np.clip(felt + LIKING_NOISE * rng.standard_normal(), -1.0, 1.0))
 

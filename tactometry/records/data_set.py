@@ -1,7 +1,6 @@
-"""A data set on disk, after Psych-DS: one journal and one trials file per session.
+"""A data set on disk in the form of Psych-DS: one journal and one trials file per session.
 
-The journal is the truth; the trials file, its description and the data set's description are derived from it and the
-study, and can be rebuilt.
+The journal is the source; trials file and descriptions are derived from it and the study, and can be rebuilt.
 """
 
 from collections.abc import Sequence
@@ -90,17 +89,16 @@ def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Seq
 
 
 def refuse_links(root: Path) -> None:
-    """Refuse a data set one of whose folders is a link: nothing is written or erased through it."""
+    """Refuse a data set with a link in place of a folder: nothing is written or erased through it."""
     for part in PARTS:
         it = "the folder itself; put what the link leads to in its place"
         expect(not (root / part).is_symlink(), root / part, "a link", it, InvalidFile)
 
 
 def prepare(root: Path, design: StudyDescription) -> None:
-    """Make the folders and the files that all sessions share.
+    """Make the folders and files that all sessions share.
 
-    Raises `InvalidFile` if the folder holds another study, or other numbers of this one, or something else, or a folder
-    in it is a link.
+    Raises `InvalidFile` if the folder contains another study, other numbers of this one, something else, or a link.
     """
     refuse_links(root)
     for folder in (root, root / "data", root / "journals"):
@@ -117,7 +115,7 @@ def prepare(root: Path, design: StudyDescription) -> None:
 
 
 def keys_of(stem: str) -> dict[str, str]:
-    """What the name of a file of a data set says, by key.
+    """Return what the name of a file of a data set says, by key.
 
     >>> keys_of("participant-P01_session-1_study-tutorial_data")
     {'participant': 'P01', 'session': '1', 'study': 'tutorial'}
@@ -131,7 +129,7 @@ def participants(root: Path) -> list[str]:
 
 
 def sessions(root: Path) -> list[Path]:
-    """The journals of a data set, sorted."""
+    """Return the journals of a data set, sorted."""
     files = (path for path in files_in(root / "journals", "*.jsonl") if path.is_file())
     return [path for path in files if not path.name.endswith("_interruptions.jsonl")]
 
@@ -140,7 +138,7 @@ REBUILD = "write it anew with tactometry rebuild"
 
 
 def is_beginning(existing: bytes, expected: bytes) -> bool:
-    """Whether a file is what a crash may leave of the expected one: its beginning, with zero bytes behind it.
+    """Return True if a file is the beginning of the expected one, as a crash may leave it, with zero bytes behind.
 
     >>> is_beginning(b"a\\n1", b"a\\n12\\n"), is_beginning(b"a\\n2\\n", b"a\\n1\\n2\\n")
     (True, False)
@@ -149,7 +147,7 @@ def is_beginning(existing: bytes, expected: bytes) -> bool:
 
 
 def first_difference(existing: bytes, expected: bytes) -> int | None:
-    """The first line, from 1, in which two files differ; None if they are equal."""
+    """Return the first line, from 1, in which two files differ; None if they are equal."""
     if existing == expected:
         return None
     pairs = zip(existing.split(b"\n"), expected.split(b"\n"), strict=False)
@@ -159,7 +157,7 @@ def first_difference(existing: bytes, expected: bytes) -> int | None:
 
 
 def disagreement(existing: bytes, expected: bytes) -> tuple[int, str] | None:
-    """The first line, from 1, in which a derived file differs from what its journal holds, and how; None if equal.
+    """Return the first line, from 1, in which a derived file differs from its journal, and how; None if equal.
 
     >>> disagreement(b"a\\n1\\n", b"a\\n1\\n2\\n3\\n")
     (3, 'lacks the last 2 rows of the journal, expected all of them; write it anew with tactometry rebuild')

@@ -1,4 +1,4 @@
-"""How a data set describes itself, after Psych-DS: its study, its columns, and whether its data are simulated."""
+"""The description of a data set after Psych-DS: study, columns, and whether its data are simulated."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ SENTENCE: Final = "Simulated participants: no person took part."
 
 @dataclass(frozen=True)
 class StudyDescription:
-    """What the files of a data set say of its study: `study_toml` are the bytes that ran."""
+    """What the files of a data set say of its study; `study_toml` are the bytes that ran."""
 
     study: str
     title: str
@@ -32,7 +32,7 @@ class StudyDescription:
 
 
 def description(design: StudyDescription) -> dict[str, object]:
-    """What Psych-DS asks for."""
+    """Return the description that Psych-DS requires."""
     return {
         "@context": "https://schema.org/",
         "@type": "Dataset",
@@ -44,7 +44,7 @@ def description(design: StudyDescription) -> dict[str, object]:
 
 
 def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> None:
-    """Write the description of a data set; one that is there gets what it lacks, and keeps what a person added.
+    """Write or complete the description of a data set; a person's additions stay.
 
     Raises `InvalidFile` if there is something else in its place.
     """
@@ -66,7 +66,7 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
 
 
 def read_description(path: Path) -> dict[str, object]:
-    """The description of a data set."""
+    """Read the description of a data set."""
     anew = "the description of Psych-DS; remove it, and it is made anew"
     described = json_object(path, anew)
     has_columns = isinstance(described.get("variableMeasured"), list)
@@ -92,7 +92,7 @@ def variable_names(described: Mapping[str, Any]) -> list[str]:
 
 
 def as_simulated(described: Mapping[str, object]) -> dict[str, object]:
-    """The description of a data set of simulated participants, which says so.
+    """Return a description that says that its data are simulated.
 
     >>> as_simulated({"description": "A study."})["description"]
     'A study. Simulated participants: no person took part.'
@@ -106,7 +106,7 @@ def as_simulated(described: Mapping[str, object]) -> dict[str, object]:
 
 
 def says_simulated(described: Mapping[str, object]) -> bool:
-    """Whether a description says that its data are simulated.
+    """Return True if a description says that its data are simulated.
 
     >>> says_simulated(as_simulated({})), says_simulated({"keywords": "simulated data"})
     (True, False)
@@ -116,7 +116,7 @@ def says_simulated(described: Mapping[str, object]) -> bool:
 
 
 def describe_columns(path: Path, columns: Sequence[Column]) -> None:
-    """Write the description of every column of a table; one of the same columns stays as another version wrote it."""
+    """Describe every column of a table; a file with the same columns stays as it is."""
     if not path.exists() or _column_names(read_file(path, "the description of a table")) != [c.name for c in columns]:
         table = {column.name: {"Description": column.description, "Units": column.unit} for column in columns}
         write_atomically(path, pretty(table))

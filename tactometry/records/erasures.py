@@ -1,8 +1,7 @@
-"""What was erased from a data set: a line of `erasures.jsonl` for each time, and the plan of one that is under way.
+"""Record of erasures: a line of `erasures.jsonl` for each, and the plan of an unfinished one.
 
-A line holds the participant's code, when it was, by which version, and how many sessions and files there were. It holds
-the code because the laboratory has to show that it erased what it was asked to, and because the code's number is free
-again for counterbalancing; a code alone says nothing once the list that links codes and names has lost it too.
+A line contains the participant's code, because the laboratory must show that it erased what it was asked to, and
+because the code's number is free again. A code identifies nobody once the list of codes and names has lost it.
 """
 
 import os
@@ -27,7 +26,7 @@ LOCK: Final = ".erasures.lock"
 
 @dataclass(frozen=True)
 class Erasure:
-    """One participant, erased once. Until it is finished, `files` are those that it began with."""
+    """One participant, erased once; `files` are those of an unfinished erasure."""
 
     participant: str
     begun_utc: str
@@ -39,7 +38,7 @@ class Erasure:
 
 
 def read_erasures(root: Path) -> tuple[Erasure, ...]:
-    """The record of a data set; empty where nothing was erased."""
+    """Read the record of a data set; empty if nothing was erased."""
     path = root / RECORD
     if not os.path.lexists(path):
         return ()
@@ -68,12 +67,11 @@ def unfinished(erasures: Sequence[Erasure], participant: str) -> Erasure | None:
 
 
 def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) -> None:
-    """Refuse participants who were erased, unless that is allowed; capitals make no difference.
+    """Refuse participants who were erased, unless that is allowed; case makes no difference.
 
-    An erasure that is not finished is refused in any case, because it would go on with the files of the new session.
+    An unfinished erasure is always refused, because it would erase the new session too.
 
-    Raises `InvalidParameter` if one of them was erased from the data set. Raises `InvalidFile` if the record is
-    damaged, so that nobody can be looked up in it.
+    Raises `InvalidParameter` if one was erased, `InvalidFile` if the record is damaged.
     """
     lines = sorted(enumerate(read_erasures(root), 1), key=lambda line: line[1].finished_utc is None)
     erased = {erasure.participant.casefold(): (number, erasure) for number, erasure in lines}  # unfinished ones win
@@ -90,7 +88,7 @@ def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) ->
 
 
 class Withdrawal:
-    """The files and folders of a session, and of its data set, that do not exist before it.
+    """Files and folders that a session creates, and removes if nothing was recorded.
 
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder:

@@ -1,8 +1,7 @@
-"""A journal that somebody else writes, followed as it grows: read-only, and each line is read once.
+"""Follow a journal that another process writes: read-only, each line once.
 
-A journal that goes on with ``--resume`` may be shorter than it was, or another file under its name. What was read last
-is read again with what is new: its checksum is that of all lines before it, so that nothing is taken for a continuation
-that is none.
+A journal that goes on with ``--resume`` may be shorter than before, or another file. So the last line is read again
+with what is new: its checksum covers all lines before it.
 """
 
 import os
@@ -18,7 +17,7 @@ Stamp = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class News:
-    """What came since the last look: its lines, whether they begin the journal `anew`, and whether it is `complete`."""
+    """Lines since the last look; `anew` if they begin the journal, `complete` if it has ended."""
 
     lines: tuple[Line, ...]
     anew: bool
@@ -27,7 +26,7 @@ class News:
 
 @dataclass
 class Follower:
-    """Looks into a journal again and again.
+    """Reads a journal again and again.
 
     >>> Follower(Path("nowhere.jsonl")).news()
     Traceback (most recent call last):
@@ -41,9 +40,9 @@ class Follower:
     _stamp: Stamp | None = field(default=None, init=False)
 
     def news(self) -> News | None:
-        """What is new since the last call; None where nothing is. After an error the next call begins anew.
+        """Return what is new since the last call, or None. After an error the next call begins anew.
 
-        Raises `InvalidFile` if the journal cannot be read, or a line is damaged, with its number.
+        Raises `InvalidFile` if the journal cannot be read, or a line is damaged.
         """
         try:
             return self._look()

@@ -1,9 +1,8 @@
-"""The head of a sitting: its line of a journal says who, what, where and on what, and in which format.
+"""Head of a sitting: the journal line that says who, what, where, with which devices and in which format.
 
-A session goes on in the format that it began with. Format 1 has one head, no reason why a track ends or a trial is not
-valid, and questionnaires after a block without its condition; its tables lack the columns `ADDED`.
-
-From sitting to sitting devices, screen, limits, versions and authors may change: `changes` says what did.
+A session keeps the format that it began with. Format 1 has one head, no reasons, and questionnaires after a block
+without its condition; its tables lack the columns `ADDED`. Devices, limits and versions may change between sittings;
+`changes` lists the differences.
 """
 
 import re
@@ -39,9 +38,8 @@ _SHA256 = re.compile(r"[0-9a-f]{64}")
 
 @dataclass(frozen=True)
 class Head:
-    """Of a sitting: what is needed to ask the same again, and where and on what it was asked.
-
-    `begun_s` is the time of the session at which the sitting began.
+    """What is needed to ask the same again, and the circumstances of a sitting, which began at `begun_s` of the
+    session.
     """
 
     study: str
@@ -64,9 +62,9 @@ class Head:
 
 
 def head_of(value: object, first: Head | None = None) -> Head:
-    """A head from its line; `first` is that of the first sitting, with which it must agree.
+    """Decode a head, which must agree with `first`, that of the first sitting.
 
-    Raises `msgspec.ValidationError` if it is none, or is of another session or of a later format.
+    Raises `msgspec.ValidationError` if it is none, or is of another session or a later format.
     """
     head = msgspec.convert(value, Head)
     for name, holds in _conditions(head).items():
@@ -93,7 +91,7 @@ def _conditions(head: Head) -> dict[str, object]:
 
 
 def as_kept(request: Request[Any], journal_format: int) -> Request[Any]:
-    """A request as a journal of this format keeps it.
+    """Return a request as a journal of this format keeps it.
 
     >>> from tactometry.trials.trial import Trial
     >>> trial = Trial(1, 1, {"force_n": 1.0}, "sus", None, "", "rating", 3.0)
@@ -107,12 +105,12 @@ def as_kept(request: Request[Any], journal_format: int) -> Request[Any]:
 
 
 def columns_in(columns: Sequence[Column], journal_format: int) -> tuple[Column, ...]:
-    """Those of the columns of a table that sessions of this format have."""
+    """Return those columns that sessions of this format have."""
     return tuple(column for column in columns if journal_format > 1 or column.name not in ADDED | ADDED_FACTS)
 
 
 def heads(path: Path) -> tuple[Head, ...]:
-    """The heads of all sittings of a journal, by a quick look: damage elsewhere is not found; none without a line."""
+    """Read the heads of all sittings of a journal; other damage is not looked for."""
     content = read_file(path, "a journal")
     first = next(whole_lines(content), b"")
     others = [] if first.startswith(_SITTING) else [first]
@@ -125,7 +123,7 @@ def heads(path: Path) -> tuple[Head, ...]:
 
 
 def differences(before: Head, after: Head) -> list[str]:
-    """What is not the same in two sittings, a phrase each.
+    """Return the differences of two sittings, a phrase each.
 
     >>> first = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 200.0})
     >>> second = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 400.0})
@@ -154,7 +152,7 @@ def _words(fact: Fact) -> str:
 
 
 def changes(heads: Sequence[Head]) -> Iterator[str]:
-    """A sentence for each sitting that differs from the one before it."""
+    """Yield a sentence for each sitting that differs from the one before it."""
     for number, (before, after) in enumerate(pairwise(heads), 2):
         phrases = differences(before, after)
         if phrases:

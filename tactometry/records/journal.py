@@ -1,11 +1,8 @@
-"""The lines of a journal: every request of a session with its answer, and every event, in order, one JSON line each.
+"""The lines of a journal: every request with its answer, and every event, in order, as JSON.
 
-The first line is the head of the first sitting; each later sitting, from which the session goes on, has one of its own
-where it begins.
-
-Each line ends with the CRC-32 of all that stands before it in the file, so that a damaged line, and a missing one, is
-found and named. A trial (a `Record`) is
-flushed and fsynced before `append` returns; an unfinished last line is what a crash leaves, and is cut off on resume.
+The first line is the head of the first sitting; each later sitting begins with a head too. Each line ends with the
+CRC-32 of everything before it, so that damaged and missing lines are found. A trial (`Record`) is flushed and fsynced
+before `append` returns; an unfinished last line is cut off on resume.
 """
 
 import zlib
@@ -20,11 +17,11 @@ import msgspec
 
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file, whole_lines
-from ..session.answer import Done, Marked
-from ..session.event import Event, decode_event, intervention_of, trial_facts
+from ..session.answer import Chosen, Done, Marked
+from ..session.event import Event, decode_event, intervention_of, missed_text, trial_facts
 from ..session.intervention import Intervention, left
 from ..session.replay import Replay, rows
-from ..session.request import REQUESTS, Fact, Intervene, Record, Request, flaw
+from ..session.request import MISSED_PRACTICE, REQUESTS, Choose, Fact, Intervene, Record, Request, flaw
 from ..trials.trial import Trial
 from .head import FORMAT, Head, as_kept, head_of
 
@@ -52,10 +49,9 @@ Line = Head | Entry | Event | Marked
 
 @dataclass(frozen=True)
 class Recording:
-    """A journal as it was read up to its last whole line, with `n_torn_bytes` of an unfinished one behind it.
+    """A journal up to its last whole line, with `n_torn_bytes` of an unfinished one behind it.
 
-    `lines` are what its lines hold, in their order, the first of them the head of the first sitting; `complete`: the
-    line behind them ends the session.
+    `lines` begin with the head of the first sitting; `complete`: the session has ended.
     """
 
     lines: tuple[Line, ...]
@@ -68,7 +64,7 @@ class Recording:
 
     @property
     def head(self) -> Head | None:
-        """That of the first sitting."""
+        """Head of the first sitting."""
         return next(iter(self.sittings), None)
 
     @property
@@ -85,12 +81,12 @@ class Recording:
 
     @property
     def event_rows(self) -> tuple[Event, ...]:
-        """What the table of events holds: the events, and what follows from requests, in their order."""
+        """Rows of the events table: the events, and what follows from requests, in order."""
         events = (line if isinstance(line, Event) else consequence(line) for line in self.lines)
         return tuple(event for event in events if event is not None)
 
     def replay(self, where: str) -> Replay:
-        """The rig that answers as recorded; `where` names the journal."""
+        """Return a rig that answers as recorded; `where` names the journal."""
         lasted_s = max((event.at_s for event in self.events), default=0.0)
         numbers = [number for number, line in enumerate(self.lines, 1) if isinstance(line, Entry)]
         kept = partial(as_kept, journal_format=self.format)
@@ -98,13 +94,13 @@ class Recording:
 
     @property
     def marked(self) -> Marked | None:
-        """What stands on the page of a questionnaire that is under way."""
+        """Marks on the page of a questionnaire that is under way."""
         behind = takewhile(lambda line: not isinstance(line, Entry), reversed(self.lines))
         return next((line for line in behind if isinstance(line, Marked)), None)
 
     @property
     def trials(self) -> tuple[Trial, ...]:
-        """The rows as they count: a trial that was taken back later is not valid."""
+        """Rows of the trials table; a trial that was taken back later is not valid."""
         return rows(entry.request for entry in self.entries)
 
     @property
@@ -113,7 +109,7 @@ class Recording:
 
     @property
     def wanted(self) -> tuple[Intervention, ...]:
-        """What the experimenter wanted, and the session never came to."""
+        """Interventions that the session never carried out."""
         asked = (intervention_of(event) for event in self.events)
         answers = (entry.answer for entry in self.entries if isinstance(entry.answer, Done))
         carried = (each for answer in answers for each in answer.interventions)
@@ -121,27 +117,29 @@ class Recording:
 
 
 def consequence(line: Line) -> Event | None:
-    """What is told of a row with which something ends unfinished, and of an intervention; None of any other line."""
+    """Return the event of a row that ends something unfinished, an intervention or a missed practice, else None."""
     match line:
         case Entry(Record(trial, aborted), Done(at_s)) if aborted is not None:
             facts: dict[str, Fact] = {"block": trial.block, "trial": trial.trial, "attempt": trial.attempt}
             return Event("abort", at_s, trial.timestamp_utc, {**facts, "text": aborted})
         case Entry(Intervene(intervention, said), Done(at_s)):
             return Event("intervention", at_s, None, {**trial_facts(intervention), "text": said})
+        case Entry(Choose(question), Chosen() as chosen) if question == MISSED_PRACTICE:
+            at_s = round(chosen.onset_s + chosen.latency_s, 6)
+            return Event("intervention", at_s, chosen.timestamp_utc, {"text": missed_text(chosen.option)})
     return None
 
 
 def encode(value: dict[str, object], before: int = 0) -> bytes:
-    """One line with its checksum, behind lines of the checksum `before`."""
+    """Encode one line with its checksum, behind lines of the checksum `before`."""
     body = msgspec.json.encode(value)[:-1]
     return b'%s,"crc32":"%08x"}\n' % (body, zlib.crc32(body, before))
 
 
 def encode_entry(request: Request[Any], answer: object, before: int = 0) -> bytes:
-    """One line of a request and its answer.
+    """Encode a request and its answer.
 
-    Raises `DeviceFailed` if it would not read back as it was (a number that is not finite), or is no answer to that
-    request.
+    Raises `DeviceFailed` if they would not read back unchanged, or the answer is none to that request.
     """
     line = encode({"request": type(request).__name__, "asked": request, "answer": answer}, before)
     try:
@@ -157,7 +155,7 @@ def encode_entry(request: Request[Any], answer: object, before: int = 0) -> byte
 
 
 def encode_line(line: Event | Head | Marked, before: int = 0) -> bytes:
-    """One line of an event, of marks on a page, or of the head of a later sitting."""
+    """Encode an event, marks on a page, or the head of a later sitting."""
     if isinstance(line, Head):
         return encode({"sitting": asdict(line)}, before)
     if isinstance(line, Marked):
@@ -185,7 +183,7 @@ def _table(line: bytes, before: int, where: str) -> dict[str, Any]:
 
 
 def checksum(line: bytes) -> int:
-    """The checksum of a line that was written, and of all before it.
+    """Return the checksum of a written line and all before it.
 
     >>> checksum(encode({"end": "complete"})) == int(encode({"end": "complete"})[-11:-3], 16)
     True
@@ -196,8 +194,7 @@ def checksum(line: bytes) -> int:
 def read(path: Path) -> Recording:
     """Read a journal without changing it.
 
-    Raises `InvalidFile` if it cannot be read, or a line but an unfinished last one is damaged or out of place, with its
-    number.
+    Raises `InvalidFile` if it cannot be read, or a line other than an unfinished last one is damaged or out of place.
     """
     return decode_journal(read_file(path, "a journal"), path)
 
@@ -209,8 +206,7 @@ def decode_journal(content: bytes, path: Path) -> Recording:
 
 @dataclass(frozen=True)
 class Reached:
-    """How far a journal was read: so many bytes and lines, the checksum and the head that lines behind them rest on,
-    and whether the last of them ends the session."""
+    """How far a journal was read: bytes, lines, checksum, first head, and whether the session has ended."""
 
     n_bytes: int = 0
     n_lines: int = 0
@@ -220,9 +216,9 @@ class Reached:
 
 
 def decode_on(content: bytes, path: Path, place: Reached = Reached()) -> tuple[tuple[Line, ...], Reached]:
-    """The whole lines of what stands in a journal behind a place, and the place behind them.
+    """Decode the whole lines behind a place; return them and the new place.
 
-    Raises `InvalidFile` if one of them is damaged or out of place, with its number.
+    Raises `InvalidFile` if a line is damaged or out of place.
     """
     lines: list[Line] = []
     for whole in whole_lines(content):
@@ -233,7 +229,7 @@ def decode_on(content: bytes, path: Path, place: Reached = Reached()) -> tuple[t
 
 
 def _next_line(whole: bytes, path: Path, place: Reached) -> tuple[Line | None, Reached]:
-    """What the line behind a place holds (None: the end), and the place behind it."""
+    """Decode the line behind a place (None: the end), and return the new place."""
     where = f"{path}, line {place.n_lines + 1}"
     if place.complete:
         raise InvalidFile(f"{where}: found a line behind the end of the session, expected none; remove it")
@@ -250,7 +246,7 @@ def _next_line(whole: bytes, path: Path, place: Reached) -> tuple[Line | None, R
 
 
 def _decode_line(table: dict[str, Any], head: Head | None) -> Line | None:
-    """What a line holds, behind the `head` if it is not the first; None: the end. Raises `msgspec.ValidationError`."""
+    """Decode a line; None is the end. Raises `msgspec.ValidationError`."""
     if head is None:
         return head_of(table)
     kind = next((kind for kind in _KEYS if kind in table), "")
@@ -270,7 +266,7 @@ def _decode_line(table: dict[str, Any], head: Head | None) -> Line | None:
 
 
 def decode_entry(value: dict[str, Any]) -> Entry:
-    """A request and its answer, from their line.
+    """Decode a request and its answer.
 
     Raises `msgspec.ValidationError` if they are none, or the answer is none to that request.
     """
@@ -286,7 +282,7 @@ def decode_entry(value: dict[str, Any]) -> Entry:
 
 
 def _strictly(value: Any, kind: type[T]) -> T:
-    """A value as a class; a key that the class does not know is refused, also in the trial of a `Record`."""
+    """Convert a value to a class; a key that the class does not know is refused."""
     built = msgspec.convert(value, kind)
     _refuse_unknown(value, built)  # msgspec lets a key pass that a dataclass does not know
     if isinstance(built, Record):

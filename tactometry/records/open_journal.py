@@ -1,4 +1,4 @@
-"""A journal that is open for writing: appended to, and repaired where an interruption left it."""
+"""A journal that is open for writing: appended to, and repaired after an interruption."""
 
 import os
 import time
@@ -17,7 +17,7 @@ from ..files.durable import NO_LINK, draft, open_private, put_in_place, read_fil
 from ..session.answer import Marked
 from ..session.event import Event
 from ..session.replay import Replay
-from ..session.request import CONSENT, Choose, Fill, Intervene, Record, Request, Show
+from ..session.request import CONSENT, MISSED_PRACTICE, Choose, Fill, Intervene, Record, Request, Show
 from .head import Head
 from .journal import Entry, Line, Recording, checksum, decode_journal, encode, encode_entry, encode_line
 
@@ -32,16 +32,13 @@ LASTING: Final = (Record, Intervene)
 
 
 class Journal:
-    """A journal that is open for writing, and locked: a second process is refused.
+    """A journal that is open for writing, and locked against other processes.
 
-    With `resume`, the journal is cut back to its last recorded trial, or to a page that was read or filled in
-    since, and `replay` gives what it holds. What was cut (the torn line, and the requests of the trial that was
-    under way) is returned by `cut`, and kept in the file `interruptions` beside it. Events stay, and marks of the page
-    that was under way.
+    With `resume`, the journal is cut back to its last recorded trial, or to a page that was read or filled in since.
+    `cut` is what was removed; the file `interruptions` keeps it. Events stay, and so do marks of the current page.
 
-    Not `syncs_trials`: a simulated participant, who is asked anew from the last trial on. Head and end alone are put on
-    the disk at once, and what lies between is the system's to write, so that a process that is killed loses nothing,
-    and one whose computer stops may lose its last trials.
+    Without `syncs_trials` (simulated participants, who can be asked again) only head and end are synced: a killed
+    process loses nothing, a computer that stops may lose the last trials.
     """
 
     def __init__(self, path: Path, *, resume: bool, syncs_trials: bool = True) -> None:
@@ -82,7 +79,7 @@ class Journal:
         return kept, cut
 
     def keep(self, **lost: object) -> None:
-        """Keep beside the journal what would else be lost, as a line of `interruptions`."""
+        """Add a line to `interruptions` of what would be lost."""
         file = open_private(self.interruptions, os.O_WRONLY | NO_LINK)
         try:
             os.lseek(file, 0, os.SEEK_END)
@@ -91,14 +88,14 @@ class Journal:
             os.close(file)
 
     def _exchange(self, kept: bytes, behind: Sequence[Event | Head | Marked]) -> None:
-        """Put what is kept, and lines of what stood behind it, in the place of the journal; it stays locked."""
+        """Replace the journal by what is kept and the lines behind it; it stays locked."""
         lines = []
         for line in behind:
             lines.append(encode_line(line, self._before))
             self._before = checksum(lines[-1])
-        with draft(self.path, kept + b"".join(lines)) as (file, beside):
+        with draft(self.path, kept + b"".join(lines)) as (file, drafted):
             _lock(file, self.path)  # before it has the name: no other process gets in between
-            put_in_place(beside, self.path)
+            put_in_place(drafted, self.path)
         os.close(self._file)
         self._file = file
 
@@ -107,7 +104,7 @@ class Journal:
         return self.recording.replay(str(self.path))
 
     def begin(self, head: Head) -> None:
-        """Write the head of a sitting; one that says nothing new (a simulated one knows no time) is not written."""
+        """Write the head of a sitting, unless it says nothing new."""
         last = self.recording.sittings[-1:]
         if not last:
             self._write(encode(asdict(head), self._before), durable=True)
@@ -119,7 +116,7 @@ class Journal:
     def append(self, request: Request[Any], answer: object) -> None:
         self._write(
             encode_entry(request, answer, self._before),
-            durable=self._syncs_trials and (isinstance(request, LASTING) or _is_consent(request)),
+            durable=self._syncs_trials and (isinstance(request, LASTING) or _is_decision(request)),
         )
 
     def note(self, event: Event) -> None:
@@ -131,7 +128,7 @@ class Journal:
             self._write(encode({"end": "complete"}, self._before), durable=True)
 
     def keep_marks(self, marked: Marked) -> None:
-        """Keep marks of a page that is under way; not at once on the disk, as each comes within a frame."""
+        """Keep marks of a page that is under way, without a sync, as each comes within a frame."""
         self._write(encode_line(marked, self._before), durable=False)
 
     def close(self) -> None:
@@ -147,7 +144,7 @@ class Journal:
 
 
 def _until_last(kinds: tuple[type[Request[Any]], ...], lines: Sequence[Line]) -> tuple[Line, ...]:
-    """Up to the last request of these kinds, or the last marks, with what follows before anything else is asked."""
+    """Return lines up to the last request of these kinds or the last marks, and what follows before another request."""
     asked = [n for n, line in enumerate(lines) if isinstance(line, Entry)]
     last = max((n for n, line in enumerate(lines) if _is_kept(kinds, line)), default=-1)
     return tuple(lines[: next((n for n in asked if n > last), len(lines))])
@@ -155,17 +152,18 @@ def _until_last(kinds: tuple[type[Request[Any]], ...], lines: Sequence[Line]) ->
 
 def _is_kept(kinds: tuple[type[Request[Any]], ...], line: Line) -> bool:
     if isinstance(line, Entry):
-        return isinstance(line.request, kinds) or _is_consent(line.request)
+        return isinstance(line.request, kinds) or _is_decision(line.request)
     return isinstance(line, Marked)
 
 
-def _is_consent(request: Request[Any]) -> bool:
-    return isinstance(request, Choose) and request.question == CONSENT
+def _is_decision(request: Request[Any]) -> bool:
+    """Return True for a choice that decides how the session goes on."""
+    return isinstance(request, Choose) and request.question in (CONSENT, MISSED_PRACTICE)
 
 
 @contextmanager
 def held(journals: Iterable[Path]) -> Iterator[None]:
-    """Journals that no other process writes meanwhile."""
+    """Lock journals against other processes."""
     with ExitStack() as stack:
         for path in journals:
             stack.callback(os.close, _open_locked(path))
@@ -192,9 +190,9 @@ def is_written(path: Path) -> bool:
 
 @contextmanager
 def alone(path: Path, in_use: str) -> Iterator[None]:
-    """No other process is in here meanwhile: a file is made for it and locked, and goes at the end.
+    """Lock a file, which is removed at the end, against other processes.
 
-    Raises `SessionInUse` if another one is: `in_use` says of what.
+    Raises `SessionInUse`, with `in_use`, if another process has it.
     """
     file = _open_locked(path, in_use)
     try:
@@ -206,7 +204,7 @@ def alone(path: Path, in_use: str) -> Iterator[None]:
 
 
 def _open_locked(path: Path, in_use: str = _IN_USE) -> int:
-    """The file, locked: not one that was replaced since it was opened, as by a repair elsewhere."""
+    """Open and lock a file; reopen it if it was replaced meanwhile."""
     while True:
         file = open_private(path, os.O_RDWR)
         try:

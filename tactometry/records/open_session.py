@@ -1,4 +1,4 @@
-"""A session that is being recorded: its journal, and the files that are derived from it, as they grow."""
+"""A session that is being recorded: its journal, and the files that are derived from it."""
 
 import os
 import threading
@@ -17,7 +17,7 @@ from ..files.rows import delimited_text
 from ..provenance import sha256
 from ..safety.limits import Exposure
 from ..session.answer import Marked, TracePart
-from ..session.event import COLUMNS, Event, HearEvent, HearRequest, TraceKind, decode_event, events_tsv
+from ..session.event import COLUMNS, Event, OnEvent, OnRequest, TraceKind, decode_event, events_tsv
 from ..session.intervention import Intervention
 from ..session.replay import Replay
 from ..session.request import Intervene, Record, Request
@@ -37,10 +37,7 @@ _KINDS: Final = (_STIMULUS + b'"', _STIMULUS + b'_end"')
 
 
 def refuse_mixing(root: Path, rig: str) -> None:
-    """Refuse simulated participants beside people, and people beside simulated participants.
-
-    Raises `InvalidFile` if the folder holds the other kind.
-    """
+    """Raise `InvalidFile` if the folder has sessions of the other kind: simulated or real."""
     path = root / NAME
     if path.exists() and says_simulated(read_description(path)):
         held = {SIMULATED}
@@ -77,15 +74,14 @@ def charge_passed_c(events: Iterable[Event]) -> float:
 
 
 class OpenSession:
-    """What `tactometry.session.run.run` writes to.
+    """The store that `tactometry.session.run.run` writes to.
 
-    Each trial is flushed and fsynced in the journal, and flushed in the trials file, before `append` returns; that of
-    a simulated participant, who can be asked again, is flushed alone, and its session synced where it begins and ends.
-    With `resume` an interrupted session goes on; what is lost by that is kept beside the journal, and said in
-    `repaired`.
+    Each trial is flushed and fsynced in the journal, and flushed in the trials file, before `append` returns; for
+    simulated participants it is only flushed. With `resume` an interrupted session goes on; `repaired` says what was
+    cut off and is kept.
 
-    Raises `InvalidFile` if the folder holds another study, or the journal another session. Raises `InvalidParameter` if
-    a participant's code differs in capitals alone from one that is there.
+    Raises `InvalidFile` if the folder has another study, or the journal another session; `InvalidParameter` if a
+    participant's code differs only in case from another one.
     """
 
     def __init__(self, root: Path, design: StudyDescription, session: Session, rig: str, *, resume: bool) -> None:
@@ -98,7 +94,7 @@ class OpenSession:
         self._file = self._events_file = -1
         self._repaired: list[str] = []
         self._writing = threading.Lock()
-        self._followers: list[tuple[HearRequest, HearEvent]] = []
+        self._followers: list[tuple[OnRequest, OnEvent]] = []
         self.recorded_s: float | None = None
         """When the last trial was on the disk, on `time.perf_counter`."""
         _refuse_alike(root, session)
@@ -125,35 +121,34 @@ class OpenSession:
 
     @property
     def wanted(self) -> tuple[Intervention, ...]:
-        """What the experimenter wanted in an earlier sitting, which did not come to it."""
+        """Interventions of an earlier sitting that were not carried out."""
         return self.journal.recording.wanted
 
     def exposure(self) -> Exposure:
-        """How long this session has lasted, and what charge it passed."""
+        """Return how long this session has lasted, and what charge it passed."""
         return Exposure(
             time.perf_counter() - self.replay.elapsed_s, charge_c=charge_passed_c(stimuli(self.journal.path))
         )
 
     def note(self, event: Event) -> None:
-        """Keep what happened unasked, in the journal and in the events file; from any thread."""
+        """Keep an event in the journal and the events file; from any thread."""
         with self._writing:
             self.journal.note(event)
             self._tell(event)
-            for _, hear_event in self._followers:
-                hear_event(event)
+            for _, on_event in self._followers:
+                on_event(event)
 
-    def follow(self, hear: HearRequest, hear_event: HearEvent) -> None:
-        """Hear what is recorded already, and from now on each request with its answer, and each event, once it is
-        kept."""
+    def follow(self, on_request: OnRequest, on_event: OnEvent) -> None:
+        """Report recorded requests and events, and each new one once it is kept."""
         for line in self.journal.recording.lines:
             if isinstance(line, Entry):
-                hear(*line)
+                on_request(*line)
             elif isinstance(line, Event):
-                hear_event(line)
-        self._followers.append((hear, hear_event))
+                on_event(line)
+        self._followers.append((on_request, on_event))
 
     def keep_path(self, digest: str, lines: bytes) -> None:
-        """Add the path of a finger to the file of positions, a line for each place, before its touch is recorded."""
+        """Add the path of a finger to the file of positions, before its touch is recorded."""
         path = self._session.positions(self._root)
         header = b"" if path.exists() else POSITIONS_HEADER
         body = b"".join(digest.encode() + b"\t" + line + b"\n" for line in lines.splitlines())
@@ -164,11 +159,11 @@ class OpenSession:
             os.close(file)
 
     def keep_trace(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
-        """Keep samples of a touch: they are on the disk before the journal says for good that they are there."""
+        """Keep samples of a touch; they are on the disk before the journal names them for good."""
         return self._traces.keep(kind, table, rate_hz)
 
     def keep_marks(self, marked: Marked) -> None:
-        """Keep what stands on a page of a questionnaire, in the journal alone."""
+        """Keep marks on a page of a questionnaire in the journal."""
         with self._writing:
             self.journal.keep_marks(marked)
 
@@ -197,8 +192,8 @@ class OpenSession:
                 self.tally = tally(trials)
             if (event := consequence(Entry(request, answer))) is not None:
                 self._tell(event)
-            for hear, _ in self._followers:
-                hear(request, answer)
+            for on_request, _ in self._followers:
+                on_request(request, answer)
 
     def finish(self) -> None:
         self.journal.finish()
@@ -214,7 +209,7 @@ class OpenSession:
 
     @property
     def repaired(self) -> str | None:
-        """What was cut off, or stood in a derived file alone, and is kept, in words; None where nothing was."""
+        """What was cut off, or was only in a derived file, and is kept; None if nothing."""
         return "; ".join(self._repaired) or None
 
     def _rebuild(self) -> None:
@@ -244,8 +239,7 @@ class OpenSession:
         self._repaired.append(f"the last sitting ended after {trials}; {what}")
 
     def _keep_surplus(self, path: Path, content: bytes, at_first: bytes = b"") -> None:
-        """Keep the rows of a derived file that its new content lacks, and lacked `at_first`: the journal may be an
-        older copy."""
+        """Keep rows of a derived file that the journal lacks, which may be an older copy."""
         existing = read_file(path, "a file of a data set") if path.exists() else b""
         if is_beginning(existing, content):
             return

@@ -1,9 +1,8 @@
-"""Traces: what the sensors said while something was felt, and what was emitted where it followed the finger.
+"""Traces: sensor samples of each touch, and what was emitted if it followed the finger.
 
-A session has a file for each kind of samples, of rows of text in the way of BIDS: no header, a column for each name
-that the JSON file beside it explains. Each touch adds a member of gzip, so that what stands there is never written
-again, and the journal says with the answer where it is: file, place, length and digest. A member that no line of the
-journal names is of a touch whose trial was interrupted.
+A session has a BIDS-like file for each kind of samples: rows of text without header, and a JSON file that explains the
+columns. Each touch adds a gzip member; the journal states its file, place, length and digest with the answer. A member
+that the journal does not name belongs to an interrupted trial.
 """
 
 import os
@@ -11,7 +10,7 @@ import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, TypeGuard
+from typing import Any, Final
 
 import numpy as np
 
@@ -60,7 +59,7 @@ _AXES: Final = "xyz"
 
 
 def columns_of(kind: TraceKind, n_columns: int) -> tuple[Column, ...]:
-    """What the columns of a file of traces are.
+    """Return the columns of a file of traces.
 
     >>> [column.name for column in columns_of("position", 3)]
     ['time_s', 'x_m', 'y_m']
@@ -75,7 +74,7 @@ def columns_of(kind: TraceKind, n_columns: int) -> tuple[Column, ...]:
 
 
 def encode_rows(kind: TraceKind, table: FloatArray) -> bytes:
-    """Rows (n_rows, n_columns) as text; a lost sample is n/a.
+    """Format rows (n_rows, n_columns); a lost sample is n/a.
 
     >>> encode_rows("force", np.array([[0.001, 1.0], [0.002, np.nan]]))
     b'0.001000\\t1\\n0.002000\\tn/a\\n'
@@ -87,9 +86,9 @@ def encode_rows(kind: TraceKind, table: FloatArray) -> bytes:
 
 
 def decode_rows(text: bytes) -> FloatArray:
-    """The rows (n_rows, n_columns) of a text; NaN where a sample was lost.
+    """Parse rows (n_rows, n_columns); a lost sample is NaN.
 
-    Raises `ValueError` if it is no table of numbers.
+    Raises `ValueError` if the text is no table of numbers.
 
     >>> decode_rows(b"0.001000\\t1\\n0.002000\\tn/a\\n").tolist()
     [[0.001, 1.0], [0.002, nan]]
@@ -100,13 +99,13 @@ def decode_rows(text: bytes) -> FloatArray:
 
 
 def packed(text: bytes) -> bytes:
-    """A member of gzip, in which no time and no name stands: the same samples give the same bytes."""
+    """Compress a text as a gzip member without time and name, so that equal samples give equal bytes."""
     packer = zlib.compressobj(_LEVEL, zlib.DEFLATED, _GZIP)
     return packer.compress(text) + packer.flush()
 
 
 def whole_length(content: bytes) -> int:
-    """How much of it is left when a last member that was torn is cut off; what is damaged elsewhere stays.
+    """Return the length without an incomplete last gzip member; other damage stays.
 
     >>> whole_length(packed(b"a") + packed(b"b")[:-1]) == len(packed(b"a"))
     True
@@ -126,9 +125,9 @@ def whole_length(content: bytes) -> int:
 
 
 def read_text(root: Path, part: TracePart) -> bytes:
-    """The rows of a part in the data set at `root`, as they stand.
+    """Read the rows of a part in the data set at `root` as text.
 
-    Raises `InvalidFile` if the file is not there, or does not hold what was kept.
+    Raises `InvalidFile` if the file is missing, or its content differs from what was kept.
     """
     held = _held(root, part)
     flaw = _flaw(held, part)
@@ -138,12 +137,12 @@ def read_text(root: Path, part: TracePart) -> bytes:
 
 
 def read_part(root: Path, part: TracePart) -> FloatArray:
-    """The rows (n_rows, n_columns) of a part; otherwise as `read_text`."""
+    """Read the rows (n_rows, n_columns) of a part; raises as `read_text`."""
     return decode_rows(read_text(root, part))
 
 
 def part_flaw(root: Path, part: TracePart) -> str | None:
-    """What is wrong with a part, in words; None where nothing is."""
+    """Describe what is wrong with a part; None if nothing is."""
     return _flaw(_held(root, part), part)
 
 
@@ -159,7 +158,7 @@ def _flaw(held: bytes, part: TracePart) -> str | None:
 
 
 def kind_of(part: TracePart) -> TraceKind | None:
-    """Which samples a part holds; None of a kind that is not known here.
+    """Return which samples a part contains, or None for an unknown kind.
 
     >>> kind_of(TracePart("traces/participant-P01_session-1_study-a_recording-force_physio.tsv.gz", 0, 20, ""))
     'force'
@@ -168,10 +167,7 @@ def kind_of(part: TracePart) -> TraceKind | None:
 
 
 class TraceFiles:
-    """The files of traces of a session, to which is added; a member that a crash tore is cut off before.
-
-    - `root`: Of the data set.
-    """
+    """The files of traces of a session, in the data set at `root`; an incomplete member is cut off first."""
 
     def __init__(self, root: Path, session: Session) -> None:
         self._root, self._session = root, session
@@ -205,7 +201,7 @@ class TraceFiles:
         return file
 
     def sync(self) -> None:
-        """Put what was added on the disk: before the journal says that it is there."""
+        """Sync what was added, before the journal names it."""
         while self._unsynced:
             os.fsync(self._files[self._unsynced.pop()])
 
@@ -238,22 +234,18 @@ class TraceDescription:
 def read_sidecar(path: Path) -> TraceDescription:
     """Read the JSON file that explains a file of traces.
 
-    Raises `InvalidFile` if it does not state the sampling rate, or what each column is.
+    Raises `InvalidFile` if it lacks the sampling rate or the columns.
     """
     said = json_object(path, "the sampling rate and the columns of its samples")
     rate_hz: Any = said.get("SamplingFrequency")
-    names = said.get("Columns")
+    names: Any = said.get("Columns")
     if type(rate_hz) not in (int, float) or not 0 < rate_hz <= HIGHEST_RATE_HZ:
         above = f"a number of Hz above 0 and at most {HIGHEST_RATE_HZ:g}"
         raise InvalidFile(f"{path}: SamplingFrequency: found {rate_hz!r:.60}, expected {above}")
-    if not _are_names(names):
+    are_texts = isinstance(names, list) and bool(names) and all(isinstance(name, str) and name for name in names)
+    if not are_texts or len(set(names)) != len(names):
         raise InvalidFile(f"{path}: Columns: found {names!r:.60}, expected a list of different names")
     return TraceDescription(float(rate_hz), tuple(_explained(path, name, said.get(name)) for name in names))
-
-
-def _are_names(names: object) -> TypeGuard[list[str]]:
-    are_texts = isinstance(names, list) and bool(names) and all(isinstance(name, str) and name for name in names)
-    return are_texts and isinstance(names, list) and len(set(names)) == len(names)
 
 
 def _explained(path: Path, name: str, said: object) -> Column:
@@ -265,6 +257,6 @@ def _explained(path: Path, name: str, said: object) -> Column:
 
 
 def sidecar(columns: Iterable[Column], rate_hz: float) -> bytes:
-    """What it says: the rate of the first sitting, and each column as BIDS explains it."""
+    """Encode the sampling rate and the columns of a file of traces as BIDS does."""
     named = {column.name: {"Description": column.description, "Units": column.unit} for column in columns}
     return pretty({"SamplingFrequency": rate_hz, "StartTime": 0, "Columns": list(named), **named})

@@ -1,5 +1,4 @@
-"""Whatever answers the requests of a protocol: a bench with a window, a terminal, a simulated participant.
+"""Rigs answer the requests of a protocol: `bench` with a window, `console`, `simulated`.
 
-`bench` and `window` face a person, `console` a terminal, `simulated` an observer. Only here is a clock read and an
-output played; `tactometry.session.run` puts the requests.
+Only rigs read a clock and play outputs; `tactometry.session.run` passes the requests on.
 """

@@ -1,6 +1,6 @@
 """The bench: a participant at a screen, with an output under the finger.
 
-Whatever goes wrong, or is stopped with Escape, the output is at zero before anything else is closed.
+On any failure, or Escape, the output is set to zero before anything else is closed.
 """
 
 import functools
@@ -35,7 +35,7 @@ from .pages.page import Answer, Page
 from .pages.presenter import Dress, as_it_is
 from .texts import Texts
 from .touch.gated_samples import Trace
-from .touch.touch import TouchCourse, moving_cue
+from .touch.touch import TouchRun, moving_cue
 from .touch.watchdog import RepeatedStimulus, play_to_end, watchdog
 
 S = TypeVar("S")
@@ -47,10 +47,10 @@ HINT_CONTINUE = "hint_continue"
 
 
 class Bench(DeviceRig):
-    """A rig with a person at it.
+    """A rig with a person.
 
-    Without a measured height of the display a `Slide` takes `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that it
-    was not measured. The log also keeps the clocks and the timing of each trial.
+    Without a measured display height a `Slide` assumes `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says so. The log
+    also keeps clocks and timing of each trial.
     """
 
     def _open(self) -> None:
@@ -67,7 +67,7 @@ class Bench(DeviceRig):
             self._terminal.tell(f"output {output.name}: nothing is played, and no level counts as delivered")
 
     def facts(self) -> Facts:
-        """Display, keyboard, devices and clock, for the head of the journal."""
+        """Return display, keyboard, devices and clock for the head of the journal."""
         return {
             "rig": "bench",
             **self._screen.facts(),
@@ -89,28 +89,22 @@ class Bench(DeviceRig):
         page = layout.marker_page(request.interval, playing=True)
         return self._in_session(play_to_end(self._setup, request, page, self._signal(request)))
 
-    def _press(self, request: Press) -> Touched:
-        return self._touch(request)
-
-    def _slide(self, request: Slide) -> Touched:
-        return self._touch(request)
-
-    def _touch(self, request: Press | Slide) -> Touched:
+    def _feel(self, request: Press | Slide) -> Touched:
         if self._equipment.dry_run and type(request) not in self._known:
             self._dry_run(request)
         self._supervisor.under_way = True
         level = "blank" if request.level is None else f"{request.level:g}"
         self._terminal.add(f"trial {self._tally.n_presented + 1}: {request.stimulus} {level}")
-        course = self._course(request, "" if self._lost is None else f"lost_{self._lost}")
-        felt, gate_delay_s = course.carry_out(self._signal(request))
+        touch_run = self._touch_run(request, "" if self._lost is None else f"lost_{self._lost}")
+        felt, gate_delay_s = touch_run.carry_out(self._signal(request))
         self._trial_log.note_decision(gate_delay_s)
         touched = self._touched_in_session(felt)
         if touched.valid and self._supervisor.repeat:
             return replace(touched, valid=False, invalid_reason="experimenter")
         return touched
 
-    def _course(self, request: Press | Slide, why: str) -> TouchCourse:
-        """A touch with its words; `why` names a message that stands below them, or none."""
+    def _touch_run(self, request: Press | Slide, why: str) -> TouchRun:
+        """Prepare a touch; `why` names the message shown below its instruction."""
         places, words = Trace(), "press"
         dress: Dress = as_it_is
         if isinstance(request, Slide):
@@ -118,12 +112,12 @@ class Bench(DeviceRig):
             words, dress = "slide", moving_cue(request, height_m, places)
         measured = self._texts.message(words if self._setup.sensor is None else f"{words}_force")
         told = self._texts.message(why) if why else ""
-        return TouchCourse(request, self._setup, places, measured, self._texts.message("release"), dress, told)
+        return TouchRun(request, self._setup, places, measured, self._texts.message("release"), dress, told)
 
     def _dry_run(self, request: Press | Slide) -> None:
-        """Show what is on the screen during a touch, and let it be tried until it is held, without a stimulus.
+        """Explain the screen of a touch, and let the participant try it without a stimulus.
 
-        It is kept as an event: no row is of it, and no trace.
+        It is kept as an event, without row and trace.
         """
         self._known.add(type(request))
         begin_s = time.perf_counter()
@@ -132,7 +126,7 @@ class Bench(DeviceRig):
         self._terminal.add(f"dry run ({kind})")
         touched, why = None, "dry_run"
         for _ in range(N_DRY_RUNS):
-            touched, _ = self._course(replace(request, level=None, interval=None), why).carry_out(None)
+            touched, _ = self._touch_run(replace(request, level=None, interval=None), why).carry_out(None)
             if touched.valid:
                 break
             why = f"lost_{touched.invalid_reason}"
@@ -178,8 +172,7 @@ class Bench(DeviceRig):
         return state, self._timing(onset_s, end_s)
 
     def _timing(self, onset_s: float, end_s: float) -> tuple[float, float, str, bool]:
-        """Onset in the session, latency and time of day of an answer, and whether it counts: the experimenter wants no
-        repetition."""
+        """Return onset in the session, latency and time of day of an answer, and whether it counts."""
         self._trial_log.note_answer(end_s)
         self._terminal.add(f"answered in {end_s - onset_s:.2f} s")
         return *self._times(onset_s, end_s), not self._supervisor.repeat
@@ -255,7 +248,7 @@ class Bench(DeviceRig):
         return self._done_between()
 
     def _message(self, request: Show, hint: str, left_s: int = 0) -> Page:
-        """A text with its progress; a page that ends by itself may say how many seconds are left."""
+        """Return a page of text with progress, and the seconds left if it ends by itself."""
         block, n_blocks = (request.values.get(name) for name in ("block", "n_blocks"))
         progress = (block - 1) / n_blocks if isinstance(block, int) and isinstance(n_blocks, int) else None
         words = self._texts.page(request, left_s)
@@ -289,7 +282,7 @@ def n_positions(request: Fill) -> int:
 
 
 def form_of(request: Fill, texts: Texts) -> form.Form:
-    """The page in the participant's language."""
+    """Return the page in the participant's language."""
     first, several = request.page == 1, request.n_pages > 1
     words = form.FormWords(
         hint=texts.message(form.hint_for(request.steps)),
@@ -308,7 +301,7 @@ def form_of(request: Fill, texts: Texts) -> form.Form:
 
 
 def place_at(value: float | None, request: Fill) -> int | None:
-    """The place that is nearest to a value.
+    """Return the place nearest to a value.
 
     >>> place_at(3.0, Fill("f", (), low=1.0, high=7.0, steps=7))
     2
@@ -325,14 +318,14 @@ def marks_of(request: Fill) -> form.Marks:
 
 
 def values_of(marks: form.Marks, request: Fill) -> Values:
-    """The value of each mark; None where there is none."""
+    """Return the value of each mark; None where there is none."""
     n, low, high = n_positions(request), request.low, request.high
     return tuple(None if place is None else value_at(place, n, low, high) for place in marks.places)
 
 
 @dataclass
 class Keeping:
-    """Keeps the marks of a page as they change, each frame that it is called in."""
+    """Keeps the marks of a page as they change; called in each frame."""
 
     request: Fill
     keep: Callable[[Marked], None]

@@ -1,4 +1,4 @@
-"""A terminal that asks: for trying a protocol out, and for sessions without a screen."""
+"""A terminal as a rig: to try a protocol out, and for sessions without a screen."""
 
 import math
 import sys
@@ -13,6 +13,7 @@ from ..session.answer import Adjusted, Chosen, Done, Filled, Marked, Played, Rat
 from ..session.event import EventLog
 from ..session.request import (
     CONSENT,
+    MISSED_PRACTICE,
     Adjust,
     Choose,
     Enter,
@@ -34,7 +35,7 @@ from .pages import layout
 from .pages.page import Display
 from .texts import Phrases, Texts
 from .touch.gated_samples import Trace
-from .touch.touch import TouchCourse
+from .touch.touch import TouchRun
 from .touch.watchdog import play_to_end
 
 T = TypeVar("T")
@@ -47,7 +48,7 @@ WAYS: Final[Mapping[str, tuple[int, float | None]]] = {"-": (1, None), "<": (-1,
 
 
 class Lines(ExperimenterTerminal):
-    """A line for whatever is told, in any file: participant and experimenter read the same."""
+    """Prints everything as lines to any file, for participant and experimenter."""
 
     def __init__(self, output: TextIO, language: str) -> None:
         super().__init__(language=language)
@@ -61,12 +62,11 @@ class Lines(ExperimenterTerminal):
 
 
 class Console(DeviceRig):
-    """Prints each request to `output` and reads the answers, a line each, from `source`.
+    """Prints each request to `output` and reads an answer line from `source`.
 
-    Where the output of the `equipment` is a null output, stimuli are rendered and held against the limits, and nothing
-    is emitted or delivered; with another they play through its guard, under the conditions of the sensors, as on a
-    bench. A line that is no answer is asked again, up to `N_TRIES` times; Escape and the end of the input stop the
-    session. A page is left with return at a terminal; where lines come from elsewhere, none is for it.
+    With a null output, stimuli are rendered and checked but not delivered; another output plays under its guard and the
+    sensors' conditions, as on a bench. An invalid line is asked again, up to `N_TRIES` times; Escape and the end of the
+    input stop the session. Pages wait for return only at a terminal.
     """
 
     def __init__(
@@ -102,9 +102,9 @@ class Console(DeviceRig):
         }
 
     def _ask(self, prompt: str, read: Callable[[str], T], expected: str = "") -> tuple[T, float, float, str]:
-        """An answer, the onset of its question, its latency, and the time of day when it was given.
+        """Return an answer, the onset of its question, its latency, and its time of day.
 
-        A line that `read` refuses is told beside what was `expected`, and the question is put again.
+        If `read` refuses a line, the `expected` answer is printed and the question repeated.
         """
         onset_s = time.perf_counter()
         for _ in range(N_TRIES):
@@ -144,27 +144,24 @@ class Console(DeviceRig):
             return Played(self._done().at_s, None, "")
         return self._in_session(play_to_end(self._setup, request, layout.waiting_page(), signal))
 
-    def _press(self, request: Press) -> Touched:
-        what = self._phrases.of("press", force_n=request.target_n, duration_s=request.duration_s)
-        return self._touch(request, what)
-
-    def _slide(self, request: Slide) -> Touched:
-        how = {"speed_mm_per_s": 1e3 * request.speed_m_per_s, "duration_s": request.duration_s}
-        return self._touch(request, self._phrases.of("slide", force_n=request.target_n, **how))
-
-    def _touch(self, request: Press | Slide, what: str) -> Touched:
+    def _feel(self, request: Press | Slide) -> Touched:
+        how = {"force_n": request.target_n, "duration_s": request.duration_s}
+        if isinstance(request, Slide):
+            what = self._phrases.of("slide", speed_mm_per_s=1e3 * request.speed_m_per_s, **how)
+        else:
+            what = self._phrases.of("press", **how)
         signal = self._signal(request)
         lifts = self._setup.sensor is not None and self._equipment.output.emits
         self._present(f"{what}{self._phrases.of('lift') if lifts else ''}", request.interval)
         if not self._equipment.output.emits:
             return Touched(self._done().at_s, None, None)
-        return self._touched_in_session(TouchCourse(request, self._setup, Trace()).carry_out(signal)[0])
+        return self._touched_in_session(TouchRun(request, self._setup, Trace()).carry_out(signal)[0])
 
     def _choose(self, request: Choose) -> Chosen:
         labels = [self._texts.label(label) for label in request.labels]
         words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
         question = self._texts.message(request.question)
-        of_trial = "" if request.question == CONSENT else f"{self._next()} "
+        of_trial = "" if request.question in (CONSENT, MISSED_PRACTICE) else f"{self._next()} "
         prompt = f"{of_trial}{question} ({words}):"
         *others, last = map(str, request.options)
         expected = self._phrases.of("either", options=", ".join(others), last=last) if others else last
@@ -200,7 +197,7 @@ class Console(DeviceRig):
         return Filled(tuple(values), *self._times(onset_s, time.perf_counter()), back=at < 0)
 
     def _fill_one(self, request: Fill, question: Question) -> tuple[int, float | None]:
-        """By how many questions it goes on, and the answer."""
+        """Return by how many questions to move on, and the answer."""
         statement, left, right = self._texts.question(question)
         step = (request.high - request.low) / (request.steps - 1) if request.steps else 1.0
         by = "" if step == 1 else self._phrases.of("steps", step=step)
@@ -243,7 +240,7 @@ class Console(DeviceRig):
 
 
 def _lost(trial: Trial, n_told: int, phrases: Phrases) -> str:
-    """Why a trial does not count, and its place in the table where that is not the number by which it was told."""
+    """Say why a trial does not count, with its place in the table if that differs from the announced number."""
     reason = trial.invalid_reason
     why = phrases.of("not_valid") if reason is None else phrases.of("not_valid_why", reason=phrases.of(reason))
     place = "place_again" if trial.attempt > 1 else "place"
@@ -252,7 +249,7 @@ def _lost(trial: Trial, n_told: int, phrases: Phrases) -> str:
 
 
 def _option(line: str, options: Sequence[int], labels: Sequence[str]) -> int:
-    """The option whose number or word was typed."""
+    """Return the option whose number or label was typed."""
     words = [label.casefold() for label in labels]
     number = options[words.index(line.casefold())] if line.casefold() in words else int(line)
     if number not in options:

@@ -1,4 +1,4 @@
-"""What the rigs with devices have in common: an output and sensors, a clock, and who looks after the session."""
+"""Base of rigs with devices: output, sensors, clock and supervision of the session."""
 
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -12,13 +12,13 @@ from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import RAMP_S
 from ..devices.sensors.streamed import StreamedSensor
 from ..errors import DeviceFailed, ended_by_signal
-from ..followed import FingerPath
+from ..position_dependent import FingerPath
 from ..safety.limits import FORCE_PEAK_N, Limits
-from ..session.answer import Adjusted, Done, Marked, Played, Touched, TracePart
+from ..session.answer import Adjusted, Done, Marked, Played, Touched
 from ..session.event import TRACE_KINDS, EventLog, TraceKind
 from ..session.request import A, Facts, Intervene, Play, Press, Request, Slide
 from ..session.run import LiveRig
-from ..signal import FloatArray, Signal, Stimulus
+from ..signal import Signal, Stimulus
 from ..trials.trial import Tally, Trial, tally
 from .emitter import Emitter
 from .experimenter.supervisor import Supervisor, utc_text
@@ -28,7 +28,7 @@ from .pages.page import Display
 from .pages.presenter import Presenter
 from .texts import Texts
 from .touch.gated_samples import Release
-from .touch.touch import Beside
+from .touch.touch import ConcurrentPlay
 from .touch.watchdog import TouchSetup
 
 Felt = TypeVar("Felt", Played, Touched)
@@ -36,19 +36,18 @@ Felt = TypeVar("Felt", Played, Touched)
 
 @dataclass(frozen=True)
 class Equipment:
-    """The devices of a rig, with what plays through them.
+    """Devices of a rig, and the stimuli that play through them.
 
-    - `bank`: The stimuli by the names that requests use.
-    - `limits`: What the study allows, checked beside the limits of the output.
-    - `sensor`: Without one, the force is not measured: its fields are None and every touch is valid.
-    - `position`: Without one, the finger's speed is not measured.
+    - `bank`: Stimuli by the names that requests use.
+    - `limits`: Limits of the study, checked in addition to those of the output.
+    - `sensor`: Without one, force fields are None and every touch is valid.
+    - `position`: Without one, the speed is not measured.
     - `ramp_s`: Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
-    - `release`: Whether the force must leave its band between touches.
-    - `facts`: What the head of the journal says of the devices, once they are open, and their clocks at any time.
-    - `display_height_m`: Measured height of the visible picture, m, for the moving cue of a slide.
-    - `dry_run`: Whether a participant at a screen sees what a touch shows and tries it without a stimulus before the
-      first.
-    - `traces`: The samples of each touch that are kept, of those that there are.
+    - `release`: True if the force must leave its band between touches.
+    - `facts`: Facts of the open devices for the journal, with their clocks.
+    - `display_height_m`: Measured height of the picture, m, for the moving cue of a slide.
+    - `dry_run`: True if a touch is explained and tried without a stimulus before the first one.
+    - `traces`: Kinds of samples that are kept of each touch.
     """
 
     output: Guarded
@@ -70,13 +69,11 @@ class Equipment:
 
 
 class DeviceRig(LiveRig):
-    """Opens the devices, and closes all of them, its output first, whatever goes wrong.
+    """Opens the devices, and closes all of them, the output first, on any failure.
 
-    Raises `DeviceFailed` if a device does not open; all are closed then.
+    `screen` is the participant's, `terminal` the experimenter's; `log` keeps pauses, remarks and stimuli.
 
-    - `screen`: The participant's.
-    - `terminal`: The experimenter's.
-    - `log`: Where pauses, remarks and stimuli are kept.
+    Raises `DeviceFailed` if a device does not open.
     """
 
     def __init__(
@@ -109,11 +106,11 @@ class DeviceRig(LiveRig):
             pause=self._pause,
             say=terminal.say,
             force_peak_n=FORCE_PEAK_N if limits is None else limits.force_peak_n,
-            keep_path=_nowhere if log is None else log.keep_path,
+            keep_path=(lambda digest, lines: None) if log is None else log.keep_path,
         )
         followed = self._emitter if "emitted" in equipment.traces else None
         self._tracer = Tracer(equipment.traced, followed, log, self._session_s)
-        self._keep_marks = _unkept if log is None else log.keep_marks
+        self._keep_marks: Callable[[Marked], None] = (lambda marked: None) if log is None else log.keep_marks
         self._tally = Tally()
         self.closed = False
         with self._closed_on_failure():
@@ -126,13 +123,13 @@ class DeviceRig(LiveRig):
             if device is not None:
                 device.open()
         if self._equipment.sensor is not None:
-            self._equipment.sensor.subscribe(self._setup.release.hear)
+            self._equipment.sensor.subscribe(self._setup.release.on_samples)
         if self._path is not None and self._equipment.position is not None:
-            self._equipment.position.subscribe(self._path.hear)
+            self._equipment.position.subscribe(self._path.on_samples)
 
     @contextmanager
     def _closed_on_failure(self) -> Iterator[None]:
-        """Close the rig, output first, when the body ends by any exception.
+        """Close the rig, output first, when the body raises.
 
         Raises `DeviceFailed` if it is closed already, or PsychoPy ends the program.
         """
@@ -189,16 +186,16 @@ class DeviceRig(LiveRig):
             self._screen.give_back()
             return self._tracer.kept(answer)
 
-    def begin(self, request: Play) -> Beside:
-        """Play while somebody else draws.
+    def begin(self, request: Play) -> ConcurrentPlay:
+        """Play while other code draws.
 
-        Raises `DeviceFailed` or `InvalidParameter` or `LimitExceeded` if it cannot be played; the rig is closed then.
+        Raises `DeviceFailed`, `InvalidParameter` or `LimitExceeded` if it cannot be played; the rig is closed then.
         """
         with self._closed_on_failure():
-            return Beside(self._setup, request, self._signal(request), self._screen.give_back)
+            return ConcurrentPlay(self._setup, request, self._signal(request), self._screen.give_back)
 
     def _finish_trial(self) -> None:
-        """What is due before anything else is asked."""
+        """Do what is due before the next request."""
 
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
         self._supervisor.pause(by, over)
@@ -214,7 +211,7 @@ class DeviceRig(LiveRig):
         return Done(self._session_s(time.perf_counter()))
 
     def _done_between(self) -> Done:
-        """The answer where a course may change: with what the experimenter wanted meanwhile."""
+        """Answer a request after which interventions may take effect."""
         return replace(self._done(), interventions=self._supervisor.take_interventions())
 
     def _intervene(self, request: Intervene) -> Done:
@@ -222,7 +219,7 @@ class DeviceRig(LiveRig):
         return self._done()
 
     def _signal(self, request: Play | Press | Slide) -> Signal | None:
-        """The final samples of what is asked for, within all limits; None for a blank."""
+        """Return the final samples, within all limits; None for a blank."""
         if self._equipment.limits is not None and not isinstance(request, Play):
             self._equipment.limits.check_force(request.target_n, request.tolerance)
         return self._emitter.for_interval(request.stimulus, request.level, request.duration_s)
@@ -235,21 +232,13 @@ class DeviceRig(LiveRig):
         return replace(self._in_session(touched), gate_s=gate_s)
 
 
-def _nowhere(digest: str, lines: bytes) -> None:
-    """Where no log is kept, no path is."""
-
-
-def _unkept(marked: Marked) -> None:
-    """Where no log is kept, no marks are."""
-
-
 class Tracer:
-    """From one request that is felt to the end of its answer; the sensors' own listeners hold the last minute.
+    """Keeps the samples of what is felt, from request to answer.
 
-    - `sensors`: Those that are there, and are to be kept.
-    - `emitter`: Whose output is to be kept where it followed the finger; None: it is not.
-    - `log`: Where the samples are kept; None: nowhere.
-    - `session_s`: The time of the session of a stamp on `time.perf_counter`, s.
+    - `sensors`: Sensors whose samples are kept.
+    - `emitter`: Source of emitted signals that followed the finger; None keeps none.
+    - `log`: Store of the samples; None keeps none.
+    - `session_s`: Converts a stamp on `time.perf_counter` to session time, s.
     """
 
     def __init__(
@@ -262,25 +251,24 @@ class Tracer:
         self._sensors, self._emitter, self._log, self._session_s = sensors, emitter, log, session_s
 
     def begin(self) -> None:
-        """What the sensors said before does not belong to what is felt now."""
+        """Discard earlier sensor samples."""
         for sensor in self._sensors.values():
             sensor.read()
 
     def kept(self, answer: A) -> A:
-        """An answer; of what was felt with the places where its samples are kept."""
+        """Add to an answer the places where its samples are kept."""
         if self._log is None or not isinstance(answer, Played | Touched | Adjusted):
             return answer
-        tables = {kind: self._read(sensor) for kind, sensor in self._sensors.items()}  # all at once
-        parts = [self._measured(self._log, kind, table) for kind, table in tables.items() if len(table)]
-        if not isinstance(answer, Adjusted):  # a level that is set plays on and on: what was emitted is no one signal
-            signal = self._emitter.followed(answer.digest) if self._emitter and answer.digest else None
-            emitted = [] if signal is None else [self._log.keep_trace("emitted", signal.samples.T, signal.rate_hz)]
-            parts += emitted
+        parts = []
+        samples = {kind: sensor.read() for kind, sensor in self._sensors.items()}  # all at once
+        for kind, (times_s, values) in samples.items():
+            if len(times_s):
+                table = np.column_stack([times_s + self._session_s(0.0), values])
+                parts.append(self._log.keep_trace(kind, table, self._sensors[kind].reader.source.rate_hz))
+
+        # a level that is set plays on and on: what was emitted is no one signal
+        digest = None if isinstance(answer, Adjusted) else answer.digest
+        signal = self._emitter.followed_signal(digest) if self._emitter and digest else None
+        if signal is not None:
+            parts.append(self._log.keep_trace("emitted", signal.samples.T, signal.rate_hz))
         return replace(answer, trace=tuple(parts))
-
-    def _read(self, sensor: StreamedSensor) -> FloatArray:
-        times_s, values = sensor.read()
-        return np.column_stack([times_s + self._session_s(0.0), values])
-
-    def _measured(self, log: EventLog, kind: TraceKind, table: FloatArray) -> TracePart:
-        return log.keep_trace(kind, table, self._sensors[kind].reader.source.rate_hz)

@@ -1,7 +1,7 @@
-"""Draws a page with PsychoPy's shapes and texts, which it asks once each.
+"""Draw pages with PsychoPy's shapes and texts.
 
-Of PsychoPy 2026.2.5 each attribute of a shape costs more to write than the shape to draw, and each `draw` more in
-Python than in OpenGL. So each text and each look of a shape is recorded once, in a list of OpenGL.
+In PsychoPy 2026.2.5 writing an attribute of a shape costs more than drawing it, and `draw` costs more in Python than in
+OpenGL. So each text and each look of a shape is recorded once in an OpenGL list.
 """
 
 import functools
@@ -23,7 +23,7 @@ Look = tuple[int, str | None, str | None]
 
 
 def n_edges(radius: float) -> int:
-    """Edges of a polygon (its radius in pixels) whose middles lie `FLAT_PX` inside of its circle at most.
+    """Return the edges of a polygon (radius in pixels) whose middles lie at most `FLAT_PX` inside of its circle.
 
     >>> n_edges(26.0), n_edges(160.0)
     (36, 89)
@@ -32,10 +32,9 @@ def n_edges(radius: float) -> int:
 
 
 class Canvas:
-    """Draws pages into the back buffer of a PsychoPy window.
+    """Draws pages into the back buffer of a PsychoPy window with ``units="height"``.
 
-    - `psychopy`: `visual` and `pyglet`, as the window module has loaded them.
-    - `window`: With ``units="height"``.
+    - `psychopy`: `visual` and `pyglet`, as loaded by the window module.
     """
 
     def __init__(self, psychopy: SimpleNamespace, window: Any) -> None:
@@ -43,12 +42,12 @@ class Canvas:
         assets = Path(psychopy.visual.__file__).parents[1] / "assets" / "fonts"
         with (assets / "NotoSans-Regular.ttf").open("rb") as face:
             psychopy.pyglet.font.add_file(face)
-        self._list, self._picture = functools.cache(self._recorded), functools.cache(self._new_picture)
+        self._list, self._picture = functools.cache(self._recorded), functools.cache(self._image)
         self._stimuli: list[Any] = []
         """What was recorded: the letters of a text whose font nobody holds any more are forgotten by OpenGL."""
 
     def draw(self, page: Page) -> None:
-        """Draw the items of a page in their order."""
+        """Draw the items of a page in order."""
         gl, (width, height) = self._gl, self._window.size
         self._window._setCurrent()  # another window may have been drawn on meanwhile: a list is of one context
         for item in page.items:
@@ -68,13 +67,13 @@ class Canvas:
             gl.glPopMatrix()
 
     def _look(self, item: Box | Disc) -> tuple[Look, tuple[float, float]]:
-        """What is drawn for an item, and how many times as large as it was recorded."""
+        """Return the look of an item, and its size relative to the recorded one."""
         if isinstance(item, Box):
             return (N_EDGES_BOX, item.fill, item.line), (item.width, item.height)
         return (n_edges(item.radius * self._window.size[1]), item.fill, item.line), (item.radius, item.radius)
 
     def _recorded(self, look: Text | Look) -> int:
-        """The list that draws a text, or a shape in the middle of the window."""
+        """Record the list that draws a text, or a shape in the middle of the window."""
         stimulus = self._text(look) if isinstance(look, Text) else self._shape(*look)
         self._stimuli.append(stimulus)
         drawing = int(self._gl.glGenLists(1))
@@ -86,14 +85,14 @@ class Canvas:
         return drawing
 
     def _shape(self, edges: int, fill: str | None, line: str | None) -> Any:
-        """A box or a circle of size 1; its line is as wide at any size."""
+        """Make a box or a circle of size 1; its line is as wide at any size."""
         width = max(2, round(self._window.size[1] / PIXELS_PER_LINE)) if line else 0
         look = {"fillColor": fill, "lineColor": line, "lineWidth": width, "autoLog": False}
         if edges == N_EDGES_BOX:
             return self._visual.Rect(self._window, width=1, height=1, **look)
         return self._visual.Circle(self._window, radius=1, edges=edges, **look)
 
-    def _new_picture(self, item: Picture) -> Any:
+    def _image(self, item: Picture) -> Any:
         size = item.width, item.height
         return self._visual.ImageStim(self._window, item.path, pos=(item.x, item.y), size=size, autoLog=False)
 
@@ -127,12 +126,11 @@ EMPTY = ("_toDraw", "_toDrawDepths", "_toCall", "_toLog", "_editableChildren")
 """Lists that are empty meanwhile: stimuli with autoDraw, what waits for a flip, what a click may write in."""
 
 
-class Loan:
-    """Takes a window when a page is drawn, and gives it back.
+class BorrowedWindow:
+    """Takes a window of a PsychoPy script when a page is drawn, and gives it back.
 
-    - `psychopy`: The parts of PsychoPy that `tactometry.rigs.window` loads.
-    - `keyboard`: Its presses meanwhile are ours, those that wait are the script's.
-    - `handlers`: What hears the events of the window meanwhile.
+    - `keyboard`: New key presses are ours, waiting ones are the script's.
+    - `handlers`: Handlers of window events meanwhile.
     """
 
     def __init__(
@@ -142,12 +140,13 @@ class Loan:
         self._theirs: dict[str, Any] | None = None
 
     def take(self) -> None:
-        """From now on the window is ours, its ground is ours too, and nothing else is drawn on it."""
+        """Take the window: our background, and nothing else is drawn on it."""
         if self._theirs is not None:
             return
         window = self._window
         window._setCurrent()  # the script may have several
-        ours = {name: value for name, value in self._ours().items() if name in vars(window)}
+        page_state = {**OURS, **{name: [] for name in EMPTY}, "_viewMatrixNeedsUpdate": True}
+        ours = {name: value for name, value in page_state.items() if name in vars(window)}
         self._theirs = {name: vars(window)[name] for name in ours}
         self._looks = window.blendMode, window._color, window.mouseVisible, window.viewport, window.scissor
         vars(window).update(ours)
@@ -158,11 +157,8 @@ class Loan:
         self._typed, self._pressed = self._exchange([], [])
         window.winHandle.push_handlers(**self._handlers)
 
-    def _ours(self) -> dict[str, Any]:
-        return {**OURS, **{name: [] for name in EMPTY}, "_viewMatrixNeedsUpdate": True}
-
     def give_back(self) -> None:
-        """The window is as it was; what is on the screen stays there until the script's own flip."""
+        """Restore the window; its picture stays until the script's next flip."""
         if self._theirs is None:
             return
         window, theirs = self._window, self._theirs
@@ -181,7 +177,7 @@ class Loan:
             window.backgroundImage.draw()
 
     def _rewind(self, *, push: bool) -> None:
-        """Put the script's transform of the view aside, or take it up again, where OpenGL itself keeps it."""
+        """Save or restore the script's view transform in OpenGL."""
         if not self._window.USE_LEGACY_GL:
             return
         gl = self._psychopy.pyglet.gl
@@ -193,7 +189,7 @@ class Loan:
             gl.glPopMatrix()
 
     def _exchange(self, typed: list[Any], pressed: list[Any]) -> tuple[list[Any], list[Any]]:
-        """Of both keyboards of PsychoPy what waits to be read, for what shall wait there."""
+        """Exchange the waiting events of both PsychoPy keyboards."""
         event, device = self._psychopy.event, self._keyboard
         self._window.winHandle.dispatch_events()
         device.dispatchMessages()

@@ -1,4 +1,4 @@
-"""From the name and level of a stimulus to an output, with every check on the final samples."""
+"""From the name and level of a stimulus to an output, with all checks on the final samples."""
 
 import functools
 import threading
@@ -11,7 +11,7 @@ from ..devices.deadline import BEGIN_WITHIN_S
 from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import LONGEST_WORD_S, RAMP_S, with_ramps
 from ..errors import DeviceFailed, InvalidParameter
-from ..followed import Course, FingerPath, FollowedSignal, FollowsFinger
+from ..position_dependent import FingerPath, FollowedSignal, FollowsFinger, PlayedPath
 from ..safety.limits import Limits
 from ..signal import Signal, Stimulus
 
@@ -22,12 +22,10 @@ NO_POSITION: Final = (
 
 
 def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits | None, ramp_s: float = 0.0) -> Signal:
-    """The final samples of the stimulus `name` of a bank, with ramps where it does not begin and end at rest.
+    """Return the final samples of a stimulus of a bank, with ramps unless it begins and ends at rest.
 
-    Every rig makes its signals so.
-
-    Raises `InvalidParameter` if the bank has no such stimulus (with the nearest name), or the stimulus no such level.
-    Raises `LimitExceeded` if a limit of the study is passed.
+    Raises `InvalidParameter` if there is no such stimulus or level, `LimitExceeded` if a limit of the study is
+    exceeded.
     """
     signal = with_ramps(lookup("stimulus", name, bank).at(level), ramp_s)
     if limits is not None:
@@ -36,9 +34,9 @@ def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits
 
 
 class Emitter:
-    """Renders stimuli of a bank, holds them against the limits of study and output, and plays them.
+    """Renders stimuli of a bank, checks the limits of study and output, and plays them.
 
-    Those that follow a finger are given its `path`.
+    Stimuli that follow a finger get its `path`.
     """
 
     def __init__(
@@ -54,10 +52,10 @@ class Emitter:
         self._muted = False
 
     def final(self, name: str, level: float) -> Signal:
-        """The final samples of a stimulus.
+        """Return the final samples of a stimulus.
 
-        Raises `InvalidParameter` if the bank has no such stimulus. Raises `LimitExceeded` or `DeviceFailed` if a limit
-        is missing or passed, or the output cannot play it.
+        Raises `InvalidParameter` if there is no such stimulus, `LimitExceeded` or `DeviceFailed` if it must not or
+        cannot be played.
         """
         signal = self._followed(name, render(self._bank, name, level, self._limits, self._ramp_s))
         # the guard checks once more when it plays: here, so that nothing is refused with a finger already on the plate
@@ -65,7 +63,7 @@ class Emitter:
         return signal
 
     def _followed(self, name: str, signal: Signal) -> Signal:
-        """With the path of the finger, where the stimulus follows it and is emitted."""
+        """Add the path of the finger if the stimulus follows it and is emitted."""
         stimulus = self._bank[name]
         if not isinstance(stimulus, FollowsFinger) or not self._output.emits:
             return signal
@@ -73,17 +71,17 @@ class Emitter:
             raise InvalidParameter(NO_POSITION)
         return FollowedSignal(signal.samples, signal.rate_hz, signal.unit, stimulus, self._path)
 
-    def course(self, signal: Signal | None) -> Course | None:
-        """What became of the signal that was emitted last, where it followed a finger."""
-        return self._output.course() if isinstance(signal, FollowedSignal) else None
+    def played_path(self, signal: Signal | None) -> PlayedPath | None:
+        """Return what the last signal became, if it followed a finger."""
+        return self._output.played_path() if isinstance(signal, FollowedSignal) else None
 
-    def followed(self, digest: str) -> Signal | None:
-        """What was emitted last, if it has this digest and followed a finger."""
-        course = self._output.course()
-        return course.signal if course is not None and course.signal.digest() == digest else None
+    def followed_signal(self, digest: str) -> Signal | None:
+        """Return the last emitted signal if it followed a finger and has this digest."""
+        path = self._output.played_path()
+        return path.signal if path is not None and path.signal.digest() == digest else None
 
     def for_interval(self, name: str, level: float | None, duration_s: float) -> Signal | None:
-        """As `final`, for an interval of `duration_s`; None for a blank.
+        """Return the final samples for an interval of `duration_s`; None for a blank.
 
         Raises `InvalidParameter` if the signal is longer than its interval.
         """
@@ -96,32 +94,32 @@ class Emitter:
         return signal
 
     def limit_facts(self) -> dict[str, float | str]:
-        """The limits that hold: the tighter of those of study and output."""
+        """Return the limits in force: the tighter of those of study and output."""
         stated = [limits for limits in (self._limits, self._output.limits) if limits is not None]
         return functools.reduce(Limits.tighter, stated).facts() if stated else {}
 
     def level_delivered(self, level: float | None) -> float | None:
-        """The level that reaches whoever touches: none where nothing is emitted."""
+        """Return the delivered level; None if nothing is emitted."""
         return level if self._output.emits else None
 
     def digest(self, signal: Signal | None) -> str | None:
-        """The digest of what was emitted; None where nothing was."""
+        """Return the digest of what was emitted; None if nothing was."""
         if signal is None or not self._output.emits:
             return None
-        course = self.course(signal)
-        return signal.digest() if course is None else course.signal.digest()
+        path = self.played_path(signal)
+        return signal.digest() if path is None else path.signal.digest()
 
     def emit(self, signal: Signal | None) -> float:
-        """Begin to play, or to play nothing: the onset on `time.perf_counter`, s."""
+        """Begin to play, or play nothing; return the onset on `time.perf_counter`, s."""
         return time.perf_counter() if signal is None else self._output.play(signal)
 
     def emit_if_allowed(self, signal: Signal | None) -> float | None:
-        """As `emit`, from any thread; None while it is muted."""
+        """Emit from any thread; None while muted."""
         with self._playing:
             return None if self._muted else self.emit(signal)
 
     def mute(self, *, on: bool) -> None:
-        """Zero now, and (`on`) nothing from another thread until it is off."""
+        """Set the output to zero; with `on`, other threads cannot emit until it is off."""
         # zero at once, without waiting for a thread that begins to play; below once more, behind what it began
         self._output.stop()
         if not self._playing.acquire(timeout=BEGIN_WITHIN_S):
@@ -136,7 +134,7 @@ class Emitter:
             self._playing.release()
 
     def n_gaps(self, signal: Signal | None, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Gaps in the signal that was emitted last; None where nothing was, or the output cannot tell."""
+        """Return gaps in the last signal; None if nothing was emitted or the output cannot tell."""
         return None if signal is None else self._output.n_gaps(longest_wait_s)
 
     def stop(self) -> None:

@@ -1,4 +1,4 @@
-"""The rhythm of the screen: its period, pacing where it has none, and what became of the frames."""
+"""Frame period of the screen, pacing without vertical sync, and frame statistics."""
 
 import math
 import time
@@ -21,13 +21,12 @@ N_TOO_FAST: Final = 10
 
 @dataclass(frozen=True)
 class Rhythm:
-    """What is known of the period of a screen, s.
+    """Frame period of a screen.
 
-    - `measured_s`: The median interval of some frames.
-    - `nominal_s`: By the mode of the screen; None where it does not tell.
-    - `trusted`: Whether the measured period is that of a screen: the intervals are steady, and it is like the nominal
-      one.
-    - `in_software`: Whether frames do not wait for a vertical blank, so that they must be paced.
+    - `measured_s`: Median interval of some frames, s.
+    - `nominal_s`: By the mode of the screen, s, if known.
+    - `trusted`: True if the intervals are steady and like the nominal period.
+    - `in_software`: True if frames do not wait for a vertical blank and must be paced.
     """
 
     measured_s: float
@@ -37,12 +36,12 @@ class Rhythm:
 
     @property
     def period_s(self) -> float:
-        """The measured period where it is trusted, else the nominal one, else a sixtieth of a second."""
+        """Measured period if trusted, else the nominal one, else 1/60 s."""
         return self.measured_s if self.trusted else self.nominal_s or PERIOD_WITHOUT_BLANK_S
 
     @property
     def caution(self) -> str | None:
-        """What is to be said of a measurement that is not believed on a screen with a blank."""
+        """Warning for an implausible frame rate on a display with vertical sync."""
         if self.trusted or self.in_software:
             return None
         by = "the mode of the screen" if self.nominal_s else "assumption"
@@ -53,7 +52,7 @@ class Rhythm:
 
 
 def rhythm_of(intervals_s: Sequence[float], nominal_hz: float | None) -> Rhythm:
-    """The rhythm of a screen from the intervals of some frames, and the rate of its mode where that is known.
+    """Estimate the frame period from the intervals of some frames and the rate of the mode.
 
     >>> rhythm_of([0.0167] * 20, 60.0).trusted, rhythm_of([0.0044, 0.095, 0.02] * 7, 60.0).period_s
     (True, 0.016666666666666666)
@@ -74,9 +73,9 @@ def rhythm_of(intervals_s: Sequence[float], nominal_hz: float | None) -> Rhythm:
 
 
 def nominal_rate_hz(mode: Any) -> float | None:
-    """Frames per second of a screen's mode as pyglet tells it; None where it does not.
+    """Return the frame rate of a screen's mode from pyglet, or None.
 
-    X tells the clock of the pixels (kHz) and how many a frame has with its blanks, Windows and macOS the rate.
+    X gives pixel clock (kHz) and pixels per frame with blanks, Windows and macOS the rate.
     """
     line = getattr(mode, "info", None)
     if line is None:
@@ -103,13 +102,13 @@ class Pacer:
             self._due_s = max(self._due_s, now_s) + self.rhythm.period_s
 
     def after(self, interval_s: float) -> None:
-        """A frame was shown after such an interval; many that are too fast waited for no blank after all."""
+        """Add a frame interval; many that are too short show that there is no vertical sync."""
         self._n_fast = self._n_fast + 1 if interval_s < FASTEST * self.rhythm.period_s else 0
         self.in_software = self.in_software or self._n_fast >= N_TOO_FAST
 
 
 def timing_of(intervals_s: Sequence[float], period_s: float) -> dict[str, int | float | None]:
-    """Number of frames, how many were dropped (whole periods that intervals were too long), and quantiles, s.
+    """Return the number of frames, dropped frames (whole periods), and quantiles of intervals, s.
 
     >>> timing_of([0.016, 0.017, 0.050], 1 / 60)["n_dropped_frames"]
     2

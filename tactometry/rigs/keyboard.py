@@ -1,4 +1,4 @@
-"""PsychoPy's keyboard and the screens of the computer; the window passes PsychoPy in."""
+"""PsychoPy's keyboard and the connected screens; the window passes PsychoPy in."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -17,7 +17,7 @@ without Python's lock (found at PsychoPy's own 5 000)."""
 
 @contextmanager
 def failing_as(what: str, cure: str) -> Iterator[None]:
-    """Whatever PsychoPy raises in the body as one sentence, with its cause between `what` and `cure`.
+    """Turn PsychoPy's exceptions in the body into one sentence, with the cause between `what` and `cure`.
 
     Raises `DeviceFailed` if the body fails, or ends the program without a signal.
     """
@@ -41,7 +41,7 @@ def open_keyboard(psychopy: SimpleNamespace) -> Any:
 
 
 def keyboard_of_script(psychopy: SimpleNamespace) -> Any:
-    """The one keyboard of a process that is PsychoPy's: made anew, it would lose the clock that a script gave it."""
+    """Return PsychoPy's one keyboard of the process; a new one would lose the script's clock."""
     device = psychopy.keyboard.KeyboardDevice._instance
     if device is None:
         return open_keyboard(psychopy)
@@ -60,10 +60,10 @@ N_REMEMBERED = 256
 
 
 class FreshPresses:
-    """Lets through each (name, time) pair once.
+    """Passes each (name, time) pair once.
 
-    PsychoPy tells of a press that is held when it begins and again, with the old time, when it ends; of a
-    tap it tells only when it has ended. Asked for both, it tells of everything, some of it twice.
+    PsychoPy reports a held press at its beginning and again, with the old time, at its end, and a tap only at its end.
+    Queried for both, it reports everything, some of it twice.
 
     >>> fresh = FreshPresses()
     >>> fresh.of([("y", 1.5)]), fresh.of([("y", 1.5), ("n", 2.0)])
@@ -74,7 +74,7 @@ class FreshPresses:
         self._seen: deque[tuple[str, float]] = deque(maxlen=N_REMEMBERED)
 
     def of(self, reported: Iterable[tuple[str, float]]) -> list[tuple[str, float]]:
-        """The presses that were not reported before, in the order of their times."""
+        """Return the presses that were not reported before, in order of time."""
         fresh = sorted(set(reported) - set(self._seen), key=lambda press: press[1])
         self._seen.extend(fresh)
         return fresh
@@ -86,7 +86,7 @@ REPEAT_AFTER_S, REPEAT_EVERY_S = 0.4, 0.03
 
 
 class HeldKeys:
-    """Repeats the arrow that went down last, while it is held; `state_of` tells whether a key is down.
+    """Repeats the arrow that went down last while it is held; `state_of` returns True if a key is down.
 
     >>> held = HeldKeys(lambda name: True)
     >>> held.repeats([("left", 1.0)], now_s=1.1), held.repeats([], now_s=1.435)
@@ -97,7 +97,7 @@ class HeldKeys:
         self._state_of, self._name, self._next_s = state_of, "", 0.0
 
     def repeats(self, fresh: Iterable[tuple[str, float]], now_s: float) -> list[str]:
-        """What it repeats now, after what was freshly pressed."""
+        """Return the due repetitions after fresh presses."""
         for name, down_s in fresh:
             self._name, self._next_s = name, down_s + REPEAT_AFTER_S
         if self._name not in REPEATING or now_s < self._next_s:
@@ -112,7 +112,7 @@ class HeldKeys:
 
 @dataclass(frozen=True)
 class ConnectedScreen:
-    """One of them, from 0, with its size and its place among the others (pixels).
+    """A screen, numbered from 0, with its size and place among the others (pixels).
 
     >>> str(ConnectedScreen(1, 1920, 1080, 1280, 0))
     'screen 1: 1920 x 1080 px'
@@ -129,7 +129,7 @@ class ConnectedScreen:
 
 
 def connected_screens(pyglet: Any) -> tuple[ConnectedScreen, ...]:
-    """All screens of the desktop; pyglet is handed in, as one module alone imports PsychoPy and what comes with it."""
+    """Return all screens of the desktop; pyglet is passed in."""
     return tuple(
         ConnectedScreen(number, int(screen.width), int(screen.height), int(screen.x), int(screen.y))
         for number, screen in enumerate(pyglet.canvas.get_display().get_screens())
@@ -137,6 +137,6 @@ def connected_screens(pyglet: Any) -> tuple[ConnectedScreen, ...]:
 
 
 def check_screen(number: int, there: Sequence[ConnectedScreen]) -> None:
-    """Whether there is a screen of this number."""
+    """Refuse a number that no screen has."""
     known = ", ".join(map(str, there))
     expect(0 <= number < len(there), "[screen] screen", number, f"one that is connected ({known})")

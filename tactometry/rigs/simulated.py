@@ -1,4 +1,4 @@
-"""A rig whose participant is simulated, in simulated time."""
+"""A rig with a simulated participant, in simulated time."""
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
@@ -10,16 +10,18 @@ import numpy as np
 
 from ..arguments.require import expect, lookup
 from ..contact import Contact
-from ..followed import FollowsFinger, felt_under, straight_way
 from ..observers.changes import Answer, Shift, Shifted
 from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger, Touches
 from ..observers.people import Feeling
+from ..position_dependent import FollowsFinger, felt_under, straight_way
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.request import (
     ABOUT,
     CONSENT,
+    GO_ON,
+    MISSED_PRACTICE,
     TRAJECTORY_M,
     Adjust,
     Choose,
@@ -39,21 +41,21 @@ from ..session.run import LiveRig
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
 from .emitter import render
-from .judgement import broken_condition, compliance_fields
+from .touch_validity import broken_condition, compliance_fields
 
 if TYPE_CHECKING:
     from ..observers.raters import Rater
 
 
 class Sensation(Protocol):
-    """What a finger feels of a signal: a sensation level in dB re the detection threshold, -inf for nothing."""
+    """Model of a finger: sensation level of a signal in dB re the detection threshold, -inf for nothing."""
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float: ...
 
 
 @runtime_checkable
 class OfFingers(Sensation, Protocol):
-    """What each of several fingers feels of a signal."""
+    """Model of several fingers."""
 
     def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]: ...
 
@@ -66,13 +68,13 @@ Meeting = tuple[str, float, float]
 
 
 def meeting(stimulus: str, request: Play | Press | Slide | Adjust) -> Meeting:
-    """How a request meets the finger, or would with another stimulus."""
+    """Return the stimulus, force and speed of a request, for any stimulus name."""
     force_n, speed_m_per_s = getattr(request, "target_n", None), getattr(request, "speed_m_per_s", None)
     return stimulus, force_n or 0.0, speed_m_per_s or 0.0
 
 
 def value_of(liking: float, scale: Rate | Fill) -> float:
-    """A liking from -1 to 1 as an answer on a scale."""
+    """Convert a liking from -1 to 1 to an answer on a scale."""
     fraction = (1 + liking) / 2
     if scale.steps is None:
         return round(scale.low + fraction * (scale.high - scale.low), 3)
@@ -85,20 +87,22 @@ N_SIGNALS = 128
 
 
 def rendering(bank: Mapping[str, Stimulus], limits: Limits) -> Rendering:
-    """Levels come again and again: each of the last `N_SIGNALS` is rendered and checked once."""
+    """Render and check signals, caching the last `N_SIGNALS`."""
     return functools.lru_cache(N_SIGNALS)(lambda stimulus, level: render(bank, stimulus, level, limits))
 
 
 @dataclass(eq=False)
 class SimulatedRig(LiveRig):
-    """Answers as `observer` does from what `sensation` says that the skin receives.
+    """Answers as `observer` does to what `sensation` computes; checks limits as a bench does.
 
-    `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model,
-    `felt` tells in words through what, for the journal; `rendered` makes the signals where several sessions share it.
-    `feelings` says how this person feels a cell, where not as the models do, `shift` by how much it is off after so
-    many trials with these answers; `rater` fills in questionnaires, where not by how good the strength feels.
-    Everything random of trial n comes from `rng_of(n)`, so that a session that is resumed goes on as if it had never
-    stopped. Limits are checked as on a bench.
+    - `decisions`: How each question is answered.
+    - `by_stimulus`: Models of single stimuli.
+    - `felt`: Description of the models for the journal.
+    - `rendered`: Signals shared by several sessions.
+    - `feelings`: Deviations of this person by cell.
+    - `shift`: Change of this person after so many trials and answers.
+    - `rater`: Answers questionnaires, if not by the liking of the strength.
+    - `rng_of`: All randomness of trial n, so that a resumed session goes on unchanged.
     """
 
     bank: Mapping[str, Stimulus]
@@ -128,20 +132,16 @@ class SimulatedRig(LiveRig):
     def _begin_trial(self, n_trials: int) -> None:
         self._n_trials = n_trials
         self._touches.begin(n_trials)
-        self._observer = self._as_it_is(n_trials)
+        self._observer = self.observer
+        if self.shift is not None:
+            assert isinstance(self.observer, Shifted)  # or the study was refused
+            self._observer = self.observer.shifted(self.shift(n_trials, self._answers))
         self._felt: list[Felt] = []
         self._met: Meeting | None = None
 
     @property
     def _rng(self) -> np.random.Generator:
         return self._touches.rng
-
-    def _as_it_is(self, n_trials: int) -> Observer:
-        """The observer in this trial."""
-        if self.shift is None:
-            return self.observer
-        assert isinstance(self.observer, Shifted)  # or the study was refused
-        return self.observer.shifted(self.shift(n_trials, self._answers))
 
     def facts(self) -> Facts:
         return {"rig": "simulated", "clock": "simulated", **({"felt": self.felt} if self.felt else {})}
@@ -154,8 +154,8 @@ class SimulatedRig(LiveRig):
     def close(self) -> None:
         pass
 
-    def _feel(self, request: Play | Press | Slide, contact: Contact, grip: Grip | None = None) -> str | None:
-        """The digest of what is felt; None of a blank."""
+    def _sense(self, request: Play | Press | Slide, contact: Contact, grip: Grip | None = None) -> str | None:
+        """Feel a stimulus and return its digest; None for a blank."""
         stimulus, level = request.stimulus, request.level
         self._met = meeting(stimulus, request)
         if level is None:
@@ -171,7 +171,7 @@ class SimulatedRig(LiveRig):
     def _fingers(
         self, request: Play | Press | Slide, level: float, contact: Contact
     ) -> Callable[[str], tuple[float, ...]] | None:
-        """What each finger would feel of any stimulus of the trial in this touch; None where one place feels."""
+        """Return what each finger would feel of any stimulus of the trial; None for a model with one place."""
         if not issubclass(type(self._skin(request.stimulus)), OfFingers):
             return None
 
@@ -196,25 +196,19 @@ class SimulatedRig(LiveRig):
         return feeling.felt_db(level, lambda: skin.sensation_db(signal, contact))
 
     def _pass(self, duration_s: float) -> float:
-        """The present time, which then passes by."""
+        """Return the present time, and let `duration_s` pass."""
         now_s = self._now_s
         self._now_s = round(now_s + duration_s, 9)
         return now_s
 
     def _play(self, request: Play) -> Played:
-        digest = self._feel(request, Contact(0.0)) or ""
+        digest = self._sense(request, Contact(0.0)) or ""
         return Played(self._pass(request.duration_s), request.level, digest)
 
-    def _press(self, request: Press) -> Touched:
-        return self._touch(request)
-
-    def _slide(self, request: Slide) -> Touched:
-        return self._touch(request)
-
-    def _touch(self, request: Press | Slide) -> Touched:
+    def _feel(self, request: Press | Slide) -> Touched:
         grip, force, speed = self._touches.touch(request)
         reason = broken_condition(request, force, speed)
-        digest = self._feel(request, Contact(force.mean_n, grip.speed_m_per_s), grip)
+        digest = self._sense(request, Contact(force.mean_n, grip.speed_m_per_s), grip)
         self._pass(request.hold_s)
         return Touched(
             onset_s=self._pass(request.duration_s),
@@ -231,6 +225,8 @@ class SimulatedRig(LiveRig):
     def _choose(self, request: Choose) -> Chosen:
         if request.question == CONSENT:
             return Chosen(1, *self._timing(1))
+        if request.question == MISSED_PRACTICE:
+            return Chosen(GO_ON, *self._timing(1))
         if request.question.startswith(ABOUT):  # whoever it is: each answer is as likely
             return Chosen(int(self._rng.choice(request.options)), *self._timing(1))
         decision = lookup("question to the simulated participant", request.question, self.decisions)
@@ -254,14 +250,12 @@ class SimulatedRig(LiveRig):
         return Rated(value if request.high is None else min(value, request.high), *self._timing(1))
 
     def _fill(self, request: Fill) -> Filled:
-        values = tuple(value_of(place, request) for place in self._places(request))
+        if self.rater is None:
+            places = [(-1 if question.reversed else 1) * self._liking() for question in request.questions]
+        else:
+            places = self.rater.answers(request, self._met, self._liking(), self._rng)
+        values = tuple(value_of(place, request) for place in places)
         return Filled(values, *self._timing(len(values)))
-
-    def _places(self, request: Fill) -> list[float]:
-        """The answers to a page, from -1 (left) to 1 (right)."""
-        if self.rater is not None:
-            return self.rater.answers(request, self._met, self._liking(), self._rng)
-        return [(-1 if question.reversed else 1) * self._liking() for question in request.questions]
 
     def _liking(self) -> float:
         return self._observer.liking(self._last_db(), self._rng)
@@ -270,7 +264,7 @@ class SimulatedRig(LiveRig):
         return self._felt[-1].level_db if self._felt else 0.0
 
     def _adjust(self, request: Adjust) -> Adjusted:
-        """Up until it is felt, or down until it is not felt any more."""
+        """Step up until it is felt, or down until it is not."""
         begin_s, felt = self._now_s, self._feels(request, 0)
         step, n_steps = (-1 if felt else 1), 0
         while self._feels(request, n_steps) == felt and request.low <= request.level(n_steps + step) <= request.high:
@@ -301,7 +295,7 @@ class SimulatedRig(LiveRig):
 
 
 def _whole_between(low: float, high: float, rng: np.random.Generator) -> float:
-    """A whole number within these bounds, each as likely; the middle where there is none.
+    """Draw a whole number within bounds; their middle if there is none.
 
     >>> _whole_between(18.0, 18.5, np.random.default_rng(1)), _whole_between(0.25, 0.75, np.random.default_rng(1))
     (18.0, 0.5)

@@ -1,4 +1,4 @@
-"""Texts and images that the participant sees: those of a study first, then the shipped language file."""
+"""Texts and images for the participant: those of the study, then the shipped language file."""
 
 import io
 import re
@@ -19,7 +19,7 @@ from ..session.request import Question, Show
 _WIDE = re.compile(r"\d{4}")
 FOLDER = Path(__file__).parent
 PREFIX, SUFFIX = "messages_", ".toml"
-LIST: Final = "the list of [texts] in docs/reference/studies.md"
+LIST: Final = "the list of tactometry keys texts"
 N_NEAREST: Final = 3
 """So many names like one that is not known are told: there are a hundred."""
 LARGEST_IMAGE = 50_000_000
@@ -40,16 +40,16 @@ class ImageTable:
 
 @dataclass(frozen=True)
 class PageImage:
-    """A file that can be drawn, and its width over its height."""
+    """File of an image, and its width over its height."""
 
     path: str
     ratio: float
 
 
 def image_of(table: ImageTable, where: str) -> PageImage:
-    """The image of a table, looked at.
+    """Check and measure the image of a table.
 
-    Raises `InvalidParameter` if the file cannot be read, is another than the study states, or no image.
+    Raises `InvalidParameter` if the file cannot be read, differs from what the study states, or is no image.
     """
     from PIL import Image as Pillow, UnidentifiedImageError
 
@@ -69,7 +69,7 @@ def image_of(table: ImageTable, where: str) -> PageImage:
 
 @cache
 def languages() -> tuple[str, ...]:
-    """The languages that are shipped, by their two letters.
+    """Return the shipped languages by their two letters.
 
     >>> languages()
     ('de', 'en', 'fr')
@@ -81,13 +81,12 @@ def languages() -> tuple[str, ...]:
 class Texts:
     """Messages and labels by name.
 
-    - `messages`: Texts with ``{names}`` to be filled.
-    - `labels`: What a label of an answer, or a level of a factor, is called in the participant's language.
-    - `language`: Its two letters, for words that come in several languages.
-    - `stop`: The label of what stops a session.
-    - `shipped`: What is shown where a message cannot be filled, so that no text of a study stops a session that has
-      begun.
-    - `images`: Those that stand on pages of text, by the message.
+    - `messages`: Texts with ``{names}`` to fill.
+    - `labels`: Labels of answers and levels in the participant's language.
+    - `language`: Its two letters.
+    - `stop`: Label of what stops a session.
+    - `shipped`: Fallback for messages of the study that cannot be filled.
+    - `images`: Images on pages of text, by message.
     """
 
     messages: Mapping[str, str]
@@ -98,9 +97,9 @@ class Texts:
     images: Mapping[str, PageImage] = field(default_factory=dict)
 
     def question(self, question: Question) -> tuple[str, str, str]:
-        """The statement, the left and the right word of a question in this language.
+        """Return statement, left word and right word of a question in this language.
 
-        Raises `InvalidParameter` if the questionnaire has no words in this language.
+        Raises `InvalidParameter` if the questionnaire lacks this language.
         """
         cure = "choose that language on the bench, or add the words"
         expected = f"one of {', '.join(question.words)}; {cure}"
@@ -109,10 +108,9 @@ class Texts:
         return question.words[self.language]
 
     def message(self, name: str, values: Mapping[str, str | int | float] | None = None) -> str:
-        """The text of a message, filled with `values`.
+        """Return the text of a message, filled with `values`.
 
-        Raises `InvalidParameter` if there is no such message, or it asks for a value that is not given, and none is
-        shipped either.
+        Raises `InvalidParameter` if it does not exist or lacks a value, and no shipped one serves.
         """
         if name not in self.messages:
             raise InvalidParameter(
@@ -127,25 +125,23 @@ class Texts:
             return _fill_in(name, self.shipped[name], values or {})
 
     def page(self, request: Show, left_s: int = 0) -> str:
-        """The text of a page that is shown, with the seconds that are left of it and what stops the session; with
-        `x_mm` too of a length `x_m`.
-        """
+        """Return the text of a page, with its remaining seconds, the stop key, and lengths `x_m` also as `x_mm`."""
         told = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
         people = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
         known = {**_lengths_mm(told), **told, "left_s": left_s, **people}
         return self.message(request.message, known)
 
     def in_language(self, words: Mapping[str, str]) -> str:
-        """What stands in a table by language in this one; in English, or not at all, where it has none."""
+        """Return words in this language, else in English, else nothing."""
         return words.get(self.language, words.get("en", ""))
 
     def label(self, word: str) -> str:
-        """A label in the participant's language; an unknown one as it is."""
+        """Return a label in this language; an unknown one is returned unchanged."""
         return self.labels.get(word, word)
 
 
 def _lengths_mm(values: Mapping[str, str | int | float]) -> dict[str, float]:
-    """Lengths as people say them.
+    """Convert lengths to millimetres.
 
     >>> _lengths_mm({"distance_m": 0.028, "block": 2})
     {'distance_mm': 28.0}
@@ -169,7 +165,7 @@ def _fill_in(name: str, text: str, values: Mapping[str, str | int | float]) -> s
 
 @dataclass(frozen=True)
 class Phrases:
-    """What a terminal says, by name, in one language; a study brings no words of its own for it."""
+    """Texts of the experimenter's terminal by name, in one language."""
 
     words: Mapping[str, str]
 
@@ -179,14 +175,13 @@ class Phrases:
 
 @cache
 def _shipped(language: str) -> dict[str, dict[str, str]]:
-    """The tables of a language file."""
     one_of("language", language, languages())
     tables = tomllib.loads((FOLDER / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
     return {name: tables[name] for name in ("messages", "labels", "console")}
 
 
 def phrases_in(language: str) -> Phrases:
-    """The shipped words of a terminal.
+    """Return the shipped terminal texts of a language.
 
     >>> phrases_in("fr").of("press", force_n=1.0, duration_s=0.5)
     'appuyez avec 1 N pendant 0.5 s'
@@ -195,7 +190,7 @@ def phrases_in(language: str) -> Phrases:
 
 
 def texts_in(language: str, study: Mapping[str, str]) -> Texts:
-    """The shipped texts of a language, below the texts of a study, which may name messages, labels and levels.
+    """Return the shipped texts of a language, overridden by those of a study.
 
     >>> texts_in("fr", {"welcome": "Bonjour {code}"}).message("welcome", {"code": "P01"})
     'Bonjour P01'

@@ -1,7 +1,7 @@
-"""The participant's screen and keyboard by PsychoPy; no other module imports it.
+"""The participant's screen and keyboard with PsychoPy; no other module imports it.
 
-What PsychoPy 2026.2.5 does and does not do was measured: text and plain shapes are cheap, keys come whole
-from its `ptb` back end only, its clock is the wall clock on Linux, taps are missed by polling.
+Measured with PsychoPy 2026.2.5: text and plain shapes are cheap, only the `ptb` back end reports all keys, its clock is
+the wall clock on Linux, and polling misses taps.
 """
 
 import ctypes
@@ -20,7 +20,7 @@ from ..arguments.require import expect
 from ..devices.clock_map import clock_offset_s
 from ..errors import DeviceFailed
 from ..session.request import Facts
-from .drawing import Canvas, Loan
+from .drawing import BorrowedWindow, Canvas
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from .keyboard import (
     ConnectedScreen,
@@ -40,7 +40,6 @@ UNSTATED_WIDTH_CM = 50.0
 
 
 def _psychopy() -> SimpleNamespace:
-    """The parts of PsychoPy that a window needs; its own warnings at import are not ours."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from psychopy import logging
@@ -60,10 +59,9 @@ def _psychopy() -> SimpleNamespace:
 
 
 def load_psychopy() -> SimpleNamespace:
-    """PsychoPy, or one sentence that says what to install.
+    """Import PsychoPy.
 
-    Raises `DeviceFailed` if it is not installed, a library of the system is missing, there is no display, or sphinx is
-    imported.
+    Raises `DeviceFailed` if it or a system library is missing, there is no display, or sphinx is imported.
     """
     no_display = "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
     with failing_as(*no_display):
@@ -82,14 +80,13 @@ def load_psychopy() -> SimpleNamespace:
 
 
 class Window(Display):
-    """A screen as `tactometry.rigs.pages.page.Display` says.
+    """A `Display` with PsychoPy.
 
-    Raises `InvalidParameter` if there is no such display. Raises `DeviceFailed` if there is none at all, or no keyboard
-    that keeps all presses.
+    - `fullscreen`: Take the whole screen; else `size` (pixels).
+    - `screen`: Number of the display, from 0.
 
-    - `fullscreen`: Take the whole screen; else `size`.
-    - `size`: Width and height in pixels.
-    - `screen`: Which display, from 0, as PsychoPy counts them.
+    Raises `InvalidParameter` if there is no such display, `DeviceFailed` if there is none, or no keyboard that keeps
+    all presses.
     """
 
     def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None, screen: int = 0) -> None:
@@ -98,7 +95,7 @@ class Window(Display):
         self._begin(_open_window(self._psychopy, fullscreen=fullscreen, size=size, screen=screen), adopted=False)
 
     def screens(self) -> tuple[ConnectedScreen, ...]:
-        """The displays that are connected."""
+        """Return the connected displays."""
         with failing_as(
             "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
         ):
@@ -106,15 +103,12 @@ class Window(Display):
 
     @classmethod
     def adopt(cls, window: Any) -> Self:
-        """The window of a PsychoPy script, for pages within it.
+        """Use the window of a PsychoPy script for pages within it.
 
-        From the first page on until `give_back` it is ours: the pages have a ground of their own, nothing of the script
-        is drawn, and what is pressed is for the pages. Then it is as it was: units, colour, view, viewport, blending,
-        stimuli with autoDraw, what waits for the next flip, mouse, keys that wait to be read. It is never closed here.
+        From the first page until `give_back` it is ours: own background, nothing of the script is drawn, inputs go to
+        the pages. Then everything is restored. It is never closed here.
 
-        Raises `InvalidParameter` if it is no such window, or closed. Raises `DeviceFailed` if the script reads its keys
-        in a way that loses some.
-
+        Raises `InvalidParameter` if it is no open window, `DeviceFailed` if the script's keyboard loses keys.
         """
         psychopy = load_psychopy()
         is_window = isinstance(window, psychopy.visual.Window)
@@ -132,13 +126,13 @@ class Window(Display):
             self._opened.callback(window.close)
         try:
             self._keyboard = (keyboard_of_script if adopted else open_keyboard)(self._psychopy)
-            heard: dict[str, Callable[..., Any]] = {
+            handlers: dict[str, Callable[..., Any]] = {
                 "on_mouse_press": self._on_mouse_press,
                 "on_mouse_drag": self._on_mouse_drag,
                 "on_close": self._on_close,
             }
-            self._loan = Loan(self._psychopy, window, self._keyboard, heard)
-            self._opened.callback(self._loan.give_back if adopted else self._keyboard.stop)
+            self._borrowed = BorrowedWindow(self._psychopy, window, self._keyboard, handlers)
+            self._opened.callback(self._borrowed.give_back if adopted else self._keyboard.stop)
             self._canvas = Canvas(self._psychopy, self._window)
             self._fresh, self._held = FreshPresses(), HeldKeys(self._keyboard.getState)
             self._pressed: list[Input] = []
@@ -152,11 +146,11 @@ class Window(Display):
 
     def give_back(self) -> None:
         if self._adopted:
-            self._loan.give_back()
+            self._borrowed.give_back()
 
     def _rhythm(self) -> Rhythm:
-        """By the first frames that are believed, of `N_MEASUREMENTS` at most: opening a window is work."""
-        self._loan.take()
+        """Measure the frame period, up to `N_MEASUREMENTS` times, as opening a window disturbs it."""
+        self._borrowed.take()
         nominal_hz = nominal_rate_hz(_mode_of(self._window.winHandle.screen))
         for _ in range(N_MEASUREMENTS):
             flips_s = [self._flip() for _ in range(N_MEASURED_FRAMES + 1)]
@@ -267,7 +261,7 @@ class Window(Display):
         self._opened.close()
 
     def picture(self, page: Page) -> Any:
-        """The page as a PIL image, drawn and read back but not shown."""
+        """Return the page as a PIL image, drawn but not shown."""
         self._draw(page)
         image = self._window.getMovieFrame(buffer="back").copy()
         self._window.movieFrames = []
@@ -275,12 +269,12 @@ class Window(Display):
         return image
 
     def _draw(self, page: Page) -> None:
-        self._loan.take()
+        self._borrowed.take()
         self._canvas.draw(page)
 
 
 def _mode_of(screen: Any) -> Any:
-    """The mode of a screen; None where its X server cannot tell it, of which Xlib would write to the terminal."""
+    """Return the mode of a screen; None if its X server lacks it, as Xlib would print an error."""
     server = getattr(screen.display, "_display", None)
     if server is not None:
         from pyglet.libs.x11 import xlib

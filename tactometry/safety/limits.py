@@ -1,4 +1,4 @@
-"""What may reach a finger, checked on the final samples by every rig and every output."""
+"""Limits of what may reach a finger, checked on the final samples by every rig and output."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -44,38 +44,22 @@ class Limits:
 
     Each but `duty` and `duty_window_s` may be `UNLIMITED`; a file may state a number up to its bound in `HIGHEST`.
 
-    Parameters
-    ----------
-    voltage_peak_v : float
-        Peak voltage on any channel, above 0.
-    duration_s : float, optional
-        Longest single signal, above 0; without it `LONGEST_SIGNAL_S`, and a load gets nothing.
-    current_peak_a : float, optional
-        Highest current into the load of any channel, above 0.
-    charge_peak_c : float, optional
-        Highest charge into the load of any channel, above 0.
-    displacement_peak_m : float, optional
-        Of the surface, above 0.
-    duty : float, optional
-        Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
-    session_s : float, optional
-        How long a session may last in which an output emits, above 0, at most 24 h in a file: over all its sittings,
-        without the time between.
-    charge_session_c : float, optional
-        Largest sum, over a session, of the charges that its signals pass through the leak of a load, whatever their
-        signs, above 0. A signal that plays counts with the largest charge of any of its beginnings, one that was
-        stopped with what was emitted by then, a complete one with its net charge.
-    force_peak_n : float
-        Above this force of the finger nothing plays, above 0.
-    duty_window_s : float
-        The time over which `duty` holds, above 0, at most 1 h.
-    stop_within_s : float, optional
-        Largest worst-case delay of a stop, above 0; without it 0.1 s.
+    - `voltage_peak_v`: Peak voltage on any channel, above 0.
+    - `duration_s`: Longest single signal, above 0; without it `LONGEST_SIGNAL_S`, and a load gets nothing.
+    - `current_peak_a`: Highest current into the load of any channel, above 0.
+    - `charge_peak_c`: Highest charge into the load of any channel, above 0.
+    - `displacement_peak_m`: Of the surface, above 0.
+    - `duty`: Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
+    - `session_s`: How long a session may last in which an output emits, above 0, at most 24 h in a file: over all its
+      sittings, without the time between.
+    - `charge_session_c`: Largest sum, over a session, of the charges that its signals pass through the leak of a load,
+      whatever their signs, above 0. A signal that plays counts with the largest charge of any of its beginnings, one
+      that was stopped with what was emitted by then, a complete one with its net charge.
+    - `force_peak_n`: Above this force of the finger nothing plays, above 0.
+    - `duty_window_s`: The time over which `duty` holds, above 0, at most 1 h.
+    - `stop_within_s`: Largest worst-case delay of a stop, above 0; without it 0.1 s.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is not as stated.
+    Raises `InvalidParameter` if a value is not as stated.
     """
 
     voltage_peak_v: Positive | Unlimited
@@ -96,12 +80,12 @@ class Limits:
 
     @property
     def longest_s(self) -> float:
-        """How long one signal may be, s."""
+        """Longest duration of one signal, s."""
         return LONGEST_SIGNAL_S if self.duration_s is None else self.duration_s
 
     @property
     def longest_stop_s(self) -> float:
-        """The largest worst-case delay of a stop, s."""
+        """Largest worst-case delay of a stop, s."""
         return STOP_WITHIN_S if self.stop_within_s is None else self.stop_within_s
 
     @property
@@ -109,10 +93,9 @@ class Limits:
         return tuple(name for name, value in vars(self).items() if isinstance(value, Unlimited))
 
     def check(self, signal: Signal) -> None:
-        """Refuse a signal that passes a limit which holds for any load.
+        """Refuse a signal that exceeds a limit which applies to any load.
 
-        Raises `LimitExceeded` if the unit is not volt, or the peak or the duration is above its limit. Rounding in the
-        last digits (1e-12 relative) is not an excess.
+        Raises `LimitExceeded` if the unit is not volt, or peak or duration is too large; 1e-12 (relative) is rounding.
         """
         if signal.unit != "V":
             raise LimitExceeded(f"limits: found a signal in {signal.unit!r}, expected volt ('V'); nothing was played")
@@ -120,12 +103,11 @@ class Limits:
         _check("duration_s", "a signal of", signal.duration_s, self.longest_s, "s", "shorten it")
 
     def check_load(self, signal: Signal, load: Load, rise_s: float = math.inf) -> None:
-        """Refuse a signal that passes a limit of the load, or a load whose limits nobody stated.
+        """Refuse a signal that exceeds a limit of the load, or a load without stated limits.
 
-        A finite `rise_s` says that its samples are weakened as it plays, from all to nothing in `rise_s` at the
-        fastest.
+        A finite `rise_s` is the shortest time in which playing weakens the samples from all to nothing.
 
-        Raises `LimitExceeded` if a limit is missing, cannot be computed from what is known of the load, or is passed.
+        Raises `LimitExceeded` if a limit is missing, cannot be computed, or is exceeded.
         """
         self.check_stated(load)
         if self.current_peak_a is not None:
@@ -139,7 +121,7 @@ class Limits:
             _check("displacement_peak_m", "up to", peak_m, self.displacement_peak_m, "m", "lower the level")
 
     def check_filtered(self, signal: Signal, load: Load | None, rise_s: float = math.inf) -> None:
-        """Refuse a signal that passes a limit between its samples, after the output's reconstruction filter.
+        """Refuse a signal that exceeds a limit between samples, after the output's reconstruction filter.
 
         An excess of up to `TOLERANCE` is played.
         """
@@ -158,11 +140,7 @@ class Limits:
                 _check(name, what, peak(limit * (1 + TOLERANCE)), limit, unit, cure, TOLERANCE)
 
     def check_stated(self, load: Load) -> None:
-        """Refuse a load whose limits nobody stated.
-
-        Raises `LimitExceeded` if a limit that this kind of load needs is missing, or one is stated that the load cannot
-        tell.
-        """
+        """Raise `LimitExceeded` if a limit that this load needs is missing, or one cannot be computed for it."""
         missing = [name for name in NEEDED[load.kind] if getattr(self, name) is None]
         if self.current_peak_a is None and self.charge_peak_c is None:
             missing.insert(0, "current_peak_a or charge_peak_c")
@@ -178,22 +156,16 @@ class Limits:
             )
 
     def check_force(self, target_n: float, tolerance: float) -> None:
-        """Refuse a touch that asks for more than the limit of force.
-
-        Raises `LimitExceeded` if the upper edge of its band is above.
-        """
+        """Raise `LimitExceeded` if the upper edge of a touch's force band is above the limit."""
         _check("force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less")
 
     def check_stop(self, delay_s: float) -> None:
-        """Refuse an output whose stop may take longer than the limit.
-
-        Raises `LimitExceeded` if `delay_s`, the worst case, is above it.
-        """
+        """Raise `LimitExceeded` if `delay_s`, the worst case of an output's stop, is above the limit."""
         cure = "lower latency_s and block_s of the output, or state another limit in the bench file"
         _check("stop_within_s", "an output that may stop after", delay_s, self.longest_stop_s, "s", cure)
 
     def facts(self) -> dict[str, float | str]:
-        """Those that are stated, for the head of a journal.
+        """Return the stated limits, for the head of a journal.
 
         >>> sorted(Limits(100.0, duty=0.5).facts())
         ['limit_duty', 'limit_duty_window_s', 'limit_force_peak_n', 'limit_voltage_peak_v']
@@ -205,9 +177,9 @@ class Limits:
         }
 
     def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float, charge_c: float = 0.0) -> None:
-        """Refuse a signal from `begin_s` that would play too often, too late in the session, or pass too much charge.
+        """Refuse a signal from `begin_s` that would play too often, too late, or pass too much charge.
 
-        `charge_c` is the largest charge of any beginning of the signal, because it may be stopped at any time.
+        `charge_c` is the largest charge of any beginning of the signal, which may be stopped at any time.
         """
         if self.duty is not None:
             duty = exposure.after(begin_s, duration_s, self.duty_window_s).played_s / self.duty_window_s
@@ -221,7 +193,7 @@ class Limits:
             _check("charge_session_c", "net charges of", sum_c, self.charge_session_c, "C", "end the session")
 
     def tighter(self, other: "Limits") -> "Limits":
-        """The tighter of both for each limit; one that is stated holds against one that is not.
+        """Return the tighter of both for each limit; a stated one counts against an unstated one.
 
         Duties over windows of different lengths do not compare: the shorter playing time in the longer window keeps
         both.
@@ -230,7 +202,10 @@ class Limits:
         >>> both.voltage_peak_v, both.duration_s, both.current_peak_a
         (100.0, 1.0, 0.001)
         """
-        smallest: dict[str, Any] = {name: _smaller(getattr(self, name), getattr(other, name)) for name in _COMPARABLE}
+        smallest: dict[str, Any] = {}
+        for name in _COMPARABLE:
+            stated = [value for each in (self, other) if (value := getattr(each, name)) is not None]
+            smallest[name] = min(stated, default=None)
         duties = [(limits.duty, limits.duty_window_s) for limits in (self, other) if limits.duty is not None]
         if not duties:
             return replace(self, **smallest)
@@ -242,10 +217,10 @@ class Limits:
 
 @dataclass(frozen=True)
 class Exposure:
-    """When an output emitted: the intervals (begin, end) of the last while, s, on the clock of `opened_s`.
+    """Recent emissions of an output: intervals (begin, end), s, on the clock of `opened_s`.
 
-    `opened_s` is when the session would have begun if it had had no breaks; `charge_c` the sum of the charges that
-    passed in the signals that have ended, and `playing_c` the largest that the signal that plays may pass.
+    `opened_s` is when the session would have begun without breaks; `charge_c` the sum of charges of ended signals,
+    `playing_c` the largest that the playing signal may pass.
 
     >>> exposure = Exposure(opened_s=0.0).after(1.0, 2.0, window_s=10.0).after(5.0, 2.0, window_s=10.0)
     >>> exposure.played_s, exposure.stopped(5.5).played_s, exposure.after(10.0, 2.0, window_s=10.0).played_s
@@ -262,7 +237,7 @@ class Exposure:
         return sum(end_s - begin_s for begin_s, end_s in self.intervals_s)
 
     def after(self, begin_s: float, duration_s: float, window_s: float, charge_c: float = 0.0) -> "Exposure":
-        """With another signal; what ended more than `window_s` before its end is forgotten."""
+        """Add a signal; what ended more than `window_s` before its end is forgotten."""
         end_s = begin_s + duration_s
         first_s = end_s - window_s
         # a new signal ends what still plays: no time counts twice
@@ -270,15 +245,15 @@ class Exposure:
         kept_s = tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s)
         return replace(self.passed(self.playing_c), intervals_s=kept_s, playing_c=charge_c)
 
-    def beside(self, others_s: Iterable[tuple[float, float]]) -> "Exposure":
+    def with_others(self, others_s: Iterable[tuple[float, float]]) -> "Exposure":
         return replace(self, intervals_s=tuple(sorted((*self.intervals_s, *others_s))))
 
     def passed(self, charge_c: float) -> "Exposure":
-        """With the charge that the signal that played has passed, now that it has ended."""
+        """Add the charge of the signal that has ended."""
         return replace(self, charge_c=self.charge_c + charge_c, playing_c=0.0)
 
     def cure(self, begin_s: float, duration_s: float, window_s: float, most_s: float) -> str:
-        """When a signal of `duration_s` may begin that would now play for more than `most_s` of a window.
+        """Say when a signal of `duration_s` may begin that would now play more than `most_s` of a window.
 
         >>> Exposure(0.0, ((0.0, 3.0), (5.0, 8.0))).cure(9.0, 2.0, window_s=10.0, most_s=5.0)
         'wait 2.0 s'
@@ -300,12 +275,8 @@ class Exposure:
 _COMPARABLE = [field.name for field in fields(Limits) if field.name not in ("duty", "duty_window_s")]
 
 
-def _smaller(one: float | None, other: float | None) -> float | None:
-    return min((value for value in (one, other) if value is not None), default=None)
-
-
 def _check(name: str, what: str, value: float, limit: float, unit: str, cure: str, tolerance: float = ROUNDING) -> None:
-    """Refuse what is above its limit, and what is no number."""
+    """Refuse a value that is above its limit, or NaN."""
     if not value <= limit * (1 + tolerance):  # not `value > limit`, which a NaN passes
         raise LimitExceeded(
             f"limits.{name}: found {what} {value:.6g} {unit}, the limit is {limit:.6g} {unit}; {cure}; "

@@ -1,8 +1,7 @@
-"""What an output drives: the current, charge and displacement that a voltage makes there.
+"""Current, charge and displacement that a voltage makes at a load.
 
-Between two samples the voltage is taken as a straight line, before the first and after the last as a line from and to
-zero. `Load` is exact for that course. The quantities that are called filtered are those after a reconstruction filter
-(`reconstruction`).
+The voltage is a straight line between two samples, and from and to zero at the ends; `Load` is exact for it. Quantities
+called filtered are those after a reconstruction filter (`reconstruction`).
 """
 
 import math
@@ -14,17 +13,16 @@ import numpy as np
 from ..arguments.constraints import Positive, constrained
 from ..arguments.require import expect
 from ..signal import FloatArray, Signal
-from .reconstruction import course_peak
+from .reconstruction import course_peak, largest
 
 
 @dataclass(frozen=True, eq=False)
 class PassedCharge:
-    """Charge through the leak of a load in the course of one signal.
+    """Charge through the leak of a load during one signal.
 
     - `passed_c`, `absolute_c`: Integral of v/R and of abs(v)/R from the beginning to each sample, and to the end of the
       line that returns to zero, C.
-    - `rise_s`: Finite for a signal that the finger's position weakens as it plays: only `absolute_c` bounds its charge
-      then.
+    - `rise_s`: Finite for a signal that the finger weakens: then only `absolute_c` bounds its charge.
 
     >>> balanced = Signal(np.array([[100.0] * 50 + [-100.0] * 50]), rate_hz=100.0, unit="V")
     >>> charge = Load("electrode", 1e-9, leak_resistance_ohm=1e6).passed_c(balanced)
@@ -40,7 +38,7 @@ class PassedCharge:
     @property
     def net_c(self) -> float:
         """Charge of the complete signal, C: the largest of any channel."""
-        return _largest(self.absolute_c[:, -1] if math.isfinite(self.rise_s) else self.passed_c[:, -1])
+        return largest(self.absolute_c[:, -1] if math.isfinite(self.rise_s) else self.passed_c[:, -1])
 
     @property
     def largest_c(self) -> float:
@@ -54,24 +52,20 @@ class PassedCharge:
         signed, absolute = (np.diff(course, axis=1, prepend=0.0) for course in (self.passed_c, self.absolute_c))
         before = self.passed_c - signed
         within = np.maximum(np.abs(before), np.abs(self.passed_c)) + (absolute - np.abs(signed)) / 2
-        return _largest(within)
+        return largest(within)
 
     def stopped_c(self, after_s: float, late_s: float) -> float:
-        """Upper bound of the charge of a signal that is stopped, C.
+        """Return an upper bound of the charge of a stopped signal, C.
 
         - `after_s`: From the first sample to the stop, s.
-        - `late_s`: Longest time until the output is at zero after a stop, s.
+        - `late_s`: Longest time from a stop to zero output, s.
         """
         last = self.passed_c.shape[1] - 1
         begin = min(max(math.floor(after_s * self.rate_hz), 0), last)
         end = min(max(math.ceil((after_s + late_s) * self.rate_hz), begin), last)
         following = self.absolute_c[:, end] - self.absolute_c[:, begin]
         course = self.absolute_c if math.isfinite(self.rise_s) else self.passed_c
-        return _largest(np.abs(course[:, begin]) + following)
-
-
-def _largest(values: FloatArray) -> float:
-    return float(max(values.max(initial=0.0), -values.min(initial=0.0)))
+        return largest(np.abs(course[:, begin]) + following)
 
 
 @dataclass(frozen=True)
@@ -103,24 +97,23 @@ class Load:
         expect(sound, "Load.displacement_m_per_v", gains, "finite numbers above 0")
 
     def current_peak_a(self, signal: Signal, rise_s: float = math.inf) -> float:
-        """Largest abs(C dv/dt + v/R) on any channel, A.
+        """Return the largest abs(C dv/dt + v/R) on any channel, A.
 
-        Of a signal whose samples are weakened as it plays, by parts that change from 0 to 1 in `rise_s` at the fastest,
-        a bound: (g v)' is g v' + g' v.
+        For samples weakened by parts that change from 0 to 1 in `rise_s` at the fastest, a bound: (g v)' is g v' + g'
+        v.
         """
-        peak_a = max(self._channel_current_a(channel, signal.rate_hz) for channel in signal.samples)
-        return peak_a + self.capacitance_f * signal.peak / rise_s
-
-    def _channel_current_a(self, samples_v: FloatArray, rate_hz: float) -> float:
-        before, after, slope = _lines(samples_v, rate_hz)
-        slope *= self.capacitance_f
-        # along a straight line the current is one too: its largest value is at an end
-        return max(_largest(slope + v / self.leak_resistance_ohm) for v in (before, after))
+        peaks_a = []
+        for channel in signal.samples:
+            before, after, slope = _lines(channel, signal.rate_hz)
+            slope *= self.capacitance_f
+            # along a straight line the current is one too: its largest value is at an end
+            peaks_a += [largest(slope + v / self.leak_resistance_ohm) for v in (before, after)]
+        return max(peaks_a) + self.capacitance_f * signal.peak / rise_s
 
     def charge_peak_c(self, signal: Signal, rise_s: float = math.inf) -> float:
-        """Largest abs(C v + integral of v/R) on any channel, C: the charge that has passed since the start.
+        """Return the largest abs(C v + integral of v/R) on any channel, C, since the start.
 
-        With a finite `rise_s`, as for the current, a bound: that of all charge with one sign.
+        With a finite `rise_s` a bound: that of all charge with one sign.
         """
         if math.isfinite(rise_s):
             return self.capacitance_f * signal.peak + self.passed_c(signal, rise_s).net_c
@@ -130,12 +123,12 @@ class Load:
         before, after, slope = _lines(samples_v, rate_hz)
         at_samples = np.cumsum((before + after) / (2 * rate_hz * self.leak_resistance_ohm))
         at_samples += self.capacitance_f * after
-        return max(_largest(at_samples), _largest(self._turning_c(before, after, slope, at_samples)))
+        return max(largest(at_samples), largest(self._turning_c(before, after, slope, at_samples)))
 
     def passed_c(self, signal: Signal, rise_s: float = math.inf) -> "PassedCharge":
-        """Return the charge through the leak in the course of a signal.
+        """Return the charge through the leak during a signal.
 
-        With a finite `rise_s`, as for the current, a bound: the charge if all samples had the same sign.
+        With a finite `rise_s` a bound: the charge if all samples had the same sign.
         """
         return PassedCharge(self._passed(signal), self._passed(signal, absolute=True), signal.rate_hz, rise_s)
 
@@ -147,7 +140,7 @@ class Load:
         return passed
 
     def displacement_peak_m(self, signal: Signal) -> float:
-        """A bound that no course of these channels passes: the sum of m per V times the peak of each, m."""
+        """Return the sum of m per V times the peak of each channel, m, an upper bound of any course."""
         return float(np.sum(self._gains(signal) * _channel_peaks(signal)))
 
     def _gains(self, signal: Signal) -> FloatArray:
@@ -158,7 +151,9 @@ class Load:
 
     def filtered_current_a(self, signal: Signal, bound_a: float, rise_s: float = math.inf) -> float:
         """Return the peak current after a reconstruction filter, A, or some number up to `bound_a` if it is below."""
-        weakened_a = self.capacitance_f * _strongest_v(signal, rise_s) / rise_s
+        weakened_a = 0.0
+        if math.isfinite(rise_s):
+            weakened_a = self.capacitance_f * max(signal.peak, filtered_peak_v(signal, signal.peak)) / rise_s
         per_volt, per_change = 1 / self.leak_resistance_ohm, self.capacitance_f * signal.rate_hz
         rest_a = bound_a - weakened_a
         return weakened_a + max(
@@ -195,7 +190,7 @@ class Load:
     def _turning_c(
         self, before: FloatArray, after: FloatArray, slope: FloatArray, at_samples: FloatArray
     ) -> FloatArray:
-        """The charge wherever the current changes its sign between two samples."""
+        """Return the charge wherever the current changes its sign between two samples."""
         if math.isinf(self.leak_resistance_ohm):
             return np.empty(0)
         # the current C dv/dt + v/R is 0 there
@@ -210,11 +205,6 @@ class Load:
 def filtered_peak_v(signal: Signal, bound_v: float) -> float:
     """Return the peak voltage after a reconstruction filter, V, or some number up to `bound_v` if it is below."""
     return max(course_peak(channel, bound_v) for channel in signal.samples)
-
-
-def _strongest_v(signal: Signal, rise_s: float) -> float:
-    """Return the peak voltage on both sides of a filter, V; 0 of a signal that nothing weakens."""
-    return max(signal.peak, filtered_peak_v(signal, signal.peak)) if math.isfinite(rise_s) else 0.0
 
 
 def _channel_peaks(signal: Signal) -> FloatArray:

@@ -63,22 +63,22 @@ def course_peak(
     >>> round(float(np.max(np.abs(quarter_rate))), 3), round(course_peak(quarter_rate, bound=0.9), 3)
     (0.707, 1.0)
     """
-    largest, added_peak = _largest(samples), 0.0 if added is None else _largest(added)
-    scale = max(largest * max(abs(value), abs(slope)), added_peak)
+    peak, added_peak = largest(samples), 0.0 if added is None else largest(added)
+    scale = max(peak * max(abs(value), abs(slope)), added_peak)
     if scale == 0.0 or math.isinf(scale):
         return scale
     # in parts of the largest term, which single precision can hold
-    weights = value * (largest / scale), slope * (largest / scale)
+    weights = value * (peak / scale), slope * (peak / scale)
     most = _weighed([kernel.most for kernel in _kernels()], weights) + added_peak / scale
     if (most + ROUNDING) * scale <= bound:
         return 0.0
-    courses = [_blocks(samples / (largest or 1.0), after="constant")]
+    courses = [_blocks(samples / (peak or 1.0), after="constant")]
     if added is not None:
         courses.append(_blocks(added / scale, after="edge"))
     return _search(courses, weights, bound / scale) * scale
 
 
-def _largest(values: FloatArray) -> float:
+def largest(values: FloatArray) -> float:
     return float(max(values.max(initial=0.0), -values.min(initial=0.0)))
 
 

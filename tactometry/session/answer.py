@@ -1,4 +1,4 @@
-"""What a rig may answer, each the type of the answer to one or several kinds of request."""
+"""Answers of a rig, each for one or several kinds of request."""
 
 from dataclasses import dataclass
 
@@ -8,8 +8,7 @@ from .intervention import Intervention
 
 @dataclass(frozen=True)
 class Done:
-    """The answer of a request that has nothing to report but its time (s since the session's start), and what the
-    experimenter wanted meanwhile."""
+    """Answer with its time only (s since the session's start), and what the experimenter wanted meanwhile."""
 
     at_s: float
     interventions: tuple[Intervention, ...] = ()
@@ -17,9 +16,9 @@ class Done:
 
 @dataclass(frozen=True)
 class TracePart:
-    """Where samples of a touch are kept: `n_bytes` from `first_byte` of a `file` of the data set, and their digest.
+    """Place of samples of a touch: `n_bytes` from `first_byte` of a `file` of the data set, with their digest.
 
-    `rate_hz` is that of samples whose first one is that of the onset; None where each row has a stamp of its own.
+    `rate_hz` is that of samples that begin at the onset; None if each row has a stamp.
     """
 
     file: str
@@ -31,9 +30,9 @@ class TracePart:
 
 @dataclass(frozen=True)
 class Played:
-    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples, `n_gaps` in it.
+    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples, and gaps.
 
-    `trace` says where samples of the sensors are kept, and what was emitted if it followed a finger.
+    `trace` says where sensor samples are kept, and what was emitted if it followed a finger.
     """
 
     onset_s: float
@@ -47,12 +46,13 @@ class Played:
 class Touched:
     """What a finger did while a stimulus played, and what was emitted.
 
-    `force_in_band` is the part (0..1) of the samples whose running mean was inside the band, `speed_in_band` that of
-    the speeds. `valid` is false if the touch broke its conditions or the experimenter asked for a repetition, for
-    `invalid_reason`: the protocol then asks again. `n_gaps` counts the gaps of the output; None where it cannot tell.
-    Of a stimulus that followed the finger `positions_digest` is that of the places, `positions_late` the part (0..1) of
-    the samples whose place came too late. `gate_s` is the stamp of the sample that opened the gate, None without one;
-    `trace` as in `Played`.
+    - `force_in_band`, `speed_in_band`: Share (0..1) of the samples in the band.
+    - `valid`, `invalid_reason`: A touch that is not valid is asked again.
+    - `n_gaps`: Gaps of the output; None if it cannot tell.
+    - `positions_digest`, `positions_late`: Of a stimulus that followed the finger: digest of the positions, and share
+      (0..1) that came late.
+    - `gate_s`: Stamp of the sample that opened the gate.
+    - `trace`: As in `Played`.
     """
 
     onset_s: float
@@ -73,7 +73,7 @@ class Touched:
 
     @property
     def played(self) -> bool:
-        """Whether it came to its stimulus, or to the blank in place of one: behind a gate that stayed shut it did not.
+        """True if it reached its stimulus or blank, False if its gate stayed shut.
 
         >>> from dataclasses import replace
         >>> lost = Touched(0.0, None, None, valid=False, invalid_reason="sensor_lost")
@@ -85,7 +85,7 @@ class Touched:
 
 
 class Answer:
-    """What a participant answered to a question; it is put again unless this is `valid`."""
+    """Answer to a question, which is asked again unless it is `valid`."""
 
     onset_s: float
     latency_s: float
@@ -95,7 +95,7 @@ class Answer:
 
     @property
     def invalid_reason(self) -> Reason | None:
-        """Why it does not count: its stimulus had gaps, or else the experimenter asked for a repetition."""
+        """Reason if it is not valid: gaps in the output, or a repetition by the experimenter."""
         if self.valid:
             return None
         return "output_gap" if self.n_gaps else "experimenter"
@@ -103,10 +103,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Chosen(Answer):
-    """One of the options that were offered; `latency_s` from the onset of the question.
-
-    An answer is not `valid` if the experimenter asked for a repetition meanwhile.
-    """
+    """One of the options; `latency_s` counts from the onset of the question."""
 
     option: int
     onset_s: float
@@ -128,9 +125,9 @@ class Rated(Answer):
 
 @dataclass(frozen=True)
 class Filled(Answer):
-    """The answers of a page of a questionnaire, in the order of its questions; None where one was left open.
+    """Answers of a questionnaire page in the order of its questions; None where one was left open.
 
-    `back`: it was left for the page before, and comes again.
+    `back`: the page was left for the one before, and comes again.
     """
 
     values: tuple[float | None, ...]
@@ -143,7 +140,7 @@ class Filled(Answer):
 
 @dataclass(frozen=True)
 class Marked:
-    """What stood at `at_s` on a page of the questionnaire `form` that nobody has left yet."""
+    """Marks at `at_s` on an unfinished page of the questionnaire `form`."""
 
     form: str
     values: tuple[float | None, ...]
@@ -152,7 +149,7 @@ class Marked:
 
 @dataclass(frozen=True)
 class Adjusted(Answer):
-    """The level that the participant left standing."""
+    """The level that the participant set."""
 
     level: float
     onset_s: float

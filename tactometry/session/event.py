@@ -1,4 +1,4 @@
-"""What happened in a session unasked: pauses, remarks, clocks, and how the frames of each trial went."""
+"""Events of a session: pauses, remarks, clocks, stimuli, and frame statistics of each trial."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -11,9 +11,10 @@ from ..errors import InvalidParameter
 from ..safety.limits import Exposure
 from ..signal import FloatArray
 from ..trials.columns import Column
+from ..trials.tasks import PRACTICE_MISSED
 from .answer import Marked, TracePart
 from .intervention import WANTED, Intervention
-from .request import Fact, Request
+from .request import MISSED_LABELS, Fact, Request
 
 Kind = Literal[
     "trial",
@@ -76,7 +77,7 @@ COLUMNS: Final = (
 
 @dataclass(frozen=True)
 class Event:
-    """A moment of a session, or a stimulus of `duration_s`, with what is known of it: `facts` by the names of `FACTS`.
+    """A moment of a session, or a stimulus of `duration_s`, with `facts` by the names of `FACTS`.
 
     Raises `InvalidParameter` if a fact has another name, or a number is not finite.
 
@@ -103,7 +104,7 @@ class Event:
             raise InvalidParameter(f"event {self.kind!r}: found a duration of {self.duration_s} s, expected at least 0")
 
     def cells(self, columns: Sequence[Column] = COLUMNS) -> list[str]:
-        """Its row of an events file; what is not known is n/a."""
+        """Return its row of an events file; unknown values are n/a."""
         known: dict[str, Fact] = {
             "onset": self.at_s,
             "duration": self.duration_s,
@@ -115,17 +116,26 @@ class Event:
 
 
 def trial_facts(intervention: Intervention) -> dict[str, Fact]:
-    """The trial that does not count, as the facts of an event; none of another intervention."""
+    """Return the trial of an intervention as facts of an event."""
     return dict(zip(("block", "trial", "attempt"), intervention.trial or (), strict=False))
 
 
 def order_facts(intervention: Intervention) -> dict[str, Fact]:
-    """What the experimenter wants, as the facts of an event of kind ``order``."""
+    """Return an intervention as facts of an event of kind ``order``."""
     return {**trial_facts(intervention), "text": intervention.wanted}
 
 
+def missed_text(option: int) -> str:
+    """Return the text of an event about the choice after a missed practice.
+
+    >>> missed_text(2)
+    'the practice missed its criterion: go on'
+    """
+    return f"{PRACTICE_MISSED}{MISSED_LABELS[option].replace('_', ' ')}"
+
+
 def intervention_of(event: Event) -> Intervention | None:
-    """What an event of kind ``order`` wants; None of any other event.
+    """Return the intervention of an event of kind ``order``, or None.
 
     >>> intervention_of(Event("order", 1.0, facts=order_facts(Intervention("invalidate", (1, 7, 1)))))
     Intervention(wanted='invalidate', trial=(1, 7, 1))
@@ -139,38 +149,39 @@ def intervention_of(event: Event) -> Intervention | None:
         return None
 
 
-HearRequest = Callable[[Request[Any], Any], None]
+OnRequest = Callable[[Request[Any], Any], None]
 """Hears of a request and its answer."""
-HearEvent = Callable[[Event], None]
+OnEvent = Callable[[Event], None]
 
 
 class EventLog(Protocol):
-    """Where a rig puts events, from any thread, and learns when the last trial was on the disk (s on
-    `time.perf_counter`)."""
+    """Store of events, used by rigs from any thread; `recorded_s` is when the last trial was on the disk (s on
+    `time.perf_counter`).
+    """
 
     @property
     def recorded_s(self) -> float | None: ...
 
     @property
     def wanted(self) -> tuple[Intervention, ...]:
-        """What the experimenter wanted in an earlier sitting, which did not come to it."""
+        """Interventions of an earlier sitting that were not carried out."""
 
     def exposure(self) -> Exposure:
-        """How long this session has lasted, and what charge it passed."""
+        """Return how long this session has lasted, and what charge it passed."""
 
     def note(self, event: Event) -> None: ...
 
-    def follow(self, hear: HearRequest, hear_event: HearEvent) -> None:
-        """Hear what is recorded already, and what will be."""
+    def follow(self, on_request: OnRequest, on_event: OnEvent) -> None:
+        """Report what is recorded already, and what will be."""
 
     def keep_path(self, digest: str, lines: bytes) -> None:
-        """Keep times (s) and places (m) of a finger, a line each, under their digest."""
+        """Keep times (s) and positions (m) of a finger, a line each, under their digest."""
 
     def keep_trace(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
-        """Keep samples (n_rows, n_columns) of a touch: where they are."""
+        """Keep samples (n_rows, n_columns) of a touch; return their place."""
 
     def keep_marks(self, marked: Marked) -> None:
-        """Keep what stands on a page of a questionnaire, for a session that is interrupted there."""
+        """Keep marks on a questionnaire page, for a session that is interrupted there."""
 
 
 def _cell(value: Fact) -> str:
@@ -180,7 +191,7 @@ def _cell(value: Fact) -> str:
 
 
 def events_tsv(events: Sequence[Event], columns: Sequence[Column] = COLUMNS) -> bytes:
-    """The events file of a session: a header, and a row for each event.
+    """Format the events file of a session: a header, and a row for each event.
 
     >>> events_tsv([]).decode().split()[:3]
     ['onset', 'duration', 'trial_type']
@@ -190,7 +201,7 @@ def events_tsv(events: Sequence[Event], columns: Sequence[Column] = COLUMNS) -> 
 
 
 def decode_event(value: Mapping[str, object]) -> Event:
-    """An event from its line of a journal. Raises `msgspec.ValidationError`."""
+    """Decode an event from its line of a journal. Raises `msgspec.ValidationError`."""
     try:
         return msgspec.convert({**value, "kind": value["event"]}, Event)
     except InvalidParameter as error:

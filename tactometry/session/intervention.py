@@ -1,4 +1,4 @@
-"""What an experimenter may change in the course of a session, between two trials."""
+"""Interventions of the experimenter, which take effect between two trials."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -14,9 +14,9 @@ WANTED: Final[tuple[str, ...]] = get_args(Wanted)
 
 @dataclass(frozen=True)
 class Intervention:
-    """That a recorded trial does not count, that the rest of a block is skipped, a rest, or the end of the session.
+    """Experimenter command: discard a trial, skip the block, take a break, or end.
 
-    `trial` is that which does not count: its block, its number, its attempt.
+    `trial` is the discarded trial: block, number, attempt.
     """
 
     wanted: Wanted
@@ -27,7 +27,7 @@ class Intervention:
 
 
 def left(wanted: Iterable[Intervention], carried: Iterable[Intervention]) -> tuple[Intervention, ...]:
-    """What was wanted and never reached the session, in the order in which it was wanted.
+    """Return the interventions that were not carried out, in order.
 
     >>> skip, rest = Intervention("skip"), Intervention("rest")
     >>> left([skip, rest, skip], [skip])

@@ -1,7 +1,7 @@
-"""Where a session stands, from what its journal holds: who shows it, on a terminal or on a page, asks here.
+"""Progress of a session, computed from its journal, for terminal and page.
 
-`Progress` is a fold: `after` takes the next request with its answer, or the next event. What is still to come is no
-matter of a journal: a plan of the parts (`PartAhead`) says how many trials there are at most, and how long they take.
+`Progress` is a fold: `after` takes the next request with its answer, `after_event` the next event. A plan of the parts
+(`PartAhead`) states what is to come.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -10,9 +10,9 @@ from statistics import median
 from typing import Any, Final
 
 from ..trials.trial import Key, Reason, Tally, Trial, without
-from .answer import Adjusted, Done, Played, Touched
-from .event import Event
-from .request import Fact, Intervene, Press, Record, Request, Show, Slide
+from .answer import Adjusted, Chosen, Done, Played, Touched
+from .event import Event, missed_text
+from .request import MISSED_PRACTICE, Choose, Fact, Intervene, Press, Record, Request, Show, Slide
 
 TURNING: Final = frozenset(("staircase", "weighted_staircase"))
 """Procedures whose levels turn round at reversals."""
@@ -35,8 +35,9 @@ TrackKey = tuple[int, str | None]
 
 @dataclass(frozen=True)
 class PartAhead:
-    """A part as it is planned: its factors, at most how many trials, how long it takes at most (s), and how many
-    presentations in a row may be not valid before a track is aborted."""
+    """A planned part: factors, most trials, longest duration (s), and invalid presentations in a row that abort a
+    track.
+    """
 
     factors: Mapping[str, float | str] = field(default_factory=dict)
     n_trials: int = 0
@@ -46,7 +47,7 @@ class PartAhead:
 
 @dataclass(frozen=True)
 class AnsweredTouch:
-    """A touch that was asked for, and what came of it; a request of no level is a blank."""
+    """A requested touch and its answer; no level is a blank."""
 
     request: Press | Slide
     answer: Touched
@@ -54,7 +55,7 @@ class AnsweredTouch:
 
 @dataclass(frozen=True)
 class TrackProgress:
-    """The presentations of a track in their order, one row for each, and how many of the last were not valid.
+    """The presentations of a track, one row each, and how many of the last were not valid.
 
     >>> levels = (10.0, 8.0, 6.0, 8.0, 6.0)
     >>> rows = [Trial(1, n, {}, "staircase", level, "dB", "yes_no", 1) for n, level in enumerate(levels, 1)]
@@ -67,24 +68,24 @@ class TrackProgress:
     aborted: bool = False
 
     def after(self, trial: Trial, *, aborted: bool) -> "TrackProgress":
-        """With another row; the later rows of one presentation are the same one."""
+        """Add a row; later rows of one presentation do not count."""
         if self.presented and self.presented[-1].key == trial.key:
             return replace(self, aborted=self.aborted or aborted)
         n_in_a_row = 0 if trial.valid else self.n_invalid_in_a_row + 1
         return TrackProgress((*self.presented, trial), n_in_a_row, self.aborted or aborted)
 
     def without(self, retracted: Collection[Key]) -> "TrackProgress":
-        """Where trials were taken back, which do not count towards its end."""
+        """Mark trials that were taken back."""
         return replace(self, presented=without(self.presented, retracted))
 
     @property
     def answered(self) -> tuple[Trial, ...]:
-        """Those that the rule learnt of: valid, and no catch trial."""
+        """Presentations that the rule learnt of: valid, no catch trials."""
         return tuple(trial for trial in self.presented if trial.valid and trial.level is not None)
 
     @property
     def reversals(self) -> tuple[Trial, ...]:
-        """Where the levels of a staircase turned; the last turn shows when the level after it is presented."""
+        """Trials where the levels of a staircase turned; known once the next level is presented."""
         found: list[Trial] = []
         last, direction = None, 0.0
         for trial in (trial for trial in self.answered if trial.procedure in TURNING):
@@ -102,11 +103,11 @@ class TrackProgress:
 
     @property
     def n_lost(self) -> int:
-        """What counts towards its end: presentations that were not valid, in a row or of one trial."""
+        """Invalid presentations that count towards an abort: in a row, or of one trial."""
         return max(self.n_invalid_in_a_row, self.n_attempts) if self.n_invalid_in_a_row else 0
 
     def warning(self, n_attempts: int | None) -> str | None:
-        """What is to be said before it is aborted.
+        """Return a warning before the track is aborted.
 
         >>> lost = Trial(1, 1, {}, "staircase", 10.0, "dB", "yes_no", None, valid=False)
         >>> TrackProgress().after(lost, aborted=False).warning(3)
@@ -128,26 +129,25 @@ class TrackProgress:
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a session stands.
+    """State of a session.
 
-    - `tally`: Presentations, those that are not valid, answers to questionnaires.
-    - `n_parts`, `part`: How many parts the session has, and the number of the present one, from 1; 0: not begun.
-    - `page`: The message of the page that was shown last.
+    - `tally`: Presentations, invalid ones, answers to questionnaires.
+    - `n_parts`, `part`: Number of parts, and the present one, from 1; 0: not begun.
+    - `page`: Message of the last page.
     - `factors`: The present condition.
-    - `tracks`: By block and name of the track, in their order.
-    - `last`: The row that was recorded last.
-    - `at_s`: The latest time that is known, s of the session.
+    - `tracks`: By block and name of the track.
+    - `last`: The last recorded row.
+    - `at_s`: The latest known time, s of the session.
     - `trial_times_s`: When the last trials were recorded, s.
-    - `n_catch`, `n_false_alarms`: Valid catch trials, and those of them that were answered with yes.
-    - `n_touches`: How many were asked for, those that were not held in time with them.
-    - `touches`: The last of them.
-    - `reasons`: How many touches and answers did not count, by the reason.
+    - `n_catch`, `n_false_alarms`: Valid catch trials, and those answered with yes.
+    - `n_touches`, `touches`: Number of requested touches, and the last of them.
+    - `reasons`: Touches and answers that did not count, by reason.
     - `n_frames`, `n_dropped_frames`, `n_gaps`: Of the screen, and gaps in the output.
     - `timing`: Last and longest `gate_delay_s` and `key_to_record_s`, s.
-    - `clocks`: What was last said of the clock of each device.
+    - `clocks`: Last facts of the clock of each device.
     - `paused`: Who or what has paused it.
     - `stopped`, `aborted`: Why it was stopped, and what ended unfinished.
-    - `interventions`: What came of what the experimenter wanted.
+    - `interventions`: Results of interventions.
     """
 
     tally: Tally = field(default_factory=Tally)
@@ -175,12 +175,14 @@ class Progress:
     interventions: tuple[str, ...] = ()
 
     def after(self, request: Request[Any], answer: object) -> "Progress":
-        """With another request and its answer."""
+        """Add a request and its answer."""
         match request, answer:
             case Record(trial, aborted), Done(at_s):
                 return self._recorded(trial, aborted, at_s)
             case Intervene(), Done():
                 return self._changed(request)
+            case Choose(question), Chosen(option) if question == MISSED_PRACTICE:
+                return replace(self, interventions=(*self.interventions, missed_text(option)))
             case Show(message, values), Done(at_s):
                 return self._shown(message, values, at_s)
             case ((Press() | Slide()), Touched()):
@@ -200,7 +202,7 @@ class Progress:
         return self
 
     def after_event(self, event: Event) -> "Progress":
-        """With another event."""
+        """Add an event."""
         state, facts = replace(self, at_s=max(self.at_s, event.at_s)), event.facts
         text = str(facts.get("text", ""))
         match event.kind:
@@ -230,7 +232,7 @@ class Progress:
         return state if trial.is_form else state._presented(trial, aborted, at_s, is_new=is_new)
 
     def _changed(self, request: Intervene) -> "Progress":
-        """What the experimenter wanted: trials that were taken back count in nothing."""
+        """Apply an intervention: trials that were taken back count in nothing."""
         presented = [trial for track in self.tracks.values() for trial in track.presented]
         lost = [trial for trial in presented if trial.valid and trial.key in request.retracted]
         caught = [trial for trial in lost if trial.catch]
@@ -285,7 +287,7 @@ class Progress:
         return self.page in LAST_PAGES
 
     def n_valid(self, part: int | None = None) -> int:
-        """Valid presentations, of one part or of all, catch trials with them."""
+        """Return the valid presentations of one part or of all, including catch trials."""
         return sum(
             trial.valid
             for (block, _), track in self.tracks.items()
@@ -294,13 +296,13 @@ class Progress:
         )
 
     def warning(self, parts: Sequence[PartAhead]) -> str | None:
-        """What is to be said before the present track is aborted."""
+        """Return a warning before the present track is aborted."""
         ahead = parts[self.part - 1] if 0 < self.part <= len(parts) else PartAhead()
         is_left = self.last is None or self.last.block != self.part  # a block that was skipped, say
         return None if self.track is None or is_left else self.track.warning(ahead.n_attempts)
 
     def left_s(self, parts: Sequence[PartAhead]) -> float:
-        """How long the rest takes at most (s), at the pace of the last trials.
+        """Return the longest remaining time (s), at the pace of the last trials.
 
         >>> Progress().left_s([PartAhead(n_trials=10, lasts_s=50.0), PartAhead(lasts_s=20.0)])
         70.0

@@ -1,6 +1,6 @@
-"""A recording that answers, if it is asked what was asked then."""
+"""A recording that answers if it is asked the same requests again."""
 
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, is_dataclass, replace
 from itertools import takewhile
 from typing import Any
@@ -8,28 +8,28 @@ from typing import Any
 from ..errors import Diverged
 from ..trials.trial import Trial, without
 from .answer import Answer, Done, Marked
-from .request import A, Fill, Intervene, Question, Record, Request, Show
+from .request import A, Fill, Intervene, Record, Request, Show
 
 OF_RECORDING = "use the study, the seed and the version of the recording"
 
 
 def rows(requests: Iterable[Request[Any]]) -> tuple[Trial, ...]:
-    """The rows that requests recorded, as they count after all of them."""
+    """Return the rows that requests recorded, as they count in the end."""
     asked = tuple(requests)
     retracted = {key for request in asked if isinstance(request, Intervene) for key in request.retracted}
     return without((request.trial for request in asked if isinstance(request, Record)), retracted)
 
 
 class Replay:
-    """What answers from `entries`, pairs of (request, answer) in their order.
+    """Answers from `entries`, pairs of (request, answer) in order.
 
-    `where` names the recording in errors, `lines` the lines of its entries, where they are not 1, 2, 3, ..., and
-    `as_kept` is what the recording keeps of a request. The session lasted `lasted_s` at least, s; `marked` is what
-    stood on a page of a questionnaire when it was interrupted.
+    - `where`, `lines`: Name of the recording, and lines of its entries, for errors.
+    - `as_kept`: What the recording keeps of a request.
+    - `lasted_s`: Least duration of the session, s.
+    - `marked`: Marks on the questionnaire page at which it was interrupted.
 
-    A page that is only shown is no answer to anything: one that the recording holds and the protocol does not show, or
-    the other way round, is passed over, so that a later version may say more, or in another place. Nor do words of a
-    questionnaire differ that are of a language which the recording does not know.
+    Pages without an answer may differ between recording and protocol, so that a later version may show others. Words of
+    a questionnaire in languages that the recording does not know may differ too.
     """
 
     def __init__(
@@ -57,19 +57,19 @@ class Replay:
 
     @property
     def elapsed_s(self) -> float:
-        """When the session stopped: the time of the last answer, or of what happened after it."""
+        """When the session stopped: the time of the last answer, or of a later event."""
         marked_s = [] if self._marked is None else [self._marked.at_s]
         return float(max([self._lasted_s, *marked_s, *(_ended_s(answer) for _, answer in self._entries[-1:])]))
 
     def goes_on(self, request: Request[Any]) -> bool:
-        """Whether it holds more than pages that the protocol, which asks for `request`, shows no more."""
+        """Return True if it contains more than pages that the protocol does not show."""
         left = (self._entries[n][0] for n in range(self._next, len(self._entries)))
         if not _is_page(request) and all(map(_is_page, left)):
             self._next = len(self._entries)
         return self.n_left > 0
 
     def taken_up(self, request: Request[Any]) -> Request[Any]:
-        """The first request of a sitting that goes on: a page of a questionnaire with the marks that it had."""
+        """Return the first request of a resumed sitting: a questionnaire page gets its marks back."""
         marked = self._marked
         if marked is None or not isinstance(request, Fill) or request.form != marked.form:
             return request
@@ -77,7 +77,7 @@ class Replay:
         return replace(request, given=marked.values) if is_page else request
 
     def refuse_rest(self) -> None:
-        """Raise if the recording holds more than was asked."""
+        """Raise if the recording contains more than was asked."""
         if self.n_left:
             name = _name(self._entries[self._next][0])
             raise self._divergence(f"the recording goes on with {name}, the protocol has ended; {OF_RECORDING}")
@@ -87,9 +87,9 @@ class Replay:
         return Diverged(f"{self._where}, line {line}: {what}")
 
     def answer(self, request: Request[A]) -> A:
-        """What was answered then.
+        """Return the recorded answer.
 
-        Raises `Diverged` if the request is not the recorded one, with its line and what differs.
+        Raises `Diverged`, with line and difference, if the request is not the recorded one.
         """
         if not self.n_left:
             ended = f"the recording has ended, the protocol asks for {_name(request)}"
@@ -109,7 +109,7 @@ class Replay:
         return recorded_answer
 
     def _pages_before(self, asked: Request[Any]) -> int | None:
-        """How many recorded pages are passed over to what is asked; None for a page that the recording lacks there."""
+        """Return how many recorded pages to skip; None for a page that the recording lacks."""
         left = (self._entries[n][0] for n in range(self._next, len(self._entries)))
         pages = list(takewhile(_is_page, left))
         if isinstance(asked, Show):
@@ -118,16 +118,14 @@ class Replay:
 
 
 def _in_its_languages(asked: Request[Any], recorded: Request[Any]) -> Request[Any]:
-    """What is asked, with the words of a questionnaire in the languages that a recorded page holds."""
+    """Limit the words of a questionnaire to the languages of the recorded page."""
     if not (isinstance(asked, Fill) and isinstance(recorded, Fill) and len(asked.questions) == len(recorded.questions)):
         return asked
-    pairs = zip(asked.questions, recorded.questions, strict=True)
-    return replace(asked, questions=tuple(_in_languages(question, then.words) for question, then in pairs))
-
-
-def _in_languages(question: Question, languages: Container[str]) -> Question:
-    words = {language: said for language, said in question.words.items() if language in languages}
-    return replace(question, words=words)
+    questions = []
+    for question, then in zip(asked.questions, recorded.questions, strict=True):
+        words = {language: said for language, said in question.words.items() if language in then.words}
+        questions.append(replace(question, words=words))
+    return replace(asked, questions=tuple(questions))
 
 
 def _is_page(request: Request[Any]) -> bool:
@@ -143,7 +141,7 @@ def _name(request: object) -> str:
 
 
 def difference(recorded: object, asked: object, path: str = "") -> str:
-    """Where two requests part, in words."""
+    """Describe where two requests differ."""
     if type(recorded) is not type(asked) or not is_dataclass(recorded):
         name = path or "request"
         shown = (_name(recorded), _name(asked)) if is_dataclass(recorded) else (repr(recorded), repr(asked))

@@ -1,6 +1,6 @@
-"""Requests of a protocol to a rig, each with the type of its answer, and whether an answer is possible.
+"""Requests of a protocol to a rig, each with the type of its answer, and checks of answers.
 
-A request *describes*: it names a stimulus and a level, never samples.
+A request names a stimulus and a level, never samples.
 """
 
 import re
@@ -21,20 +21,19 @@ Facts = dict[str, Fact]
 
 TRAJECTORY_M = 0.1
 """Length of the path of a slide, one way (unverified default)."""
-
-
 CONSENT: Final = "agree"
 """The question whether someone wants to take part: a simulated participant does."""
-
-
+MISSED_PRACTICE: Final = "practice_missed"
+"""The question to the experimenter after a practice that missed its criterion."""
+AGAIN, GO_ON, END_SESSION = 1, 2, 3
+"""Options of this question. A simulated participant, who has no experimenter, goes on."""
+MISSED_LABELS: Final = {AGAIN: "again", GO_ON: "go_on", END_SESSION: "end_session"}
 ABOUT: Final = "about."
 """Opens the name of each question about a person, whom nothing was given to feel."""
 
 
 class Request(Generic[A]):
-    """One thing that is asked of a rig, which answers with an `A`.
-
-    A kind of request names the type of its answer once, as its parameter.
+    """One request to a rig, which answers with an `A`.
 
     >>> Rate.answer_type
     <class 'tactometry.session.answer.Rated'>
@@ -50,25 +49,24 @@ class Request(Generic[A]):
 class Rig(Protocol):
     """Whatever answers: a bench, a simulated participant, a recording, a terminal.
 
-    Only a rig owns a clock. `resume` is called once, before the first live request of a session that goes on after an
-    interruption, with the rows that are recorded and the time at which the session stopped. `close` may be called
-    more than once and leaves every output at zero.
+    Only a rig owns a clock. `resume` is called once, before the first live request of a resumed session, with the
+    recorded rows and the time at which the session stopped.
     """
 
     def facts(self) -> Facts:
-        """What the journal's head says of display, outputs, clock."""
+        """Return facts of display, outputs and clock for the journal's head."""
 
     def answer(self, request: Request[A]) -> A: ...
 
     def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None: ...
 
     def close(self) -> None:
-        """Put the output to zero and close the devices. May be called more than once."""
+        """Set the output to zero and close the devices. May be called more than once."""
 
 
 @dataclass(frozen=True)
 class Play(Request[Played]):
-    """Emit a stimulus, with no condition on the finger."""
+    """Emit a stimulus without a condition on the finger."""
 
     stimulus: str
     level: float | None
@@ -80,7 +78,7 @@ class Play(Request[Played]):
 class Feel(Request[Touched]):
     """Hold `target_n` within `tolerance` (relative) for `hold_s`, then feel `level` while the force is held.
 
-    `level` None is a blank: the same course with nothing emitted. `timeout_s` bounds the wait for the held force.
+    `level` None is a blank: the same course with nothing emitted. `timeout_s` limits the wait for the force.
     """
 
     stimulus: str
@@ -103,8 +101,7 @@ class Press(Feel):
 class Slide(Feel):
     """`Feel` with a finger that follows a cursor out and back over `length_m` at `speed_m_per_s`.
 
-    The stimulus plays in motion only: while the speed is within `speed_tolerance` (relative) of its target. None
-    leaves the speed to the finger.
+    The stimulus plays while the speed is within `speed_tolerance` (relative) of its target; None does not gate it.
     """
 
     speed_m_per_s: float
@@ -115,9 +112,9 @@ class Slide(Feel):
 
 @dataclass(frozen=True)
 class Choose(Request[Chosen]):
-    """Ask for one of `options`; `question` names a message, e.g. ``"felt"`` or ``"which_interval"``.
+    """Ask for one of `options`; `question` names a message, e.g. ``"felt"``.
 
-    `stimuli` names what each option stands for, where the question is which of several stimuli was felt.
+    `stimuli` names the stimulus of each option, if the question is which one was felt.
     """
 
     question: str
@@ -163,10 +160,8 @@ class Question:
 class Fill(Request[Filled]):
     """Ask for all questions of a page, each from `low` (left) to `high` in `steps` (None: continuous).
 
-    No question has an answer beforehand but those `given` on the page before it was left to go back, or before the
-    session was interrupted; each can be changed until the page is left. The page is number `page` of `n_pages`, all
-    under one `stem`, by language. How it is shown is no part of what is asked: two requests that differ in these alone
-    are equal.
+    `given` are earlier answers to this page. The page is number `page` of `n_pages` under one `stem` (by language). How
+    it is shown is not compared.
     """
 
     form: str
@@ -182,9 +177,9 @@ class Fill(Request[Filled]):
 
 @dataclass(frozen=True)
 class Adjust(Request[Adjusted]):
-    """Let the participant set the level of a stimulus, from `start` in steps of `step` within the bounds.
+    """Let the participant set a level, from `start` in steps of `step` within the bounds.
 
-    `target_n` and `speed_m_per_s` say how it should be touched meanwhile; nothing is gated on them.
+    `target_n` and `speed_m_per_s` say how to touch meanwhile; nothing is gated.
     """
 
     stimulus: str
@@ -208,7 +203,7 @@ class Wait(Request[Done]):
 
 @dataclass(frozen=True)
 class Show(Request[Done]):
-    """Show a page until it is left, or for `duration_s`. `message` names a text of the study; `values` fill it."""
+    """Show a page until it is left, or for `duration_s`; `message` names a text, `values` fill it."""
 
     message: str
     values: Mapping[str, str | int | float] = field(default_factory=dict)
@@ -217,9 +212,9 @@ class Show(Request[Done]):
 
 @dataclass(frozen=True)
 class Record(Request[Done]):
-    """A finished trial. Once it is answered, the row is on the disk.
+    """A finished trial; after the answer, the row is on the disk.
 
-    `aborted` says why what was under way ends unfinished with it.
+    `aborted` says why its track or block ends unfinished.
     """
 
     trial: Trial
@@ -228,8 +223,7 @@ class Record(Request[Done]):
 
 @dataclass(frozen=True)
 class Intervene(Request[Done]):
-    """What the experimenter wanted is done: `said` says what comes of it, and the rows of `retracted` trials, which
-    are recorded already, count no more."""
+    """Report an intervention: `said` is its result; rows of `retracted` trials no longer count."""
 
     intervention: Intervention
     said: str
@@ -248,7 +242,7 @@ SLACK = 1e-9
 
 
 def flaw(request: object, answer: object) -> str | None:
-    """What is wrong with an answer, in words; None where nothing is.
+    """Describe what is wrong with an answer; None if nothing is.
 
     >>> flaw(Choose("felt", (0, 1), ("no", "yes")), Chosen(2, 0.0, 1.0))
     'the option 2, expected one of 0, 1'
@@ -260,20 +254,20 @@ def flaw(request: object, answer: object) -> str | None:
         case Choose(options=options), Chosen(option) if option not in options:
             return f"the option {option}, expected one of {', '.join(map(str, options))}"
         case Enter(low=low, high=high), Rated(value):
-            return _beside((value,), low, LARGEST_ANSWER if high is None else high)
+            return _out_of_range((value,), low, LARGEST_ANSWER if high is None else high)
         case Rate(low=low, high=high), Rated(value):
-            return _beside((value,), low, high, SLACK)
+            return _out_of_range((value,), low, high, SLACK)
         case Fill(questions=questions), Filled(values) if len(values) != len(questions):
             return f"{len(values)} values, expected one for each of {len(questions)} questions"
         case Fill(low=low, high=high), Filled(values):
-            return _beside(values, low, high, SLACK)
+            return _out_of_range(values, low, high, SLACK)
         case Adjust(low=low, high=high), Adjusted(level):
-            return _beside((level,), low, high, SLACK)
+            return _out_of_range((level,), low, high, SLACK)
     return None
 
 
-def _beside(values: Sequence[float | None], low: float, high: float, slack: float = 0.0) -> str | None:
-    """The first value that is beside its bounds."""
+def _out_of_range(values: Sequence[float | None], low: float, high: float, slack: float = 0.0) -> str | None:
+    """Describe the first value out of range."""
     least, most = low - slack * max(abs(low), abs(high)), high + slack * max(abs(low), abs(high))
     for value in values:
         if value is not None and not least <= value <= most:
@@ -282,7 +276,7 @@ def _beside(values: Sequence[float | None], low: float, high: float, slack: floa
 
 
 def value_at(place: int, n_places: int, low: float, high: float) -> float:
-    """The value of a place (0..n_places-1) on a scale from `low` to `high`, correctly rounded: whole steps stay whole.
+    """Return the value of a place (0..n_places-1) on a scale, correctly rounded.
 
     >>> value_at(2, 7, low=1, high=7), value_at(1, 11, low=0.0, high=1.0)
     (3.0, 0.1)

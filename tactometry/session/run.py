@@ -1,11 +1,11 @@
-"""The one loop that drives a protocol on any rig."""
+"""The loop that drives a protocol on any rig."""
 
 from collections.abc import Callable, Generator
 from typing import Any, Protocol, TypeVar
 
 from .answer import Done
 from .replay import Replay
-from .request import A, Intervene, Request, Rig
+from .request import A, Feel, Intervene, Request, Rig
 
 T = TypeVar("T")
 Course = Generator[Request[Any], Any, T]
@@ -13,7 +13,7 @@ Course = Generator[Request[Any], Any, T]
 
 
 class Keeper(Protocol):
-    """Where requests and answers are kept; `replay` holds those of an earlier sitting."""
+    """Store of requests and answers; `replay` has those of an earlier sitting."""
 
     @property
     def replay(self) -> Replay: ...
@@ -24,13 +24,11 @@ class Keeper(Protocol):
 
 
 class LiveRig:
-    """A rig with a method for each kind of request, which `answer` finds by the name of the kind: `_press` for `Press`.
-
-    The methods are private, so that there is one way in.
-    """
+    """A rig with a private method for each kind of request: `answer` passes a `Play` to `_play`, `Press` to `_feel`."""
 
     def answer(self, request: Request[A]) -> A:
-        method: Callable[[Request[A]], A] = getattr(self, f"_{type(request).__name__.lower()}")
+        kind = Feel if isinstance(request, Feel) else type(request)
+        method: Callable[[Request[A]], A] = getattr(self, f"_{kind.__name__.lower()}")
         return method(request)
 
     def _intervene(self, request: Intervene) -> Done:
@@ -51,9 +49,9 @@ def _advance(course: Course[T], answer: object) -> Request[Any]:
 
 
 def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
-    """Drive `course` to its end; what the journal holds already is replayed first, the rest is put to `rig`.
+    """Drive `course` to its end: first replay what the journal has, then ask `rig`.
 
-    Each answer is in the journal before the next request is put. The rig is closed whatever happens.
+    Each answer is in the journal before the next request. The rig is closed in any case.
 
     Raises `Diverged` if the course does not ask what the journal recorded.
     """
@@ -82,10 +80,9 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
 
 
 def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T | None:
-    """Drive `course` on a recording alone, to its end, or (not `complete`) as far as it goes.
+    """Drive `course` on a recording only, to its end, or (not `complete`) as far as it goes.
 
-    Raises `Diverged` at the first request that differs from the recording, or where one of the two ends before the
-    other.
+    Raises `Diverged` at the first difference, or if one ends before the other.
     """
     try:
         request = _advance(course, None)

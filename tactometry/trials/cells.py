@@ -1,4 +1,4 @@
-"""Cells of the trials table: a value as text, and what a column may contain, in words and as a test."""
+"""Cells of the trials table: values as text, and rules of columns."""
 
 import math
 import re
@@ -13,7 +13,7 @@ LARGEST_ANSWER: Final = 1e15
 
 
 def cell(value: Value) -> str:
-    """A value as a cell: empty for None, 1/0 for a truth value, the shortest form that reads back for a number.
+    """Format a value: empty for None, 1/0 for a truth value, the shortest exact form for a number.
 
     >>> cell(True), cell(12.0), cell(0.1), cell(None)
     ('1', '12', '0.1', '')
@@ -29,14 +29,14 @@ def cell(value: Value) -> str:
 
 @dataclass(frozen=True)
 class CellRule:
-    """What a cell may hold, in words and as a test of a cell that is not empty."""
+    """Description and test of cells that are not empty."""
 
     words: str
     holds: Callable[[str], bool]
 
 
 def number_from(low: float, high: float = math.inf) -> Callable[[str], bool]:
-    """The test for a finite number from `low` to `high`.
+    """Return the test for a finite number from `low` to `high`.
 
     >>> [number_from(0, 1)(text) for text in ("0.5", "2", "nan", "x")]
     [True, False, False, False]
@@ -56,7 +56,7 @@ def one_of_texts(*texts: str) -> Callable[[str], bool]:
 
 
 def whole_number(highest: float = math.inf) -> Callable[[str], bool]:
-    """The test for a whole number from 1 to `highest`.
+    """Return the test for a whole number from 1 to `highest`.
 
     >>> [whole_number(9)(text) for text in ("1", "0", "10", "1.0")]
     [True, False, False, False]
@@ -70,7 +70,7 @@ STUDY = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
 def is_time(text: str) -> bool:
-    """Whether a text is a time in ISO 8601.
+    """Return True for a time in ISO 8601.
 
     >>> is_time("2026-11-22T14:04:13.059+00:00"), is_time("yesterday")
     (True, False)

@@ -1,4 +1,4 @@
-"""The columns of a trials table, in their order, with what they hold."""
+"""Columns of a trials table, in order."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -99,12 +99,12 @@ MAY_BE_FACTORS = frozenset(
 
 
 def table_columns(factors: Sequence[Column], optional: Sequence[str]) -> tuple[Column, ...]:
-    """All columns of a study, in order: `optional` names those of `OPTIONAL` that apply."""
+    """Return all columns of a study, in order: `optional` names those of `OPTIONAL` that apply."""
     return (*FIRST, *factors, *ALWAYS, *(column for column in OPTIONAL if column.name in optional))
 
 
 def stated_factors(header: Sequence[str]) -> list[str]:
-    """The columns between ``trial`` and ``procedure``, where a data set of ours has its factors.
+    """Return the columns between ``trial`` and ``procedure``, where our data sets have their factors.
 
     >>> stated_factors(["participant", "trial", "frequency_hz", "procedure", "level"])
     ['frequency_hz']

@@ -1,4 +1,4 @@
-"""Whether the rows of a trials file can be what they claim to be."""
+"""Checks of the rows of a trials file."""
 
 import csv
 import io
@@ -23,9 +23,9 @@ REQUIRED = tuple(column.name for column in (*FIRST, *ALWAYS))
 
 @dataclass(frozen=True)
 class Defect:
-    """What is wrong, and where: `row` is the line of the file, from 1 (the header).
+    """A defect: `row` is the line of the file, from 1 (the header).
 
-    Defects of one `kind` in one file may stand as one: `n_rows` counts them, `others` are the rows of some more.
+    Defects of one `kind` in a file may be merged: `n_rows` counts them, `others` are more rows.
     """
 
     file: str
@@ -40,7 +40,7 @@ class Defect:
 
 
 def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> str:
-    """Where something stands, behind the name of a file: its first row, and how many more there are.
+    """Format the first row and how many more there are.
 
     >>> rows_text(None), rows_text(3), rows_text(3, (4, 9), 3), rows_text(2, (3, 4, 5, 6), 737)
     ('', ', row 3', ', row 3 and 2 more (4, 9)', ', row 2 and 736 more (3, 4, 5, 6, ...)')
@@ -53,7 +53,7 @@ def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> s
 
 
 def merge_alike(defects: Iterable[Defect]) -> list[Defect]:
-    """Defects of one kind in one file as one, in the place of the first."""
+    """Merge defects of one kind in one file, in the place of the first."""
     kinds: dict[object, list[Defect]] = {}
     for n, defect in enumerate(defects):
         kinds.setdefault((defect.file, defect.kind) if defect.kind else n, []).append(defect)
@@ -95,7 +95,7 @@ MAY_BE_EMPTY = frozenset(RULES) - {"participant", "session", "block", "trial", "
 
 
 def defects(content: bytes, file: str) -> Iterator[Defect]:
-    """Every defect of a trials file, in order of its rows."""
+    """Yield every defect of a trials file, in order of its rows."""
     try:
         table = list(csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""), strict=True))
     except (UnicodeDecodeError, csv.Error) as error:
@@ -116,7 +116,10 @@ def defects(content: bytes, file: str) -> Iterator[Defect]:
             continue
         row = dict(zip(header, cells, strict=True))
         yield from _row_defects(row, file, number)
-        yield from _repetitions(row, seen, file, number) if row.get("trial") else ()
+        key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
+        first = seen.setdefault(key, number) if row.get("trial") else number
+        if first != number:
+            yield Defect(file, number, f"found the trial of row {first} again, expected each trial once", "doubled")
 
 
 def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
@@ -132,7 +135,8 @@ def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
 
 def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Defect]:
     for name, text in row.items():
-        rule = _response_rule(row) if name == "response" else RULES.get(name)
+        task = TASKS.get(row.get("task", "")) if name == "response" else None
+        rule = RULES.get(name) if task is None else task.response
         empty = text == "" and (name in MAY_BE_EMPTY or name == "response")
         if rule is not None and not empty and not rule.holds(text):
             yield Defect(
@@ -142,15 +146,3 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
         if row.get(mark) == "1" and row.get(name):
             text = f"column {name!r}: found {row[name]!r} in a {mark} trial, expected nothing"
             yield Defect(file, number, text, kind)
-
-
-def _response_rule(row: Mapping[str, str]) -> CellRule | None:
-    task = TASKS.get(row.get("task", ""))
-    return None if task is None else task.response
-
-
-def _repetitions(row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int) -> Iterator[Defect]:
-    key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
-    if key in seen:
-        yield Defect(file, number, f"found the trial of row {seen[key]} again, expected each trial once", "doubled")
-    seen.setdefault(key, number)

@@ -1,7 +1,6 @@
-"""Every task, by its name: what its rows hold. A task has one line here, and a file of its name in two rooms.
+"""Tasks by name, with what their rows contain.
 
-`protocols/tasks/NAME.py` says how it is asked, `analysis/tasks/NAME.py` what is made of its answers; both are found by
-the name.
+`protocols/tasks/NAME.py` defines how a task is asked, `analysis/tasks/NAME.py` how it is analysed.
 """
 
 from collections.abc import Mapping
@@ -68,12 +67,14 @@ TASKS: Final[Mapping[str, TaskRows]] = {
 }
 PRACTICE_CRITERION: Final = (4, 5)
 """Practice ends when so many of the last so many answers were right, unless a study states other numbers."""
+PRACTICE_MISSED: Final = "the practice missed its criterion: "
+"""Start of the text of an event; what the experimenter chose follows."""
 FORM_TASK: Final = "rating"
 """The task of the rows that hold answers to a questionnaire, about a stimulus or on its own."""
 
 
 def tasks_with_level(*uses: LevelUse) -> tuple[str, ...]:
-    """The tasks whose levels an analysis uses in one of these ways.
+    """Return the tasks whose levels an analysis uses in one of these ways.
 
     >>> tasks_with_level("ratio")
     ('magnitude',)

@@ -1,4 +1,4 @@
-"""One row of the trials table."""
+"""A row of the trials table."""
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -41,10 +41,10 @@ REASON_WORDS: Final[Mapping[Reason, str]] = {
 
 @dataclass(frozen=True)
 class Trial:
-    """What one trial asked, and what came back; `None` means not measured (an empty cell).
+    """Request and result of one trial; `None` means not measured (an empty cell).
 
-    `factors` keep their names and order of the study file. Times are seconds since the start of the session on the
-    rig's monotonic clock; `timestamp_utc` is ISO 8601, empty for a rig that lives in simulated time.
+    `factors` keep names and order of the study file. Times are seconds since the start of the session; `timestamp_utc`
+    is ISO 8601, empty in simulated time.
     """
 
     block: int
@@ -90,7 +90,7 @@ class Trial:
 
     @property
     def is_form(self) -> bool:
-        """Whether it is an answer to a questionnaire on its own, which is no trial: nothing was to be felt.
+        """True for an answer to a questionnaire on its own, which is no trial.
 
         >>> Trial(1, 1, {}, "sus", None, "", "rating", 3.0, item="SUS1").is_form
         True
@@ -99,20 +99,21 @@ class Trial:
 
 
 def without(trials: Iterable[Trial], retracted: Collection[Key]) -> tuple[Trial, ...]:
-    """Rows, of which those of the `retracted` trials do not count: the experimenter took them back.
+    """Return the rows, those of `retracted` trials marked as not valid.
 
     >>> without([Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1, correct=True)], {(1, 1, 1)})[0].invalid_reason
     'experimenter'
     """
-    return tuple(_retract(trial) if trial.valid and trial.key in retracted else trial for trial in trials)
-
-
-def _retract(trial: Trial) -> Trial:
-    return replace(trial, valid=False, correct=None, invalid_reason="experimenter")
+    return tuple(
+        replace(trial, valid=False, correct=None, invalid_reason="experimenter")
+        if trial.valid and trial.key in retracted
+        else trial
+        for trial in trials
+    )
 
 
 def validity(trial: Trial) -> str:
-    """Whether a trial counts, in words.
+    """Say whether a trial counts.
 
     >>> validity(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None, valid=False, invalid_reason="too_light"))
     'not valid: too light'
@@ -123,7 +124,7 @@ def validity(trial: Trial) -> str:
 
 
 def outcome(trial: Trial, n_told: int) -> str:
-    """Whether a trial counts, and its place in the table where that is not the number by which it was told.
+    """Say whether a trial counts, with its place in the table if that differs from the announced number.
 
     >>> outcome(Trial(1, 2, {}, "staircase", 5.0, "V", "yes_no", 1, attempt=2), 9)
     'valid (trial 2, attempt 2)'
@@ -135,8 +136,7 @@ def outcome(trial: Trial, n_told: int) -> str:
 
 @dataclass(frozen=True)
 class Tally:
-    """What was counted of rows: the rows of one presentation are one, those of one trial that was asked again are one
-    trial, answers to questionnaires on their own are none.
+    """Counts of rows: one presentation counts once, repeated attempts are one trial, questionnaires are answers.
 
     >>> item = Trial(1, 1, {}, "sus", 20.0, "dB", "rating", 3.0, item="SUS1")
     >>> rows = [item, replace(item, item="SUS2"), replace(item, attempt=2, valid=False), replace(item, level=None)]
@@ -155,7 +155,7 @@ class Tally:
         return self.n_presented - self.n_again
 
     def after(self, trial: Trial) -> "Tally":
-        """With another row."""
+        """Add a row."""
         if trial.is_form:
             return replace(self, n_answers=self.n_answers + 1)
         if trial.key == self.last:

@@ -227,3 +227,13 @@ def test_names_of_the_means_are_those_of_the_cells() -> None:
     means = censored_anova(open_ended(table), within=["where", "force"], **GIVEN).means()
     assert means[["where", "force"]].values.tolist() == [["x", 1], ["x", 2], ["y", 1], ["y", 2]]
     assert means["mean"].round(-1).tolist() == [10, 20, 110, 120]
+
+
+def test_effect_is_refused_below_one_degree_of_freedom() -> None:
+    # One participant is known in both conditions; three values are missing, four have an upper bound.
+    known = [None, 1.10, 2.84, 0.51, None, None, None, 0.48, None, None, 2.30, None]
+    bounds = [None, None, None, None, None, 0.57, 2.77, None, None, 0.83, None, 0.47]
+    table = pd.DataFrame({"who": list("aabbccddeeff"), "force_n": [1, 2] * 6, "y": known, "high": bounds, "low": None})
+    with pytest.raises(UndefinedStatistic, match="degrees of freedom") as refusal:
+        censored_anova(table, dependent="y", low="low", high="high", within="force_n", subject="who")
+    assert refusal.value.status is DesignStatus.NO_MAXIMUM

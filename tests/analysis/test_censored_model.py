@@ -10,16 +10,8 @@ import pytest
 from hard_cases import exact_case, hard_case
 from scipy.optimize import approx_fprime
 
-from tactometry.analysis.mixed_models.censored import (
-    LARGEST_STEP,
-    _Censored,
-    _interval,
-    _refuse_endless,
-    _value,
-    censored_model,
-    endless_direction,
-)
-from tactometry.analysis.mixed_models.laplace import ClusteredModel as Clusters, inner_mode, log_marginal_by_quadrature
+from tactometry.analysis.mixed_models.censored import LARGEST_STEP, _refuse_endless, censored_model, endless_direction
+from tactometry.analysis.mixed_models.censored_likelihood import Intervals, maximise, of_interval, of_value
 from tactometry.analysis.mixed_models.linear import ModelStatus, mixed_model, model_design
 from tactometry.errors import InvalidParameter
 
@@ -78,7 +70,7 @@ def test_the_likelihood_is_the_integral_over_the_participants_in_extended_precis
     sd, own = (float(np.sqrt(v * 2 / 3)) for v in (found.residual_variance, found.participant_variance))
     means = dict(zip((0.5, 1.0, 2.0), beta[0] + np.array([0.0, *beta[1:]]), strict=True))
 
-    def of_a_value(row, u):
+    def of_aof_value(row, u):
         mean = means[row.force_n] + own * u
         if not np.isnan(row.y):
             return mpmath.npdf(row.y, mean, sd)
@@ -89,34 +81,28 @@ def test_the_likelihood_is_the_integral_over_the_participants_in_extended_precis
         total = mpmath.mpf(0)
         for _, part in table.groupby("who"):
             rows = list(part.itertuples())
-            integrand = lambda u, rows=rows: mpmath.npdf(u) * mpmath.fprod(of_a_value(row, u) for row in rows)  # noqa: E731
+            integrand = lambda u, rows=rows: mpmath.npdf(u) * mpmath.fprod(of_aof_value(row, u) for row in rows)  # noqa: E731
             total += mpmath.log(mpmath.quad(integrand, [-9, -4, -1.5, 0, 1.5, 4, 9]))
     hard_case("likelihood of censored values", found.log_likelihood, float(total), 1e-8, against="25 digits")
 
 
-def test_the_gradient_of_the_quadrature_is_that_of_its_sum() -> None:
-    """With nodes that stay where they are: mean, residual, and scale of the participants."""
+def test_gradient_of_likelihood_is_that_of_differences() -> None:
     ends = np.array([[0.3, 0.3], [-0.2, np.inf], [-np.inf, 0.4], [-0.6, 0.1], [-1.1, -1.1]])
-    data = _Censored.of(ends, np.ones((5, 1)), np.array([0, 0, 1, 1, 2]))
-    random = np.where(data.used, 1.0, 0.0)[:, :, None, None]
-    model = Clusters(data.log_likelihood, data.x[:, :, None, :], random, np.ones((1, 1, 1)), n_shared=1)
-    here = np.array([0.1, -0.3, 0.7])
-    inner = inner_mode(model, here)
-
-    def value(parameters):
-        loads = random @ model.scale(parameters[2:])
-        return log_marginal_by_quadrature(model, parameters, replace(inner, loads=loads), n_nodes=9)
-
-    slope = approx_fprime(here, lambda x: value(x)[0])
-    np.testing.assert_allclose(value(here)[1], slope, rtol=1e-5, atol=1e-6)
+    intervals = Intervals.of(ends, np.ones((5, 1)), np.array([0, 0, 1, 1, 2]))
+    here, start = np.array([0.1, -0.3, 0.7]), np.zeros(3)
+    slope = approx_fprime(here, lambda x: intervals.log_likelihood(x, start)[0])
+    np.testing.assert_allclose(intervals.log_likelihood(here, start)[1], slope, rtol=1e-5, atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    "ends", [(-np.inf, 0.3), (-0.4, np.inf), (-0.4, 0.3), (3.0, 3.1), (-np.inf, -30.0), (30.0, 31.0)]
-)
-def test_derivatives_of_a_censored_value_are_exact(ends) -> None:
+ENDS = [(-np.inf, 0.3), (-0.4, np.inf), (-0.4, 0.3), (3.0, 3.1), (-np.inf, -30.0), (30.0, 31.0), (1.1, 1.1)]
+
+
+@pytest.mark.parametrize("ends", ENDS)
+def test_derivatives_of_values_and_intervals_are_exact(ends) -> None:
     def at(x):
-        return _interval(np.array(ends[0]), np.array(ends[1]), np.array(x[0]), np.array(x[1]))
+        mean, log_sd = np.array(x[0]), np.array(x[1])
+        low, high = (np.array(end) for end in ends)
+        return of_value(low, mean, log_sd) if low == high else of_interval(low, high, mean, log_sd)
 
     here, x = at([0.2, -0.3]), np.array([0.2, -0.3])
     np.testing.assert_allclose(here.gradient, approx_fprime(x, lambda x: at(x).value), rtol=1e-5, atol=1e-6)
@@ -129,7 +115,7 @@ def test_a_chance_far_in_either_tail_is_that_of_50_digits() -> None:
     with mpmath.workdps(50):
         exact = float(mpmath.log(mpmath.ncdf(-60) - mpmath.ncdf(-61)))
     for low, high in ((60.0, 61.0), (-61.0, -60.0)):
-        found = _interval(np.array(low), np.array(high), np.array(0.0), np.array(0.0)).value
+        found = of_interval(np.array(low), np.array(high), np.array(0.0), np.array(0.0)).value
         hard_case("log chance 60 standard deviations away", found, exact, 1e-12, against="50 digits")
 
 
@@ -137,30 +123,21 @@ def test_a_chance_far_in_either_tail_is_that_of_50_digits() -> None:
 def test_a_bound_that_is_broken_by_far_still_bends_downwards(end) -> None:
     """Where rounding takes all digits of the curvature: else a system that has no solution."""
     for low, high in ((end, np.inf), (-np.inf, -end)):
-        assert _interval(np.array(low), np.array(high), np.array(0.0), np.array(0.0)).hessian[0, 0] <= 0
+        assert of_interval(np.array(low), np.array(high), np.array(0.0), np.array(0.0)).hessian[0, 0] <= 0
 
 
 def test_a_fit_that_still_rises_is_refused() -> None:
     table = study(np.random.default_rng())
     matrix = model_design(table, "y", ["force_n"], [], "who", interactions=False, base={})
     ends = np.repeat((table[["y"]] - table["y"].mean()).to_numpy() / table["y"].std(), 2, axis=1)
-    found = _Censored.of(ends, matrix.x, matrix.groups).fit()
+    found = maximise(Intervals.of(ends, matrix.x, matrix.groups))
     _refuse_endless(found, matrix)
     error = np.sqrt(np.diagonal(found.covariance)[: len(matrix.names)]).max()
     with pytest.raises(InvalidParameter, match="the likelihood still rises"):
         _refuse_endless(replace(found, gradient=1.01 * LARGEST_STEP / error), matrix)
 
 
-def test_derivatives_of_a_known_value_are_exact() -> None:
-    x = np.array([0.2, -0.3])
-    here = _value(np.array(1.1), x[0], x[1])
-    np.testing.assert_allclose(here.gradient, approx_fprime(x, lambda x: _value(np.array(1.1), *x).value), rtol=1e-5)
-    for i in range(2):
-        slope = approx_fprime(x, lambda x, i=i: _value(np.array(1.1), *x).gradient[i])
-        np.testing.assert_allclose(here.hessian[i], slope, rtol=1e-5, atol=1e-5)
-
-
-def test_a_narrow_interval_is_its_value() -> None:
+def test_a_narrow_interval_is_itsof_value() -> None:
     table = study(np.random.default_rng())
     whole = fit(table)
     some = table["who"].isin(["P1", "P2"])
@@ -174,7 +151,7 @@ def test_a_narrow_interval_is_its_value() -> None:
 def test_an_interval_of_a_tenth_of_the_spread_is_not_its_middle() -> None:
     """One is a value from a millionth of the spread down."""
     for width, n in ((0.05, 1), (1.1e-6, 1), (0.9e-6, 0)):
-        laid = _Censored.of(np.array([[1.0, 1.0], [2.0, 2.0 + width]]), np.ones((2, 1)), np.array([0, 0]))
+        laid = Intervals.of(np.array([[1.0, 1.0], [2.0, 2.0 + width]]), np.ones((2, 1)), np.array([0, 0]))
         assert laid.n_censored == n
 
 
@@ -264,8 +241,8 @@ def test_a_table_of_few_values_is_answered_or_refused() -> None:
 
 
 def test_slots_without_a_value_say_nothing() -> None:
-    laid = _Censored.of(np.array([[1.0, 1], [2, 3], [0, 0]]), np.ones((3, 1)), np.array([0, 0, 1]))
-    at = laid.log_likelihood(np.zeros((2, 2, 2)))
+    laid = Intervals.of(np.array([[1.0, 1], [2, 3], [0, 0]]), np.ones((3, 1)), np.array([0, 0, 1]))
+    at = laid.values(np.zeros((2, 2)), np.zeros(()))
     assert (laid.n_censored, at.value[1, 1]) == (1, 0.0)
     assert not at.gradient[1, 1].any()
     assert not at.hessian[1, 1].any()

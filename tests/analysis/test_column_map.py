@@ -301,3 +301,15 @@ def test_the_command_takes_a_map(tmp_path) -> None:
     assert result.exit_code == 0, result.output
     found = analyse(file, within=["cond"], column_map=read_column_map(tmp_path / "map.toml"))
     assert 0.1 < found.tables["thresholds"]["threshold"][0] < 0.4
+
+
+@pytest.mark.parametrize(
+    ("task", "column", "read"), [("comparison", "standard_level", 0.25), ("adjustment", "response", 0.001)]
+)
+def test_unit_of_levels_applies_to_standards_and_settings(tmp_path, task, column, read) -> None:
+    constants = f'[constants]\ntask = "{task}"\nstandard_level = "250"\n'
+    (tmp_path / "map.toml").write_text(f'{constants}[units]\nlevel = "mm"\n')
+    (tmp_path / "t.csv").write_text("participant,level,response\nP01,200,1\nP01,300,1\n")
+    rows = read_trials(tmp_path / "t.csv", within=(), column_map=read_column_map(tmp_path / "map.toml")).rows
+    assert rows["level"].tolist() == [0.2, 0.3]
+    assert numbers_of(rows[column]).tolist() == [read] * 2

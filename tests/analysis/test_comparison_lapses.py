@@ -13,10 +13,9 @@ from soak import SOAK
 from tactometry.analysis.tasks.comparison import FIT
 from tactometry.analysis.threshold.counts import count_arrays, normalise
 from tactometry.analysis.threshold.fitting import fit
-from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.log_posterior import LogPosterior, Prior
 from tactometry.analysis.threshold.mode import climb, find_mode
 from tactometry.analysis.threshold.posterior import marginals
-from tactometry.analysis.threshold.prior import Prior
 from tactometry.analysis.threshold.shared_grid import batched_marginals
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.census.comparisons import LEVELS, PEOPLE, WITHOUT_LAPSES, Person, answers, census, summary

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import output
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
@@ -206,3 +207,17 @@ def test_a_difference_that_counts_as_none_is_one_of_levels(tmp_path, rows, is_co
     path = written(tmp_path / "t.csv", rows(rng) if rows else numbers("dB re 1 V", noise=0.1, rng=rng))
     (outcome,) = analyse(path, plan=AnalysisPlan(equivalence={"force_n": 50.0})).outcomes
     assert ("force_n" in outcome.equivalence) == is_compared
+
+
+def test_long_folded_table_refers_to_csv(tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    rows = [
+        f"P{who},{level},dB re 1 V,same_different,{catch},{int(level > 41 - who or (who == 2 and catch))},38"
+        for who in range(1, 9)
+        for level in (40, 42, 44)
+        for catch in (0, 0, 1)
+    ]
+    table = tmp_path / "trials.csv"
+    table.write_text("\n".join(["participant,level,level_unit,task,catch,response,standard_level", *rows]), "utf-8")
+    text = output(capsys, "analyse", table, "--within", "")
+    assert "same or different (d′ by either rule): too wide for 80 columns" in text

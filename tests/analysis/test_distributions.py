@@ -7,7 +7,8 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import isotonic_regression
 
 from tactometry.analysis.distributions import ChiSquare, Fisher, Student
-from tactometry.analysis.threshold.splines import rising_fit, spline_integral
+from tactometry.analysis.threshold.posterior import spline_integral
+from tactometry.analysis.threshold.status import rising_fit
 
 DF = np.array([0.3, 1, 2.5, 7, 60, 1e4, 3])
 X = np.array([-2.0, -0.5, 0, 0.7, 1.96, 40, np.nan])

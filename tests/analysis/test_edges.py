@@ -1,6 +1,5 @@
 """Where the analysis draws its lines: how few participants, which trials are counted, what tells a threshold."""
 
-import numpy as np
 import pandas as pd
 import pytest
 from hard_cases import exact_case
@@ -65,7 +64,7 @@ def test_the_table_of_quality_counts_each_row_once_for_what_it_is(tmp_path):
 @pytest.mark.parametrize("n_yes", [[4, 4, 6, 6, 6, 6, 5], [6, 6, 3, 5, 7, 9, 6]])
 def test_half_yes_everywhere_tells_no_threshold_however_it_wavers(n_yes):
     """Its interval, twice as long as the levels, is no narrow one."""
-    found = fit(list(range(7)), n_yes, [10] * 7, shape="normal", guess_rate=0.0, method="ml")
+    found = fit(list(range(7)), n_yes, [10] * 7, shape="normal", guess_rate=0.0, method="likelihood")
     assert found.status == "flat"
 
 
@@ -81,7 +80,6 @@ def test_half_yes_at_every_level_tells_no_threshold_however_many_answers_there_a
         guess_rate=0.0,
         lapse_rate=0.0,
         method=method,
-        rng=np.random.default_rng(),
     )
     assert (found.status, found.threshold) == ("flat", None)
     exact_case("half of the answers yes at every level", against="a status, no number")

@@ -14,9 +14,8 @@ from tactometry.analysis.tasks.goodness import P_COLUMNS, TESTS, goodness_table,
 from tactometry.analysis.threshold.counts import normalise
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.threshold.goodness import ENOUGH, STATISTICS, Sequences, _Tally, goodness, statistics
-from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.log_posterior import LogPosterior, Prior
 from tactometry.analysis.threshold.mode import find_mode
-from tactometry.analysis.threshold.prior import Prior
 from tactometry.cli.analyse import command
 from tactometry.psychometric import SHAPES
 
@@ -131,7 +130,7 @@ def test_each_fault_is_found_by_its_test(fault, test, power):
 
 def test_the_deviance_is_that_of_the_fit():
     k, n = np.array([10, 11, 12, 15, 18, 16, 20]), 20
-    found = fit(LEVELS, k, n, shape="normal", guess_rate=0.5, method="map")
+    found = fit(LEVELS, k, n, shape="normal", guess_rate=0.5)
     counts = normalise(LEVELS[None], k[None].astype(float), np.full((1, 7), 20.0))
     zero = np.zeros(1)
     theta = find_mode(LogPosterior(SHAPES["normal"], counts, Prior(counts.gap, None, 0.5, zero, zero))).theta

@@ -7,10 +7,9 @@ import pytest
 from scipy.special import ndtr
 from scipy.stats import norm
 
-from tactometry.analysis.hierarchical.draws import draw_cells, weighted_quantiles
-from tactometry.analysis.hierarchical.model import GroupModel, rate_of
+from tactometry.analysis.hierarchical.model import GroupModel, StudyCounts, rate_of
 from tactometry.analysis.hierarchical.posterior import Laplace, integrate, quantiles, sequence
-from tactometry.analysis.hierarchical.study import StudyCounts
+from tactometry.analysis.hierarchical.tables import draw_cells, weighted_quantiles
 from tactometry.experiments.census.groups import COLUMNS, outcome
 from tactometry.psychometric import SHAPES, PsychometricFunction
 

@@ -54,7 +54,7 @@ def test_intervals_cover_means_contrasts_and_participants() -> None:
         covered["participant"] += one["interval_low"] <= true <= one["interval_high"]
         cells = rows[rows["participant"] == one["participant"]]
         single = cells[cells["force_n"] == one["force_n"]]
-        own = fit(single["level"], single["k"], 20, shape="normal", guess_rate=0.5, method="map").threshold
+        own = fit(single["level"], single["k"], 20, shape="normal", guess_rate=0.5).threshold
         if own is not None:
             squared.append((one["threshold"] - true) ** 2)
             alone.append((own - true) ** 2)

@@ -10,9 +10,8 @@ from soak import SOAK
 
 from tactometry.analysis.threshold.counts import count_arrays, normalise
 from tactometry.analysis.threshold.fitting import fit
-from tactometry.analysis.threshold.log_posterior import LogPosterior
-from tactometry.analysis.threshold.mode import climb, find_mode
-from tactometry.analysis.threshold.prior import Prior
+from tactometry.analysis.threshold.log_posterior import LogPosterior, Prior
+from tactometry.analysis.threshold.mode import _convex_inverse, _without, climb, convex_solve, find_mode
 from tactometry.psychometric import SHAPES
 
 LEVELS = np.linspace(-3, 3, 7)
@@ -48,7 +47,7 @@ def test_the_mode_is_the_higher_of_a_shallow_and_a_steep_summit(k, guess_rate) -
 )
 def test_of_summits_that_differ_by_their_lapse_rate_the_higher_is_found(k, threshold, lapse_rate) -> None:
     """The modes are psignifit 4.3's; of each a summit lower by 0.01 and 0.06 lies at another lapse rate."""
-    found = fit(range(1, 8), k, 20, shape="normal", guess_rate=0.5, method="map")
+    found = fit(range(1, 8), k, 20, shape="normal", guess_rate=0.5)
     assert (found.threshold, found.lapse_rate) == pytest.approx((threshold, lapse_rate), abs=1e-3)
 
 
@@ -62,6 +61,17 @@ def test_each_of_a_stack_has_the_summit_that_it_has_alone() -> None:
         alone = find_mode(posterior[i : i + 1])
         assert together.theta[i] == pytest.approx(alone.theta[0], abs=1e-9)
         assert together.log_density[i] == pytest.approx(alone.log_density[0], abs=1e-9)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("place", [(0, 0), (0, 1)])
+def test_infinite_curvature_gives_nan_without_warning(place) -> None:
+    curvature = np.tile(np.eye(4), (2, 1, 1))
+    curvature[1][place] = np.inf
+    matrix = _without(curvature, np.zeros((2, 4), dtype=bool))
+    for of_each in (convex_solve(matrix, np.ones((2, 4)), np.zeros(2)), _convex_inverse(matrix)):
+        assert np.isfinite(of_each[0]).all()
+        assert np.isnan(of_each[1]).all()
 
 
 # Answers of no psychometric function: the share of sets in which the highest of many summits is found

@@ -1,29 +1,15 @@
 """Beta-binomial fits: published values, MATLAB psignifit's intervals, derivatives, the binomial as a limit."""
 
-import json
-
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from places import SHARED
+from matlab_cases import MATLAB, matlab_case
 from scipy.stats import betabinom, binom
 
 from tactometry.analysis.threshold.counts import normalise
-from tactometry.analysis.threshold.fitting import fit
+from tactometry.analysis.threshold.fitting import METHODS, fit
 from tactometry.analysis.threshold.likelihood import expansion, log_weight, overdispersed_expansion
-from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES, PsychometricFunction
-
-NAMES = {"norm": "normal", "rgumbel": "reversed_gumbel"}
-MATLAB = (
-    "M_test1",
-    "M_2AFC_norm",
-    "M_2AFC_logistic",
-    "M_YesNo_norm",
-    "M_YesNo_logistic",
-    "M_2AFC_gumbel",
-    "M_YesNo_rgumbel",
-)
 
 
 @pytest.mark.parametrize(("eta", "pmf"), [(0.2, 0.148414569), (0.0, 0.202331152)])
@@ -81,18 +67,8 @@ ONE_EACH = ("M_2AFC_norm", "M_YesNo_logistic")
 )
 def test_means_and_intervals_of_matlab_psignifit(name: str) -> None:
     """Ends within 2 % of the interval's width; MATLAB's own are about 1 % wide on each side."""
-    path = SHARED / "data" / "psignifit_matlab_cases.json"
-    if not path.exists():
-        pytest.skip("the shared folder with psignifit's MATLAB cases is absent")
-    case = next(case for case in json.loads(path.read_text())["cases"] if case["id"] == name)
-    expected = case["expected"]
-    found = fit(
-        *np.array(case["data_level_correct_total"]).T,
-        shape=NAMES.get(case["sigmoid"], case["sigmoid"]),
-        guess_rate=0.5 if case["experiment_type"] == "2AFC" else None,
-        overdispersion=True,
-        estimate="mean",
-    )
+    counts, options, expected = matlab_case(name)
+    found = fit(*counts, **options, overdispersion=True, estimate="mean")
     for ends, published in (
         ((found.interval_low, found.interval_high), expected["CI95_threshold"]),
         ((found.width_low, found.width_high), expected["CI95_width"]),
@@ -132,14 +108,14 @@ def test_overdispersed_answers_are_seen_and_widen_the_interval() -> None:
 )
 def test_without_overdispersion_the_mode_is_the_higher_of_the_binomials_two(k) -> None:
     """Poor fits with a shallow summit without lapses, which the coarse grid leads to, below a steep one."""
-    options = {"shape": "normal", "guess_rate": 0.5, "method": "map"}
+    options = {"shape": "normal", "guess_rate": 0.5}
     binomial, found = (fit(np.arange(1.0, 8), k, 20, overdispersion=free, **options) for free in (False, True))
     assert found.overdispersion == 0
     for name in ("threshold", "width", "lapse_rate"):
         assert getattr(found, name) == pytest.approx(getattr(binomial, name), rel=1e-6)
 
 
-@pytest.mark.parametrize("method", ["posterior", "map", "ml"])
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     ("k", "mode", "median", "mean"),
     [
@@ -162,8 +138,3 @@ def test_mean_threshold_is_that_of_estimate_mean() -> None:
     options = {"shape": "normal", "guess_rate": 0.5, "overdispersion": True}
     found, mean = (fit(range(1, 7), [9, 14, 11, 22, 17, 24], 24, estimate=of, **options) for of in ("mode", "mean"))
     assert found.threshold_mean == mean.threshold_mean == mean.threshold
-
-
-def test_methods_without_overdispersion_say_so() -> None:
-    with pytest.raises(InvalidParameter, match="method: found 'profile' with overdispersion, expected one of ml, map"):
-        fit([1, 2, 3], [1, 5, 9], 10, shape="normal", guess_rate=0.0, method="profile", overdispersion=True)

@@ -221,7 +221,7 @@ def test_individual_fits_of_real_data_without_lapses_equal_a_probit_regression(d
         model = sm.GLM(own["response"].astype(float), sm.add_constant(own["level"]), family=probit).fit(tol=1e-12)
         intercept, slope = model.params
         plain = fit(own["level"], own["response"].astype(float), 1, shape="normal", guess_rate=0.0, lapse_rate=0.0,
-                    method="profile")  # fmt: skip
+                    method="likelihood")  # fmt: skip
         assert plain.threshold == pytest.approx(-intercept / slope, rel=1e-6)
         assert plain.width * DIFFERENCE_PER_WIDTH == pytest.approx(0.67448975 / slope, rel=1e-6)
         if not row["interval_low"] < plain.threshold < row["interval_high"]:

@@ -12,9 +12,9 @@ from scipy.stats import norm, t as student, ttest_1samp
 from tactometry.analysis.tasks.cell import Cell
 from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.tasks.comparison import FIT
-from tactometry.analysis.tasks.standard import floor_warnings, lowest_levels, standard_tests
+from tactometry.analysis.tasks.standard import floor_warnings, lowest_levels, standard_sentences, standard_tests
 from tactometry.analysis.threshold.equality import equalities, fit_comparisons
-from tactometry.analysis.threshold.fitting import log_posterior
+from tactometry.analysis.threshold.fitting import fitting
 from tactometry.experiments.census.comparisons import N_AT_STANDARD, STANDARD, STANDARD_LEVELS, answers_to_standard
 
 STUDY = "texture-discrimination"
@@ -76,16 +76,17 @@ def test_weber_fraction_is_mean_jnd_over_standard(unit, fraction) -> None:
     assert row["jnd_low"] < 2.8 < row["jnd_high"]
 
 
-@pytest.mark.parametrize(("status", "differs"), [("flat", False), ("threshold_above_range", True)])
+@pytest.mark.parametrize(("status", "differs"), [("flat", None), ("threshold_above_range", True)])
 def test_flat_interval_is_no_test_of_standard(status, differs) -> None:
     estimates_of, used = tables([None], status=status)
-    (row,) = standard_tests(estimates_of.assign(interval_low=42.0), used, []).to_dict("records")
-    assert row["differs"] is differs
+    table = standard_tests(estimates_of.assign(interval_low=42.0), used, [])
+    assert (table["differs"].item(), table["n"].item(), table["n_without"].item()) == (differs, 0, 1)
+    assert ("interval" in standard_sentences(table, [], "dB")[0]) is (differs is not None)
 
 
 def test_flat_comparison_has_interval_of_pse() -> None:
     (found,) = estimates([replace(cell(9), n_yes=(8, 10, 11, 10, 12))], 2)
-    (equality,) = equalities(log_posterior(found.cell.levels, found.cell.n_yes, 20, **FIT))
+    (equality,) = equalities(fitting(found.cell.levels, found.cell.n_yes, 20, **FIT))
     assert (found.fit.status, found.fit.threshold) == ("flat", None)
     ends = (found.fit.interval_low, found.fit.interval_high)
     assert ends != (None, None)
@@ -118,6 +119,32 @@ def test_analyse_reports_standard_everywhere(tmp_path, capsys) -> None:
     assert "Weber fraction" in text
 
 
+def test_standard_has_mean_jnd_of_group_table(tmp_path, capsys) -> None:
+    data = tmp_path / "trials.csv"
+    step, slopes = (0, 0, 0, 8, 8), ((0, 2, 4, 6, 8), (0, 1, 4, 7, 8), (1, 3, 4, 6, 7), (0, 2, 5, 7, 8))
+    counts = {(f"P{who}", force): more for who, more in enumerate(slopes, 1) for force in (1, 2)}
+    rows = [
+        {"participant": who, "trial": 8 * n + k, "force_n": force, "procedure": "constant_stimuli"}
+        | {
+            "level": 36 + 2 * n,
+            "level_unit": "dB",
+            "task": "comparison",
+            "standard_level": 40,
+            "response": int(k < more),
+        }
+        for (who, force), counted in (counts | {("P1", 2): step}).items()
+        for n, more in enumerate(counted)
+        for k in range(8)
+    ]
+    pd.DataFrame(rows).to_csv(data, index=False)
+    found = json.loads(output(capsys, "analyse", data, "--json"))
+    (group,) = (one["group"] for one in found["outcomes"] if one["dependent"] == "jnd")
+    of_group = [[row["mean"], row["mean_low"], row["mean_high"], row["n"]] for row in group]
+    assert [[row[name] for name in ("jnd", "jnd_low", "jnd_high", "n_jnd")] for row in found["standard"]] == of_group
+    assert "dB (n = 3), Weber fraction" in output(capsys, "analyse", data)
+
+
 def test_dry_run_warns_of_standard_near_threshold(capsys) -> None:
     said = output(capsys, "run", STUDY, "--participant", "P01", "--dry-run")
     assert "WARNING: the standard (40 dB re 1 V) is 6.9 dB above the predicted threshold" in said
+    assert "some participants may not feel it" in said

@@ -47,11 +47,11 @@ def test_ends_after_sparse_track_are_converged(monkeypatch) -> None:
 
 
 @pytest.mark.parametrize("sharing", [8, 10**9], ids=["shared grid", "own grids"])
-@pytest.mark.parametrize(("n", "guess_rate"), [(20, 0.5), (60, 0.5), (400, 0.5)])
+@pytest.mark.parametrize(("n", "guess_rate"), [(20, 0.5), (60, 0.5), (400, 0.5), (20, None)])
 def test_ends_and_means_are_those_of_the_converged_posterior(monkeypatch, n, guess_rate, sharing) -> None:
     """Within 0.4 % of the interval's width; the goal is 1 %, psignifit errs by 2.3 to 5.7 %."""
-    k = answers(n, guess_rate, np.random.default_rng())
-    options = {"shape": "normal", "guess_rate": guess_rate}
+    n_sets = N_SETS if guess_rate else 8
+    k, options = answers(n, guess_rate or 0.04, np.random.default_rng())[:n_sets], {"guess_rate": guess_rate}
     reference = converged(monkeypatch, LEVELS, k, n, **options)
     monkeypatch.setattr(shared_grid, "WORTH_SHARING", sharing)
     for found, true in zip(fit_many(LEVELS, k, n, **options), reference, strict=True):
@@ -59,17 +59,8 @@ def test_ends_and_means_are_those_of_the_converged_posterior(monkeypatch, n, gue
             continue
         scale = np.repeat([true.interval_high - true.interval_low, true.width_high - true.width_low], [2, 3])
         scale[4] = scale[0]
-        off = (ends(found) - ends(true)) / scale
+        off = ((ends(found) - ends(true)) / scale)[: 5 if guess_rate else 2]
         hard_case("posteriors in a batch, in widths of the interval", off, 0, 0.004, against="finer grids", floor=1)
-
-
-def test_ends_and_means_of_yes_no_answers_are_those_of_the_converged_posterior(monkeypatch) -> None:
-    k, options = answers(20, 0.04, np.random.default_rng())[:8], {"shape": "normal", "guess_rate": None}
-    for found, true in zip(
-        fit_many(LEVELS, k, 20, **options), converged(monkeypatch, LEVELS, k, 20, **options), strict=True
-    ):
-        if true.status == "ok":
-            assert np.abs(ends(found) - ends(true))[:2].max() < 0.004 * (true.interval_high - true.interval_low)
 
 
 @pytest.mark.parametrize("guess_rate", [None, 0.5])

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from hard_cases import exact_case, hard_case
 
-from tactometry.analysis.threshold.chances import by_point
 from tactometry.analysis.threshold.fitting import METHODS, Status, fit
+from tactometry.analysis.threshold.likelihood import by_point
 from tactometry.psychometric import SHAPES
 
 DIGITS = 50
@@ -94,7 +94,6 @@ def test_asymptotes_that_all_but_meet_leave_nothing_to_tell(method) -> None:
         guess_rate=0.9,
         lapse_rate=0.0999,
         method=method,
-        rng=np.random.default_rng(),
     )
     assert found.status in (Status.FLAT, Status.ABOVE, Status.BELOW)
     assert found.threshold is None
@@ -123,7 +122,6 @@ def test_levels_a_thousand_million_apart_from_their_spacing_are_fitted_or_said(m
         shape="normal",
         guess_rate=0.0,
         method=method,
-        rng=np.random.default_rng(),
     )
     assert found.n_levels == 2
     assert found.status in (Status.TOO_FEW_LEVELS, Status.SEPARATED)

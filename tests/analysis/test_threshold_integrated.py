@@ -25,7 +25,7 @@ def test_equals_a_probit_regression_on_many_random_sets() -> None:
     k = rng.binomial(25, 1 / (1 + np.exp(-1.2 * levels + rng.normal(size=(100, 1)))))
     compared = 0
     for counts, found in zip(
-        k, fit_many(levels, k, 25, shape="normal", guess_rate=0.0, lapse_rate=0.0, method="ml"), strict=True
+        k, fit_many(levels, k, 25, shape="normal", guess_rate=0.0, lapse_rate=0.0, method="likelihood"), strict=True
     ):
         if found.status != Status.OK:
             continue
@@ -61,7 +61,7 @@ def test_the_mode_is_at_least_as_probable_as_any_node_of_a_fine_grid() -> None:
     rng = np.random.default_rng()
     for _ in range(50 if SOAK else 2):
         k = rng.binomial(20, np.array([0.5, 0.55, 0.6, 0.75, 0.9, 0.95, 0.97]))
-        found = fitted(k, method="map")
+        found = fitted(k)
         if found.status != Status.OK:
             continue
         data = list(zip(SEVEN, k, [20] * 7, strict=True))

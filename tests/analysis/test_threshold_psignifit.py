@@ -31,7 +31,7 @@ def pairs():
     while len(found) < N_SETS:
         curve = PsychometricFunction("normal", rng.uniform(3, 5), rng.uniform(2.5, 5), 0.5, rng.uniform(0, 0.05))
         k = rng.binomial(N_TRIALS, curve.probability(LEVELS))
-        if ours(k, method="map").status != Status.OK or ours(k).status != Status.OK:
+        if ours(k).status != Status.OK:
             continue
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -56,7 +56,7 @@ def log_posterior(k, threshold, width, lapse, eta) -> float:
 
 def test_our_mode_is_at_least_as_probable_as_its_own(pairs) -> None:
     for k, peer in pairs:
-        found = ours(k, method="map")
+        found = ours(k)
         theirs = peer.parameter_estimate_MAP
         at_theirs = log_posterior(k, theirs["threshold"], theirs["width"], theirs["lambda"], theirs["eta"])
         at_ours = log_posterior(k, found.threshold, found.width, found.lapse_rate, found.overdispersion)

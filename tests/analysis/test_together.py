@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from places import SHARED
 
-from tactometry.analysis.hierarchical import starts
+from tactometry.analysis.hierarchical import single_fits
 from tactometry.analysis.outcomes import hierarchical_outcome as module
 from tactometry.analysis.outcomes.hierarchical_outcome import _text, group_fit
 from tactometry.analysis.pipeline import analyse
@@ -121,9 +121,9 @@ def test_cells_that_were_fitted_are_not_fitted_again(monkeypatch, unit) -> None:
     factors = ("force_n", "hand")
     anew = group_fit(every, factors, unit)
     known = {estimate.cell: estimate.fit for estimate in estimates(every, unit)}
-    fitted, fit_many = [], starts.fit_many
+    fitted, fit_many = [], single_fits.fit_many
     monkeypatch.setattr(
-        starts, "fit_many", lambda *counts, **of: fitted.append(len(counts[0])) or fit_many(*counts, **of)
+        single_fits, "fit_many", lambda *counts, **of: fitted.append(len(counts[0])) or fit_many(*counts, **of)
     )
     told = group_fit(every, factors, unit, known)
     assert fitted == [2]  # the answers of each condition together

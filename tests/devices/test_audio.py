@@ -38,20 +38,20 @@ def asked(n_channels, device, duration_s, **more):
     return {"n_channels": n_channels, "rate_hz": 48_000.0, "device": device, "duration_s": duration_s, **more}
 
 
+def told_by(command, env):
+    return subprocess.run(command, env=env, check=True, timeout=LONGEST_PROGRAM_S, capture_output=True).stdout.decode()
+
+
 @pytest.mark.parametrize(("n_channels", "rate_hz"), [(2, 48e3), (8, 48e3), (32, 48e3), (2, 192e3)])
 def test_a_file_over_the_null_device_gets_every_sample(alsa, tmp_path, n_channels, rate_hz):
     what = asked(n_channels, "tofile", 1.0, rate_hz=rate_hz)
-    subprocess.run(
-        [*PROGRAM, json.dumps(what)], env=alsa, check=True, timeout=LONGEST_PROGRAM_S, stdout=subprocess.DEVNULL
-    )
+    told_by([*PROGRAM, json.dumps(what)], alsa)
     assert played((tmp_path / "played.raw").read_bytes(), player.frames(what))
 
 
 def test_what_plays_falls_to_zero_before_another_signal_begins(alsa, tmp_path):
     what = asked(1, "tofile", 60.0, then_s=[0.1])
-    subprocess.run(
-        [*PROGRAM, json.dumps(what)], env=alsa, check=True, timeout=LONGEST_PROGRAM_S, stdout=subprocess.DEVNULL
-    )
+    told_by([*PROGRAM, json.dumps(what)], alsa)
     heard = heard_part(np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")[:, None])[:, 0]
     first, second = (player.frames(asked(1, "tofile", duration_s))[:, 0] for duration_s in (60.0, 0.1))
     assert np.array_equal(heard[-len(second) :], second)
@@ -63,6 +63,17 @@ def test_what_plays_falls_to_zero_before_another_signal_begins(alsa, tmp_path):
     assert np.all(np.abs(before[n_whole:] - falling) <= 1)
 
 
+OPEN = """
+import json, sys
+from tactometry.devices.outputs.audio import AudioSettings
+from tactometry.devices.outputs.gain import Gain
+try:
+    AudioSettings(48e3, **json.loads(sys.argv[1])).driver(Gain(1.0, 1.0)).open()
+except Exception as error:
+    print(type(error).__name__, error)
+"""
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
@@ -71,15 +82,10 @@ def test_what_plays_falls_to_zero_before_another_signal_begins(alsa, tmp_path):
     ],
 )
 def test_a_card_that_cannot_is_named_in_one_sentence(alsa, settings, message):
-    build = f"AudioSettings(48e3, **{settings})"
-    script = (
-        "from tactometry.devices.outputs.audio import AudioSettings; from tactometry.devices.outputs.gain import Gain\n"
-        f"try: {build}.driver(Gain(1.0, 1.0)).open()\nexcept Exception as error: print(type(error).__name__, error)"
-    )
-    result = subprocess.run([sys.executable, "-c", script], env=alsa, capture_output=True, text=True, check=True)
-    assert result.stdout.startswith(f"DeviceFailed output audio: {'cannot open' if 'no' in message else ''}")
-    assert message in result.stdout
-    assert "nothing was played" in result.stdout
+    told = told_by([sys.executable, "-c", OPEN, json.dumps(settings)], alsa)
+    assert told.startswith(f"DeviceFailed output audio: {'cannot open' if 'no' in message else ''}")
+    assert message in told
+    assert "nothing was played" in told
 
 
 def test_rounding_never_raises_a_sample():
@@ -103,34 +109,16 @@ def test_a_stop_falls_to_zero_within_a_block():
     assert len(course.take(240)) == 0
 
 
-OPEN = """
-import sys
-from tactometry.devices.outputs.audio import AudioSettings
-from tactometry.devices.outputs.gain import Gain
-from tactometry.errors import DeviceFailed
-from tactometry.experiments.bench.bench_file import parse_bench
-from tactometry.safety.limits import Limits
-try:
-    AudioSettings(48e3, sys.argv[1], sample_format="int16").driver(Gain(1.0, 1.0)).open()
-except Exception as error:
-    print(type(error).__name__, error)
-"""
-
-
 def test_what_other_programs_play_to_is_refused_unless_the_bench_file_allows_it(sink):
     """The other tests at this sound server say `shared`."""
-    opened = subprocess.run(
-        [sys.executable, "-c", OPEN, "pulse"], env=sink.env, capture_output=True, text=True, check=True
-    )
-    assert opened.stdout.startswith(
-        "DeviceFailed output audio: found 'pulse' (ALSA), where other programs may play too"
-    )
-    assert opened.stdout.endswith("expected a card of its own, or shared = true in [output]; nothing was played\n")
-    for device in ("tofile", "nothing"):
-        opened = subprocess.run(
-            [sys.executable, "-c", OPEN, device], env=sink.env, capture_output=True, text=True, check=True
-        )
-        assert "other programs" not in opened.stdout
+
+    def opened(device):
+        settings = json.dumps({"device": device, "sample_format": "int16"})
+        return told_by([sys.executable, "-c", OPEN, settings], sink.env)
+
+    assert opened("pulse").startswith("DeviceFailed output audio: found 'pulse' (ALSA), where other programs may play")
+    assert opened("pulse").endswith("a card of its own, or shared = true in [output]; nothing was played\n")
+    assert "other programs" not in opened("tofile") + opened("nothing")
 
 
 def test_a_gain_holds_for_the_volume_of_the_sound_server_at_which_it_was_measured(sink, monkeypatch):
@@ -146,15 +134,11 @@ def test_a_gain_holds_for_the_volume_of_the_sound_server_at_which_it_was_measure
         subprocess.run(["pactl", "set-sink-volume", "finger", words], env=sink.env, check=True)
 
     assert devices(system_volume=1.0).output.name == "audio pulse"
-    with pytest.raises(
-        DeviceFailed, match=r"system_volume: found a gain of a volume that is not known, .* of 100 %, as"
-    ):
+    with pytest.raises(DeviceFailed, match=r"system_volume: found a gain of a volume that is not known, .* of 100 %,"):
         devices()
     try:
         set_volume("40%")
-        with pytest.raises(
-            DeviceFailed, match=r"a volume of 100 %, expected one of a volume of 40 %, as it is now; set it"
-        ):
+        with pytest.raises(DeviceFailed, match=r"a volume of 100 %, expected one of a volume of 40 %, as it is now;"):
             devices(system_volume=1.0)
         assert devices(system_volume=0.4).output.name == "audio pulse"
     finally:
@@ -168,12 +152,10 @@ def undisturbed(sink, what, n_runs=4):
     """The first of some runs in which the device, on a machine that does other things too, never ran dry."""
     for _ in range(n_runs):
         sink.begin()
-        done = subprocess.run(
-            [*PROGRAM, json.dumps(what)], env=sink.env, check=True, timeout=LONGEST_PROGRAM_S, capture_output=True
-        )
+        told = told_by([*PROGRAM, json.dumps(what)], sink.env)
         frames = sink.end()
-        if json.loads(done.stdout.splitlines()[-1])["n_underruns"] == 0:
-            return done.stdout, heard_part(frames)
+        if json.loads(told.splitlines()[-1])["n_underruns"] == 0:
+            return told, heard_part(frames)
     pytest.fail(f"underruns in each of {n_runs} runs")
 
 
@@ -186,7 +168,7 @@ def test_a_sink_hears_every_sample_in_real_time(sink):
 def test_a_stop_is_heard_within_a_block(sink):
     what = asked(2, "pulse", 20.0, lead_s=0.3, tail_s=0.3, stop_s=0.3)
     said, frames = undisturbed(sink, what)
-    n_given = int(said.split(b"stopped ")[1].split()[0])
+    n_given = int(said.split("stopped ")[1].split()[0])
     assert len(frames) <= n_given + 2 * 240
     assert np.array_equal(frames[:-48], player.frames(what)[: len(frames) - 48])
 
@@ -249,44 +231,27 @@ def test_a_process_stops_closes_and_ends_though_its_sound_server_hangs(sink):
     assert process.returncode == 0
 
 
-def test_a_process_that_was_held_up_reports_its_underruns(sink):
-    """A busy computer may be late to hold it up: three tries."""
-    assert any(n_underruns_when_held_up(sink) >= 1 for _ in range(3))
-
-
-def n_underruns_when_held_up(sink):
-    what = asked(2, "pulse", 1.5, lead_s=0.3, tail_s=0.2, tell=True)
-    with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
-        while int(process.stdout.readline()) < 12_000:
-            pass
-        process.send_signal(signal.SIGSTOP)
-        time.sleep(0.5)
-        process.send_signal(signal.SIGCONT)
-        said = process.stdout.read()
-    return json.loads(re.search(rb"\{.*?\}", said)[0])["n_underruns"]
-
-
-# --- a process that is held up
-
-
-def held_up_process(sink, what, for_s):
-    """Stop a process 0.3 s into its signal, let it go on after `for_s`: what was heard, and what it reported."""
+def held_up_process(sink, for_s):
+    """Stop a process 0.3 s into its signal of 2 s, let it go on after `for_s`: what sounded, and its underruns."""
+    what = asked(2, "pulse", 2.0, lead_s=0.3, tail_s=1.0, tell=True)
     sink.begin()
     with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
-        for line in process.stdout:
-            if int(line) >= 14_400:
-                break
+        while int(process.stdout.readline()) < 14_400:
+            pass
         process.send_signal(signal.SIGSTOP)
         time.sleep(for_s)
         process.send_signal(signal.SIGCONT)
-        process.communicate(timeout=LONGEST_PROGRAM_S)
-    return sink.end()
+        told, _ = process.communicate(timeout=LONGEST_PROGRAM_S)
+    return heard_part(sink.end()), json.loads(re.search(rb"\{.*?\}", told)[0])["n_underruns"]
+
+
+def test_suspended_process_tells_its_underruns(sink):
+    """A busy computer may be late to hold it up: three tries."""
+    assert any(held_up_process(sink, for_s=0.5)[1] >= 1 for _ in range(3))
 
 
 def test_suspended_process_plays_nothing_after_it_continues(sink):
-    """A signal of 2 s is held up for 1 s. A busy computer may be late to hold it up: three tries."""
-    what = asked(2, "pulse", 2.0, lead_s=0.3, tail_s=1.0, tell=True)
-    assert any(0 < len(heard_part(held_up_process(sink, what, for_s=1.0))) < 0.7 * 48_000 for _ in range(3))
+    assert any(0 < len(held_up_process(sink, for_s=1.0)[0]) < 0.7 * 48_000 for _ in range(3))
 
 
 @st.composite

@@ -213,7 +213,7 @@ def test_a_stop_that_a_board_does_not_read_is_a_failure_and_what_waits_is_taken_
 
 
 def test_a_board_that_takes_no_stream_fails_after_its_time(board, monkeypatch):
-    monkeypatch.setattr("tactometry.devices.outputs.packed.SEND_BESIDE_S", 0.1)
+    monkeypatch.setattr("tactometry.devices.outputs.packed.SEND_EXTRA_S", 0.1)
     output = output_to(board)
     board.hang()
 
@@ -326,7 +326,7 @@ def test_escape_ends_a_session_whose_board_hangs(board, watched, hands, in_backg
         watched, Equipment(guard, {"bits": Bits()}, sensor=sensor, ramp_s=0.0, release=False), texts_in("en", {})
     )
     board.hang()
-    monkeypatch.setattr("tactometry.devices.outputs.packed.SEND_BESIDE_S", LONGEST_WAIT_S)  # Escape comes first
+    monkeypatch.setattr("tactometry.devices.outputs.packed.SEND_EXTRA_S", LONGEST_WAIT_S)  # Escape comes first
 
     def escape_as_it_sends():
         wait_for(lambda: not output._line.was_read(0.0))

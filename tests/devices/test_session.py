@@ -30,9 +30,8 @@ HELD_UP = ("sensor_lost", "output_gap")
 def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, tmp_path):
     """The experimenter sits at a real terminal, remarks on it, pauses and repeats."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
-    (tmp_path / "bench.toml").write_text(
-        BENCH.format(stream=device.name, gain=gain_toml("audio tofile, int16")), encoding="utf-8"
-    )
+    bench = BENCH.format(stream=device.name, gain=gain_toml("audio tofile, int16"))
+    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
     command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
     terminal, process_end = os.openpty()
     env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
@@ -46,15 +45,8 @@ def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, t
     finally:
         device.close()
     errors = b"".join(seen).decode()
-    for told in (
-        "p pause   g go on",
-        "trial 1: ",
-        "noted",
-        "this trial will be asked again",
-        "it goes on",
-        "not valid",
-    ):
-        assert told in errors
+    told = ("p pause   g go on", "trial 1: ", "noted", "this trial will be asked again", "it goes on", "not valid")
+    assert all(words in errors for words in told), errors
     assert status == 0, errors
     rows = trial_rows(tmp_path / "data")
     counted = [row for row in rows if row["invalid_reason"] not in HELD_UP]
@@ -70,15 +62,8 @@ def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, t
         assert (touch.position, touch.emitted.duration_s) == (None, 0.2)
     [journal] = (tmp_path / "data" / "journals").glob("*.jsonl")
     facts = json.dumps(json.loads(journal.read_text().splitlines()[0]))
-    for fact in (
-        '"audio tofile"',
-        '"output_device": "tofile"',
-        f'"lsl {device.name}"',
-        f'"{date.today()} ZG"',
-        '"electrode"',
-        '"hand_clock_offset_s"',
-    ):
-        assert fact in facts
+    names = (f'"lsl {device.name}"', f'"{date.today()} ZG"', '"electrode"', '"hand_clock_offset_s"')
+    assert all(fact in facts for fact in ('"audio tofile"', '"output_device": "tofile"', *names)), facts
     assert played_signals(tmp_path) == [N_TRIALS + 1, True] or counted != rows
 
 
@@ -101,9 +86,8 @@ def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_ba
     played, data = tmp_path / "played", tmp_path / "data"
     bench = PRESSED_ELECTRODE.format(folder=played, port=device.udp_port)
     (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
-    process = tactometry(
-        "run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", data, env=os.environ
-    )
+    command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", data]
+    process = tactometry(*command, env=os.environ)
 
     def go_on_when(what):
         wait_for(lambda: what() or process.poll() is not None)
@@ -142,12 +126,7 @@ def check_events(data, rows):
     """What the experimenter did, the timing of each trial and the clocks of the block are in a sound data set."""
     events = events_of(data)
     kinds = [event["trial_type"] for event in events if event["text"] != "the force sensor is silent"]
-    assert [(kind, kinds.count(kind)) for kind in ("remark", "repeat", "pause", "resume")] == [
-        ("remark", 1),
-        ("repeat", 1),
-        ("pause", 1),
-        ("resume", 1),
-    ]
+    assert [kinds.count(kind) for kind in ("remark", "repeat", "pause", "resume")] == [1, 1, 1, 1]
     trials = [event for event in events if event["trial_type"] == "trial"]
     assert [(each["trial"], each["attempt"]) for each in trials] == [(row["trial"], row["attempt"]) for row in rows]
     for each in trials:

@@ -139,7 +139,7 @@ def test_replay_of_a_damaged_journal_is_bad_input(copied, capsys):
     assert "line 2: the line is damaged" in said
 
 
-def test_a_session_with_another_seed_is_refused_at_the_first_row_that_differs(copied):
+def test_validation_names_first_differing_row_with_wrong_seed(copied):
     from tactometry.errors import Diverged
     from tactometry.records.journal import read
     from tactometry.session.run import replay
@@ -163,7 +163,7 @@ def test_resuming_with_another_seed_is_refused(copied, capsys):
 
 
 @pytest.mark.parametrize("begin", [b"", b'{"head":', b'{"sitting":', b'{"event":"stimulus","facts":'])
-def test_a_journal_that_is_nested_too_deep_is_damaged(copied, capsys, begin):
+def test_deeply_nested_journal_is_damaged(copied, capsys, begin):
     journal = next((copied / "journals").glob("*P01*"))
     whole = journal.read_bytes()
     journal.write_bytes((whole if begin.startswith((b'{"s', b'{"e')) else b"") + begin + b"[" * 100_000 + b"\n")

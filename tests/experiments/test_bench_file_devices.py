@@ -111,7 +111,7 @@ def test_its_devices_are_guarded_calibrated_and_share_a_reader(tmp_path):
     assert list(devices.readers) == ["hand"]
 
 
-def test_what_a_head_holds_of_it_comes_back_from_a_journal_as_it_was(tmp_path):
+def test_head_facts_survive_a_round_trip(tmp_path):
     """A count without a bound is not stated: JSON has no such number, and the next sitting was told to differ."""
     bench = read(tmp_path, WHOLE)
     told = device_facts(bench, bench.devices(STUDY, TODAY))
@@ -119,7 +119,7 @@ def test_what_a_head_holds_of_it_comes_back_from_a_journal_as_it_was(tmp_path):
     assert not any(isinstance(value, float) and not math.isfinite(value) for value in told.values())
 
 
-def test_without_a_file_the_bench_is_null_with_the_limits_of_the_study():
+def test_bench_is_null_without_a_file():
     devices = load_bench(None).devices(STUDY, TODAY)
     assert devices.output.name == "null"
     devices.output.play(Signal(np.full((1, 3), 199.0), 1e3, "V"))
@@ -237,7 +237,7 @@ def test_an_outlet_of_a_card_is_named_once(channels):
         ("sensors.s", {"kind": "recorded", "path": "x", "rate_hz": 1e3}, "n_channels", 0),
     ],
 )
-def test_a_number_that_no_device_can_have_is_refused_with_the_file(part, table, name, value):
+def test_impossible_number_is_refused_with_the_file(part, table, name, value):
     kept = {**table, name: value}
     with pytest.raises(InvalidParameter, match=rf"^{part}\.{name}: found .*, expected "):
         parse_bench({"sensors": {"s": kept}} if part == "sensors.s" else {part: kept})
@@ -276,7 +276,7 @@ def test_reading_a_bench_file_loads_no_device_library(tmp_path):
         ("rate_hz = 20000\nchannels = [0, 1]", "n_channels 1, expected 2"),
     ],
 )
-def test_a_study_that_an_output_cannot_play_opens_no_window(tmp_path, capsys, settings, wanted):
+def test_unplayable_study_opens_no_window(tmp_path, capsys, settings, wanted):
     calibrated = gain_toml("audio x, int32") + WHOLE[WHOLE.index("[output.load]") : WHOLE.index("[sensors.hand]")]
     bench = tmp_path / "bench.toml"
     bench.write_text(f'[output]\nkind = "audio"\ndevice = "x"\nungated = true\n{settings}\n{calibrated}')

@@ -54,7 +54,7 @@ def each_study_at_once(claimed):
 
 
 @pytest.mark.parametrize(("study", "text", "line"), each_study_at_once(CLAIMED))
-def test_a_bench_of_the_docs_runs_the_studies_that_it_claims(tmp_path, capsys, study, text, line):
+def test_documented_bench_runs_its_studies(tmp_path, capsys, study, text, line):
     """As a user goes: a copy of the study, the line that the page says, a dry run, and what check looks at."""
     (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
     assert call(capsys, "new", study, "--out", tmp_path / "mine.toml")[0] == 0
@@ -69,7 +69,7 @@ def test_a_bench_of_the_docs_runs_the_studies_that_it_claims(tmp_path, capsys, s
     assert [each for each in findings if not each.fine] == []
 
 
-def test_without_the_line_of_the_docs_a_study_is_refused_with_the_remedy(tmp_path):
+def test_study_is_refused_without_the_documented_line(tmp_path):
     bench, experiment = parse_bench(tomllib.loads(BENCHES[0])), wire(load("tutorial")[0], "tutorial")
     findings = list(_strongest(bench.devices(experiment.study.limits, TODAY).output, experiment, bench))
     assert len(findings) == 2

@@ -43,7 +43,7 @@ def test_a_force_sensor_is_calibrated_by_weights(calibrate, tmp_path, artefacts)
     assert (artefacts / "force.png").stat().st_size > 10_000
 
 
-def test_a_sensor_that_sends_nothing_is_not_calibrated(calibrate, tmp_path, monkeypatch):
+def test_silent_sensor_is_not_calibrated(calibrate, tmp_path, monkeypatch):
     monkeypatch.setattr("tactometry.experiments.bench.calibration.FIRST_SAMPLE_WITHIN_S", 0.1)
     (tmp_path / "b.toml").write_text('[sensors.hand]\nkind = "udp"\naddress = "127.0.0.1"\nrate_hz = 1000\n')
     silent = calibrate("force", "--bench", "b.toml", "--by", "Z", "--weights-kg", "0,1,2", answers="y\n")

@@ -58,12 +58,12 @@ def test_a_gain_is_recovered(volts_per_unit, units):
         (lambda: display_height_m(0.0), "found a bar of 0.0 m"),
     ],
 )
-def test_what_cannot_be_fitted_is_refused(call, message):
+def test_impossible_fit_is_refused(call, message):
     with pytest.raises(InvalidParameter, match=message):
         call()
 
 
-def test_what_is_printed_is_a_bench_file():
+def test_printed_calibration_is_a_bench_file():
     fit = fit_force([0.0, 0.1, 0.2, 0.3], [5.0, 105.0, 205.0, 305.0])
     text = (
         table_toml("screen", {"height_m": 0.298})

@@ -79,7 +79,7 @@ def test_a_display_is_written_where_the_file_has_no_screen(calibrate, tmp_path):
     assert (tmp_path / "bench.toml").read_text(encoding="utf-8").startswith("# ours\n")
 
 
-def test_what_is_refused_is_not_written(calibrate, tmp_path):
+def test_refused_calibration_is_not_written(calibrate, tmp_path):
     file = tmp_path / "bench.toml"
     file.write_text(STATED.format(gain=IN_ITS_TABLE), encoding="utf-8")
     before = file.read_bytes()
@@ -89,7 +89,7 @@ def test_what_is_refused_is_not_written(calibrate, tmp_path):
     assert file.read_bytes() == before
 
 
-def test_a_file_that_would_be_no_bench_stands(tmp_path):
+def test_file_is_kept_when_the_result_is_no_bench(tmp_path):
     file = tmp_path / "bench.toml"
     file.write_text("[screen]\nwidth_px = 800\n", encoding="utf-8")
     with pytest.raises(InvalidFile, match="screen.width_px: found 3, expected at least 320 pixels"):

@@ -52,7 +52,7 @@ def checked(tmp_path, bench, *more, env=None):
     return result.returncode, findings
 
 
-def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display, in_background, alsa):
+def test_check_tries_sensor_and_card_together(tmp_path, display, in_background, alsa):
     if importlib.util.find_spec("sounddevice") is None or not available("serial"):
         pytest.skip("no sounddevice or no pyserial: extras audio, serial")
     device, ended = Emulator("serial", tmp_path, profile="1:250"), threading.Event()
@@ -100,7 +100,7 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
     assert all("found a signal with rate_hz 20000, expected 48000; state that rate_hz in" in each for each in strongest)
 
 
-def test_the_way_from_a_key_to_its_record_is_that_of_a_real_key(watched, participant, hands, in_background):
+def test_check_measures_a_real_key_press(watched, participant, hands, in_background):
     """Of a key that was pressed before the page came, nothing is told; records take 50 ms here."""
 
     def record():
@@ -121,7 +121,7 @@ def test_the_way_from_a_key_to_its_record_is_that_of_a_real_key(watched, partici
         assert 0.05 <= delay_s <= record_s - key_s + 2e-3
 
 
-def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_path):
+def test_check_continues_without_a_key_press(watched, monkeypatch, tmp_path):
     monkeypatch.setattr("tactometry.experiments.bench.preflight_computer.KEYS_WITHIN_S", 0.1)
     found = _try_keys(watched, "fr", tmp_path)
     assert (found.found, found.fine) == ("no key was pressed in 0.1 s", None)
@@ -129,7 +129,7 @@ def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_
     assert _try_keys(watched, "en", tmp_path / "none").fine is False
 
 
-def test_nothing_plays_before_somebody_said_that_hands_are_off(tmp_path, alsa):
+def test_check_plays_nothing_before_hands_are_off(tmp_path, alsa):
     bench = load(tmp_path, "[output]\nungated = true\n" + AUDIO[9:] + GAIN + LOAD + LIMITS)
     found = {each.what: each for each in devices(bench, Limits(80.0), None, hands_off=False)}
     assert (found["test tone"].found, found["test tone"].fine) == ("not played: nobody said that hands are off", False)
@@ -149,7 +149,7 @@ def test_hands_are_off_where_somebody_types_it_at_a_terminal(monkeypatch, capsys
     assert ("Type 'hands off' when no hand is on the surface" in said.err) is (typed is not None)
 
 
-def test_a_bench_that_nothing_gates_is_not_fine(tmp_path):
+def test_ungated_bench_is_not_fine(tmp_path):
     bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS)
     failed = [each for each in devices(bench, Limits(80.0), None, hands_off=False) if each.fine is False]
     assert failed[0].found.startswith("force: found none, expected the sensor that stops the output when the finger")
@@ -167,7 +167,7 @@ def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
         assert (each.fine, each.device) == (False, True)
 
 
-def test_a_stimulus_that_practice_alone_asks_too_strong_is_named(tmp_path):
+def test_too_strong_practice_stimulus_is_named(tmp_path):
     """Only the levels of the procedure were held against the output."""
     numbers = parse(TUTORIAL.encode(), "tutorial")
     study = wire(replace(numbers, practice={"levels": [40.0]}), "tutorial")
@@ -208,7 +208,7 @@ def load(folder, text):
         (SERIAL.format(port="no/line"), "sensor hand", "serial no/line: cannot open the line"),
     ],
 )
-def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part, message):
+def test_failed_device_is_status_3_and_plays_nothing(tmp_path, bench, part, message):
     findings = list(devices(load(tmp_path, bench), Limits(80.0), None, hands_off=True))
     [failed] = [each for each in findings if each.fine is False]
     assert failed.part == part
@@ -216,7 +216,7 @@ def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part
     assert exit_status(findings) == 3
 
 
-def test_a_sensor_that_sends_nothing_is_said_to(monkeypatch):
+def test_silent_sensor_is_reported(monkeypatch):
     monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
     monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.FIRST_WITHIN_S", 0.05)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
@@ -257,9 +257,7 @@ def slid(monkeypatch, tmp_path, metres_per_count, change):
 @pytest.mark.parametrize(
     ("metres_per_count", "change", "fine"), [(2e-6, GATED, True), (4e-5, GATED, False), (4e-5, {}, None)]
 )
-def test_place_and_speed_are_said_as_the_gate_of_a_slide_hears_them(
-    monkeypatch, tmp_path, metres_per_count, change, fine
-):
+def test_check_reports_position_and_speed_of_the_gate(monkeypatch, tmp_path, metres_per_count, change, fine):
     """A finger that should rest and moves at 2 and at 40 mm/s, where its speed may be off by 10."""
     said = slid(monkeypatch, tmp_path, metres_per_count, change)
     assert "speed, at rest" in said, said
@@ -284,7 +282,7 @@ def test_a_long_sentence_stands_below_the_table_of_a_narrow_terminal():
     assert "see below" in text
 
 
-def test_a_study_that_cannot_run_is_status_1_where_the_devices_are_fine():
+def test_unrunnable_study_is_status_1_with_working_devices():
     assert exit_status([Finding("study", "x", "", fine=False), Finding("disk", "free", "", fine=True)]) == 1
     assert exit_status([Finding("a", "b", "c")]) == 0
 

@@ -41,7 +41,7 @@ def test_every_file_says_that_it_is_simulated(whole):
         assert parquet.read_schema(path).metadata[b"simulated"] == b"true"
 
 
-def test_a_run_that_was_killed_keeps_its_whole_chunks_and_goes_on_to_the_same_bytes(whole, tmp_path):
+def test_killed_run_continues_to_the_same_bytes(whole, tmp_path):
     begun = write_tracks(run(), tmp_path / "killed")
     first = next(begun)
     begun.close()
@@ -68,7 +68,7 @@ def test_the_order_of_work_changes_no_byte(whole, tmp_path):
         (2, True, "found seed 1, expected 2 as asked; give another --out"),
     ],
 )
-def test_a_folder_that_holds_something_is_not_written_to(whole, seed, resume, sentence):
+def test_nonempty_folder_is_not_written_to(whole, seed, resume, sentence):
     before = contents(whole)
     with pytest.raises(InvalidFile, match=sentence):
         write_tracks(run(seed=seed), whole, resume=resume)

@@ -37,7 +37,7 @@ per_kind = pytest.mark.parametrize("kind", OUTPUTS)
 
 
 @per_kind
-def test_an_output_that_leads_to_an_amplifier_has_its_gain_in_the_file(tmp_path, capsys, kind):
+def test_amplified_output_needs_a_gain(tmp_path, capsys, kind):
     """What reaches the load for a sample of 1 is never guessed."""
     with pytest.raises(
         InvalidParameter, match=r"^output\.gain: found none, expected .*tactometry calibrate gain; nothing"
@@ -91,7 +91,7 @@ def test_a_measured_gain_is_taken_on_the_last_day_of_its_age(kind):
     assert bench_of(kind, gain).devices(STUDY, TODAY).output.driver.full_scale_v == 100.0
 
 
-def test_what_writes_files_needs_no_gain():
+def test_file_output_needs_no_gain():
     for table in ({"kind": "file", "folder": "x"}, {"kind": "null"}, {}):
         assert parse_bench({"output": table}).devices(STUDY, TODAY).output.driver.connected is False
 
@@ -112,7 +112,7 @@ RECORDED = {"hand": {"kind": "recorded", "path": "old.csv", "rate_hz": 1e3}}
 
 
 @per_kind
-def test_what_is_touched_is_gated_by_a_sensor_that_knows_of_the_finger(kind):
+def test_touched_output_is_gated_by_a_finger_sensor(kind):
     gain = {**gain_table(CHAINS[kind]), "measured_on": TODAY}
     alone = bench_of(kind, gain, screen={})
     with pytest.raises(InvalidParameter, match=r"^force: found none, expected the sensor .*ungated = true in .output"):
@@ -126,7 +126,7 @@ def test_what_is_touched_is_gated_by_a_sensor_that_knows_of_the_finger(kind):
 
 
 @per_kind
-def test_what_is_ungated_is_told(kind):
+def test_ungated_output_is_reported(kind):
     ungated = bench_of(kind, {**gain_table(CHAINS[kind]), "measured_on": TODAY}, {"ungated": True}, screen={})
     devices = ungated.devices(STUDY, TODAY)
     assert ungated.cautions == ("bench file, output.ungated = true: nothing stops the output when the finger leaves",)

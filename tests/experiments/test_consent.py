@@ -57,7 +57,7 @@ def on_console(monkeypatch, capsys, study, root, lines):
     return call(capsys, "run", study, "--participant", "P01", "--rig", "console", "--seed", 1, "--out", root)
 
 
-def test_nothing_is_asked_of_a_participant_who_does_not_agree(study, tmp_path, capsys, monkeypatch):
+def test_session_asks_nothing_without_consent(study, tmp_path, capsys, monkeypatch):
     status, _, said = on_console(monkeypatch, capsys, study, tmp_path / "d", "no\n")
     assert status == 1
     assert "next: nothing to analyse: no block came to its end" in said
@@ -68,7 +68,7 @@ def test_nothing_is_asked_of_a_participant_who_does_not_agree(study, tmp_path, c
     assert validate(tmp_path / "d").defects == ()
 
 
-def test_who_agrees_is_asked_first_about_oneself_and_then_what_was_felt(study, tmp_path, capsys, monkeypatch):
+def test_consent_precedes_personal_questions_and_trials(study, tmp_path, capsys, monkeypatch):
     status, errors, _ = on_console(monkeypatch, capsys, study, tmp_path / "d", "yes\n4\n" + "1\n" * 40)
     assert status == 0, errors
     first = ["welcome", "consent", "agree", "questions_first", "habits", "instructions_yes_no", "block"]
@@ -78,7 +78,7 @@ def test_who_agrees_is_asked_first_about_oneself_and_then_what_was_felt(study, t
     assert [session.complete for session in replay_data_set(tmp_path / "d")] == [True]
 
 
-def test_one_who_does_not_agree_keeps_nobody_from_the_data_of_the_others(study, tmp_path, capsys, monkeypatch):
+def test_refused_consent_leaves_other_data_readable(study, tmp_path, capsys, monkeypatch):
     root = tmp_path / "d"
     on_console(monkeypatch, capsys, study, root, "no\n")
     for command in ("analyse", "export --to psych-ds --out x"):

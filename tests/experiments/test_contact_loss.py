@@ -66,7 +66,7 @@ def parts_of_a_tip(loads, signal):
     return one_sided_contacts(SCREEN.screen, fine_m, loads, shares_n, FEW * SCREEN.rate_hz, SCREEN.modes_to_hz)
 
 
-def test_the_first_level_that_is_told_is_where_a_contact_begins_to_open(study):
+def test_reported_level_is_where_contact_opens(study):
     for finger in pulled_fingers(study)[::2]:
         assert finger.lifts_off
         below, above = (contact_course(study, finger.first_level + step, finger.force_n) for step in (-0.3, 0.3))
@@ -74,7 +74,7 @@ def test_the_first_level_that_is_told_is_where_a_contact_begins_to_open(study):
         assert above.apart.any()
 
 
-def test_the_force_of_a_contact_that_holds_is_that_of_its_steps_in_time(study):
+def test_held_contact_force_equals_time_steps(study):
     cell = next(iter(study.cells.values()))
     signal = cell.stimulus.at(-20.0)
     (force,) = cell.sensation.contact_force_n(signal, Contact(2.0))
@@ -116,7 +116,7 @@ def test_levels_that_are_lengths_of_bursts_have_a_first_level_too():
     assert -force.min() == pytest.approx(firm.force_n, rel=0.1)  # a burst is a whole number of samples
 
 
-def test_nothing_is_told_of_a_study_without_a_plate():
+def test_study_without_a_plate_reports_no_contact_loss():
     assert pulled_fingers(wire(load("tutorial")[0], "tutorial")) == []
     assert FocusReading(SCREEN).contact_force_n(Signal(np.ones((8, 9)), 50e3, "V"), Contact(0.0)).size == 0
 
@@ -136,14 +136,14 @@ def test_the_force_of_a_soft_tip_is_that_of_all_its_parts(soft_tip):
     assert answered == pytest.approx(by_step, abs=2e-2 * np.abs(told).max())
 
 
-def test_a_soft_tip_does_not_hold_where_all_of_its_parts_together_would_pull(soft_tip):
+def test_soft_tip_lifts_when_all_parts_pull(soft_tip):
     reading, loads = soft_tip
     first = -20 * np.log10(-reading.contact_force_n(played(0.0), PRESSED).min() / PRESSED.force_n)
     assert parts_of_a_tip(loads, played(first + 0.3)).apart.any()
     assert not parts_of_a_tip(loads, played(first - 6.0)).apart.any()  # a part may open below, but not at the half
 
 
-def test_the_force_of_a_rigid_tip_is_what_its_mass_behind_its_spring_answers_the_plate_with():
+def test_rigid_tip_force_equals_mass_on_spring():
     *_, tip = Contactor("rigid", 5e-3).loads(SCREEN.plate, SCREEN.focus_m, 2.0)
     force = contact_force_n(SCREEN, played(20.0), [tip])[::FINER]
     plate_m = displacement_at_focus_m(SCREEN, played(20.0), [tip])
@@ -156,7 +156,7 @@ def test_the_force_of_a_rigid_tip_is_what_its_mass_behind_its_spring_answers_the
     assert answered[:n] == pytest.approx(force[:n], abs=2e-2 * np.abs(force).max())
 
 
-def test_every_contactor_of_the_study_of_force_loss_is_told_under_every_force():
+def test_force_loss_reports_each_contactor_and_force():
     text = load("force-loss")[1].decode().replace('duration_s = "500 ms"', f'duration_s = "500 ms"\n{FOCUS}')
     found = pulled_fingers(wired(text.replace("voltage_peak_v = 200.0", "voltage_peak_v = 2e3")))
     assert len(found) == 25

@@ -19,7 +19,7 @@ def found(root):
 
 
 @pytest.mark.parametrize("missing", [2, 9, 40])
-def test_a_line_that_is_missing_is_named_by_the_one_behind_it(lived, missing):
+def test_missing_line_is_named_by_the_next(lived, missing):
     lines = journal_of(lived).read_bytes().splitlines(keepends=True)
     journal_of(lived).write_bytes(b"".join(lines[: missing - 1] + lines[missing:]))
     with pytest.raises(InvalidFile, match=f"line {missing}: the line is damaged, or one before it is missing"):
@@ -58,7 +58,7 @@ def test_a_folder_among_the_journals_is_no_journal(lived):
     assert found(lived) == []
 
 
-def test_a_session_goes_on_with_the_rig_that_it_began_with(lived):
+def test_session_continues_on_the_same_rig_only(lived):
     other = RigKind("console", simulated(EXPERIMENT, WHO).make)
     with pytest.raises(InvalidParameter, match="--rig: found console, but this session began with simulated"):
         record(EXPERIMENT, TOML, lived, WHO, other, resume=True)
@@ -92,7 +92,7 @@ def test_a_code_is_of_1_to_32_letters_and_digits(code):
         ("timestamp_utc", "yesterday", "a time in ISO 8601"),
     ],
 )
-def test_a_cell_that_no_trial_can_hold_is_a_defect(whole, column, value, expected):
+def test_impossible_cell_is_a_defect(whole, column, value, expected):
     file = next((whole / "data").glob("*.csv"))
     assert list(defects(file.read_bytes(), file.name)) == []
     header, first, *rest = file.read_text().splitlines()

@@ -14,10 +14,10 @@ from tables import trial_rows
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
-from tactometry.choice_form import NOT_SAID, load, shipped_choices
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
+from tactometry.questionnaire import NOT_SAID, load_choices, shipped_choices
 from tactometry.records.journal import read
 from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.request import ABOUT, Choose
@@ -49,7 +49,7 @@ def on_console(monkeypatch, capsys, study, root, lines):
     return call(capsys, "run", study, "--participant", "P01", "--rig", "console", "--seed", 1, "--out", root)
 
 
-def test_each_question_has_its_page_and_each_answer_its_row_of_a_code(study, tmp_path, capsys, monkeypatch):
+def test_each_question_has_a_page_and_a_row(study, tmp_path, capsys, monkeypatch):
     root = tmp_path / "d"
     status, errors, said = on_console(monkeypatch, capsys, study, root, "yes\n3\nleft\n0\ndaily\n" + "1\n" * 40)
     assert status == 0, errors
@@ -103,7 +103,7 @@ YEARS = '\n[[forms.habits.items]]\nid = "age_years"\nprompt = { en = "Years?", f
 ALLOWED = STUDY.replace('form = "habits"', 'form = "habits"\nidentifies = true')
 
 
-def test_a_number_is_asked_where_the_study_says_so_and_the_data_set_tells_it(study, tmp_path, capsys, monkeypatch):
+def test_numeric_question_is_asked_and_documented(study, tmp_path, capsys, monkeypatch):
     study.write_text(ALLOWED + YEARS, "utf-8")
     root = tmp_path / "d"
     status, errors, said = on_console(monkeypatch, capsys, study, root, "yes\n3\n1\n0\n1\n1\n17\n37\n" + "1\n" * 40)
@@ -115,7 +115,7 @@ def test_a_number_is_asked_where_the_study_says_so_and_the_data_set_tells_it(stu
     assert [session.complete for session in replay_data_set(root)] == [True]
 
 
-def test_who_does_not_say_a_number_leaves_it_empty_and_no_report_tells_numbers(study, tmp_path, capsys):
+def test_skipped_number_is_empty_and_never_reported(study, tmp_path, capsys):
     study.write_text(ALLOWED + YEARS, "utf-8")
     root = tmp_path / "d"
     output(capsys, "simulate", study, "--participants", 8, "--seed", 1, "--out", root)
@@ -128,7 +128,7 @@ def test_who_does_not_say_a_number_leaves_it_empty_and_no_report_tells_numbers(s
 
 
 @pytest.mark.parametrize(("low", "high"), [(-1, 99), (99, 18), (0, "inf"), ("nan", 1), (0, 1e10)])
-def test_a_number_that_cannot_be_typed_is_refused(study, tmp_path, capsys, low, high):
+def test_untypable_number_is_refused(study, tmp_path, capsys, low, high):
     study.write_text(ALLOWED + YEARS.replace("= 18", f"= {low}").replace("= 99", f"= {high}"), "utf-8")
     said = refused(capsys, "simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
     assert "items[1].low: found " in said
@@ -142,7 +142,7 @@ def test_bounds_without_a_whole_number_between_them_are_answered_too(study, tmp_
     assert "0.5" in said
 
 
-def test_a_number_that_no_study_answers_for_is_refused(study, tmp_path, capsys):
+def test_identifying_number_is_refused_without_permission(study, tmp_path, capsys):
     study.write_text(STUDY + YEARS, "utf-8")
     said = refused(capsys, "simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
     assert "inquiries.habits.identifies: found false with age_years in 'habits', expected true" in said
@@ -151,17 +151,17 @@ def test_a_number_that_no_study_answers_for_is_refused(study, tmp_path, capsys):
 @pytest.mark.parametrize("language", languages())
 @pytest.mark.parametrize("name", shipped_choices())
 def test_shipped_questions_have_words_in_every_language_of_the_pages(name, language):
-    assert language in load(name).languages
+    assert language in load_choices(name).languages
     study = TUTORIAL + INQUIRY
     texts = texts_in(language, wire(parse(study.encode(), "s.toml"), "s.toml").words_in(language))
-    for item in load(name).items:
+    for item in load_choices(name).items:
         question = f"{ABOUT}{name}.{item.id}"
         assert texts.message(question) == item.prompt[language]
         labels = [texts.label(f"{question}.{code}") for code in item.codes if code != NOT_SAID]
         assert labels == [option.words[language] for option in item.options]
 
 
-def test_a_question_in_a_file_beside_the_study_is_put_in_its_place(tmp_path, capsys):
+def test_question_file_is_embedded_in_the_study(tmp_path, capsys):
     inquiry, _, form = OWN.partition("[forms.habits]\n")
     (tmp_path / "habits.toml").write_text(form.replace("[[forms.habits.items]]", "[[items]]"), "utf-8")
     (tmp_path / "s.toml").write_text(f'{TUTORIAL}\n{inquiry}[forms.habits]\npath = "habits.toml"\n', "utf-8")
@@ -195,7 +195,7 @@ FLAWS = [
 
 
 @pytest.mark.parametrize(("old", "new", "message"), FLAWS)
-def test_what_cannot_be_asked_is_refused_in_one_sentence(study, tmp_path, capsys, old, new, message):
+def test_impossible_question_is_refused_in_one_sentence(study, tmp_path, capsys, old, new, message):
     assert old in STUDY
     study.write_text(STUDY.replace(old, new), "utf-8")
     said = refused(capsys, "simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
@@ -203,11 +203,11 @@ def test_what_cannot_be_asked_is_refused_in_one_sentence(study, tmp_path, capsys
     assert not (tmp_path / "d").exists()
 
 
-def test_the_folder_of_shipped_forms_is_a_package_whose_data_a_wheel_holds():
+def test_shipped_forms_are_package_data():
     assert import_module("tactometry.questionnaires.choices").__file__ is not None
 
 
-def test_who_is_left_out_by_the_plan_is_in_no_category(simulated):
+def test_excluded_participant_is_in_no_category(simulated):
     table = next((simulated / "data").glob("participant-P01_*.csv"))
     header, *rows = [line.split(",") for line in table.read_text("utf-8").splitlines()]
     task, valid = header.index("task"), header.index("valid")

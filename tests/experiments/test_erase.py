@@ -64,7 +64,7 @@ def recorded_of(files, code):
     return {name: content for name, content in files.items() if name.startswith(parts) and f"-{code}_" in name}
 
 
-def test_nothing_of_the_participant_is_left_and_others_stand_byte_for_byte(capsys, copied):
+def test_erase_removes_one_participant_only(capsys, copied):
     before = tree(copied)
     told = json.loads(output(capsys, "erase", copied, "--participant", "QX7", "--yes", "--json"))
     after = tree(copied)
@@ -80,7 +80,7 @@ def test_nothing_of_the_participant_is_left_and_others_stand_byte_for_byte(capsy
     assert validate(copied).defects == ()
 
 
-def test_what_was_derived_from_all_is_erased_and_can_be_made_anew(capsys, copied):
+def test_erase_removes_derived_files(capsys, copied):
     said = output(capsys, "erase", copied, "--participant", "QX7", "--yes")
     assert "make anew" in said
     assert sorted(path.name for path in copied.iterdir()) == sorted(
@@ -147,7 +147,7 @@ def test_without_a_terminal_it_wants_a_word(capsys, two):
     assert tree(two) == before
 
 
-def test_a_session_that_runs_is_not_erased(capsys, two):
+def test_running_session_is_not_erased(capsys, two):
     before = tree(two)
     journal = Journal(Session("QX7", 1, "tutorial").journal(two), resume=True)
     try:
@@ -198,14 +198,14 @@ def test_killed_before_any_file_it_is_said_again_and_finishes(monkeypatch, two, 
     assert len((two / RECORD).read_text("utf-8").splitlines()) == 1
 
 
-def test_a_draft_of_the_record_that_a_kill_left_is_erased_too(two):
+def test_erase_removes_a_draft_left_by_a_kill(two):
     (two / f".{RECORD}.123").write_text('{"participant":"QX7"}')
     erase(two, "QX7")
     assert not (two / f".{RECORD}.123").exists()
 
 
 @pytest.mark.parametrize("name", DATA_SETS)
-def test_what_earlier_versions_recorded_is_erased(tmp_path, name):
+def test_erase_removes_files_of_earlier_versions(tmp_path, name):
     root = Path(shutil.copytree(RECORDED / name, tmp_path / name))
     codes = participants(root)
     for code in codes:
@@ -215,7 +215,7 @@ def test_what_earlier_versions_recorded_is_erased(tmp_path, name):
     assert [json.loads(line)["participant"] for line in (root / RECORD).read_text().splitlines()] == codes
 
 
-def test_a_participant_after_an_erasure_gets_the_order_that_they_would_have_got(capsys, studied, two, tmp_path):
+def test_erasure_keeps_the_order_of_later_participants(capsys, studied, two, tmp_path):
     whole = shutil.copytree(studied, tmp_path / "whole", ignore=shutil.ignore_patterns("report*", "exports"))
     erase(two, "QX7")
     for root in (two, whole):
@@ -263,7 +263,7 @@ def test_a_link_is_erased_and_what_it_leads_to_is_not(two, tmp_path):
     assert done.others == (f"data/{link.name} -> {outside}", "elsewhere.csv", "folder")
 
 
-def test_a_plan_that_somebody_wrote_erases_nothing_of_others(two, tmp_path):
+def test_forged_plan_erases_nothing_of_others(two, tmp_path):
     outside = tmp_path / "kept.csv"
     outside.write_text("1")
     (tmp_path / "empty").mkdir()
@@ -278,7 +278,7 @@ def test_a_plan_that_somebody_wrote_erases_nothing_of_others(two, tmp_path):
     assert (two / "study.toml").exists()
 
 
-def test_who_was_erased_is_not_erased_again(capsys, two):
+def test_erased_participant_is_not_erased_again(capsys, two):
     done = erase(two, "QX7")
     status, said, _ = call(capsys, "erase", two, "--participant", "QX7", "--yes")
     assert status == 2
@@ -289,7 +289,7 @@ def test_who_was_erased_is_not_erased_again(capsys, two):
     ("code", "sentence"),
     [("QX8", "did you mean 'QX7'?"), ("../P01", "expected a code such as P01"), ("qx7", "found nothing of 'qx7'")],
 )
-def test_nobody_of_this_code_is_one_sentence(capsys, two, code, sentence):
+def test_unknown_code_is_reported_in_one_sentence(capsys, two, code, sentence):
     before = tree(two)
     status, said, _ = call(capsys, "erase", two, "--participant", code, "--yes")
     assert status == 2
@@ -297,7 +297,7 @@ def test_nobody_of_this_code_is_one_sentence(capsys, two, code, sentence):
     assert tree(two) == before
 
 
-def test_a_folder_that_is_no_data_set_is_refused(capsys, tmp_path):
+def test_erase_refuses_a_folder_without_data_set(capsys, tmp_path):
     status, said, _ = call(capsys, "erase", tmp_path, "--participant", "P01", "--yes")
     assert status == 2
     assert "expected the folder of a data set" in said
@@ -312,7 +312,7 @@ def test_a_damaged_record_is_a_defect_and_refused(capsys, two):
 
 
 @given(code=CODES, others=st.lists(CODES, max_size=3))
-def test_of_any_codes_those_of_others_stand(tmp_path_factory, code, others):
+def test_erase_keeps_similar_codes(tmp_path_factory, code, others):
     """Of `1` and `11`, `P` and `P1`: whoever's name is the beginning of another's."""
     root = tmp_path_factory.mktemp("codes")
     (root / "dataset_description.json").write_text("{}")

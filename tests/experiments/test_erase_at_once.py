@@ -73,7 +73,7 @@ def test_the_record_keeps_a_line_of_each(capsys, root, first):
     assert (participants(root), (root / LOCK).exists()) == ([], False)
 
 
-def test_what_would_go_is_listed_meanwhile(root, first):
+def test_dry_erase_lists_files_during_another(root, first):
     assert find(root, "P02").others == ()
 
 

@@ -80,7 +80,7 @@ def test_a_link_to_what_is_not_there_now_goes_and_is_told(tmp_path, folder, end)
     assert not (tmp_path / end).exists()
 
 
-def test_a_link_that_leads_to_itself_goes(tmp_path):
+def test_circular_link_is_erased(tmp_path):
     root = shutil.copytree(DATA_SET, tmp_path / "d")
     code = participants(root)[0]
     link = Session(code, 9, "link").trials(root)

@@ -103,7 +103,7 @@ def test_tables_of_a_report_go_though_none_names_anybody(root):
 
 @pytest.mark.parametrize("key", ["participant", "subject", "sub"])
 @pytest.mark.parametrize("name", ["{}-P1", "a/{}-P1/x.tsv", "data/.{}-P1.csv", "ses-1_{}-P1_x.tsv"])
-def test_a_name_with_a_key_of_psych_ds_or_bids_is_of_the_participant(key, name):
+def test_file_names_with_keys_belong_to_the_participant(key, name):
     assert is_named_for(name.format(key), "P1")
     assert not is_named_for(name.format(key), "P")
 
@@ -124,7 +124,7 @@ def test_the_folders_of_a_data_set_stay_when_they_are_empty(root):
     ]
 
 
-def test_what_interruptions_left_is_no_session(root):
+def test_leftovers_of_interruptions_are_no_session(root):
     put(root, f"journals/{stem('P1')}_interruptions.jsonl", "")
     looked, done = find(root, "P1"), erase(root, "P1")
     assert (looked.n_sessions, done.n_sessions, done.erasure.n_sessions, len(done.own)) == (1, 1, 1, 3)
@@ -148,13 +148,13 @@ def test_a_journal_under_another_name_is_enough(root):
     assert find(root, whose).own == ("journals/copy.jsonl",)
 
 
-def test_who_has_a_table_alone_is_known(root):
+def test_participant_with_only_a_table_is_known(root):
     (root / f"journals/{stem('P10')}.jsonl").unlink()
     with pytest.raises(InvalidParameter, match="expected one of P1, P10"):
         find(root, "P2")
 
 
-def test_a_session_that_begins_meanwhile_is_not_erased(monkeypatch, root):
+def test_session_begun_meanwhile_is_not_erased(monkeypatch, root):
     """Between the first look, which finds what to lock, and the second, by which files go."""
     looks, begun = erasing._plan, []
 

@@ -107,7 +107,7 @@ def test_no_export_holds_a_path_of_this_machine(data_set, tmp_path, form) -> Non
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_what_is_exported_is_its_owners_alone(data_set, tmp_path, form) -> None:
+def test_export_is_readable_by_owner_only(data_set, tmp_path, form) -> None:
     written = export(data_set, form, tmp_path / "new" / "out")
     assert {stat.S_IMODE(path.stat().st_mode) for path in written} == {0o600}
     assert {stat.S_IMODE(path.parent.stat().st_mode) for path in written} == {0o700}
@@ -205,7 +205,7 @@ def test_no_key_of_a_description_of_events_is_a_text(data_set, tmp_path) -> None
             assert {type(value) for value in json.loads(path.read_text()).values()} == {dict}
 
 
-def test_a_touch_that_led_to_no_answers_stands_beside_them_and_has_no_score(answers, tmp_path) -> None:
+def test_unanswered_touch_is_exported_without_score(answers, tmp_path) -> None:
     header, *rows = answers.read_text().splitlines()
     failed = "P1,1,patterns,1,1,P0,attrakdiff,,rating,,,0"
     (tmp_path / "a.csv").write_text("\n".join([header, failed, *rows]) + "\n")
@@ -311,7 +311,7 @@ def test_jspsychs_form_has_its_names_and_kinds(data_set, tmp_path) -> None:
     assert {trial["level"] for trial in trials if trial["catch"]} == {None}
 
 
-def test_a_column_that_jspsych_has_itself_is_refused(tmp_path) -> None:
+def test_export_refuses_a_jspsych_column_name(tmp_path) -> None:
     table = tmp_path / "t.csv"
     table.write_text("participant,trial,rt,procedure,level,task,response\nP1,1,a,staircase,1,yes_no,1\n")
     with pytest.raises(

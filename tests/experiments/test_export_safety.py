@@ -48,7 +48,7 @@ def files(folder: Path) -> set[Path]:
 
 
 @pytest.mark.parametrize("form", ["bids", "jspsych", "psych-ds", "psychopy", "r"])
-def test_a_studys_name_that_is_a_path_is_refused(tmp_path, capsys, form):
+def test_study_name_with_a_path_is_refused(tmp_path, capsys, form):
     file = table(tmp_path, study="x/../../../../../OUTSIDE")
     status, said, _ = call(capsys, "export", file, "--to", form, "--out", tmp_path / "deep/er/out")
     assert (status, files(tmp_path)) == (2, {file})
@@ -75,7 +75,7 @@ def analysed(tmp_path_factory):
     return folder
 
 
-def test_a_factor_that_is_a_path_stays_in_the_folder_of_the_report(analysed):
+def test_factor_with_a_path_stays_in_the_folder(analysed):
     outside = {path for path in files(analysed) if not path.is_relative_to(analysed / "a/b")}
     assert {path for path in outside if not path.is_relative_to(analysed / "c/figures")} == {analysed / "trials.csv"}
     assert (analysed / "a/b/r_tables/pairs_threshold_%3D..%2F..%2F..%2FOUTSIDE.csv").is_file()

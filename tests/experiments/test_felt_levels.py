@@ -5,7 +5,7 @@ import pytest
 
 from tactometry.contact import Contact
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.felt_levels import N_LEVELS, felt_db, level_table
+from tactometry.experiments.study.predictions import N_LEVELS, felt_db, level_table
 from tactometry.experiments.study.study_file import load
 from tactometry.protocols.batch.tracks import tracks
 
@@ -33,7 +33,7 @@ def test_between_its_levels_a_table_is_near_what_the_scene_tells(cells):
         assert asked == pytest.approx(met, abs=0.1)
 
 
-def test_a_batch_of_a_cell_of_a_study_finds_the_level_that_is_felt_at_threshold(cells):
+def test_batch_finds_the_level_at_threshold(cells):
     """Who feels all above 0 dB and nothing below: tracks end near the level of 0 dB."""
     cell = cells[0]
     table = level_table(cell)

@@ -138,7 +138,7 @@ ANSWERS = {
 
 
 @pytest.mark.parametrize("wrong", ANSWERS)
-def test_an_answer_is_one_that_its_request_can_have(tmp_path, capsys, wrong):
+def test_forged_answer_of_another_kind_is_refused(tmp_path, capsys, wrong):
     name, request, place, value, message = ANSWERS[wrong]
     if request == "Wait":
         request = "Choose"
@@ -154,7 +154,7 @@ def test_an_answer_is_one_that_its_request_can_have(tmp_path, capsys, wrong):
 @pytest.mark.parametrize(
     "body", [b'{"end":"complet"', b'{"end":"complete","x":1', b"{", b"[1", b'{"a":' + b"[" * 5000, b'{"a\xff":1']
 )
-def test_a_line_that_is_none_is_told_with_its_number(tmp_path, body):
+def test_invalid_line_is_reported_with_its_number(tmp_path, body):
     path = tmp_path / "j.jsonl"
     first = (journal_of(RECORDED / "bench")).read_bytes().split(b"\n")[0] + b"\n"
     path.write_bytes(first + b'%s,"crc32":"%08x"}\n' % (body, zlib.crc32(body, checksum(first))))

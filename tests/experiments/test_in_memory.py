@@ -95,7 +95,7 @@ def test_a_process_wires_a_study_once():
     assert simulation("tutorial").experiment() is simulation("tutorial").experiment()
 
 
-def test_a_level_that_was_felt_is_not_computed_again_for_the_next_participant():
+def test_sensation_levels_are_shared_between_participants():
     experiment = wire(load("electrovibration-threshold")[0], "electrovibration-threshold")
     (scene,) = {id(cell.sensation): cell.sensation.scene for cell in experiment.cells.values()}.values()
     simulated_trials(experiment, [Who(f"P{n:02d}", seed=1) for n in range(1, 4)])

@@ -75,7 +75,7 @@ def test_the_table_holds_what_counts_and_the_summary_how_it_ended(wanted):
     assert str(recorded.tally) == f"16 trials, {n_invalid} of them not valid"
 
 
-def test_the_table_of_events_holds_what_was_wanted_and_what_came_of_it(wanted):
+def test_events_table_holds_orders_and_results(wanted):
     rows = [row for row in event_rows(wanted[0]) if row["trial_type"] in ("order", "intervention")]
     assert [row["text"] for row in rows if row["trial_type"] == "intervention"] == SAID
     orders = [row for row in rows if row["trial_type"] == "order"]
@@ -91,7 +91,7 @@ def test_the_data_set_is_sound_and_replays(wanted):
     assert rebuild_data_set(root)[0].changed is False
 
 
-def test_a_forged_trial_that_is_taken_back_is_found(lived):
+def test_forged_discarded_trial_is_found(lived):
     path, before, lines = journal_of(lived), 0, []
     for line in path.read_bytes().splitlines():
         value = json.loads(line)
@@ -134,7 +134,7 @@ def told(root):
 
 
 @pytest.mark.parametrize("stops_late", [False, True], ids=["before", "as it is answered"])
-def test_a_session_interrupted_at_any_request_loses_nothing_that_was_wanted(tmp_path, wanted, stops_late):
+def test_interrupted_session_keeps_all_orders(tmp_path, wanted, stops_late):
     n_requests = len(read(journal_of(wanted[0])).entries)
     for stops_at in range(2 + stops_late, n_requests + 1, 4):
         root = tmp_path / str(stops_at)
@@ -147,7 +147,7 @@ def test_a_session_interrupted_at_any_request_loses_nothing_that_was_wanted(tmp_
         assert (validate(root).defects, replay_data_set(root)[0].complete) == ((), True)
 
 
-def test_a_kill_between_journal_and_table_is_mended_and_no_row_is_called_lost(lived):
+def test_kill_between_journal_and_table_is_repaired(lived):
     """The table as it was before trials were taken back."""
     [path] = (lived / "data").glob("*.csv")
     whole = read_file(path, "a trials file")
@@ -157,7 +157,7 @@ def test_a_kill_between_journal_and_table_is_mended_and_no_row_is_called_lost(li
     assert (sit(lived, resume=True)[1].repaired, path.read_bytes()) == (None, whole)
 
 
-def test_a_session_that_an_older_version_began_takes_orders_too(tmp_path):
+def test_session_of_an_older_version_takes_orders(tmp_path):
     root = Path(shutil.copytree(RECORDED / "bench-repeated", tmp_path / "d"))
     study, toml = load(str(root / "study.toml"))
     older = {"experiment": wire(study, "study.toml"), "toml": toml, "who": Who("P01")}

@@ -129,7 +129,7 @@ class OtherEachTime(DeviceUnderTest):
         return super().play(Signal(np.pad(signal.samples, ((0, len(rows[0]) - 1), (0, 0))), self.rate_hz, "V"))
 
 
-def test_what_the_next_response_leaves_of_a_focus_is_told():
+def test_learning_reports_the_remaining_focus():
     """Of two responses at right angles for a half of their energy, it is their cosine."""
     rate_hz, shapes = 10e3, np.eye(2, 64, 20) + np.eye(2, 64, 20)[0]
     device = OtherEachTime(Responses(0.2 * shapes[None], rate_hz), np.random.default_rng(0), noise_db=200.0)
@@ -155,7 +155,7 @@ def test_the_quiet_is_compared_with_the_response():
     assert quality(louder, (50.0, 450.0)).snr_db == pytest.approx(wide - 20.0)
 
 
-def test_what_was_played_with_gaps_is_not_learnt():
+def test_recording_with_gaps_is_not_learnt():
     device = wire_of(0.5)
     with (
         opened(device) as reader,
@@ -164,7 +164,7 @@ def test_what_was_played_with_gaps_is_not_learnt():
         list(learn(SHORT, Played(device, n_gaps=2), Microphone(reader, 0, 1, 1.0, 1.0)))
 
 
-def test_a_recording_that_is_clipped_or_silent_is_refused():
+def test_clipped_or_silent_recording_is_refused():
     device = wire_of(5.0)
     with opened(device) as reader:
         microphone = Microphone(reader, 0, 1, 1.0, 1.0)

@@ -12,7 +12,7 @@ from study_texts import TUTORIAL
 from tables import trial_rows
 
 from tactometry.errors import Terminated
-from tactometry.own_code import guarded
+from tactometry.user_code import guarded
 
 GUESSER = (ROOT / "tests" / "recipes" / "tactometry" / "observers" / "guesser.py").read_text("utf-8")
 CODE = GUESSER.replace("from ..arguments", "from tactometry.arguments").replace(
@@ -156,7 +156,7 @@ def with_body(method, body):
 
 
 @pytest.mark.parametrize(("method", "body", "sentence"), WRONG)
-def test_what_its_calls_raise_or_answer_is_told_with_file_and_line(study, tmp_path, capsys, method, body, sentence):
+def test_errors_of_own_observer_name_file_and_line(study, tmp_path, capsys, method, body, sentence):
     code, numbers = with_body(method, body)
     (study.parent / "mine.py").write_text(code)
     said = refused(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
@@ -172,7 +172,7 @@ def test_what_its_calls_raise_or_answer_is_told_with_file_and_line(study, tmp_pa
         ("next(LEFT, None) is None and exit(0)", "found SystemExit (0) in detect"),
     ],
 )
-def test_what_was_recorded_before_it_failed_is_kept_and_goes_on(study, tmp_path, capsys, body, sentence):
+def test_session_continues_after_own_observer_failed(study, tmp_path, capsys, body, sentence):
     """Of three people the second fails in the middle: mended and resumed, all is as if nothing had happened."""
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "whole", "--allow-code")
     (study.parent / "beside.py").write_text("BIAS, LEFT = 0.5, iter(range(70))\n")
@@ -213,7 +213,7 @@ def test_data_of_observers_say_that_they_are_simulated_wherever_they_go(study, t
         assert whole or "simulated" in table.read_text("utf-8"), table
 
 
-def test_a_report_and_its_record_say_that_people_were_simulated(study, tmp_path, capsys):
+def test_report_states_that_people_were_simulated(study, tmp_path, capsys):
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     told = output(capsys, "analyse", tmp_path / "d", "--report", tmp_path / "report.html", "--json")
     assert "simulated" in json.dumps(json.loads(told)).lower()

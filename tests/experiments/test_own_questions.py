@@ -54,7 +54,7 @@ def test_a_participant_is_asked_in_the_words_of_the_study(own, tmp_path, capsys,
 
 
 @pytest.mark.parametrize(("language", "asked"), [("fr", "Y avait-il un bourdonnement ?"), ("nl", "Was there a buzz?")])
-def test_a_prompt_is_that_of_the_language_or_else_the_english_one(own, language, asked):
+def test_prompt_falls_back_to_english(own, language, asked):
     assert wire(load(str(own))[0], "own.toml").words_in(language)["felt"] == asked
 
 
@@ -81,7 +81,7 @@ FLAWS = {
 
 
 @pytest.mark.parametrize("flaw", FLAWS)
-def test_a_file_that_is_no_questionnaire_is_refused_by_its_name(own, tmp_path, capsys, flaw):
+def test_file_without_questionnaire_is_refused_by_name(own, tmp_path, capsys, flaw):
     content, message = FLAWS[flaw]
     form = own.parent / "roughness.toml"
     form.unlink()
@@ -111,7 +111,7 @@ def test_a_file_that_is_no_questionnaire_is_refused_by_its_name(own, tmp_path, c
         ('prompt = "The sheet', 'prompt = " " # "The sheet', "inquiries.rough.prompt: found a text that says nothing"),
     ],
 )
-def test_a_table_that_names_no_file_or_says_nothing_is_refused(own, tmp_path, capsys, old, new, message):
+def test_empty_form_table_is_refused(own, tmp_path, capsys, old, new, message):
     own.write_text(own.read_text("utf-8").replace(old, new), "utf-8")
     said = refused(capsys, "run", own, "--participant", "P01", "--dry-run", "--rig", "simulated")
     assert said.startswith(f"tactometry: {own}, ")

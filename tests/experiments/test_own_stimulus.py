@@ -226,7 +226,7 @@ def test_own_stimulus_named_by_file_is_corrected(own, tmp_path, capsys):
     assert "stimulus.kind: found 'mine.py:Chirp', expected the module without '.py': 'mine:Chirp'" in said
 
 
-def test_a_factor_of_its_own_names_its_stimuli_with_and_without_its_code(own, tmp_path, capsys):
+def test_own_factor_names_stimuli_without_the_code(own, tmp_path, capsys):
     own.write_text(with_stimulus(OWN_TABLES.replace("low_hz = 40.0\n", ""), "low_hz = [40, 80]"))
     output(capsys, "simulate", own, *ALL, "--out", tmp_path / "d", "--allow-code")
     assert call(capsys, "validate", tmp_path / "d")[0] == 0
@@ -300,7 +300,7 @@ UNSOUND = {
 
 
 @pytest.mark.parametrize("what", UNSOUND)
-def test_a_file_that_is_none_to_play_is_refused_in_one_sentence(filed, tmp_path, capsys, what):
+def test_unplayable_file_is_refused_in_one_sentence(filed, tmp_path, capsys, what):
     content, sentence = UNSOUND[what]
     (tmp_path / "buzz.wav").write_bytes(content)
     filed.write_text(re.sub('sha256 = ".*?"', f'sha256 = "{digest(content)}"', filed.read_text()))

@@ -11,8 +11,8 @@ from study_texts import changed, wired
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.felt_effects import felt_effects
+from tactometry.experiments.study.kinds import STIMULI
 from tactometry.experiments.study.scene_table import felt_scene
-from tactometry.experiments.study.stimulus_kinds import STIMULI
 from tactometry.experiments.study.study_file import load
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
 
@@ -31,7 +31,7 @@ def cell_of(experiment, kind):
 
 
 @pytest.mark.parametrize("criterion", ["loaded", "unloaded"])
-def test_foci_are_felt_through_a_scene_as_through_the_formula_of_its_effects(criterion):
+def test_scene_of_foci_equals_the_formula(criterion):
     loads = criterion == "loaded"
     table = PLATE if loads else PLATE.replace('{ kind = "finger_load" }, ', "")
     cell = cell_of(of_study("time-reversal-threshold", table), "focus")
@@ -43,13 +43,13 @@ def test_foci_are_felt_through_a_scene_as_through_the_formula_of_its_effects(cri
         )
 
 
-def test_a_built_in_scene_of_a_plate_takes_that_of_the_stimulus():
+def test_built_in_plate_scene_uses_the_stimulus_plate():
     (felt,) = felt_effects(of_study("time-reversal-threshold", '\n[scene]\nname = "a4-screen"\n'))
     assert felt.felt == ("finger_load", "focus_detection")
     assert felt.assumed[0].startswith("plate, patches and losses as the stimulus states them")
 
 
-def test_a_built_in_scene_of_both_is_felt_on_the_side_that_each_stimulus_is_played_on():
+def test_hybrid_scene_is_felt_on_the_played_side():
     experiment = of_study("hybrid-button", '\n[scene]\nname = "hybrid-screen"\n')
     felt = {one.stimulus.partition(",")[0]: one.felt for one in felt_effects(experiment)}
     rested = ("finger_load", "focus_detection")
@@ -57,7 +57,7 @@ def test_a_built_in_scene_of_both_is_felt_on_the_side_that_each_stimulus_is_play
     assert felt == {"focus": rested, "amplitude_modulated": slid, "hybrid": (*rested, *slid)}
 
 
-def test_of_both_the_stronger_one_is_felt_and_friction_by_a_finger_that_slides():
+def test_hybrid_scene_takes_the_stronger_side():
     experiment = of_study("hybrid-button", '\n[scene]\nname = "hybrid-screen"\n')
     both, foci = (cell_of(experiment, kind) for kind in ("hybrid", "focus"))
     friction = cell_of(experiment, "amplitude_modulated").sensation.scene
@@ -107,14 +107,14 @@ ON_A_PLATE = {
 
 
 @pytest.mark.parametrize("name", ON_A_PLATE)
-def test_a_scene_of_a_plate_that_cannot_be_felt_is_refused(name):
+def test_imperceptible_plate_scene_is_refused(name):
     keys, sentence = ON_A_PLATE[name]
     with pytest.raises(InvalidParameter) as refused:
         wired(f"{FOCI}\n[scene]\n{keys}\n")
     assert sentence in str(refused.value)
 
 
-def test_a_stimulus_that_is_measured_takes_no_scene():
+def test_measured_stimulus_takes_no_scene():
     reading = STIMULI["measured_focus"]
     with pytest.raises(
         InvalidParameter, match="scene: found a table with a stimulus that no scene plays, expected another"
@@ -214,7 +214,7 @@ def test_a_masker_raises_both_thresholds_of_a_hybrid():
         assert hybrid_db(contact=contact) - hybrid_db(MASKED, contact=contact) == pytest.approx(13.0)
 
 
-def test_receptors_feel_the_friction_of_a_hybrid_and_its_foci_are_felt_as_before():
+def test_receptors_affect_only_friction_of_a_hybrid():
     receptors = [line.replace("sensitivity", "receptors") for line in EFFECT_LINES.values()]
     effects = ", ".join([DETECTION, *receptors])
     cell = cell_of(of_study("hybrid-button", f"[variants.feedback.both.scene]\neffects = [{effects}]\n"), "hybrid")
@@ -254,20 +254,20 @@ def test_effects_that_foci_are_not_felt_by_are_refused_with_their_cure(effects):
     assert REFUSED[effects] in str(refusal.value)
 
 
-def test_a_target_that_is_none_is_refused():
+def test_unknown_target_is_refused():
     with pytest.raises(InvalidParameter, match="target: found 'thumb', expected one of foci, friction"):
         hybrid_db('{ kind = "cross_masking", target = "thumb" }')
 
 
 def test_the_journal_of_a_session_with_fingers_says_what_they_felt():
     """Scenes of the fingers have fields that only the stimulus states."""
-    from tactometry.experiments.study.felt_words import scene_in_words
+    from tactometry.experiments.study.felt_scene import scene_in_words
 
     felt = next(iter(wired(on_fingers(TWO)).cells.values())).sensation
     assert scene_in_words(felt.scene) == "focus_detection; fingers = index and middle; accuracy 0.02"
 
 
-def test_what_fingers_take_for_granted_is_told_as_their_scene_has_it():
+def test_assumptions_of_fingers_follow_their_scene():
     (free,) = felt_effects(wired(on_fingers(TWO)))
     said = "fingers that do not damp what others feel", "fingers that share the force of a touch evenly"
     assert set(said) <= set(free.assumed)

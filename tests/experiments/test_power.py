@@ -58,7 +58,7 @@ REFUSALS = {
 
 
 @pytest.mark.parametrize("case", REFUSALS)
-def test_what_cannot_be_asked_is_refused_in_one_sentence(capsys, case):
+def test_impossible_question_is_refused_in_one_sentence(capsys, case):
     changes, expected = REFUSALS[case]
     code, said, _ = call(capsys, *ASKED, *changes)
     assert (code, said.count("\n")) == (2, 0)
@@ -167,7 +167,7 @@ def test_an_interrupted_analysis_goes_on_to_the_same_bytes(capsys, tmp_path, alo
     assert files(tmp_path) == alone
 
 
-def test_trials_are_kept_where_that_is_asked_and_say_that_they_are_simulated(capsys, tmp_path, alone):
+def test_kept_trials_are_marked_as_simulated(capsys, tmp_path, alone):
     """In an analysis that had not kept them, too: its rows come out the same."""
     for name, content in alone.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)

@@ -105,7 +105,7 @@ REFUSALS = {
 
 
 @pytest.mark.parametrize("case", REFUSALS)
-def test_what_moves_no_score_is_refused_in_one_sentence(capsys, tmp_path, case):
+def test_effect_on_no_score_is_refused(capsys, tmp_path, case):
     study, lines, effect, expected = REFUSALS[case]
     path = tmp_path / "study.toml"
     path.write_bytes(changed(study, *lines))

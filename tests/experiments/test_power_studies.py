@@ -106,7 +106,7 @@ def test_a_person_says_yes_half_way_at_the_true_threshold():
     assert stats.binomtest(n_yes, n, (1 + stats.norm.sf(criterion)) / 2).pvalue > 1e-4
 
 
-def test_the_right_of_two_intervals_is_taken_half_way_at_the_true_threshold():
+def test_forced_choice_is_75_percent_at_true_threshold():
     assert stats.norm.cdf(half_way_of_choice(2) / 2**0.5) == pytest.approx(0.75)
 
 

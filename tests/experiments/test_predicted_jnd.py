@@ -8,8 +8,7 @@ from command_line import output
 from scipy.special import ndtri
 from study_texts import changed, wired
 
-from tactometry.experiments.study.felt_levels import contact_of, felt_db
-from tactometry.experiments.study.predicted_jnd import predicted_jnds
+from tactometry.experiments.study.predictions import contact_of, felt_db, predicted_jnds
 from tactometry.experiments.study.study_file import load
 
 TEXTURE = load("texture-discrimination")[1].decode()

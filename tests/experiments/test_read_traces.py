@@ -31,12 +31,12 @@ def simulated(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("code", ["P01", "P02"])
-def test_of_several_people_the_one_who_is_meant(code):
+def test_traces_of_one_of_several_people(code):
     assert [touch.head.participant for touch in read_traces(TWO_PEOPLE, 1, participant=code)] == [code]
 
 
 @pytest.mark.parametrize("n", [1, 2])
-def test_of_several_sessions_the_one_that_is_meant(n):
+def test_traces_of_one_of_several_sessions(n):
     assert [touch.head.session for touch in read_traces(TWO_SESSIONS, 1, session=n)] == [n]
 
 
@@ -50,7 +50,7 @@ def test_the_touches_of_one_trial_are_read():
     assert {touch.trial.trial for touch in read_traces(TRACES, 1)} == {1}
 
 
-def test_a_touch_is_that_of_the_first_row_of_its_trial():
+def test_touch_belongs_to_the_first_row():
     recording = read(sessions(RECORDED / "time-reversal-patterns")[0])
     rows = {}
     for row in recording.trials:
@@ -77,7 +77,7 @@ class Step:
         return Signal(np.full((1, 1000), level), 20e3, "V")
 
 
-def test_what_was_emitted_has_the_ramps_of_its_sitting():
+def test_emitted_signal_has_the_recorded_ramps():
     touch = next(touches(read(sessions(TRACES)[0])))
     name, level = touch.request.stimulus, touch.request.level
     played = render({name: Step()}, name, level, None, touch.head.facts["ramp_s"])
@@ -86,13 +86,13 @@ def test_what_was_emitted_has_the_ramps_of_its_sitting():
     np.testing.assert_array_equal(traces._computed(touch, {name: Step()}).samples, played.samples)
 
 
-def test_of_an_adjustment_no_signal_is_told_for_what_was_emitted():
+def test_adjustment_has_no_emitted_signal():
     touch, *_ = read_traces(RECORDED / "adjustment", 1)
     assert isinstance(touch.request, Adjust)
     assert (touch.emitted, touch.unknown) == (None, None)
 
 
-def test_a_stimulus_that_is_not_what_was_played_is_not_told(simulated):
+def test_changed_stimulus_has_no_emitted_signal(simulated):
     played, *_ = read_traces(simulated, 2)
     assert (played.emitted.digest(), played.unknown) == (played.answer.digest, None)
     study = simulated / "study.toml"
@@ -112,7 +112,7 @@ def test_traces_whose_columns_nothing_explains_are_a_defect(tmp_path):
     assert defect.file == f"traces/{beside.name}"
 
 
-def test_what_was_emitted_of_a_texture_comes_back_with_its_rate_and_all_channels(tmp_path):
+def test_emitted_texture_has_rate_and_all_channels(tmp_path):
     table = np.random.default_rng().uniform(-10.0, 10.0, (50, 3))
     files = TraceFiles(tmp_path, Session("P01", 1, "study"))
     part = files.keep("emitted", table, 48e3)

@@ -75,7 +75,7 @@ def written(tmp_path, more):
 
 @pytest.mark.parametrize("flaw", FLAWS)
 @pytest.mark.parametrize("command", ["dry run", "run", "simulate"])
-def test_a_text_that_cannot_be_shown_is_refused_before_the_first_trial(tmp_path, capsys, flaw, command):
+def test_unfillable_text_is_refused_before_the_session(tmp_path, capsys, flaw, command):
     more, message = FLAWS[flaw]
     path = written(tmp_path, more)
     words = {
@@ -89,7 +89,7 @@ def test_a_text_that_cannot_be_shown_is_refused_before_the_first_trial(tmp_path,
     assert [each.name for each in tmp_path.iterdir()] == ["s.toml"]
 
 
-def test_the_names_like_one_that_is_not_known_are_told_and_not_all(tmp_path, capsys):
+def test_unknown_text_lists_nearest_names_only(tmp_path, capsys):
     path = written(tmp_path, '[texts]\nhint_chose = "A key"\n')
     _, said, _ = call(capsys, "run", path, "--participant", "P01", "--rig", "simulated", "--dry-run")
     assert said.endswith("or a level that is a text; did you mean 'hint_choose' or 'hint_continue' or 'hint_end'?")
@@ -107,7 +107,7 @@ def test_the_names_like_one_that_is_not_known_are_told_and_not_all(tmp_path, cap
         ("catch_rate = 5e-324", "task.catch_rate: found 4.94066e-324, expected 0, or at least 1e-06"),
     ],
 )
-def test_a_key_that_does_nothing_is_refused(tmp_path, capsys, key, message):
+def test_key_without_effect_is_refused(tmp_path, capsys, key, message):
     path = tmp_path / "s.toml"
     path.write_text(TUTORIAL.replace("catch_rate = 0.2", key), "utf-8")
     said = refused(capsys, "run", path, "--participant", "P01", "--dry-run")
@@ -115,7 +115,7 @@ def test_a_key_that_does_nothing_is_refused(tmp_path, capsys, key, message):
 
 
 @pytest.mark.parametrize("key", ["title", "description"])
-def test_a_study_without_a_title_or_description_would_make_no_sound_data_set(tmp_path, capsys, key):
+def test_study_without_title_or_description_is_refused(tmp_path, capsys, key):
     path = tmp_path / "s.toml"
     path.write_text(re.sub(rf'{key} = ".*"', f'{key} = ""', TUTORIAL), "utf-8")
     said = refused(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
@@ -140,7 +140,7 @@ def test_every_group_and_session_is_tried():
             rehearse(wire(parse(f"{content}\n{more}".encode(), "s.toml"), "s.toml"))
 
 
-def test_a_study_that_is_locked_by_its_sessions_is_completed_with_the_shipped_text(tmp_path, capsys, monkeypatch):
+def test_locked_study_falls_back_to_shipped_text(tmp_path, capsys, monkeypatch):
     path = written(tmp_path, FLAWS["unknown place"][0])
     data = tmp_path / "d"
     data.mkdir()
@@ -153,7 +153,7 @@ def test_a_study_that_is_locked_by_its_sessions_is_completed_with_the_shipped_te
     assert "That was all" in out
 
 
-def test_a_study_that_is_locked_goes_on_with_a_key_that_does_nothing(tmp_path, capsys, monkeypatch):
+def test_locked_study_continues_with_idle_key(tmp_path, capsys, monkeypatch):
     path, data = tmp_path / "s.toml", tmp_path / "d"
     path.write_text(TUTORIAL.replace("catch_rate = 0.2", 'rest_s = "1 min"'), "utf-8")
     data.mkdir()
@@ -165,7 +165,7 @@ def test_a_study_that_is_locked_goes_on_with_a_key_that_does_nothing(tmp_path, c
     assert "shipped text" not in said
 
 
-def test_a_questionnaire_without_words_in_the_language_of_the_bench_is_refused_at_once(tmp_path, capsys):
+def test_untranslated_questionnaire_is_refused_before_the_session(tmp_path, capsys):
     path, bench = written(tmp_path, OWN_FORM), tmp_path / "bench.toml"
     bench.write_text('[screen]\nlanguage = "fr"\n', "utf-8")
     words = ["run", path, "--participant", "P01", "--out", tmp_path / "d"]

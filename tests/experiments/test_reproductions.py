@@ -13,6 +13,7 @@ from places import DOCS
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.thesis.captions import captions, reason_for
+from tactometry.experiments.thesis.figures.electrovibration import force_against_area
 from tactometry.experiments.thesis.figures.writing import points, write_drawing
 from tactometry.experiments.thesis.items import REPRODUCTIONS, reproduction_of
 from tactometry.experiments.thesis.items.finding_1 import opened_contact
@@ -21,7 +22,7 @@ from tactometry.experiments.thesis.page import page, verdict
 from tactometry.experiments.thesis.reproduction import Number, reproduce
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.session.request import Press
-from tactometry.stimuli.electrovibration.figures import force_against_area
+from tactometry.stimuli.electrovibration import LAWS
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.stimulus.sensation import free_displacement, loaded_displacements
 
@@ -53,7 +54,7 @@ def test_only_what_is_derived_and_agrees_is_reproduced(changes, expected):
     assert verdict(number(**changes)) == expected
 
 
-def test_a_label_that_is_none_is_refused():
+def test_unknown_label_is_refused():
     with pytest.raises(InvalidParameter, match=r"Number.origin: found 'guessed', expected one of derived"):
         number(origin="guessed")
 
@@ -79,14 +80,14 @@ def made(request):
     return reproduce(reproduction_of(request.param))
 
 
-def test_each_number_stands_once_and_is_compared_if_and_only_if_something_is_stated(made):
+def test_each_quantity_is_listed_once(made):
     places = [(each.quantity, each.condition) for each in made.numbers]
     assert len(set(places)) == len(places)
     assert all((each.holds is not None) == bool(each.stated) for each in made.numbers)
     assert all(math.isfinite(each.value) for each in made.numbers)
 
 
-def test_what_does_not_agree_has_its_reason(made):
+def test_disagreement_has_a_reason(made):
     assert made.item.outcome or all(each.holds is not False for each in made.compared)
 
 
@@ -121,7 +122,7 @@ N_FIGURES = {"2": 37, "3": 22, "4": 34, "5": 13, "6": 15, "A": 7, "B": 2}
 N_TABLES = {"2": 2, "3": 5, "4": 5, "5": 1, "6": 3}
 
 
-def test_each_caption_of_the_thesis_is_made_or_left_out_for_a_reason():
+def test_each_thesis_figure_is_made_or_explained():
     kinds = {"figure": N_FIGURES, "table": N_TABLES}
     listed = [f"{kind}-{part}.{n + 1}" for kind, of in kinds.items() for part, last in of.items() for n in range(last)]
     assert sorted(captions()) == sorted(listed)
@@ -133,12 +134,12 @@ def test_each_caption_of_the_thesis_is_made_or_left_out_for_a_reason():
 @pytest.mark.parametrize(
     ("name", "origin"), [("figure-6.15", "assumed"), ("figure-4.11", "assumed"), ("figure-3.20", "calibrated")]
 )
-def test_a_figure_whose_input_or_constant_was_chosen_for_it_is_not_derived(name, origin):
+def test_calibrated_figure_is_not_derived(name, origin):
     """The input of 6.15 was chosen for its 240 Hz, the tau of 4.11 is put in, the um of 3.20 go with a set constant."""
     assert reproduction_of(name).origin == origin
 
 
-def test_what_the_resistivity_of_the_corneum_was_chosen_for_is_not_derived():
+def test_resistivity_calibration_is_not_derived():
     origins = {each.quantity: each.origin for each in reproduce(reproduction_of("table-6.1")).numbers}
     assert origins["time constant"] == origins["corner of the high-pass"] == "calibrated"
 
@@ -151,7 +152,7 @@ def of_variants(name):
 
 
 @pytest.mark.slow
-def test_what_finding_3_says_of_its_rows():
+def test_finding_3_states_its_rows():
     rows = of_variants("finding-3")
     falls = {name: [row[f"from 0.5 to 3 N, {f} Hz"].value for f in (60, 120, 240, 480)] for name, row in rows.items()}
     by_area = -10 / 3 * math.log10(3.0 / 0.5)
@@ -168,7 +169,7 @@ def test_what_finding_3_says_of_its_rows():
     assert not any(all(each.holds is not False for each in row.values()) for row in rows.values())
 
 
-def test_a_contact_that_opens_costs_what_one_that_holds_costs():
+def test_open_contact_costs_as_much_as_closed():
     """Finding 1: under the finger the focus falls with force either way."""
     opened_m = np.abs(opened_contact(3.0).displacement_m).max()
     stimulus = next(iter(experiment("time-reversal-threshold").cells.values())).stimulus
@@ -178,7 +179,7 @@ def test_a_contact_that_opens_costs_what_one_that_holds_costs():
     assert opened_m == pytest.approx(np.abs(held_m).max(), rel=5e-3)
 
 
-def test_the_forces_of_table_6_2_are_those_of_fingers_in_the_band_of_the_gate():
+def test_table_6_2_forces_lie_in_the_gate():
     """A lognormal spread of 15 % of which what is outside of 20 % is drawn anew: mean and spread by quadrature."""
     finger, rng = SimulatedFinger(waver_cv=0.0), np.random.default_rng(6)
     request = Press("s", 1.0, target_n=1.0, tolerance=0.2, hold_s=0.5, duration_s=0.02, timeout_s=1.0)
@@ -232,7 +233,7 @@ def test_an_unknown_item_is_one_sentence(capsys):
 
 
 @pytest.mark.parametrize("caption", ["figure-6.7", "table-3.4"])
-def test_a_caption_that_is_not_made_is_refused_with_the_reason(caption, capsys):
+def test_omitted_figure_is_refused_with_the_reason(caption, capsys):
     code, said, _ = call(capsys, "reproduce", caption)
     assert code == 2
     assert (
@@ -246,7 +247,7 @@ def test_a_caption_beside_another_is_made_with_it(capsys, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"figure-6.8.csv", "figure-6.8.png"}
 
 
-def test_a_place_that_cannot_be_written_is_one_sentence(capsys, tmp_path):
+def test_unwritable_path_is_reported_in_one_sentence(capsys, tmp_path):
     (tmp_path / "taken").write_text("", encoding="utf-8")
     code, said, _ = call(capsys, "reproduce", "table-6.1", "--out", tmp_path / "taken")
     assert code == 3
@@ -257,18 +258,18 @@ def test_a_place_that_cannot_be_written_is_one_sentence(capsys, tmp_path):
 
 
 def test_a_drawing_is_a_picture_and_its_curves(tmp_path):
-    figure = force_against_area(laws=("sc_layer", "interface"))
+    figure = force_against_area()
     write_drawing(figure, tmp_path, "area")
     assert (tmp_path / "area.png").stat().st_size > 5_000
     with (tmp_path / "area.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert {row["curve"] for row in rows} == {"sc_layer", "interface"}
+    assert {row["curve"] for row in rows} == set(LAWS)
     assert [(row["curve"], float(row["x"]), float(row["y"])) for row in rows] == [
         (row[1], row[3], row[5]) for row in points(figure)
     ]
 
 
-def test_points_have_the_words_of_named_ticks_and_the_names_of_curves_with_error_bars():
+def test_plotted_points_keep_tick_and_curve_names():
     figure = Figure()
     axes = figure.add_subplot()
     axes.errorbar([0.5, 1.5], [0, 1], xerr=0.1, label="P0")

@@ -77,14 +77,14 @@ def loaded():
 
 
 @pytest.mark.parametrize("kind", [*PANEL_KINDS, *PLATE_KINDS])
-def test_a_study_imports_the_effects_that_its_scene_states_and_no_other(loaded, kind):
+def test_study_imports_only_effects_of_its_scene(loaded, kind):
     stated, modules = loaded
     found = {name for name in (*PANEL_KINDS, *OTHERS) if EFFECTS[name].partition(":")[0] in modules[kind]}
     assert found - ALWAYS == stated[kind] - ALWAYS
 
 
 @pytest.mark.parametrize("kind", UNFELT)
-def test_an_effect_that_nothing_felt_needs_imports_no_more_than_its_name(loaded, kind):
+def test_unneeded_effect_is_not_imported(loaded, kind):
     _, modules = loaded
     named = EFFECTS[kind].partition(":")[0]
     assert {named} <= modules[kind] - modules[UNFELT[kind]] <= {named, named.rpartition(".")[0]}

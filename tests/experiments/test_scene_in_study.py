@@ -15,7 +15,7 @@ from tactometry.config.strict import build
 from tactometry.contact import Contact
 from tactometry.experiments.study.felt_effects import felt_effects
 from tactometry.experiments.study.felt_scene import FeltScene
-from tactometry.experiments.study.stimulus_kinds import STIMULI
+from tactometry.experiments.study.kinds import STIMULI
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.loading import resolve
 from tactometry.records.head import heads
@@ -50,7 +50,7 @@ def model_of(cell, **numbers):
 
 
 @pytest.mark.parametrize("study", builtin())
-def test_each_stimulus_of_a_built_in_study_is_felt_by_its_scene_as_by_its_formula(study):
+def test_built_in_scene_equals_the_formula(study):
     experiment = wired(load(study)[1].decode())
     cells = {cell.condition.stimulus: cell for cell in experiment.cells.values()}
     for cell in cells.values():
@@ -93,7 +93,7 @@ def test_a_study_tells_the_effects_of_its_default_scene():
     assert felt.felt == (*LEAKY, "skin_mobility", "sensitivity")
 
 
-def test_what_a_finger_at_rest_does_not_feel_is_said_in_words():
+def test_imperceptible_at_rest_is_stated():
     at_rest = TUTORIAL.replace('kind = "slide"', 'kind = "press"').replace('speed_m_per_s = "50 mm/s"\n', "")
     (told,) = felt_effects(wired(at_rest))
     text = " ".join(" ".join(told.lines).split())
@@ -112,13 +112,13 @@ def test_each_effect_of_a_scene_is_felt():
     assert felt_db(scene(*other)) - plain_db == pytest.approx(6.0206, abs=1e-3)
 
 
-def test_a_built_in_scene_is_that_of_its_effects_under_the_tone_of_the_study():
+def test_built_in_scene_takes_the_study_tone():
     kinds = ("skin_leakage", "contact_area", "friction_lag")
     stated = scene(*EFFECT_LINES.values(), *(f'{{ kind = "{kind}" }}' for kind in kinds))
     assert felt_db(named("electrovibration-panel")) == felt_db(stated)
 
 
-def test_a_scene_file_is_felt_as_its_tables_and_told_with_what_is_not_at_its_default(tmp_path):
+def test_scene_file_equals_its_tables(tmp_path):
     effects, surface = ", ".join(EFFECT_LINES.values()), '{ insulator_thickness_m = "2 um" }'
     file = tmp_path / "mine.toml"
     tone = '{ kind = "electrovibration", frequency_hz = 60, insulator_thickness_m = "2 um" }'
@@ -207,7 +207,7 @@ SENTENCES = {
 
 
 @pytest.mark.parametrize("name", SENTENCES)
-def test_a_scene_that_cannot_be_felt_is_refused_before_anything_plays(name, tmp_path, capsys):
+def test_imperceptible_scene_is_refused_before_playing(name, tmp_path, capsys):
     text, sentence = SENTENCES[name]
     path = tmp_path / "s.toml"
     path.write_text(text, encoding="utf-8")

@@ -51,7 +51,7 @@ def test_a_study_feels_what_the_built_in_scene_of_its_surface_does(study):
         assert levels_db == pytest.approx([alike.sensation(signal, touch) for touch in TOUCHES], abs=1e-9)
 
 
-def test_what_a_built_in_scene_has_more_is_told_with_what_it_changes():
+def test_extra_effects_of_scenes_are_listed_with_changes():
     (told,) = felt_effects(wired("time-reversal-threshold"))
     changes = {one.effect: one.change_db for one in told.left_out}
     cell = next(iter(wired("time-reversal-threshold", '\n[scene]\nname = "a4-screen"\n').cells.values()))
@@ -59,14 +59,14 @@ def test_what_a_built_in_scene_has_more_is_told_with_what_it_changes():
     assert changes["finger_load"] < -0.5
 
 
-def test_the_tone_of_the_panel_is_felt_as_the_voltage_that_a_study_plays():
+def test_panel_tone_equals_played_voltage():
     file = load_scene(path_of("electrovibration-panel"))
     tone = AmplitudeModulated(240.0, duration_s=0.2, ramp_s=0.02, carrier_hz=2e3)
     played_db = default_scene(ElectrovibrationSensation(), 0.2).sensation(tone.at(30.0), TOUCHES[0])
     assert file.scene.resolve().run(file.given)["sensation_db"] == pytest.approx(played_db, abs=0.01)
 
 
-def test_the_focus_of_the_screen_is_felt_as_the_drive_that_a_study_plays():
+def test_screen_focus_equals_played_drive():
     """Analogue and in the whole band, which both state alike: a quantiser hears their flanks, 0.1 dB of them."""
     file, touch = load_scene(path_of("a4-screen")), Contact(2.0)
     scene = replace(file.scene, outputs=("sensation_db",))

@@ -103,7 +103,7 @@ def test_every_column_is_described_beside_the_trials(lived):
     assert all(column["Description"] for column in described.values())
 
 
-def test_a_journal_that_could_not_be_read_is_not_left_locked(lived):
+def test_unreadable_journal_is_not_left_locked(lived):
     content = journal_of(lived).read_bytes()
     journal_of(lived).write_bytes(b"x" + content)
     with pytest.raises(InvalidFile, match="line 1"):
@@ -157,14 +157,14 @@ def test_a_rig_is_closed_when_it_fails():
     assert falling.n_closed == 1
 
 
-def test_a_journal_that_holds_more_than_the_protocol_asks_is_refused():
+def test_journal_with_extra_answers_is_refused():
     lived = Memory()
     run(one_block(np.random.default_rng(1)), catalogue.simulated(7), lived)
     with pytest.raises(Diverged, match="the recording goes on with"):
         run(one_block(np.random.default_rng(1)), catalogue.simulated(7), Memory([*lived.entries, lived.entries[-1]]))
 
 
-def test_a_recorded_trial_that_was_changed_is_found():
+def test_changed_trial_is_found():
     lived = Memory()
     run(one_block(np.random.default_rng(1)), catalogue.simulated(7), lived)
     at = next(n for n, (request, _) in enumerate(lived.entries) if isinstance(request, Record))

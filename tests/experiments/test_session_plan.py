@@ -132,7 +132,7 @@ def test_a_simulation_runs_every_session_of_the_plan(tmp_path):
     assert validate(tmp_path / "d").defects == ()
 
 
-def test_between_sessions_in_the_order_of_the_file_orders_change_with_the_participant():
+def test_orders_change_with_participant_across_sessions():
     split = study(
         ("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\nforce_n = [0.5, 1.0]"),
         ("force_n = 1.0\n", ""),
@@ -339,7 +339,7 @@ def test_an_impossible_task_is_refused_in_one_sentence(table, sentence):
     assert f"s.toml, {sentence}" in str(refused.value)
 
 
-def test_what_the_cells_of_a_study_share_is_built_once():
+def test_shared_parts_of_cells_are_built_once():
     made = experiment((f'kind = "constant_stimuli"\n{LEVELS}', QUEST_PLUS))
     assert len(made.cells) == 2
     assert len({id(cell.procedure.rule) for cell in made.cells.values()}) == 1
@@ -349,7 +349,7 @@ def test_what_the_cells_of_a_study_share_is_built_once():
     assert all(any(form is known for known in asked.questionnaires) for form in forms)
 
 
-def test_a_stimulus_is_strongest_where_the_practice_asks_for_more_than_the_procedure():
+def test_strongest_level_includes_practice():
     softer = LEVELS, LEVELS.replace("34, 40", "34")
     plain, practised = experiment(softer), experiment(softer, more="\n[practice]\nlevels = [40]\n")
     assert {(each.where, each.level) for each in plain.strongest()} == {("procedure", 34.0)}

@@ -66,7 +66,7 @@ def test_show_says_which_trial_and_whose_it_wants(capsys, tmp_path):
     assert call(capsys, "show", RECORDED_TRACES, "--trial", 1, "--figure", tmp_path / "t.doc")[0] == 2
 
 
-def test_of_simulated_trials_and_blanks_show_draws_what_is_known(tmp_path, capsys, monkeypatch):
+def test_show_draws_simulated_trials_and_blanks(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     output(capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", "d")
     blank = next(row for row in trial_rows(tmp_path / "d") if row["catch"] == "1")

@@ -26,7 +26,7 @@ from tactometry.records.journal import read
 from tactometry.session.request import Record
 
 
-def test_what_is_another_in_a_later_sitting_is_told_and_stays_in_the_journal(tmp_path):
+def test_changed_facts_of_a_sitting_are_reported(tmp_path):
     assert sit(tmp_path, SOUND, stops_at=4) == []
     louder = {**SOUND, "output_volts_per_unit": 400.0, "output_n_underruns": 9, "utc_minus_clock_s": 2.0}
     assert sit(tmp_path, louder, stops_at=3, resume=True) == [
@@ -118,7 +118,7 @@ def test_the_report_has_the_sittings_and_what_changed_between_them(tmp_path):
     ]
 
 
-def test_a_session_in_one_sitting_of_which_nothing_is_told_has_no_such_section(whole):
+def test_single_sitting_has_no_section(whole):
     assert "How the sessions went" not in render(analyse(whole))
 
 
@@ -158,7 +158,7 @@ def older(root):
     return {"experiment": wire(study, "study.toml"), "toml": toml, "who": Who("P01")}
 
 
-def test_a_session_that_an_older_version_began_goes_on_in_its_form(repeated):
+def test_session_of_an_older_version_keeps_its_format(repeated):
     before = next((repeated / "data").glob("*.csv")).read_bytes()
     described = (repeated / "dataset_description.json").read_bytes()
     sit(repeated, SOUND, resume=True, **older(repeated))
@@ -183,7 +183,7 @@ def test_a_new_session_beside_older_ones_has_the_new_columns(repeated, capsys):
     assert [each["name"] for each in described][-4:] == ["rig", "speed_in_band", "invalid_reason", "n_gaps"]
 
 
-def test_a_journal_of_a_format_that_is_yet_to_come_is_refused(lived):
+def test_journal_of_a_newer_format_is_refused(lived):
     from tactometry.records.journal import encode
 
     head, *_ = journal_of(lived).read_bytes().splitlines(keepends=True)
@@ -256,7 +256,7 @@ def test_a_data_set_of_simulated_participants_says_so(lived, tmp_path):
     assert described["description"] == STUDY.description
 
 
-def test_what_a_person_added_to_the_description_stays(lived):
+def test_added_description_is_kept(lived):
     path = lived / "dataset_description.json"
     edited = {**json.loads(path.read_text()), "author": [{"name": "A. Author"}], "description": "Mine."}
     path.write_text(json.dumps(edited))

@@ -51,7 +51,7 @@ def test_intervals_that_are_too_short_or_too_long_are_told(part, verdict):
     assert row["width"] == pytest.approx(2 * part * 2.0 * norm.ppf(0.975))
 
 
-def test_the_bias_and_its_error_are_those_of_sets_that_told_a_value():
+def test_bias_uses_sets_with_a_value():
     table = pd.DataFrame(
         {"truth": [0.0, 0, 0, 0], "estimate": [1.0, 2, 3, None], "low": [0.0, 0, 0, 1], "high": [4.0, 4, 4, None]}
     )
@@ -61,13 +61,13 @@ def test_the_bias_and_its_error_are_those_of_sets_that_told_a_value():
 
 
 @pytest.mark.parametrize(("power", "verdict"), [(1.0, ""), (0.5, "too many"), (2.0, "too few")])
-def test_a_test_that_errs_too_often_or_too_seldom_is_told(power, verdict):
+def test_test_with_wrong_error_rate_is_reported(power, verdict):
     p = np.random.default_rng(5).random(4000) ** (1 / power)
     row = summary(TESTS, pd.DataFrame({"effect": 0.0, "p": p, "test": "t"}), ("test",)).iloc[0]
     assert row["verdict"] == verdict
 
 
-def test_a_test_of_an_effect_that_there_is_is_not_judged():
+def test_test_of_a_true_effect_is_not_judged():
     row = summary(TESTS, pd.DataFrame({"effect": [1.0] * 100, "p": 0.0, "test": "t"}), ("test",)).iloc[0]
     assert (row["share"], row["verdict"]) == (1.0, "")
 
@@ -90,7 +90,7 @@ def test_ranks_in_a_posterior_are_uniform_where_it_is_the_right_one(posterior_sd
 
 
 @pytest.mark.parametrize("name", CHECKS)
-def test_what_a_table_says_of_outcomes_takes_the_place_of_no_key(name):
+def test_outcome_columns_replace_no_key(name):
     """The column of the errors' SD was once called as the key of the comparisons, and stood in its place."""
     check = check_of(name)
     outcome = dict.fromkeys(("truth", "estimate", "low", "high", "effect", "p", "rank"), 0.5)
@@ -124,7 +124,7 @@ def test_any_process_makes_the_same_tables(whole, tmp_path):
     assert {path.suffix for path in (tmp_path / "v" / "validated").iterdir()} == {".png", ".svg"}
 
 
-def test_a_run_that_was_stopped_goes_on_with_more_rounds_and_makes_no_chunk_twice(whole, tmp_path):
+def test_stopped_run_makes_no_chunk_twice(whole, tmp_path):
     root, _ = whole
     chunks = SMALL.chunks
 
@@ -163,7 +163,7 @@ REFUSALS = {
 
 
 @pytest.mark.parametrize("case", REFUSALS)
-def test_what_cannot_be_asked_is_refused_in_one_sentence(case, capsys, tmp_path):
+def test_impossible_question_is_refused_in_one_sentence(case, capsys, tmp_path):
     more, expected = REFUSALS[case]
     code, said, _ = call(capsys, "validate-method", "--out", tmp_path / "v", *more)
     assert (code, said.count("\n")) == (2, 0)
@@ -204,7 +204,7 @@ def test_every_setting_has_outcomes_of_its_kind(name):
         assert np.isfinite(outcomes[list(check.kind.columns)].to_numpy(float)).any()
 
 
-def test_what_departs_without_a_known_reason_is_said_to(whole):
+def test_unexplained_departure_is_reported(whole):
     _, found = whole
     table = found.tables["comparisons"].copy()
     assert departures(table).empty
@@ -214,7 +214,7 @@ def test_what_departs_without_a_known_reason_is_said_to(whole):
     assert "- *equality*, too few in 1 of the rows: as that of the difference." in wrong
 
 
-def test_what_departs_over_all_rows_alone_is_told(whole):
+def test_departure_over_all_rows_is_reported(whole):
     """Each of sixteen rows of 1000 at 94 %: chance explains any of them, and not all."""
     _, found = whole
     table = found.tables["comparisons"].assign(n=1000, share=0.94, stated=0.95, verdict="")

@@ -97,7 +97,7 @@ def test_a_vast_study_is_refused_before_anything_is_made_of_it(tmp_path, capsys,
     assert len(said.splitlines()) <= 21
 
 
-def test_a_factor_s_change_that_is_no_table_is_refused():
+def test_variant_without_table_is_refused():
     with pytest.raises(InvalidFile, match=r"variants\.frequency_hz\.60\.touch: found 5, expected a table"):
         parse(f"{TUTORIAL}\n[variants.frequency_hz.60]\ntouch = 5\n".encode(), "s.toml")
 
@@ -116,7 +116,7 @@ def test_levels_that_a_table_cannot_tell_apart_are_refused(levels, message):
         parse(TUTORIAL.replace("frequency_hz = [60, 240]", f"place = {levels}").encode(), "s.toml")
 
 
-def test_a_questionnaire_that_no_page_asks_is_checked_too():
+def test_unasked_questionnaire_is_checked():
     study = parse(f'{TUTORIAL}\n[forms.mine]\ntitle = "x"\n'.encode(), "s.toml")
     with pytest.raises(InvalidParameter, match=r"s\.toml, forms\.mine\.\w+: found no such key"):
         wire(study, "s.toml")
@@ -130,7 +130,7 @@ def test_a_byte_order_mark_is_no_damage(tmp_path, capsys):
     assert call(capsys, "validate", tmp_path / "d")[0] == 0
 
 
-def test_what_is_long_is_told_by_its_ends(tmp_path, capsys):
+def test_long_value_is_abbreviated(tmp_path, capsys):
     path = tmp_path / "s.toml"
     for content in (
         TUTORIAL.replace('name = "tutorial"', f'name = "{"A" * 60_000}"'),
@@ -144,7 +144,7 @@ def test_what_is_long_is_told_by_its_ends(tmp_path, capsys):
         assert len(said) < 5000
 
 
-def test_a_name_that_no_file_can_have_is_refused():
+def test_name_impossible_for_a_file_is_refused():
     with pytest.raises(InvalidFile, match="name: found 101 letters, expected at most 100"):
         parse(TUTORIAL.replace('"tutorial"', f'"{"a" * 101}"').encode(), "s.toml")
     assert parse(TUTORIAL.replace('"tutorial"', f'"{"a" * 100}"').encode(), "s.toml").name == "a" * 100
@@ -172,7 +172,7 @@ def test_a_session_of_more_than_three_hours_is_told(tmp_path, capsys):
     assert "at most 250 minutes" in out
 
 
-def test_a_session_of_more_than_a_day_is_refused_unless_nobody_sits_through_it(tmp_path, capsys):
+def test_session_over_a_day_is_refused_unless_simulated(tmp_path, capsys):
     path, out = tmp_path / "s.toml", tmp_path / "d"
     path.write_text(TUTORIAL.replace("trial_s = 5.0", "trial_s = 4000.0"), "utf-8")
     for more in (["--dry-run"], ["--rig", "console", "--out", out]):
@@ -183,7 +183,7 @@ def test_a_session_of_more_than_a_day_is_refused_unless_nobody_sits_through_it(t
     assert call(capsys, "run", path, "--participant", "P01", "--rig", "simulated", "--out", out)[0] == 0
 
 
-def test_a_session_that_has_begun_goes_on_however_long_it_lasts(tmp_path, capsys, monkeypatch):
+def test_begun_session_continues_at_any_length(tmp_path, capsys, monkeypatch):
     import io
 
     path = tmp_path / "s.toml"

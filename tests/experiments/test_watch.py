@@ -13,9 +13,8 @@ from tutorial_session import live
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, curve_plot
-from tactometry.experiments.watch.drawn import Drawn
 from tactometry.experiments.watch.page import sections
-from tactometry.experiments.watch.sight import Sight
+from tactometry.experiments.watch.sight import Drawn, Sight
 from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Watcher
 from tactometry.records.journal import read
 from tactometry.records.open_journal import held
@@ -55,7 +54,7 @@ def test_a_folder_without_a_session_is_waited_for(tmp_path, journal):
     assert Watcher(tmp_path / "nowhere").look().state == "no session yet"
 
 
-def test_a_session_that_begins_is_followed_in_the_place_of_the_last_one(tmp_path):
+def test_watch_follows_a_new_session(tmp_path):
     clock = Clock()
     live(tmp_path)
     watcher = Watcher(tmp_path, clock=clock)
@@ -67,7 +66,7 @@ def test_a_session_that_begins_is_followed_in_the_place_of_the_last_one(tmp_path
     assert not Watcher(tmp_path, "P03").look().name
 
 
-def test_a_damaged_journal_is_told_with_its_line_and_what_was_seen_stays(journal):
+def test_damaged_journal_is_reported_and_the_view_kept(journal):
     clock = Clock()
     journal.holds(20)
     watcher = Watcher(journal.root, clock=clock)
@@ -105,7 +104,7 @@ def test_journal_that_ended_or_is_new_is_not_abandoned(journal, n_lines):
     assert Watcher(journal.root).look().state == ("over" if n_lines is None else "running")
 
 
-def test_a_journal_that_is_cut_shows_what_is_left(journal):
+def test_cut_journal_shows_the_rest(journal):
     journal.holds()
     watcher = Watcher(journal.root)
     watcher.look()
@@ -115,7 +114,7 @@ def test_a_journal_that_is_cut_shows_what_is_left(journal):
     assert sight.state == "running"
 
 
-def test_a_data_set_without_its_study_is_shown_without_what_is_to_come(journal):
+def test_missing_study_hides_the_planned_parts(journal):
     journal.holds(20)
     (journal.root / "study.toml").unlink()
     sight = Watcher(journal.root).look()
@@ -123,7 +122,7 @@ def test_a_data_set_without_its_study_is_shown_without_what_is_to_come(journal):
     assert "Time left" not in [row.name for row in view.where(sight)]
 
 
-def test_where_it_stands_in_the_middle_of_a_session(journal):
+def test_page_states_progress_in_mid_session(journal):
     journal.holds(60)
     sight = Watcher(journal.root).look()
     named = {row.name: row.value for row in view.where(sight)}
@@ -135,7 +134,7 @@ def test_where_it_stands_in_the_middle_of_a_session(journal):
     assert [share.words for share in view.shares(sight)] == [f"{n_valid} of at most 20", f"{n_valid} of at most 40"]
 
 
-def test_before_a_track_is_aborted_the_page_warns_and_then_it_says_so(journal):
+def test_page_warns_before_a_track_is_aborted(journal):
     journal.holds(20)
     sight, lost = Watcher(journal.root).look(), None
     for attempt in range(1, 6):
@@ -154,13 +153,13 @@ def test_each_reason_has_its_words():
     assert "_" not in view.reasons(progress)
 
 
-def test_what_is_not_as_it_should_be_is_marked():
+def test_abnormal_quality_is_marked():
     progress = Progress(n_frames=1000, n_dropped_frames=50, n_gaps=2, reasons={"sensor_lost": 1})
     assert [row.mark for row in view.quality(progress)] == [True, True, True]
     assert not any(row.mark for row in view.quality(Progress(n_frames=1000, n_dropped_frames=9)))
 
 
-def test_what_a_person_wrote_is_text_and_no_html():
+def test_user_text_is_escaped():
     sight = Sight("a", problem="<script>alert(1)</script>", progress=Progress(factors={"<b>": "<i>"}, n_parts=1))
     drawn = "".join(sections(sight, Drawn()).values())
     assert "<script>" not in drawn
@@ -168,7 +167,7 @@ def test_what_a_person_wrote_is_text_and_no_html():
     assert "&lt;script&gt;" in drawn
 
 
-def test_answers_to_a_questionnaire_are_no_catch_trials_and_leave_the_levels_where_they_were():
+def test_questionnaire_answers_leave_levels_unchanged():
     progress = with_row(Progress(), Trial(1, 1, {"f": 1.0}, "staircase", 5.0, "dB", "yes_no", 1))
     form = Trial(2, 2, {"f": 1.0}, "sus", None, "", "rating", 1.0, item="SUS1")
     sight = Sight("a", progress=with_row(progress, form, None))
@@ -186,7 +185,7 @@ def test_answers_to_a_questionnaire_are_no_catch_trials_and_leave_the_levels_whe
         (None, "staircase, 60 Hz"),
     ],
 )
-def test_a_track_is_called_by_its_condition_and_what_that_does_not_tell(name, title):
+def test_track_name_adds_to_its_condition(name, title):
     row = Trial(1, 1, {"frequency_hz": 60.0}, "staircase", 5.0, "dB", "yes_no", 1, track=name)
     assert view.level_plots(with_row(Progress(), row))[0].title == title
 

@@ -53,7 +53,7 @@ def is_served(url):
         return False
 
 
-def test_the_page_of_a_run_is_there_before_its_data_and_ends_with_it(tmp_path):
+def test_page_starts_before_the_data_and_ends(tmp_path):
     with watching(tmp_path / "yet-to-come", "P01", 1) as url:
         assert is_served(url)
     assert not is_served(url)
@@ -79,7 +79,7 @@ def test_run_tells_the_address_of_its_page(tmp_path, capfd):
     assert "watch the session at http://127.0.0.1:" in capfd.readouterr().err
 
 
-def test_a_folder_that_is_none_is_one_sentence(tmp_path, capfd):
+def test_missing_folder_is_reported_in_one_sentence(tmp_path, capfd):
     with pytest.raises(SystemExit) as end:
         main(["watch", str(tmp_path / "nowhere")])
     assert end.value.code == 2

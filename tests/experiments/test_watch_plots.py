@@ -10,8 +10,8 @@ from progressed import with_row
 
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, band_of
-from tactometry.experiments.watch.drawn import TouchDrawn
 from tactometry.experiments.watch.plots import MOST_TICKS, levels_plot, ruler_over, samples_plot
+from tactometry.experiments.watch.sight import TouchDrawn
 from tactometry.experiments.watch.traces import MOST_BINS, draw_touch, thinned
 from tactometry.records.data_set import Session
 from tactometry.records.traces import TraceFiles
@@ -86,7 +86,7 @@ def test_samples_that_were_lost_leave_no_line():
     assert samples_plot("force", "Force", "force (N)", [[(0.0, float("nan"))]]) is None
 
 
-def test_of_many_samples_the_extremes_stay():
+def test_thinning_keeps_extremes():
     times_s = np.arange(10_000) / 1000
     values = np.sin(times_s)
     values[4321], values[77] = 5.0, np.nan
@@ -111,7 +111,7 @@ def kept_touch(root, n_samples=3000):
     return AnsweredTouch(Press("tone", 12.0, 1.0, 1.0, 0.2, 0.5, 20.0), answer)
 
 
-def test_force_and_place_of_the_last_touch_are_drawn_with_the_band_that_was_asked_for(tmp_path):
+def test_last_touch_is_drawn_with_its_band(tmp_path):
     force, place = draw_touch(tmp_path, kept_touch(tmp_path)).plots
     assert (force.title, place.title) == ("Force", "Position")
     assert "1000.0 samples per second, 1.00 ms apart at most, 1 lost" in force.words

@@ -82,13 +82,13 @@ def test_without_its_token_nothing_is_told(served):
         assert (status, text) == (404, "")
 
 
-def test_nothing_but_the_page_is_served(served):
+def test_server_serves_only_the_page(served):
     for path in ("../study.toml", "..%2fstudy.toml", "study.toml", "page.html", "page.js/..", "journals/"):
         assert served.ask(path)[0] == 404
 
 
 @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS"])
-def test_nothing_can_be_done_but_to_look(served, method):
+def test_server_refuses_other_methods(served, method):
     assert served.ask(method=method)[0] == 405
 
 
@@ -97,7 +97,7 @@ def test_only_the_loopback_is_listened_at(served):
         assert other.connect_ex(("127.0.0.2", served.port)) != 0
 
 
-def test_a_page_says_that_it_may_load_nothing_from_elsewhere(served):
+def test_page_forbids_foreign_resources(served):
     connection = served.connection()
     connection.request("GET", f"/{served.token}/")
     headers = connection.getresponse().headers
@@ -115,7 +115,7 @@ def test_two_pages_have_two_tokens(served, tmp_path):
         assert len(other.token) >= 32
 
 
-def test_who_listens_is_told_what_changes_alone(journal):
+def test_events_hold_changed_sections_only(journal):
     journal.holds(20)
     with watched(journal.root) as page, page.listening() as news:
         first = news()
@@ -128,6 +128,6 @@ def test_who_listens_is_told_what_changes_alone(journal):
         assert "over" in news()["title"]
 
 
-def test_a_port_that_is_taken_is_one_sentence(served):
+def test_taken_port_is_reported_in_one_sentence(served):
     with pytest.raises(DeviceFailed, match=rf"--port: cannot listen at 127.0.0.1:{served.port}"):
         serve(Scenery(Watcher(ROOT)), served.port, print)

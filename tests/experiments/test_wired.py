@@ -41,14 +41,14 @@ def procedures():
 
 
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
-def test_a_stimulus_of_several_cells_is_strongest_in_the_one_that_asks_for_most(procedures, order):
+def test_strongest_level_is_taken_over_all_cells(procedures, order):
     study = together(*(procedures[n] for n in order))
     (strongest,) = study.strongest()
     assert strongest.level == 40.0
     assert study.bounds(strongest.name) == (10.0, 40.0)
 
 
-def test_what_begins_lowest_may_be_what_ends_highest():
+def test_bounds_are_taken_over_all_cells():
     study = wired([(LEVELS, LEVELS.replace("34, 40", "34"))], "\n[practice]\nlevels = [4, 40]\n")
     assert {(each.where, each.level) for each in study.strongest()} == {("practice", 40.0)}
 
@@ -71,7 +71,7 @@ def test_a_study_whose_blocks_hold_several_tracks_has_their_column(task, has):
     assert ("track" in {column.name for column in columns}) == has
 
 
-def test_cells_that_meet_the_finger_alike_are_felt_as_the_first_of_them():
+def test_equal_cells_share_one_feeling():
     """A tolerance is nothing that is felt."""
     more = '\n[observer.people.effects_db.tolerance]\n"{}" = 1.0\n'
     of_two = [("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\ntolerance = [0.1, 0.3]"), ("tolerance = 0.2", "")]

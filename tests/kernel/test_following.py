@@ -48,50 +48,40 @@ def test_each_line_is_read_once_however_the_journal_grows(content, tmp_path_fact
     assert complete
 
 
-def test_nothing_is_new_in_a_journal_that_nobody_wrote_to(content, path):
+def followed(path, content):
+    """Return a follower that has read `content` at `path`."""
     path.write_bytes(content)
     follower = Follower(path)
     assert follower.news() is not None
-    assert follower.news() is None
+    return follower
 
 
-def test_a_journal_that_is_cut_begins_anew(content, path):
-    path.write_bytes(content)
-    follower = Follower(path)
-    follower.news()
-    path.write_bytes(whole(content, 9))
+def test_unchanged_journal_has_no_news(content, path):
+    assert followed(path, content).news() is None
+
+
+@pytest.mark.parametrize("n_lines", [9, 0], ids=["cut", "emptied"])
+def test_journal_that_is_cut_begins_anew(content, path, n_lines):
+    follower = followed(path, content)
+    path.write_bytes(whole(content, n_lines))
     news = follower.news()
     assert news.anew
     assert not news.complete
-    assert news.lines == lines_of(whole(content, 9), path)
+    assert news.lines == (lines_of(whole(content, n_lines), path) if n_lines else ())
 
 
-def test_a_journal_that_was_emptied_begins_anew_with_nothing(content, path):
-    path.write_bytes(content)
-    follower = Follower(path)
-    follower.news()
-    path.write_bytes(b"")
-    news = follower.news()
-    assert (news.lines, news.anew) == ((), True)
-
-
-def test_one_that_was_cut_and_grew_beyond_its_length_is_no_continuation(content, path, tmp_path):
-    other = tmp_path / "other"
-    live(other, Who("P02", seed=9))
-    longer = journal_of(other).read_bytes()
-    path.write_bytes(whole(content, 5))
-    follower = Follower(path)
-    follower.news()
+def test_another_longer_journal_is_no_continuation(content, path, tmp_path):
+    live(tmp_path / "other", Who("P02", seed=9))
+    longer = journal_of(tmp_path / "other").read_bytes()
+    follower = followed(path, whole(content, 5))
     path.write_bytes(longer)
     news = follower.news()
     assert news.anew
     assert news.lines == lines_of(longer, path)
 
 
-def test_a_file_that_is_put_in_its_place_with_more_lines_goes_on(content, path, tmp_path):
-    path.write_bytes(whole(content, 5))
-    follower = Follower(path)
-    follower.news()
+def test_file_that_replaces_a_journal_continues_it(content, path, tmp_path):
+    follower = followed(path, whole(content, 5))
     (tmp_path / "draft").write_bytes(whole(content, 7))
     (tmp_path / "draft").replace(path)
     news = follower.news()
@@ -104,9 +94,7 @@ def test_a_session_that_goes_on_with_resume_is_followed(content, tmp_path):
     live(root)
     path = journal_of(root)
     # killed within a trial: the touch of trial 3 was answered, its row is missing
-    path.write_bytes(whole(content, 13) + b'{"request":"Ch')
-    follower = Follower(path)
-    follower.news()
+    follower = followed(path, whole(content, 13) + b'{"request":"Ch')
     live(root, resume=True)
     news = follower.news()
     assert news.complete
@@ -115,9 +103,7 @@ def test_a_session_that_goes_on_with_resume_is_followed(content, tmp_path):
 
 
 def test_a_damaged_line_is_named_and_a_mended_journal_read_again(content, path):
-    path.write_bytes(whole(content, 5))
-    follower = Follower(path)
-    follower.news()
+    follower = followed(path, whole(content, 5))
     spoiled = bytearray(whole(content, 8))
     spoiled[len(whole(content, 6)) + 12] ^= 1
     path.write_bytes(spoiled)
@@ -130,9 +116,7 @@ def test_a_damaged_line_is_named_and_a_mended_journal_read_again(content, path):
 
 
 def test_a_journal_that_vanishes_is_told_and_found_again(content, path):
-    path.write_bytes(content)
-    follower = Follower(path)
-    follower.news()
+    follower = followed(path, content)
     path.unlink()
     with pytest.raises(InvalidFile, match="cannot be read"):
         follower.news()

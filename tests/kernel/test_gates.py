@@ -1,20 +1,132 @@
-"""Force and speed gates against brute force: gaps, doubled stamps, time that goes back, saturation, lost samples."""
+"""Gates of force and speed against brute force over the samples, and compliance against its definition."""
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hard_cases import exact_case
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.gates import ForceGate, SpeedGate, motion, triangle
+from tactometry.gates import ForceGate, SpeedGate, compliance, motion, triangle
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.session.request import Press, Slide
 
+# --- force
+
+GATE = ForceGate(target_n=1.0, tolerance=0.25, hold_s=0.0625, max_gap_s=20 / 1024)
+TICK_S = 1 / 1024
+"""Multiples of it, their sums and quotients are exact."""
+
+steps = st.one_of(st.integers(1, 20), st.integers(-30, 40))
+forces = st.one_of(st.sampled_from([0.75, 1.0, 1.25]), st.sampled_from([0.5, 0.7499, 1.2501, math.nan, math.inf]))
+mostly_held = st.lists(
+    st.tuples(steps, st.one_of(st.just(1.0), st.just(1.0), st.just(1.0), forces)), min_size=1, max_size=60
+)
+
+
+def fed(gate, samples):
+    states = []
+    for time_s, force_n in samples:
+        gate = gate.after(time_s, force_n)
+        states.append(gate.open)
+    return states
+
+
+def stamped_ticks(increments_and_forces):
+    times = np.cumsum([step for step, _ in increments_and_forces]) * TICK_S
+    return [(float(t), f) for t, (_, f) in zip(times, increments_and_forces, strict=True)]
+
+
+def held(samples, last, gate):
+    """Whether some start k <= last reaches to `last` without a break and is at least hold_s away."""
+    for k in range(last, -1, -1):
+        run = samples[k : last + 1]
+        times = [t for t, _ in run]
+        in_band = all(abs(f - gate.target_n) <= gate.tolerance * gate.target_n for _, f in run)
+        joined = all(0 <= b - a <= gate.max_gap_s for a, b in itertools.pairwise(times))
+        if in_band and joined and times[-1] - times[0] >= gate.hold_s:
+            return True
+    return False
+
+
+@given(mostly_held)
+def test_the_gate_is_open_exactly_when_the_force_was_held(increments):
+    samples = stamped_ticks(increments)
+    assert fed(GATE, samples) == [held(samples, k, GATE) for k in range(len(samples))]
+    exact_case("any course of a force", against="the rule of the gate, sample by sample")
+
+
+def test_a_steady_hold_opens_at_hold_s_and_not_a_sample_before():
+    samples = [(k * TICK_S, 1.0) for k in range(65)]
+    assert fed(GATE, samples) == [False] * 64 + [True]
+
+
+@pytest.mark.parametrize(
+    "breaker",
+    [(30 * TICK_S, 0.5), (30 * TICK_S, math.nan), (30 * TICK_S, math.inf), (math.nan, 1.0)],
+    ids=["out of band", "lost", "infinite", "no stamp"],
+)
+def test_a_break_starts_the_hold_again(breaker):
+    before = [(k * TICK_S, 1.0) for k in range(30)]
+    after = [(k * TICK_S, 1.0) for k in range(31, 140)]
+    states = fed(GATE, [*before, breaker, *after])
+    assert states.index(True) == 30 + 1 + 64
+
+
+dyadic = st.integers(0, 4096).map(lambda k: k / 1024)
+
+
+@given(st.lists(st.tuples(st.integers(0, 100), dyadic), min_size=1, max_size=80))
+def test_compliance_equals_its_definition(increments):
+    times = np.cumsum([step for step, _ in increments]) * TICK_S
+    values = np.array([force for _, force in increments])
+    means = [
+        np.mean([f for t, f in zip(times[: k + 1], values, strict=False) if t > times[k] - 0.25])
+        for k in range(len(times))
+    ]
+    expected = np.mean([abs(m - 2.0) <= 0.25 * 2.0 for m in means])
+    mean_n, sd_n, in_band = compliance(times, values, 2.0, 0.25)
+    assert (mean_n, in_band) == (values.mean(), expected)
+    assert sd_n == pytest.approx(math.sqrt(np.mean((values - values.mean()) ** 2)), abs=1e-12)
+
+
+def test_a_sample_one_window_ago_has_left_the_running_mean():
+    assert compliance([0.0, 0.25], [3.0, 1.0], 1.0, 0.1).in_band == 0.5
+    assert compliance([0.0, 0.25 - TICK_S], [3.0, 1.0], 1.0, 0.1).in_band == 0.0
+
+
+def test_a_window_that_late_stamps_cannot_resolve_holds_its_own_sample():
+    assert compliance([1e9, 1e9 + 1], [1.0, 3.0], 1.0, 0.1, window_s=1e-9).in_band == 0.5
+
+
+def test_a_running_mean_forgives_a_short_tremor():
+    times = np.arange(0, 1, 0.001)
+    tremor = np.where(np.arange(1000) % 2 == 0, 0.6, 1.4)
+    assert compliance(times, tremor, 1.0, 0.1)[2] > 0.99
+    assert compliance(times, tremor, 1.0, 0.1, window_s=0.0005)[2] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("times", "values", "message"),
+    [
+        ([], [], "at least one"),
+        ([0.0, 1.0], [1.0], "as many of both"),
+        ([0.0, 1.0], [1.0, math.nan], r"forces_n\[1\]: found nan"),
+        ([math.inf], [1.0], r"times_s\[0\]: found inf"),
+        ([0.0, 1.0, 0.5], [1.0, 1.0, 1.0], r"times_s\[2\]: found 0.5 after 1.0"),
+    ],
+)
+def test_an_impossible_trace_is_refused(times, values, message):
+    with pytest.raises(InvalidParameter, match=message):
+        compliance(times, values, 1.0, 0.1)
+
+
+# --- speed
+
 steps_s = st.sampled_from([0.001, 0.005, 0.01, 0.02, 0.0200001, 0.05, 0.0, -0.01, -1.0, math.nan])
-forces_n = st.sampled_from([0.0, 0.79, 0.8, 1.0, 1.2, 1.21, 5.0, -1.0, math.nan, math.inf])
-positions_m = st.sampled_from([0.0, 0.0005, 0.001, 0.002, -0.001, 0.1, math.nan, math.inf])
 
 
 def stamped(trace):
@@ -26,28 +138,8 @@ def stamped(trace):
     return samples
 
 
-def follows(earlier_s, later_s, *, doubled):
-    return (0 if doubled else 1e-300) <= later_s - earlier_s <= 0.02
-
-
-def force_was_held(samples, hold_s):
-    """Some earlier sample is the begin of a hold: all from there to the last are in the band, without a gap."""
-    for begin in range(len(samples)):
-        part = samples[begin:]
-        in_band = all(math.isfinite(t) and abs(f - 1.0) <= 0.2 for t, f in part)
-        whole = all(follows(a, b, doubled=True) for (a, _), (b, _) in itertools.pairwise(part))
-        if in_band and whole and part[-1][0] - part[0][0] >= hold_s:
-            return True
-    return False
-
-
-@given(trace=st.lists(st.tuples(steps_s, forces_n), max_size=30), hold_s=st.sampled_from([0.0, 0.01, 0.05]))
-def test_the_force_gate_is_open_if_and_only_if_a_force_was_held(trace, hold_s):
-    gate, samples = ForceGate(1.0, 0.2, hold_s), []
-    for sample in stamped(trace):
-        samples.append(sample)
-        gate = gate.after(*sample)
-        assert gate.open == force_was_held(samples, hold_s)
+def follows(earlier_s, later_s):
+    return 0 < later_s - earlier_s <= 0.02
 
 
 def speed_at(samples, window_s=0.05):
@@ -57,7 +149,7 @@ def speed_at(samples, window_s=0.05):
         if not (math.isfinite(t) and math.isfinite(x)):
             run = []
             continue
-        run = [*run, (t, x)] if run and follows(run[-1][0], t, doubled=False) else [(t, x)]
+        run = [*run, (t, x)] if run and follows(run[-1][0], t) else [(t, x)]
     run = [(t, x) for t, x in run if t >= run[-1][0] - window_s]
     if not run or run[-1][0] - run[0][0] < window_s / 2:
         return None
@@ -101,10 +193,6 @@ def test_the_speed_gate_opens_half_a_window_and_a_hold_after_the_first_sample():
         opened_s += [0.001 * n] if gate.open else []
     assert opened_s[0] == pytest.approx(0.125, abs=0.0015)
     assert len(opened_s) == 200 - round(opened_s[0] * 1000)
-
-
-TICK_S = 1 / 1024
-"""Multiples of it, their sums and quotients are exact."""
 
 
 def glided(gate, ticks, speed_m_per_s=1.0):
@@ -157,13 +245,6 @@ def test_samples_further_apart_than_the_window_have_the_speed_between_them():
     assert motion([0.0, 1.0, 2.0], [0.0, 0.1, 0.15], 0.05, tolerance=0.1, window_s=0.05).in_band == pytest.approx(1 / 3)
 
 
-def test_a_finger_at_rest_never_opens_the_speed_gate():
-    gate = SpeedGate(0.05, 0.99)
-    for n in range(1000):
-        gate = gate.after(0.001 * n, 0.03)
-        assert not gate.open
-
-
 @pytest.mark.parametrize("length_m", [0.02, 0.1])
 def test_out_and_back_at_constant_speed_is_in_band_but_for_the_turns(length_m):
     times_s = np.arange(2000) / 1000
@@ -200,13 +281,25 @@ def test_what_is_no_path_is_refused(times_s, places_m, words):
         motion(times_s, places_m, 0.05, 0.2)
 
 
+FORCE, SPEED = ForceGate(1.0, 0.1, 0.5), SpeedGate(0.05, 0.2)
+
+
 @pytest.mark.parametrize(
-    ("name", "value"), [("target_m_per_s", 0.0), ("tolerance", math.nan), ("hold_s", -1.0), ("window_s", math.inf)]
+    ("gate", "name", "value", "expected"),
+    [
+        (FORCE, "target_n", 0.0, "above 0"),
+        (FORCE, "tolerance", -0.1, "above 0"),
+        (FORCE, "hold_s", math.nan, "at least 0"),
+        (FORCE, "max_gap_s", math.inf, "above 0"),
+        (SPEED, "target_m_per_s", 0.0, "above 0"),
+        (SPEED, "tolerance", math.nan, "above 0"),
+        (SPEED, "hold_s", -1.0, "at least 0"),
+        (SPEED, "window_s", math.inf, "above 0"),
+    ],
 )
-def test_an_impossible_gate_is_refused(name, value):
-    settings = {"target_m_per_s": 0.05, "tolerance": 0.2} | {name: value}
-    with pytest.raises(InvalidParameter, match=rf"SpeedGate.{name}: found .*, expected a finite number"):
-        SpeedGate(**settings)
+def test_gate_refuses_impossible_settings(gate, name, value, expected):
+    with pytest.raises(InvalidParameter, match=rf"Gate.{name}: found {value}, expected a finite number.*{expected}"):
+        replace(gate, **{name: value})
 
 
 def test_the_simulated_finger_follows_the_path_that_it_is_asked_for():

@@ -54,7 +54,7 @@ runs = st.lists(st.tuples(st.sampled_from([0.8, 1.0, 1.2]), st.integers(1, 30), 
 def test_a_press_begins_only_where_its_own_force_was_held_for_its_own_time(runs, hold_s):
     trace = np.array([force for held, n, broken in runs for force in [*[held] * n, broken, held]])
     held = Held(press(hold_s), moving=False)
-    for n in in_turns(held.applied_force.hear, stamps_s(len(trace)), trace):
+    for n in in_turns(held.applied_force.on_samples, stamps_s(len(trace)), trace):
         true = spans(n_last(trace[: n + 1], lambda force: abs(force - 1.0) <= 0.2), hold_s)
         assert true or not held.open
         assert held.applied_force.gate.open == true
@@ -86,8 +86,8 @@ def test_a_slide_begins_only_where_both_are_held(monkeypatch):
         forces = np.where(np.arange(n_samples) >= first_holds, 1.0, 0.5)
         heard = zip(
             clock.follows(times_s),
-            in_turns(held.applied_force.hear, times_s, forces),
-            in_turns(held.finger_motion.hear, times_s, places_m),
+            in_turns(held.applied_force.on_samples, times_s, forces),
+            in_turns(held.finger_motion.on_samples, times_s, places_m),
             strict=True,
         )
         opened = [n for n, _, _ in heard if held.open]
@@ -102,11 +102,11 @@ def test_a_gate_opens_when_the_hold_was_heard_of_for_so_long_by_our_clock(monkey
     monkeypatch.setattr("tactometry.rigs.touch.gated_samples.time", clock := Clock())
     held, times_s = Held(press(hold_s=0.0995), moving=False), stamps_s(1)[0] + np.arange(300) / 1000
     clock.now_s = times_s[150]
-    held.applied_force.hear(times_s[:150], np.ones(150))
+    held.applied_force.on_samples(times_s[:150], np.ones(150))
     opened = []
     for n in range(150, 300):
         clock.now_s = times_s[n]
-        held.applied_force.hear(times_s[n : n + 1], np.ones(1))
+        held.applied_force.on_samples(times_s[n : n + 1], np.ones(1))
         assert held.applied_force.gate.open
         opened.append(held.open)
     assert opened == [n >= 250 for n in range(150, 300)]
@@ -118,8 +118,8 @@ def test_a_finger_that_halts_is_lost_though_its_force_is_held():
     places_m = SPEED * PERIOD_S * np.minimum(np.arange(n_samples), n_moving)[:, None]
     lost = []
     for _ in zip(
-        in_turns(held.applied_force.hear, times_s, np.ones(n_samples)),
-        in_turns(held.finger_motion.hear, times_s, places_m),
+        in_turns(held.applied_force.on_samples, times_s, np.ones(n_samples)),
+        in_turns(held.finger_motion.on_samples, times_s, places_m),
         strict=True,
     ):
         lost.append(held.breaks())
@@ -130,7 +130,7 @@ def test_a_finger_that_halts_is_lost_though_its_force_is_held():
 
 def test_a_slide_whose_speed_is_not_gated_is_a_press():
     held = Held(slide(hold_s=0.0), moving=False)
-    held.applied_force.hear(stamps_s(1), np.ones(1))
+    held.applied_force.on_samples(stamps_s(1), np.ones(1))
     assert held.finger_motion is None
     assert held.open
 
@@ -138,21 +138,21 @@ def test_a_slide_whose_speed_is_not_gated_is_a_press():
 @pytest.mark.parametrize("part", [0.11, 0.09])
 def test_below_a_tenth_of_its_target_the_finger_has_left(part):
     held = Held(press(0.0), moving=False)
-    held.applied_force.hear(stamps_s(1), np.array([part]))
+    held.applied_force.on_samples(stamps_s(1), np.array([part]))
     assert held.breaks() == (part < 0.1)
 
 
 def test_a_sensor_that_tells_nothing_but_lost_samples_is_lost():
     held, n_known, n_samples = Held(press(0.0), moving=False), 10, 50
     forces = np.where(np.arange(n_samples) < n_known, 1.0, math.nan)
-    lost = [held.breaks() for _ in in_turns(held.applied_force.hear, stamps_s(n_samples), forces)]
+    lost = [held.breaks() for _ in in_turns(held.applied_force.on_samples, stamps_s(n_samples), forces)]
     assert lost.index(True) == n_known + math.floor(SILENT_S / PERIOD_S)
 
 
 def told(*blocks):
     trace = Trace()
     for times_s, values in blocks:
-        trace.hear(np.array(times_s, dtype=float), np.array(values, dtype=float))
+        trace.on_samples(np.array(times_s, dtype=float), np.array(values, dtype=float))
     return trace
 
 
@@ -174,5 +174,5 @@ def test_a_thread_that_says_nothing_at_all_is_held_up():
     time.sleep(DEAF_S + 0.01)
     assert trace.quiet(60.0)
     assert DEAF_S <= 0.5
-    trace.hear(np.empty(0), np.empty(0))
+    trace.on_samples(np.empty(0), np.empty(0))
     assert not trace.quiet(60.0)

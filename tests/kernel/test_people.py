@@ -79,10 +79,7 @@ def test_traits_that_are_one_thing_are_one_number():
         ({"force": {"force": 1.0}}, "a trait with itself, expected two traits"),
         ({"force": {"speed": 1.5}}, "correlations.force.speed: found 1.5, expected from -1 to 1"),
         ({"force": {"speed": 0.5}, "speed": {"force": 0.5}}, "a pair that stands twice"),
-        (
-            {"force": {"speed": 0.9, "lapse": 0.9}, "speed": {"lapse": -0.9}},
-            "correlations that no people can have together",
-        ),
+        ({"force": {"speed": 0.9, "lapse": 0.9}, "speed": {"lapse": -0.9}}, "that no people can have together"),
     ],
 )
 def test_correlations_that_belong_to_no_people_are_refused(pairs, sentence):
@@ -95,10 +92,8 @@ def test_correlations_that_belong_to_no_people_are_refused(pairs, sentence):
 def test_a_deviation_depends_on_person_and_cell_alone():
     people = People(modality_sd_db=1.0, condition_sd_db=2.0, factor_sd_db={"force_n": 1.0})
     of = [people.deviation_db(cell, "electrovibration", draws_of("P01")) for cell in CELLS]
-    turned = [
-        people.deviation_db(dict(reversed(cell.items())), "electrovibration", draws_of("P01")) for cell in CELLS[::-2]
-    ]
-    assert turned == of[::-2]
+    turned = [dict(reversed(cell.items())) for cell in CELLS[::-2]]
+    assert [people.deviation_db(cell, "electrovibration", draws_of("P01")) for cell in turned] == of[::-2]
     assert len(set(of)) == len(CELLS)
     assert of[0] != people.deviation_db(CELLS[0], "electrovibration", draws_of("P02"))
 
@@ -106,12 +101,9 @@ def test_a_deviation_depends_on_person_and_cell_alone():
 def test_deviations_have_the_variances_that_are_stated():
     """Their sum in a cell, the difference of two cells, and that of two cells of one frequency."""
     people = People(modality_sd_db=3.0, condition_sd_db=1.0, factor_sd_db={"frequency_hz": 2.0})
-    felt = np.array(
-        [
-            [people.deviation_db(cell, "electrovibration", draws_of(f"P{n}")) for cell in (*CELLS[:2], CELLS[3])]
-            for n in range(N)
-        ]
-    )
+    pairs = [(n, cell) for n in range(N) for cell in (*CELLS[:2], CELLS[3])]
+    felt = [people.deviation_db(cell, "electrovibration", draws_of(f"P{n}")) for n, cell in pairs]
+    felt = np.reshape(felt, (N, 3))
     assert in_sd(felt[:, 0], np.sqrt(9 + 4 + 1))
     assert people.deviation_sd_db == pytest.approx(np.sqrt(14))
     assert in_sd(felt[:, 0] - felt[:, 1], np.sqrt(2 * 4 + 2))
@@ -119,10 +111,8 @@ def test_deviations_have_the_variances_that_are_stated():
 
 
 def test_two_modalities_are_felt_apart_and_both_at_once_between():
-    people, draws = People(modality_sd_db=3.0), draws_of("P01")
-    one, other, both = (
-        people.deviation_db({}, name, draws) for name in ("electrovibration", "time_reversal", "hybrid")
-    )
+    people, names = People(modality_sd_db=3.0), ("electrovibration", "time_reversal", "hybrid")
+    one, other, both = (people.deviation_db({}, name, draws_of("P01")) for name in names)
     assert one != other
     assert both == pytest.approx((one + other) / 2)
 

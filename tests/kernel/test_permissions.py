@@ -72,10 +72,8 @@ def line(folder):
 
 @pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
 def test_a_serial_line(line):
-    with (
-        unprivileged(),
-        pytest.raises(DeviceFailed, match="serial /dev/.*: cannot open the line .*Permission denied") as no,
-    ):
+    refused = pytest.raises(DeviceFailed, match="serial /dev/.*: cannot open the line .*Permission denied")
+    with unprivileged(), refused as no:
         Reader(SerialSettings(str(line), 1000.0).source()).open()
     assert no.value.exit_status == 3
 
@@ -101,38 +99,28 @@ def test_a_sensor(folder, settings, message):
     assert refused.value.exit_status == 3
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [
-        lambda path: FileSettings(str(path / "played"), n_channels=1, rate_hz=1e3),
-        lambda path: PackedSettings(str(path / "played"), n_channels=1, rate_hz=1e3),
-    ],
-)
+@pytest.mark.parametrize("settings", [FileSettings, PackedSettings])
 def test_an_output(folder, settings):
     inner = folder / "inner"
     inner.mkdir(mode=0o755)
-    output = settings(inner).driver(Gain(1.0, 1.0))
+    output = settings(str(inner / "played"), n_channels=1, rate_hz=1e3).driver(Gain(1.0, 1.0))
 
     def played():
         output.open()
         output.play(TONE)
 
-    with (
-        unprivileged(),
-        pytest.raises(DeviceFailed, match="played: .*Permission denied.*nothing was played") as refused,
-    ):
+    refused = pytest.raises(DeviceFailed, match="played: .*Permission denied.*nothing was played")
+    with unprivileged(), refused as no:
         played()
-    assert refused.value.exit_status == 3
+    assert no.value.exit_status == 3
     assert list(inner.iterdir()) == []
 
 
 def test_a_data_set(folder):
     inner = folder / "inner"
     inner.mkdir(mode=0o755)
-    with (
-        unprivileged(),
-        pytest.raises(DeviceFailed, match="cannot make the folder .Permission denied., expected room and"),
-    ):
+    refused = pytest.raises(DeviceFailed, match="cannot make the folder .Permission denied., expected room and")
+    with unprivileged(), refused:
         prepare(inner / "data", EXPERIMENT.design(TOML))
     with unprivileged():
         prepare(folder / "data", EXPERIMENT.design(TOML))
@@ -236,7 +224,5 @@ def test_a_folder_of_tables_that_may_not_be_read_is_not_said_to_be_empty(folder,
     with unprivileged():
         status, said, _ = in_sentences(capsys, "analyse", root)
     (root / "data").chmod(0o700)
-    assert (status, said) == (
-        2,
-        f"tactometry: {root / 'data'}: cannot be read (Permission denied), expected a folder to read",
-    )
+    assert status == 2
+    assert said == f"tactometry: {root / 'data'}: cannot be read (Permission denied), expected a folder to read"

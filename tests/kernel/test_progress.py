@@ -34,6 +34,16 @@ def trial(n, level=10.0, *, valid=True, attempt=1, **known):
     return Trial(1, n, {}, "staircase", level, "dB", "yes_no", 1, valid=valid, attempt=attempt, **known)
 
 
+def recorded(*rows, state=None):
+    """Return the progress after rows of one block, 1 s apart."""
+    state = state or Progress().after(Show("block", {"block": 1, "n_blocks": 2}), Done(0.0))
+    return reduce(lambda state, row: state.after(Record(row), Done(1.0)), rows, state)
+
+
+def attempts(n):
+    return [trial(1, valid=False, attempt=attempt) for attempt in range(1, n + 1)]
+
+
 @pytest.mark.parametrize("path", RECORDED, ids=lambda path: f"{path.parents[1].name}-{path.stem[12:15]}")
 def test_every_recorded_session_is_counted_as_its_tally_counts_it(path):
     recording = read(path)
@@ -104,53 +114,49 @@ def test_catch_trials_and_what_is_not_valid_move_no_staircase():
     assert [row.level for row in track.answered] == [10.0, 12.0]
 
 
-def test_a_track_is_warned_of_before_it_is_aborted_and_not_after():
-    parts, state, warnings = [PartAhead(n_attempts=5)], Progress(), []
-    state = state.after(Show("block", {"block": 1, "n_blocks": 1}), Done(0.0))
-    for attempt in range(1, 6):
-        aborted = "block 1 is aborted" if attempt == 5 else None
-        state = state.after(Record(trial(1, valid=False, attempt=attempt), aborted), Done(float(attempt)))
-        warnings.append(state.warning(parts))
-    assert [warning is not None for warning in warnings] == [False, False, True, True, False]
-    assert warnings[3] == "the last 4 touches did not count: 1 more aborts this condition"
+FIVE = [PartAhead(n_attempts=5), PartAhead(n_attempts=5)]
+
+
+@pytest.mark.parametrize(
+    ("n", "warning"),
+    [
+        (2, None),
+        (3, "the last 3 touches did not count: 2 more abort this condition"),
+        (4, "the last 4 touches did not count: 1 more aborts this condition"),
+    ],
+)
+def test_track_warns_before_it_is_aborted(n, warning):
+    assert recorded(*attempts(n)).warning(FIVE) == warning
+
+
+def test_track_warns_no_more_when_it_is_aborted():
+    row = trial(1, valid=False, attempt=5)
+    state = recorded(*attempts(4)).after(Record(row, "block 1 is aborted"), Done(5.0))
+    assert state.warning(FIVE) is None
     assert state.aborted == ("block 1 is aborted",)
 
 
-def test_a_valid_touch_ends_the_warning():
-    state = Progress().after(Show("block", {"block": 1, "n_blocks": 1}), Done(0.0))
-    for attempt in range(1, 5):
-        state = state.after(Record(trial(1, valid=False, attempt=attempt)), Done(float(attempt)))
-    assert state.after(Record(trial(1, attempt=5)), Done(5.0)).warning([PartAhead(n_attempts=5)]) is None
+def test_valid_touch_or_another_block_ends_the_warning():
+    state = recorded(*attempts(4))
+    assert recorded(trial(1, attempt=5), state=state).warning(FIVE) is None
+    assert state.after(Show("block", {"block": 2, "n_blocks": 2}), Done(9.0)).warning(FIVE) is None
 
 
-def test_attempts_at_one_trial_with_valid_touches_between_are_told_as_such():
+@pytest.mark.parametrize("n", [3, 4])
+def test_attempts_at_one_trial_count_when_others_are_valid(n):
     """As under constant stimuli, where what is owed waits for the end of the block."""
-    parts, state = [PartAhead(n_attempts=5)], Progress().after(Show("block", {"block": 1, "n_blocks": 1}), Done(0.0))
-    warnings = []
-    for attempt in range(1, 5):
-        for row in (trial(2), trial(1, valid=False, attempt=attempt)):
-            state = state.after(Record(row), Done(float(attempt)))
-        warnings.append(state.warning(parts))
-    assert warnings[2:] == [
-        "one trial did not count in 3 attempts: 2 more abort this condition",
-        "one trial did not count in 4 attempts: 1 more aborts this condition",
-    ]
+    state = recorded(*(row for attempt in attempts(n) for row in (trial(2), attempt)))
+    assert (state.track.n_invalid_in_a_row, state.track.n_lost) == (1, n)
+    more = {3: "2 more abort", 4: "1 more aborts"}[n]
+    assert state.warning(FIVE) == f"one trial did not count in {n} attempts: {more} this condition"
 
 
-def test_a_block_that_was_left_warns_no_more():
-    parts, state = [PartAhead(n_attempts=5), PartAhead(n_attempts=5)], Progress()
-    state = state.after(Show("block", {"block": 1, "n_blocks": 2}), Done(0.0))
-    for attempt in range(1, 5):
-        state = state.after(Record(trial(1, valid=False, attempt=attempt)), Done(float(attempt)))
-    assert state.warning(parts) is not None
-    assert state.after(Show("block", {"block": 2, "n_blocks": 2}), Done(9.0)).warning(parts) is None
+def catch_trial(n, response, *, valid=True):
+    return Trial(1, n, {}, "staircase", None, "dB", "yes_no", response, valid=valid, catch=True)
 
 
 def test_false_alarms_are_those_of_valid_catch_trials():
-    state = Progress()
-    for n, (valid, response) in enumerate([(True, 1), (True, 0), (False, 1), (True, 1)], 1):
-        row = Trial(1, n, {}, "staircase", None, "dB", "yes_no", response, valid=valid, catch=True)
-        state = state.after(Record(row), Done(float(n)))
+    state = recorded(catch_trial(1, 1), catch_trial(2, 0), catch_trial(3, 1, valid=False), catch_trial(4, 1))
     assert (state.n_false_alarms, state.n_catch) == (2, 3)
 
 
@@ -177,24 +183,10 @@ def test_events_tell_of_frames_latencies_clocks_and_pauses():
     assert state.after_event(Event("resume", 4.0)).paused is None
 
 
-def test_a_false_alarm_that_is_taken_back_is_none():
-    state = Progress()
-    for n in (1, 2):
-        row = Trial(1, n, {}, "staircase", None, "dB", "yes_no", 1, catch=True)
-        state = state.after(Record(row), Done(float(n)))
-    wanted = Intervention("invalidate", (1, 1, 1))
-    state = state.after(Intervene(wanted, "trial 1 does not count", ((1, 1, 1),)), Done(3.0))
+def test_invalidated_false_alarm_is_not_counted():
+    invalidated = Intervene(Intervention("invalidate", (1, 1, 1)), "trial 1 does not count", ((1, 1, 1),))
+    state = recorded(catch_trial(1, 1), catch_trial(2, 1)).after(invalidated, Done(3.0))
     assert (state.n_false_alarms, state.n_catch, state.tally.n_invalid) == (1, 1, 1)
-
-
-def test_attempts_at_one_trial_count_towards_the_end_of_its_track_though_others_were_valid_between():
-    state = Progress().after(Show("block", {"block": 1, "n_blocks": 1}), Done(0.0))
-    for attempt in range(1, 5):
-        state = state.after(Record(trial(1, valid=False, attempt=attempt)), Done(float(attempt)))
-        if attempt < 4:
-            state = state.after(Record(trial(attempt + 1)), Done(attempt + 0.5))
-    assert (state.track.n_invalid_in_a_row, state.track.n_lost) == (1, 4)
-    assert "1 more aborts this condition" in state.warning([PartAhead(n_attempts=5)])
 
 
 def test_a_session_to_which_nobody_agreed_is_over():

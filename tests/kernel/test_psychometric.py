@@ -155,11 +155,7 @@ def test_equals_psignifit(ours: str, theirs: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (
-            ("norml", 1, 1, 0, 0),
-            "shape: found 'norml', expected one of normal, logistic, gumbel, reversed_gumbel, weibull"
-            "; did you mean 'normal'?",
-        ),
+        (("norml", 1, 1, 0, 0), f"shape: found 'norml', expected one of {', '.join(SHAPES)}; did you mean 'normal'?"),
         (("normal", math.nan, 1, 0, 0), "threshold: found nan, expected a finite level"),
         (("weibull", 0.0, 1, 0, 0), "threshold: found 0.0, expected a finite level above 0 for the shape 'weibull'"),
         (("normal", 1, 0.0, 0, 0), "PsychometricFunction.width: found 0.0, expected a finite number above 0"),

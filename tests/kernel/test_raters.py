@@ -66,19 +66,18 @@ def test_an_acquiescent_person_answers_to_the_right_of_every_item():
 
 
 def test_people_have_the_spreads_that_are_stated():
-    attitudes = np.array(
-        [
-            [
-                rater(n, attitude_sd=0.2).raters.attitude("ATT", CELL, rater(n).draws),
-                rater(n, dimension_sd=0.1).raters.attitude("ATT", CELL, rater(n).draws),
-                rater(n, stimulus_sd=0.3).raters.attitude("ATT", CELL, rater(n).draws),
-                rater(n, acquiescence_sd=0.1).acquiescence,
-                np.log(rater(n, extremity_cv=0.4).extremity),
-            ]
-            for n in range(N)
-        ]
-    )
-    for values, sd in zip(attitudes.T, (0.2, 0.1, 0.3, 0.1, 0.4), strict=True):
+    def attitude(n, **spread):
+        return rater(n, **spread).raters.attitude("ATT", CELL, rater(n).draws)
+
+    drawn = {
+        0.2: lambda n: attitude(n, attitude_sd=0.2),
+        0.1: lambda n: attitude(n, dimension_sd=0.1),
+        0.3: lambda n: attitude(n, stimulus_sd=0.3),
+        0.15: lambda n: rater(n, acquiescence_sd=0.15).acquiescence,
+        0.4: lambda n: np.log(rater(n, extremity_cv=0.4).extremity),
+    }
+    for sd, of in drawn.items():
+        values = np.array([of(n) for n in range(N)])
         assert within_sd(values, sd)
         assert abs(values.mean()) <= norm.isf(ALPHA / 2) * sd / np.sqrt(N)
 

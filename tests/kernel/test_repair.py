@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import sys
 
@@ -21,20 +22,7 @@ TOLD = tuple(
     Event("remark", float(n), facts={"text": text})
     for n, text in enumerate(("participant reports pain", "stopped by hand"))
 )
-CALLS = {
-    "open",
-    "close",
-    "read",
-    "write",
-    "fsync",
-    "lseek",
-    "ftruncate",
-    "rename",
-    "replace",
-    "unlink",
-    "fchmod",
-    "stat",
-}
+CALLS = re.findall(r"\w+", "open close read write fsync lseek ftruncate rename replace unlink fchmod stat")
 
 
 @pytest.fixture

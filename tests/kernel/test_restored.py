@@ -113,34 +113,30 @@ def copied_as(root, code):
         shutil.copy(path, path.with_name(path.name.replace("participant-P01", f"participant-{code}")))
 
 
-def test_a_copy_under_another_name_is_told_by_validate(lived, capsys):
+ROW, CODE = "P99_session-1_study-tutorial_data.csv, row 2", "column 'participant': found 'P01', expected 'P99'"
+HEAD = "found session 1 of P01 (tutorial), expected that of"
+
+
+@pytest.mark.parametrize(
+    ("command", "status", "told"),
+    [
+        ("validate", 1, (f"P99_session-1_study-tutorial.jsonl, row 1: {HEAD}", f"{ROW}: {CODE}")),
+        ("analyse", 2, (ROW, f"{CODE} as in the file's name; remove the file")),
+        ("rebuild", 2, (f"{HEAD} the file's name; remove the copy",)),
+        ("replay", 2, (f"{HEAD} the file's name; remove the copy",)),
+    ],
+)
+def test_commands_refuse_a_copy_under_another_name(lived, capsys, command, status, told):
     copied_as(lived, "P99")
-    status, _, out = call(capsys, "validate", lived)
-    assert status == 1
-    assert "P99_session-1_study-tutorial.jsonl, row 1: found session 1 of P01 (tutorial), expected that of" in out
-    assert "P99_session-1_study-tutorial_data.csv, row 2: column 'participant': found 'P01', expected 'P99'" in out
+    found, said, out = call(capsys, command, lived)
+    assert found == status
+    assert all(words in said + out for words in told)
 
 
-def test_a_copy_under_another_name_is_not_analysed(lived, capsys):
-    copied_as(lived, "P99")
-    status, said, _ = call(capsys, "analyse", lived)
-    assert status == 2
-    assert "P99_session-1_study-tutorial_data.csv, row 2" in said
-    assert "column 'participant': found 'P01', expected 'P99' as in the file's name; remove the file" in said
-
-
-def test_a_copy_under_another_name_does_not_go_on(lived, capsys):
+def test_copy_under_another_name_is_not_resumed(lived):
     copied_as(lived, "P99")
     with pytest.raises(InvalidFile, match=r"P99.*jsonl, line 1: found session 1 of P01 \(tutorial\), expected that of"):
         live(lived, Who("P99", number=1), resume=True)
-
-
-@pytest.mark.parametrize("command", ["rebuild", "replay"])
-def test_a_copy_under_another_name_is_no_session_of_its_own(lived, capsys, command):
-    copied_as(lived, "P99")
-    status, said, _ = call(capsys, command, lived)
-    assert status == 2
-    assert "found session 1 of P01 (tutorial), expected that of the file's name; remove the copy" in said
 
 
 @pytest.mark.parametrize(("column", "value"), [("session", "2"), ("study", "tutorials")])

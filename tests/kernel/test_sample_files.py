@@ -6,6 +6,7 @@ import os
 import struct
 import time
 import zipfile
+from functools import partial
 from importlib.util import find_spec
 
 import numpy as np
@@ -199,14 +200,10 @@ def archive(samples):
     ("content", "message"),
     [
         (archive(npy("(1, 32, 2**40)")), "samples: found a damaged array"),
-        (archive(npy("(1, 32, 1099511627776)")), "samples: found a damaged array"),
         (archive(npy("(1, 1, 1)", "|O")), "samples: found a damaged array (Object arrays cannot be loaded"),
         (archive(npy("(1, 1, 2)")), "samples: found a damaged array"),
         (archive(b"nothing"), "samples: found a damaged array"),
-        (
-            npz(samples=np.zeros((1, 3, 0))),
-            "cannot be read as impulse responses: found no samples, expected at least one",
-        ),
+        (npz(samples=np.zeros((1, 3, 0))), "as impulse responses: found no samples, expected at least one"),
         (npz(samples=np.array(["a"])), "samples: found an array of <U1, expected numbers"),
         (npz(rate_hz=[1.0, 2.0]), "rate_hz: found an array of shape (2,), expected one number"),
         (npz(quantity=["velocity"]), "quantity: found an array of shape (1,), expected one text"),
@@ -271,8 +268,8 @@ def hdf5(tmp_path):
     return written
 
 
-def whole(h5py, file):
-    file["samples"] = SAMPLES
+def whole(h5py, file, samples=SAMPLES):
+    file["samples"] = samples
 
 
 def claiming_terabytes(h5py, file):
@@ -302,14 +299,6 @@ def stored_elsewhere(h5py, file):
     file.create_dataset("samples", shape=(1, 3, 50), dtype="f8", external=[("other.raw", 0, 1200)])
 
 
-def empty(h5py, file):
-    file["samples"] = np.zeros((1, 3, 0))
-
-
-def texts(h5py, file):
-    file["samples"] = [[["a"]]]
-
-
 @pytest.mark.parametrize(
     ("fill", "message"),
     [
@@ -320,8 +309,8 @@ def texts(h5py, file):
         (a_group_in_itself, "samples: found a group, expected a dataset of this file"),
         (virtual, "samples: found values of another file"),
         (stored_elsewhere, "samples: found values of another file"),
-        (texts, "samples: found "),
-        (empty, "found no samples, expected at least one"),
+        (partial(whole, samples=[[["a"]]]), "samples: found "),
+        (partial(whole, samples=np.zeros((1, 3, 0))), "found no samples, expected at least one"),
     ],
 )
 def test_an_hdf5_file_holds_its_own_samples_and_no_more_than_is_read(tmp_path, hdf5, fill, message):

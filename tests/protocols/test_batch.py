@@ -23,14 +23,12 @@ from tactometry.protocols import (
     Staircase,
     WeightedStaircase,
 )
-from tactometry.protocols.batch.answers import LevelTable, criteria
-from tactometry.protocols.batch.delivery import AS_ASKED
-from tactometry.protocols.batch.results import NOT_ASKED
-from tactometry.protocols.batch.streams import stream
-from tactometry.protocols.batch.tracks import tracks
+from tactometry.protocols.batch.answers import AS_ASKED, LevelTable, criteria
+from tactometry.protocols.batch.tracks import NOT_ASKED, tracks
 from tactometry.protocols.bayesian.quest import Placing
 from tactometry.protocols.bayesian.quest_plus import Aim, Criterion
 from tactometry.protocols.bayesian.weighing import WeighingRule
+from tactometry.protocols.order import stream
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.psychometric import PsychometricFunction
 

@@ -10,8 +10,7 @@ import pytest
 from tactometry.protocols import Staircase
 from tactometry.protocols.batch.loop import loop_of
 from tactometry.protocols.batch.tracks import tracks
-from tactometry.protocols.procedures.stepping import SteppingRule
-from tactometry.protocols.procedures.transition import Transition
+from tactometry.protocols.procedures.stepping import SteppingRule, Transition
 
 SOURCE = """
 def start(numbers, order):
@@ -49,7 +48,7 @@ def levels_of_source(tmp_path, monkeypatch):
         own = importlib.import_module("rule_of_a_test")
 
         class Constant(SteppingRule):
-            transition = Transition(own.start, own.level, own.after, own.ending, own.threshold)
+            transition = Transition(own.level, own.ending, own.start, own.after, own.threshold)
             name = "of a test"
             numbers = ()
             begin = None

@@ -13,7 +13,7 @@ from memory import Memory
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import Block, Condition, ConstantStimuli, Track, YesNo
 from tactometry.protocols.block import run_block
-from tactometry.protocols.block_state import BlockOptions, BlockState, Slot, turns
+from tactometry.protocols.block_state import BlockOptions, BlockState, Slot
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose, Press, Record, Show
@@ -37,13 +37,6 @@ def test_balanced_interleaving_presents_every_track_once_a_round():
     _, memory = lived(run_block(two_tracks(interleaving="balanced"), 1, 1, np.random.default_rng(1)))
     order = [trial.track for trial in memory.trials]
     assert all(set(order[n : n + 2]) == {"a", "b"} for n in range(0, 40, 2))
-
-
-@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5))
-@examples(30)
-def test_random_turns_are_those_of_their_seed(seed, n):
-    drawn = [turns("random", np.random.default_rng(seed)) for _ in range(2)]
-    assert [drawn[0](range(n)) for _ in range(20)] == [drawn[1](range(n)) for _ in range(20)]
 
 
 def test_rests_come_after_so_many_valid_trials_and_not_at_the_end():
@@ -82,8 +75,7 @@ def test_a_rest_is_counted_down_before_it_can_be_ended():
 
 
 def test_a_block_that_lasts_too_long_ends():
-    (first, second), memory = lived(run_block(two_tracks(longest_s=10.0), 1, 1, np.random.default_rng(1)))[0][0], None
-    del memory
+    ((first, second), _), _ = lived(run_block(two_tracks(longest_s=10.0), 1, 1, np.random.default_rng(1)))
     assert {first.ending, second.ending} == {"aborted"}
 
 
@@ -172,10 +164,6 @@ def test_what_tells_nothing_of_a_threshold_never_ends_as_censored(task):
 def test_an_impossible_block_is_refused(how, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         replace(two_tracks(), **how) if "tracks" in how else two_tracks(**how)
-
-
-def test_half_of_the_presentations_may_be_catch_trials():
-    assert two_tracks(catch_rate=0.5).catch_rate == 0.5
 
 
 def test_the_factors_of_a_block_are_those_that_all_its_tracks_share():

@@ -5,7 +5,7 @@ import pytest
 from catalogue import PROCEDURES
 from study_texts import refusal, tutorial_in, wired
 
-from tactometry.experiments.study.procedure_kinds import PROCEDURES as KINDS
+from tactometry.experiments.study.kinds import PROCEDURES as KINDS
 from tactometry.protocols import SharedQuestPlus, Staircase
 from tactometry.protocols.procedures.easy import EasyTrials, with_easy_trials
 
@@ -66,6 +66,7 @@ STAIRCASE = "start = 34\nsteps = [8]\nlow = -10\nhigh = 40"
         (f'kind = "quest"\n{QUEST}\neasy_share = 0.7', "procedure.easy_share: found 0.7"),
         (f'kind = "quest"\n{QUEST}\neasy_level = 40', "without easy_share"),
         (f'kind = "staircase"\n{STAIRCASE}\neasy_share = 0.1\neasy_level = 41', "from -10 to 40"),
+        (f'kind = "staircase"\n{STAIRCASE}\nesy_share = 0.1', "did you mean 'easy_share'?"),
         ('kind = "constant_stimuli"\nlevels = [1, 2]\nrepeats = 2\neasy_share = 0.1', "levels do not follow"),
     ],
 )

@@ -105,18 +105,6 @@ def test_a_procedure_ends_and_says_how(procedure, answers):
 
 
 @per_procedure
-@given(answers=st.lists(st.booleans(), max_size=60))
-def test_levels_stay_within_their_bounds(procedure, answers):
-    low = getattr(procedure, "low", 0.0)
-    high = getattr(procedure, "high", 40.0)
-    for answer in answers:
-        assert low <= procedure.level <= high
-        if procedure.finished:
-            return
-        procedure = procedure.after(answer)
-
-
-@per_procedure
 def test_a_procedure_is_not_changed_by_a_response(procedure):
     before = procedure
     procedure.after(1)

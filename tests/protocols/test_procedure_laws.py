@@ -8,11 +8,12 @@ import catalogue
 import numpy as np
 import pytest
 from examples import examples
+from followed_rule import follow
 from hard_cases import exact_case
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study.procedure_kinds import PROCEDURES
+from tactometry.experiments.study.kinds import PROCEDURES
 
 per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values(), ids=catalogue.PROCEDURES)
 
@@ -95,17 +96,7 @@ def test_one_loop_reads_the_threshold_of_any_procedure(procedure, answers):
 @per_procedure
 def test_the_same_answers_give_the_same_levels(procedure):
     answers = np.random.default_rng().random(30) < 0.7
-    assert levels(procedure, answers) == levels(procedure, answers)
-
-
-def levels(procedure, answers):
-    asked = []
-    for answer in answers:
-        if procedure.finished:
-            break
-        asked.append(procedure.level)
-        procedure = procedure.after(bool(answer))
-    return asked
+    assert follow(procedure, answers)[0] == follow(procedure, answers)[0]
 
 
 @per_procedure

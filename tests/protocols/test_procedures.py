@@ -5,22 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from followed_rule import follow
 from hypothesis import given, strategies as st
-from scipy.special import ndtr
+from scipy.stats import norm
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import ConstantStimuli, Staircase, WeightedStaircase
-
-
-def follow(procedure, answers):
-    """The levels asked for, one for each answer."""
-    levels = []
-    for answer in answers:
-        if procedure.finished:
-            break
-        levels.append(procedure.level)
-        procedure = procedure.after(answer)
-    return levels, procedure
 
 
 def psychopy_staircase(**options):
@@ -50,30 +40,10 @@ def psychopy_levels(answers, **options):
     initial_rule=st.booleans(),
 )
 def test_sequences_equal_those_of_psychopy(answers, n_up, n_down, steps, initial_rule):
-    ours, end = follow(
-        Staircase(
-            start=30.0,
-            steps=tuple(steps),
-            low=-1000.0,
-            high=1000.0,
-            n_up=n_up,
-            n_down=n_down,
-            n_reversals=1000,
-            n_trials=1000,
-            initial_rule=initial_rule,
-        ),
-        answers,
-    )
-    theirs, handler = psychopy_levels(
-        answers,
-        startVal=30.0,
-        stepSizes=list(steps),
-        nReversals=1000,
-        nTrials=1000,
-        nUp=n_up,
-        nDown=n_down,
-        applyInitialRule=initial_rule,
-    )
+    of_rule = {"n_up": n_up, "n_down": n_down, "initial_rule": initial_rule, "n_reversals": 1000, "n_trials": 1000}
+    ours, end = follow(Staircase(start=30.0, steps=tuple(steps), low=-1000.0, high=1000.0, **of_rule), answers)
+    of_handler = {"nUp": n_up, "nDown": n_down, "applyInitialRule": initial_rule, "nReversals": 1000, "nTrials": 1000}
+    theirs, handler = psychopy_levels(answers, startVal=30.0, stepSizes=list(steps), **of_handler)
     assert ours == theirs
     assert list(end.reversals) == handler.reversalIntensities
 
@@ -138,27 +108,6 @@ def test_the_threshold_is_the_mean_of_an_even_number_of_late_reversals():
     assert end.threshold == (6.0 + 10.0 + 6.0 + 8.0) / 4
 
 
-@pytest.mark.parametrize("n_down", [1, 2, 3])
-def test_a_staircase_settles_where_levitt_says(n_down):
-    rng = np.random.default_rng()
-    n_runs, n_trials = 200, 200
-    shares = []
-    for _ in range(n_runs):
-        rule = Staircase(
-            start=0.0, steps=(0.1,), low=-12.0, high=12.0, n_down=n_down, n_reversals=10**6, n_trials=n_trials
-        )
-        rule = end_of(rule, ndtr, rng)
-        shares.append(np.mean(ndtr(rule.delivered[60:])))
-    target = 0.5 ** (1 / n_down)
-    assert abs(np.mean(shares) - target) <= 3.89 * np.std(shares) / np.sqrt(n_runs) + 0.005
-
-
-def end_of(rule, probability, rng):
-    while not rule.finished:
-        rule = rule.after(bool(rng.random() < probability(rule.level)))
-    return rule
-
-
 @pytest.mark.parametrize(
     ("up", "down", "n_down", "target"),
     [
@@ -183,16 +132,6 @@ def test_a_weighted_staircase_with_equal_steps_is_a_staircase():
     ours, _ = follow(weighted, answers)
     plain, _ = follow(Staircase(steps=(4.0, 2.0), initial_rule=False, **options), answers)
     assert ours == plain
-
-
-def test_a_weighted_staircase_settles_at_its_target():
-    rng = np.random.default_rng()
-    shares = []
-    for _ in range(200):
-        rule = WeightedStaircase(0.0, (0.3,), (0.1,), low=-12.0, high=12.0, n_reversals=10**6, n_trials=200)
-        rule = end_of(rule, ndtr, rng)
-        shares.append(np.mean(ndtr(rule.delivered[60:])))
-    assert abs(np.mean(shares) - 0.75) <= 3.89 * np.std(shares) / np.sqrt(200) + 0.005
 
 
 def test_steps_that_are_no_pairs_are_refused():
@@ -231,6 +170,10 @@ def test_each_repeat_of_constant_stimuli_holds_every_level_once():
         ({"steps": (0.0,)}, "Staircase.steps[0]: found 0, expected above 0 and at most the range of levels (40)"),
         ({"steps": (2.0, 41.0)}, "Staircase.steps[1]: found 41, expected above 0 and at most the range of levels (40)"),
         ({"n_down": 0}, "Staircase.n_down: found 0, expected a whole number, at least 1"),
+        *(
+            ({name: float("nan")}, f"Staircase.{name}: found nan, expected a whole number, at least 1")
+            for name in ("n_up", "n_down", "n_reversals", "n_trials", "n_at_bound")
+        ),
         ({"high": float("inf")}, "Staircase.high: found inf, expected a finite number"),
     ],
 )
@@ -240,13 +183,61 @@ def test_an_impossible_staircase_is_refused(options, message):
     assert str(refused.value) == message
 
 
-def test_a_delivered_level_that_is_no_number_is_refused():
-    rule = Staircase(start=20.0, steps=(2.0,), low=0.0, high=40.0)
-    with pytest.raises(InvalidParameter, match="found the delivered level nan, expected a finite number"):
-        rule.after(1, delivered=float("nan"))
+# --- where staircases settle: the stationary distribution of the states of a procedure
+
+ENDLESS = {"n_reversals": 10**9, "n_trials": 10**9, "n_at_bound": 10**9}
 
 
-@pytest.mark.parametrize("name", ["n_up", "n_down", "n_reversals", "n_trials", "n_at_bound"])
-def test_a_count_that_is_no_number_is_refused(name):
-    with pytest.raises(InvalidParameter, match=rf"Staircase.{name}: found nan, expected a whole number, at least 1"):
-        Staircase(start=20.0, steps=(4.0,), low=0.0, high=40.0, **{name: float("nan")})
+def chance(level):
+    return 0.5 + 0.5 * norm.cdf(level)
+
+
+def bare(rule):
+    """The run without its history: what decides the next levels when steps are fixed."""
+    asked = round(rule.level, 6) + 0.0
+    return replace(rule, delivered=(), responses=(), marks=(), state=(asked, 0, rule.streak, 0, 0))
+
+
+def key(rule):
+    return rule.level, rule.streak
+
+
+def stationary(rule):
+    """Mean level and mean chance of a correct answer over the trials of an endless run."""
+    first = bare(rule.after(1))
+    states, open_, moves = {key(first): 0}, [first], []
+    while open_:
+        at = open_.pop()
+        for answer, weight in ((1, chance(at.level)), (0, 1 - chance(at.level))):
+            then = bare(at.after(answer))
+            if key(then) not in states:
+                states[key(then)] = len(states)
+                open_.append(then)
+            moves.append((states[key(at)], states[key(then)], weight))
+    transition = np.zeros((len(states), len(states)))
+    for start, end, weight in moves:
+        transition[start, end] += weight
+    levels = np.array([level for level, _ in states])
+    balance = np.vstack([(transition.T - np.eye(len(states)))[1:], np.ones(len(states))])
+    shares = np.linalg.solve(balance, np.eye(len(states))[-1])
+    return shares @ levels, shares @ chance(levels)
+
+
+TRANSFORMED = {
+    2: {0.1: (-0.22968, 0.70671), 0.25: (-0.25307, 0.70617), 0.5: (-0.30290, 0.70542), 1.0: (-0.43636, 0.70432)},
+    3: {0.1: (0.22572, 0.79321), 0.25: (0.23255, 0.79252), 0.5: (0.24237, 0.79147), 1.0: (0.25537, 0.78972)},
+}
+WEIGHTED = {0.1: (-0.00227, 0.75000), 0.25: (-0.01500, 0.75000), 0.5: (-0.05765, 0.75000), 1.0: (-0.17672, 0.75005)}
+
+
+@pytest.mark.parametrize("n_down", TRANSFORMED)
+@pytest.mark.parametrize("step", [0.1, 0.25, 0.5, 1.0])
+def test_a_transformed_staircase_settles_at_the_computed_mean(n_down, step):
+    rule = Staircase(0.0, (step,), -12.0, 12.0, n_down=n_down, initial_rule=False, **ENDLESS)
+    assert stationary(rule) == pytest.approx(TRANSFORMED[n_down][step], abs=6e-6)
+
+
+@pytest.mark.parametrize("step", [0.1, 0.25, 0.5, 1.0])
+def test_a_weighted_staircase_settles_at_the_computed_mean(step):
+    rule = WeightedStaircase(0.0, (3 * step,), (step,), -12.0, 12.0, **ENDLESS)
+    assert stationary(rule) == pytest.approx(WEIGHTED[step], abs=6e-6)

@@ -7,7 +7,7 @@ import pytest
 from hard_cases import exact_case
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import ConstantStimuli, Quest
+from tactometry.protocols import Quest
 
 OPTIONS = {"start": 20.0, "start_sd": 10.0, "low": 0.0, "high": 40.0, "step": 0.5}
 
@@ -21,14 +21,6 @@ def test_at_its_threshold_the_answer_is_1_as_often_as_the_target_says():
     rule = Quest(**OPTIONS, target=0.7)
     n = int(np.flatnonzero(rule.thresholds == 20.0)[0])
     assert math.exp(rule.grid.log_likelihood(20.0, 1)[n]) == pytest.approx(0.7)
-
-
-@pytest.mark.parametrize(("answer", "ended"), [(1, "censored_below"), (0, "censored_above")])
-def test_equal_answers_end_as_censored(answer, ended):
-    rule = Quest(**OPTIONS, n_trials=80)
-    while not rule.finished:
-        rule = rule.after(answer)
-    assert (rule.ending, rule.threshold) == (ended, None)
 
 
 def test_it_stops_at_the_spread_that_is_asked_for():
@@ -62,6 +54,7 @@ def test_ten_thousand_answers_stay_finite():
         ({"step": 50.0}, "Quest.start: found 20, low 0, high 40 and step 50, expected a start between low and high"),
         ({"target": 0.997}, r"Quest.target: found 0.997, expected a chance between the asymptotes \(0.5 and 0.995\)"),
         ({"sd_stop": 0.0}, "Quest.sd_stop: found 0.0, expected a finite number above 0"),
+        ({"placing": "median"}, "Quest.placing: found 'median', expected one of quantile, mean, mode"),
         ({"guess_rate": 1.0}, "Quest.guess_rate: found 1.0, expected a number from 0 to below 1"),
         ({"target": 0.4}, r"Quest.target: found 0.4, expected a chance between the asymptotes \(0.5 and 0.995\)"),
     ],
@@ -69,18 +62,3 @@ def test_ten_thousand_answers_stay_finite():
 def test_impossible_numbers_are_refused(options, message):
     with pytest.raises(InvalidParameter, match=message):
         Quest(**(OPTIONS | options))
-
-
-@pytest.mark.parametrize(
-    ("answers", "ended"), [([1, 1, 1], "censored_below"), ([0, 0, 0], "censored_above"), ([0, 1, 1], "trials")]
-)
-def test_constant_stimuli_with_equal_answers_say_on_which_side_the_threshold_lies(answers, ended):
-    rule = ConstantStimuli((1.0, 2.0, 3.0), repeats=1)
-    for answer in answers:
-        rule = rule.after(answer)
-    assert rule.ending == ended
-
-
-def test_an_unknown_placing_is_refused():
-    with pytest.raises(InvalidParameter, match=r"Quest.placing: found 'median', expected one of quantile, mean, mode"):
-        Quest(start=20.0, start_sd=10.0, low=0.0, high=40.0, step=0.5, placing="median")

@@ -108,11 +108,6 @@ def test_a_pair_is_called_same_or_different():
     assert asked == {Choose("same_different", (0, 1), ("same", "different"))}
 
 
-@pytest.mark.parametrize("n_intervals", [2, 3, 4])
-def test_two_to_four_intervals_can_be_chosen_from(n_intervals):
-    assert ForcedChoice(n_intervals).n_intervals == n_intervals
-
-
 @pytest.mark.parametrize("n_intervals", [1, 5])
 def test_fewer_or_more_intervals_are_refused(n_intervals):
     with pytest.raises(InvalidParameter, match=f"n_intervals: found {n_intervals}, expected"):
@@ -142,12 +137,6 @@ def test_magnitudes_rise_with_the_level_and_tell_the_procedure_whether_anything_
 def test_a_magnitude_of_nothing_was_not_felt(said, felt):
     outcome = answered(Magnitude(), shown(20.0), np.random.default_rng(1), lambda _: Rated(said, 0.0, 1.0))
     assert (outcome.success, outcome.replies[0].response) == (felt, said)
-
-
-def test_without_a_number_two_intervals_are_chosen_from():
-    asked = []
-    answered(ForcedChoice(), shown(20.0), np.random.default_rng(1), lambda r: (asked.append(r), Chosen(1, 0, 1))[1])
-    assert [request.options for request in asked] == [(1, 2)]
 
 
 PLACES = tuple(Alternative(f"focus {n}", str(n), {"x": float(n)}) for n in (1, 2, 3))

@@ -18,7 +18,7 @@ def force():
 
 def hold_that_ended(force, ago_s):
     times_s = time.perf_counter() - ago_s - np.arange(300)[::-1] / 1000
-    force.hear(times_s, np.ones(300))
+    force.on_samples(times_s, np.ones(300))
 
 
 def opens_now(force):
@@ -28,7 +28,7 @@ def opens_now(force):
     while time.perf_counter() < begin_s + 20.0:
         last_s, since_s = time.perf_counter(), last_s
         times_s = np.arange(since_s, last_s, 1e-3)
-        force.hear(times_s, np.ones(len(times_s)))
+        force.on_samples(times_s, np.ones(len(times_s)))
         if force.open:
             return last_s >= begin_s + 0.2
         time.sleep(5e-3)
@@ -50,13 +50,13 @@ def test_silence_is_told_by_the_last_stamp_when_nothing_waits_to_be_read(force):
     """Samples that came now but were taken 101 ms ago: the first look that finds nothing more says so."""
     hold_that_ended(force, SILENT_S + 1e-3)
     assert not force.silent
-    force.hear(NOTHING, NOTHING)
+    force.on_samples(NOTHING, NOTHING)
     assert force.silent
 
 
 def test_stamps_of_the_future_hide_no_silence(force):
     hold_that_ended(force, -5.0)
     time.sleep(SILENT_S + 1e-3)
-    force.hear(NOTHING, NOTHING)
+    force.on_samples(NOTHING, NOTHING)
     assert force.silent
     assert not force.open

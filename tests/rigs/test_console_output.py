@@ -74,16 +74,13 @@ def test_without_an_output_it_says_first_that_it_plays_nothing_and_nothing_count
     status, _, out = run(capsys, monkeypatch, tmp_path)
     assert status == 0
     assert out.startswith("This terminal plays nothing: ")
-    assert {(row["rig"], row["level_delivered"], row["valid"]) for row in trial_rows(tmp_path / "d")} == {
-        ("console", "", "1")
-    }
-    assert {row["level"] for row in trial_rows(tmp_path / "d")} == {"22", "28", "34", "40"}
+    rows = trial_rows(tmp_path / "d")
+    assert {(row["rig"], row["level_delivered"], row["valid"]) for row in rows} == {("console", "", "1")}
+    assert {row["level"] for row in rows} == {"22", "28", "34", "40"}
     assert not list((tmp_path / "d" / "journals").glob("*_events.tsv"))
-    _, _, out = call(capsys, "analyse", tmp_path / "d", "--json")
-    assert (
-        "nothing was played where a level was to be felt (P01: 32 rows): these answers are to no stimulus"
-        in json.loads(out)["warnings"]
-    )
+    warnings = json.loads(call(capsys, "analyse", tmp_path / "d", "--json")[2])["warnings"]
+    told = "nothing was played where a level was to be felt (P01: 32 rows): these answers are to no stimulus"
+    assert told in warnings
 
 
 def test_with_an_output_every_stimulus_plays_through_its_guard(tmp_path, capsys, monkeypatch):
@@ -166,10 +163,7 @@ def test_it_says_why_a_trial_is_not_valid_and_where_it_stands_in_the_table(tmp_p
 @pytest.mark.parametrize(
     ("language", "told"),
     [
-        (
-            "en",
-            ("press with 1 N for 0.3 s (lift the finger first)", "Lift your finger", "it goes on\nplayed, 1.00 N\n"),
-        ),
+        ("en", ("press with 1 N for 0.3 s (lift the finger first)", "Lift your", "it goes on\nplayed, 1.00 N\n")),
         ("de", ("mit 1 N drücken (zuerst den Finger heben)", "Heben Sie den", "es geht weiter\nausgegeben, 1.00 N\n")),
     ],
 )

@@ -11,19 +11,7 @@ from tactometry.errors import InvalidParameter, Stopped
 from tactometry.rigs.experimenter.terminal import order_of
 from tactometry.session.event import intervention_of
 from tactometry.session.intervention import Intervention
-from tactometry.session.request import (
-    Adjust,
-    Enter,
-    Fill,
-    Intervene,
-    Play,
-    Press,
-    Question,
-    Rate,
-    Record,
-    Show,
-    Wait,
-)
+from tactometry.session.request import Adjust, Enter, Fill, Intervene, Play, Press, Question, Rate, Record, Show, Wait
 
 
 def test_a_remark_is_kept_with_its_time_in_the_midst_of_a_page(bench_with, terminal, kept):

@@ -12,7 +12,7 @@ from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import Sliding
 from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
-from tactometry.rigs.judgement import broken_condition
+from tactometry.rigs.touch_validity import broken_condition
 from tactometry.session.answer import Adjusted, Chosen, Touched
 from tactometry.session.run import run
 from tactometry.trials.row_rules import defects

@@ -19,6 +19,7 @@ from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
 from tactometry.devices.outputs.frame_feed import FrameFeed
 from tactometry.devices.outputs.gain import Gain
 from tactometry.experiments.data_sets.validation import validate
+from tactometry.signal import Signal
 
 N_TRIES = 3
 """A busy computer may be late to hold the server up, or tear a stimulus by itself."""
@@ -30,12 +31,7 @@ def held_up(process, for_s):
     process.send_signal(signal.SIGCONT)
 
 
-def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(
-    needed,
-    display,
-    sink,
-    tmp_path,
-):
+def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(needed, display, sink, tmp_path):
     """A session in the window whose sound server is held up in the first stimulus."""
     study, device = study_in(tmp_path, n_trials=1), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
@@ -86,8 +82,6 @@ def output(needed, sink, monkeypatch):
 
 
 def tone(duration_s):
-    from tactometry.signal import Signal
-
     return Signal(np.full((1, round(48e3 * duration_s)), 1.0), 48e3, "V")
 
 
@@ -96,7 +90,7 @@ def any_of(tries):
 
 
 def played(output, duration_s):
-    time.sleep(max(0.0, output.play(tone(duration_s)) + duration_s - time.perf_counter()))
+    sleep_until(output.play(tone(duration_s)) + duration_s)
 
 
 def test_an_undisturbed_stimulus_has_no_gap(output):
@@ -121,11 +115,15 @@ def test_a_gap_before_or_after_a_stimulus_is_none_of_its(output, sink):
     assert output.facts()["n_underruns"] >= 2
 
 
+def sleep_until(end_s):
+    time.sleep(max(0.0, end_s - time.perf_counter()))
+
+
 def test_a_gap_that_the_device_tells_with_several_blocks_is_one(output, sink):
     def torn():
         end_s = output.play(tone(1.0)) + 1.0
         held_up(sink.server, 0.3)
-        time.sleep(max(0.0, end_s - time.perf_counter()))
+        sleep_until(end_s)
         return output.n_gaps() == 1
 
     assert any_of(torn)
@@ -135,7 +133,7 @@ def test_a_gap_that_lasts_when_the_stimulus_should_be_over_is_one(output, sink):
     end_s = output.play(tone(0.6)) + 0.6
     sink.server.send_signal(signal.SIGSTOP)
     try:
-        time.sleep(max(0.0, end_s - time.perf_counter()))
+        sleep_until(end_s)
         assert output.n_gaps() >= 1
     finally:
         sink.server.send_signal(signal.SIGCONT)
@@ -148,7 +146,7 @@ def heard_while_held_up(output, sink, after_s, for_s):
     end_s = output.play(signal_played) + 0.6
     time.sleep(after_s)
     held_up(sink.server, for_s)
-    time.sleep(max(0.0, end_s - time.perf_counter()))
+    sleep_until(end_s)
     n_gaps = output.n_gaps()
     samples = output.final(signal_played).samples[0] / 50.0
     heard = sink.end()[:, 0] / 32768
@@ -162,7 +160,7 @@ def test_a_server_that_was_held_up_with_a_little_in_hand_is_not_told_to_be_whole
     end_s = output.play(tone(0.5)) + 0.5
     time.sleep(0.2)
     held_up(sink.server, 0.08)
-    time.sleep(max(0.0, end_s - time.perf_counter()))
+    sleep_until(end_s)
     assert output.n_gaps() >= 1
 
 
@@ -190,7 +188,7 @@ class Asking:
         self.output._fill(np.zeros((240, 1)), 240, times, SimpleNamespace(output_underflow=False))
 
     def begin(self, lead_s, n_blocks=2000):
-        self.output._course = FrameFeed(np.ones((240 * n_blocks, 1)), n_fade=1)
+        self.output._feed = FrameFeed(np.ones((240 * n_blocks, 1)), n_fade=1)
         self.ask(lead_s)
 
 

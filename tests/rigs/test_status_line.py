@@ -8,6 +8,7 @@ import subprocess
 import sys
 import termios
 import time
+from dataclasses import replace
 
 import pytest
 from hypothesis import given, strategies as st
@@ -156,9 +157,7 @@ def test_what_is_typed_is_what_stands_at_its_end(keys):
 
 def test_the_status_says_where_the_session_is_and_what_went_wrong():
     progress = Progress()
-    for number, answer in ((1, 1), (2, 0)):
-        trial = Trial(**{**vars(TRIAL), "trial": number, "response": answer, "level": 12.0 if number == 1 else None})
-        trial = Trial(**{**vars(trial), "catch": number == 2, "response": 1})
+    for number, trial in enumerate((TRIAL, replace(TRIAL, trial=2, level=None, catch=True)), 1):
         progress = progress.after(Record(trial), Done(5.0 * number))
     progress = progress.after_event(Event("trial", 10.0, facts={"n_frames": 300, "n_dropped_frames": 7}))
     words = status_words(progress, PARTS)
@@ -174,9 +173,9 @@ def test_before_a_track_is_aborted_it_is_told_once_for_each_presentation(desk):
     terminal, seen, _ = desk
     status = StatusLine(terminal, PARTS)
     for number in range(1, 5):
-        lost = Trial(**{**vars(TRIAL), "attempt": number, "valid": False, "invalid_reason": "too_light"})
-        status.hear(Record(lost), Done(5.0 * number))
-        status.hear_event(Event("remark", 5.0 * number + 1, facts={"text": "x"}))
+        lost = replace(TRIAL, attempt=number, valid=False, invalid_reason="too_light")
+        status.on_request(Record(lost), Done(5.0 * number))
+        status.on_event(Event("remark", 5.0 * number + 1, facts={"text": "x"}))
     said = [row for row in seen.rows() if row.startswith("!")]
     assert said == [
         "! the last 3 touches did not count: 2 more abort this condition",
@@ -206,10 +205,8 @@ class Sitting:
         words = ["run", study, "--participant", "P01", "--seed", "1", "--out", self.data, "--bench", bench]
         self._master, slave = pty.openpty()
         termios.tcsetwinsize(slave, (HIGH, 100))
-        command, ends = (
-            [sys.executable, "-m", "tactometry", *map(str, words)],
-            dict.fromkeys(("stdin", "stdout", "stderr"), slave),
-        )
+        command = [sys.executable, "-m", "tactometry", *map(str, words)]
+        ends = dict.fromkeys(("stdin", "stdout", "stderr"), slave)
         self.process = subprocess.Popen(command, **ends, env={**os.environ, "TERM": "xterm"})
         os.close(slave)
         self.seen, self._hands = Seen(self._master), hands

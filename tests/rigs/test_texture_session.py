@@ -33,9 +33,9 @@ from tactometry.experiments.bench.preflight_finger import position
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
-from tactometry.followed import N_KEPT, Course, FingerPath, FollowedSignal, felt_under
+from tactometry.position_dependent import N_KEPT, FingerPath, FollowedSignal, PlayedPath, felt_under
 from tactometry.rigs.touch.gated_samples import Trace
-from tactometry.rigs.touch.touch import TouchCourse
+from tactometry.rigs.touch.touch import TouchRun
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
 from tactometry.signal import Signal
@@ -89,54 +89,37 @@ NO_SENSOR = "position: found none, expected the sensor that tells where the fing
 REFUSED = {
     "no position": ({"position": ""}, {}, 2, NO_SENSOR),
     "a file": (
-        {"position": POSITION},
-        {'kind = "audio"': 'kind = "file"\nfolder = "played"'},
-        3,
+        {"position": POSITION}, {'kind = "audio"': 'kind = "file"\nfolder = "played"'}, 3,
         "found a texture, whose signal follows the finger, expected one that is known when it begins; play it through",
     ),
     "no scale": (
-        {},
-        {f"metres_per_count = {METRES_PER_COUNT}": "metres_per_count = 1e300"},
-        2,
+        {}, {f"metres_per_count = {METRES_PER_COUNT}": "metres_per_count = 1e300"}, 2,
         "bench.toml, position.metres_per_count: found 1e+300, expected a number of at most 1e+09",
     ),
     "no zero": (
-        {},
-        {"channels = [0]": "channels = [0]\nzero_counts = [nan]"},
-        2,
+        {}, {"channels = [0]": "channels = [0]\nzero_counts = [nan]"}, 2,
         "bench.toml, position.zero_counts[0]: found nan, expected a finite number",
     ),
     "no such channel": (
-        {},
-        {"channels = [0]": "channels = [99]"},
-        2,
+        {}, {"channels = [0]": "channels = [99]"}, 2,
         "position.channels: found 99, expected from 0 to 5, a channel of udp 127.0.0.1:9",
     ),
     "a place of long ago": (
-        {"more": "position_latency_s = 2.5"},
-        {},
-        2,
+        {"more": "position_latency_s = 2.5"}, {}, 2,
         "bench.toml, output.position_latency_s: found 2.5, expected at most 1",
     ),
     "a block of years": (
-        {"more": "block_s = 1e11"},
-        {},
-        2,
-        "bench.toml, output.block_s: found 1e+11, expected at most 1",
+        {"more": "block_s = 1e11"}, {}, 2, "bench.toml, output.block_s: found 1e+11, expected at most 1",
     ),
     "a block of nothing": (
-        {"more": "block_s = 1e-9"},
-        {},
-        2,
+        {"more": "block_s = 1e-9"}, {}, 2,
         "bench.toml, output.block_s: found 4.8e-05 samples, expected at least one at rate_hz",
     ),
     "too slow": (
-        {"position": POSITION},
-        {"rate_hz = 1000\n": "rate_hz = 40\n"},
-        2,
+        {"position": POSITION}, {"rate_hz = 1000\n": "rate_hz = 40\n"}, 2,
         "sensors.hand.rate_hz: found 40.0 reports per second, expected more than 50 for a period of 0.002 m at 0.05",
     ),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("how", "changes", "status", "words"), REFUSED.values(), ids=REFUSED)
@@ -198,7 +181,7 @@ def feed(texture, positions, stamps_s, **keys):
     """A feed of a constant voltage whose first frame leaves at 1 s; the finger was at these positions."""
     stimulus = FollowedTexture(texture, duration_s=0.1, ramp_s=0.0, **keys)
     path = FingerPath()
-    path.hear(np.asarray(stamps_s), np.asarray(positions)[:, None])
+    path.on_samples(np.asarray(stamps_s), np.asarray(positions)[:, None])
     signal = FollowedSignal(np.full((1, 2000), 1.0), 20e3, "V", stimulus, path)
     made = FollowingFeed(np.full((2000, 1), 1000.0), 20, signal, latency_s=0.05)
     made.onset_s = 1.0
@@ -287,8 +270,8 @@ def test_the_guard_knows_a_signal_that_follows_from_its_strongest_samples(tmp_pa
 def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
     path = FingerPath()
     for n in range(N_KEPT + 10):
-        path.hear(np.array([1e-3 * n, 1e-3 * n - 0.5]), np.array([[1.0 * n], [-1.0]]))
-    path.hear(np.array([1e3]), np.array([[np.nan]]))
+        path.on_samples(np.array([1e-3 * n, 1e-3 * n - 0.5]), np.array([[1.0 * n], [-1.0]]))
+    path.on_samples(np.array([1e3]), np.array([[np.nan]]))
     assert path.last_s == pytest.approx(1e-3 * (N_KEPT + 9))
     times_s = 1e-3 * np.arange(N_KEPT - 100, N_KEPT + 10)
     np.testing.assert_allclose(path.at(times_s), times_s * 1e3)
@@ -298,10 +281,10 @@ def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
 def test_of_places_with_one_stamp_the_first_is_followed_and_kept():
     """A touch screen whose kernel stamps nothing is read late on a busy computer: several places come at once."""
     places, path, kept = Trace(), FingerPath(), []
-    for hear in (places.hear, path.hear):
-        hear(np.array([1.0, 1.0, 1.1]), np.array([[0.0], [5.0], [0.1]]))
-    course = Course(Signal(np.zeros((1, 100)), 1e3, "V"), latency_s=0.0, late=0.0, unknown=0.0)
+    for on_samples in (places.on_samples, path.on_samples):
+        on_samples(np.array([1.0, 1.0, 1.1]), np.array([[0.0], [5.0], [0.1]]))
+    course = PlayedPath(Signal(np.zeros((1, 100)), 1e3, "V"), latency_s=0.0, late=0.0, unknown=0.0)
     setup = SimpleNamespace(keep_path=lambda digest, lines: kept.append(lines))
-    TouchCourse(None, setup, places)._positions_digest(1.05, course)
+    TouchRun(None, setup, places)._positions_digest(1.05, course)
     assert kept == [b"-0.050000\t0.000000000\n0.050000\t0.100000000\n"]
     assert path.at(np.array([1.05])) == pytest.approx(0.05)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tactometry.protocols.batch.delivery import Delivery
+from tactometry.protocols.batch.answers import Delivery
 
 LEVELS = np.linspace(-1.0, 41.0, 8)
 OUTPUT = Delivery(step=0.75, low=3.0, high=36.0)

@@ -2,9 +2,11 @@
 
 
 def follow(rule, answers):
-    """The levels that a rule asked for, and the rule as the answers leave it."""
+    """Return the levels that a rule asked for until it ended, and the rule after these answers."""
     levels = []
     for answer in answers:
+        if rule.finished:
+            break
         levels.append(rule.level)
         rule = rule.after(answer)
     return levels, rule

@@ -27,7 +27,7 @@ ROOMS = {
     "protocols/test_proc": "Procedures",
     "protocols/test_quest": "Procedures",
     "devices/": "Devices",
-    "kernel/test_force_gate": "Devices",
+    "kernel/test_gates": "Devices",
     "rigs/window/": "Window",
     "kernel/test_limits": "Devices",
     "": "Sessions and data",

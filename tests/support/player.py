@@ -56,12 +56,12 @@ def main(asked):
     for signal in signals:
         output.play(signal)
     if asked.get("tell"):
-        threading.Thread(target=tell, args=(output._course,), daemon=True).start()
+        threading.Thread(target=tell, args=(output._feed,), daemon=True).start()
     if "stop_s" in asked:
         time.sleep(asked["stop_s"])
         output.stop()
-        os.write(1, f"stopped {output._course._at}\n".encode())
-    output._course.ended.wait(60)
+        os.write(1, f"stopped {output._feed._at}\n".encode())
+    output._feed.ended.wait(60)
     time.sleep(asked.get("tail_s", 0.0))
     facts = output.facts()
     output.close()

@@ -3,13 +3,13 @@
 import sys
 from pathlib import Path
 
-from tactometry import choice_form
 from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
-from tactometry.questionnaire import load
+from tactometry.questionnaire import load, load_choices
 from tactometry.rigs.bench import form_of
 from tactometry.rigs.pages import entry, form, layout, touch_picture
 from tactometry.rigs.texts import languages, texts_in
+from tactometry.session.request import MISSED_LABELS
 
 FORMS = (("attrakdiff", "fr"), ("attrakdiff", "en"), ("sus", "en"), ("nasa-tlx", "en"), ("pleasantness-vas", "en"))
 
@@ -70,7 +70,7 @@ def question_pages(texts, aspect):
         return layout.question_page(texts.message(question), options, labels, texts.message("hint_choose"), aspect)
 
     def about(page_of):
-        item = choice_form.load("demographics").items[0]
+        item = load_choices("demographics").items[0]
         labels = [item.category(code, texts.language) or texts.label("prefer_not") for code in item.codes]
         return page_of(item.prompt[texts.language], item.codes, labels, texts.message("hint_choose"), aspect)
 
@@ -80,6 +80,7 @@ def question_pages(texts, aspect):
         "which": page("which_interval", "1", "2"),
         "which_of_four": page("which_interval", "1", "2", "3", "4"),
         "same": page("same_different", texts.label("same"), texts.label("different")),
+        "practice_missed": page("practice_missed", *map(texts.label, MISSED_LABELS.values())),
     }
 
 

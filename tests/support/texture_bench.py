@@ -13,7 +13,7 @@ from tables import trial_rows
 from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
-from tactometry.followed import felt_under
+from tactometry.position_dependent import felt_under
 from tactometry.signal import Signal
 
 FULL_SCALE_V = 100.0

@@ -58,9 +58,8 @@ from tactometry.stimuli.time_reversal import (
     TimeReversalStimulus,
 )
 from tactometry.stimuli.time_reversal.design.guide import Transducers
-from tactometry.stimuli.time_reversal.filters import Butterworth, Hold, MeasuredGain
+from tactometry.stimuli.time_reversal.filters import Butterworth
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
-from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
 from tactometry.stimuli.time_reversal.responses.load import SprungMass
 from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
 from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place, PlacedFoci
@@ -80,12 +79,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         "screen.attenuation": {
             "Attenuation.rate_per_s": {"self": Attenuation(3e-3), "frequency_hz": [1e3]},
         },
-        "responses.bonded_patches": {
-            "Stiffener.weights": {"self": Stiffener(0.1, 0.1, 1.0), "screen": SCREEN, **LOW},
-            "Stiffener.dynamic_stiffness": {"self": Stiffener(0.1, 0.1, 1.0), "s": S},
-            "Ceramic.added_rigidity_n_m": {"self": Ceramic(), "plate": PLATE},
-            "bonded_loads": {"plate": PLATE, "patches": SCREEN.sources, "mass": True, "stiffness": True, "n_parts": 1},
-        },
         "design.closed_forms": {
             **{
             name: {"plate": PLATE, "side_m": 1e-2, "band": BAND}
@@ -94,14 +87,12 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "one_bit_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
             "analogue_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
             "contrast_whole": {"room": ROOM},
-            "contrast_temporal": {"room": ROOM, "start_s": 1e-3, "stop_s": 2e-3},
             "contrast_limit": {"room": ROOM},
             "repetition_noise_ratio": {"repetition_s": [5e-3], "tau_s": 3e-3},
             "repetition_amplitude_ratio": {"reversal_s": 6e-3, "repetition_s": 3e-3, "tau_s": 3e-3},
             "focus_profile": {"plate": PLATE, "band": BAND, "radius_m": [0.0, 0.1]},
             "resolution_m": {"plate": PLATE, "band": BAND, "level": 0.5},
             "half_wavelength_m": {"plate": PLATE, "f_mean_hz": [1e3], "alpha": 1.25},
-            "mistuned_amplitude_ratio": {"relative_shift": 1e-3, "band": BAND, "tau_s": 3e-3},
         },
         "focusing.closed_reversal": {
             "ClosedReversal.of": {"plate": PLATE, "attenuation": Attenuation(3e-3), "reversal_s": 5e-3, **LOW},
@@ -118,9 +109,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "screen": SCREEN, "focus": (0.1, 0.1), "loads": [PlateLoad(0.2, 0.1, 9.0)], "emission": EMISSION,
                 "relearn": False,
             },
-            "amplitude_ratio_at_focus": {"plate": PLATE, "impedance_n_s_per_m": 10.0},
-            "absorbing_tau_s": {"plate": PLATE, "impedance_n_s_per_m": 10.0},
-            "contact_is_lost": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "force_n": 2.0, "pulp_mass_kg": 1e-4},
             "ejection_force_n": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "pulp_mass_kg": 1e-4},
             "Contactor.loads": {"self": Contactor("rigid"), "plate": PLATE, "at_m": (0.1, 0.1), "force_n": 2.0},
             "hertz_stiffness_n_per_m": {"force_n": 1.0, "radius_m": 1e-3, "modulus_pa": 1e9},
@@ -136,7 +124,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             },
         },
         "responses.plate_constants": {
-            "rigidity_ratio_from_dispersion": {"frequency_hz": [1e3, 2e3], "wavenumber_rad_per_m": [60.0, 85.0]},
             "rigidity_ratio_from_modes": {"measured_hz": [93.0, 186.0], "guess": PLATE},
             "youngs_modulus_pa": {"rigidity_ratio": MeasuredConstant(3.0, 2.9, 3.1), "plate": PLATE},
             "schroeder_db": {"response": CLICK},
@@ -201,17 +188,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "boundary": "SSSS",
             }
         },
-        "focusing.inverse_filter": {
-            "interpolate": {
-                "calibrated": RESPONSES, "points": POINTS, "at": (0.1, 0.05), "plate": PLATE, "noise_share": 1e-4,
-            },
-            "estimator": {
-                "points": POINTS, "at": (0.1, 0.05), "plate": PLATE, "frequency_hz": [1e3], "noise_share": 1e-4,
-            },
-            "inverse_filter_waveform": {
-                "points": RESPONSES, "wanted": [1.0, 0.0], "band": BAND, "reversal_s": 0.1, "regularisation": 0.01,
-            }
-        },
         "responses.learning": {
             "sweep": {"f_min_hz": 100.0, "f_max_hz": 900.0, "rate_hz": 2e3, "duration_s": 0.1},
             "sequence": {"order": 4, "rate_hz": 2e3},
@@ -240,9 +216,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "to_contacts": np.ones((1, 1, 2), complex), "among": np.ones((2, 1, 1), complex),
                 "stiffness": S[:, None],
             },
-            "loaded_receptance": {
-                "receptances": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS, "at": WEIGHTS, "stiffness": S[:, None],
-            },
             "loaded_responses": {"screen": SCREEN, "points": POINTS, "loads": [PlateLoad(0.1, 0.1, 9.0)], **SAMPLING},
             "contour": {"n_samples": 9, "rate_hz": 2e3},
         },
@@ -266,9 +239,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "switched_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9},
             "dielectric_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9, "loss_tangent": 0.017},
             "contrast_whole_of": {"amplitude_m": 4.0, "field_m": FIELD},
-            "contrast_temporal_of": {
-                "signal_m": BUMP, "focus_sample": 2, "rate_hz": 1.0, "start_s": 1.0, "stop_s": 2.0,
-            },
             "width_m": {"at_m": LINE, "profile": BUMP, "level": 0.5},
             "area_m2": {"field_m": FIELD, "grid_m": (LINE, LINE), "level": 0.5},
             "envelope": {"signal": BUMP},
@@ -325,7 +295,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "PulseWidth.size": {"self": PulseWidth(200.0), "demand": Demand(TimeReversal(), (), (), (), 0.1)},
         },
         "responses.responses": {
-            "through": {**heard, "gain": Hold(2e3)},
+            "through": {**heard, "gain": Butterworth(500.0)},
             "band_limited": {**heard, "band": BAND},
             "inaudible": {**heard, "cutoff_hz": 100.0, "flank_hz": 50.0},
             "Responses.at_point": {"self": RESPONSES, "index": 1},
@@ -383,10 +353,10 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "velocity_spectrum": driven,
         },
         "filters": {
-            "filtered": {"samples": FIELD, "rate_hz": 2e3, "gain": Hold(2e3)},
+            "filtered": {"samples": FIELD, "rate_hz": 2e3, "gain": Butterworth(500.0)},
             **{
                 f"{type(gain).__name__}.at": {"self": gain, "frequency_hz": np.array([0.0, 50.0])}
-                for gain in (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3))
+                for gain in (BAND, Butterworth(500.0))
             },
         },
         "plate.statics": {

@@ -36,8 +36,8 @@ class Noting:
         return getattr(self._driver, name)
 
     def _note(self):
-        if self.n_given is None and self._driver._course is not None:
-            self.n_given = self._driver._course._at
+        if self.n_given is None and self._driver._feed is not None:
+            self.n_given = self._driver._feed._at
 
     def stop(self):
         """Noted once it is told: on a busy machine the device may ask for blocks between a note and the stop."""

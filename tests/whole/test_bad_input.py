@@ -267,7 +267,7 @@ def test_a_broken_study_file_is_refused_in_one_sentence(tmp_path, capsys, monkey
 
 
 @pytest.mark.parametrize("broken", SYNTAX)
-def test_a_file_that_is_no_toml_is_refused_with_its_line(tmp_path, capsys, monkeypatch, broken):
+def test_invalid_toml_is_refused_with_its_line(tmp_path, capsys, monkeypatch, broken):
     content, message = SYNTAX[broken]
     (tmp_path / "s.toml").write_text(content, "utf-8")
     monkeypatch.chdir(tmp_path)

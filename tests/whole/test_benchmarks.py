@@ -99,7 +99,7 @@ def test_a_miss_and_a_failure_are_told_and_results_before_stay(folder: Path) -> 
     assert re.search(r"\*\*whole FAILED\*\* .* its rows are of the run before", page)
 
 
-def test_a_miss_that_is_understood_has_its_reason_below_the_table(folder: Path, monkeypatch) -> None:
+def test_explained_miss_has_a_reason(folder: Path, monkeypatch) -> None:
     monkeypatch.setitem(table.WHY_MISSED, "whole", "theirs became quicker")
     reason = "- whole, missed: theirs became quicker."
     for value, told in ((2.0, True), (1.0, False)):
@@ -163,5 +163,5 @@ def test_one_that_takes_too_long_is_ended(folder: Path) -> None:
     assert table.once(folder / "whole.py", longest_s=0.2) == ([], "took more than 0.2 s")
 
 
-def test_what_was_never_run_is_on_the_page(folder: Path) -> None:
+def test_benchmark_never_run_is_listed(folder: Path) -> None:
     assert "| torn | not run yet |" in table.page({}, table.programs(folder), folder)

@@ -53,7 +53,7 @@ def test_the_list_of_commands_says_what_each_one_is(capsys, command):
 
 
 @pytest.mark.parametrize("number", ["SIGTERM", "SIGHUP"])
-def test_a_session_ends_in_good_order_where_the_system_or_a_closed_terminal_ends_it(capsys, number):
+def test_session_closes_on_termination_signals(capsys, number):
     ending = getattr(signal, number)
     # tests that were started by nohup have inherited that a closed terminal is to be outlived
     usual = signal.signal(ending, signal.SIG_DFL)
@@ -78,7 +78,7 @@ def test_a_copied_study_runs(tmp_path, capsys, monkeypatch):
     assert "rows agree" in output(capsys, "replay", "d")
 
 
-def test_a_dry_run_counts_one_trial_as_one_and_never_promises_too_short_a_session(capsys):
+def test_dry_run_never_underestimates_a_session(capsys):
     planned = json.loads(output(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run", "--json"))
     said = output(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run")
     assert "at most 1 trial, 28 items" in said
@@ -132,7 +132,7 @@ def test_a_cluster_changes_no_byte(tmp_path, alone):
     assert files(tmp_path / "d") == alone
 
 
-def test_a_scheduler_that_does_not_answer_is_a_failed_device(tmp_path, capsys):
+def test_silent_scheduler_is_a_failed_device(tmp_path, capsys):
     pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
     code, said, _ = call(capsys, *SIMULATED, "--out", tmp_path / "d", "--scheduler", "nonsense://nowhere")
     assert code == 3
@@ -222,7 +222,7 @@ def points(drawing):
     return np.array(found, dtype=float)
 
 
-def test_the_figure_of_the_readme_is_one_figure_by_day_and_by_night():
+def test_readme_figure_is_equal_in_light_and_dark():
     light, dark = (ROOT / "docs" / "readme" / name for name in ("light.svg", "dark.svg"))
     np.testing.assert_array_equal(points(light), points(dark))
     assert "#ffffff" not in dark.read_text("utf-8")

@@ -60,7 +60,7 @@ def test_docstring_blanks_and_comments_are_not_code() -> None:
     assert list(code_sizes(ast.parse(source), source)) == [("f", 3)]
 
 
-def test_an_object_is_no_parameter_of_its_method_and_a_name_is_no_place() -> None:
+def test_parameter_count_excludes_self() -> None:
     source = "class A:\n    def f(self, x, /, y, *more, z): ...\ndef f(x, /, y=0): ..."
     assert [positional(function) for function in functions(ast.parse(source))] == [2, 2]
 

@@ -64,7 +64,7 @@ def test_a_command_runs_with_the_core_alone_and_loads_no_more_than(command: tupl
 
 
 @pytest.mark.slow
-def test_a_report_of_the_core_alone_holds_the_numbers_of_an_environment_with_all_extras(tmp_path: Path) -> None:
+def test_report_of_core_equals_that_with_extras(tmp_path: Path) -> None:
     """pandas keeps texts in another way where pyarrow is installed."""
     distributions, _ = loaded(("analyse", RECORDED, "--report", "core.html"), tmp_path)
     assert distributions == REPORT
@@ -75,7 +75,7 @@ def test_a_report_of_the_core_alone_holds_the_numbers_of_an_environment_with_all
     assert tables == {path.name: path.read_bytes() for path in (tmp_path / "all_tables").iterdir()}
 
 
-def test_where_the_core_alone_is_installed_nothing_else_can_be_loaded() -> None:
+def test_core_install_loads_no_extras() -> None:
     needs = needed(core_requirements())
     assert {"numpy", "llvmlite", "python-dateutil"} < needs
     assert not {"pyarrow", "psychopy", "psignifit"} & needs

@@ -93,7 +93,7 @@ def test_commands_options_and_built_in_names_are_completed(typed, expected):
     assert done.stdout.split() == [f"plain,{expected}"]
 
 
-def test_a_path_is_left_to_the_shell_where_no_built_in_study_begins_so():
+def test_completion_leaves_paths_to_the_shell():
     place = {
         **os.environ,
         "COMP_WORDS": "tactometry run min",

@@ -46,7 +46,7 @@ def test_each_room_is_in_the_picture(wing: str) -> None:
 
 
 @pytest.mark.parametrize("wing", WINGS)
-def test_what_is_in_the_picture_is_a_room_or_a_file_of_its_wing(wing: str) -> None:
+def test_design_picture_names_existing_modules(wing: str) -> None:
     place = ROOT / wing
     assert drawn(wing)
     assert {room for room in drawn(wing) - folders(place) if not (place / f"{room}.py").is_file()} == set()
@@ -57,5 +57,5 @@ def test_the_picture_has_each_command() -> None:
 
 
 @pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md"])
-def test_who_begins_is_led_to_the_page(page: str) -> None:
+def test_contributing_links_the_design_page(page: str) -> None:
     assert "docs/explanation/design.md" in (ROOT / page).read_text(encoding="utf-8")

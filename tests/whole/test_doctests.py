@@ -48,7 +48,7 @@ PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_what_a_page_imports_is_there(page: Path) -> None:
+def test_page_imports_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     for line in re.findall(r"^(?:>>> )?(from tactometry[\w.]* import [\w, ]+)$", text, re.MULTILINE):
         exec(line, {})

@@ -27,7 +27,7 @@ def test_it_has_each_picture_and_no_other_in_few_bytes() -> None:
 
 
 @pytest.mark.parametrize("path", sorted(PICTURES.iterdir()), ids=lambda path: path.stem)
-def test_a_picture_is_small_and_opaque_so_that_it_is_seen_on_a_dark_page(path) -> None:
+def test_picture_is_small_and_opaque(path) -> None:
     assert path.stat().st_size <= MOST_BYTES_EACH
     with Image.open(path) as picture:
         assert picture.format == "PNG"

@@ -159,12 +159,12 @@ BAD = (
     ("stimuli/scenes/effects", "import tactometry.stimuli.scenes.effects.edges"),
 )
 BACK_UP = (
-    ("analysis/threshold/starts.py", "from .mode import Mode"),
+    ("analysis/threshold/start_values.py", "from .mode import Mode"),
     ("analysis/anova/design.py", "from .contrasts import effects"),
-    ("analysis/mixed_models/laplace.py", "from .linear import Counts"),
-    ("analysis/hierarchical/model.py", "from .starts import Alone"),
+    ("analysis/mixed_models/censored_likelihood.py", "from .censored import Counts"),
+    ("analysis/hierarchical/model.py", "from .single_fits import SingleFits"),
     ("analysis/outcomes/findings.py", "from .ratings import Ratings"),
-    ("analysis/threshold/likelihood.py", "from .prior import Prior"),
+    ("analysis/threshold/likelihood.py", "from .log_posterior import Prior"),
     ("analysis/result.py", "from .report import page"),
     ("analysis/means.py", "from .plan import AnalysisPlan"),
     ("analysis/wording.py", "from .reading import rows"),
@@ -236,7 +236,7 @@ def test_a_contract_refuses(refused: "subprocess.CompletedProcess[str]", n: int)
 
 
 @pytest.mark.parametrize(("file", "line"), BACK_UP)
-def test_a_floor_refuses_a_line_that_runs_back_up(
+def test_import_contract_refuses_an_upward_import(
     refused: "subprocess.CompletedProcess[str]", file: str, line: str
 ) -> None:
     package = "tactometry." + file.rpartition("/")[0].replace("/", ".")
@@ -260,7 +260,7 @@ def test_a_device_library_has_one_driver(library: str) -> None:
     assert len(drivers) <= 1
 
 
-def test_what_the_product_imports_is_declared() -> None:
+def test_imported_packages_are_declared() -> None:
     extras = PROJECT["optional-dependencies"]
     declared = [
         *PROJECT["dependencies"],

@@ -15,7 +15,7 @@ def rows(first: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()[2:]]
 
 
-def test_every_package_of_the_core_stands_on_the_page_once_with_what_brings_it() -> None:
+def test_install_page_lists_each_core_package_once() -> None:
     told = [name for name, _, others, _ in rows("package") for name in (name, *filter(None, others.split(", ")))]
     assert sorted(told) == sorted(needed(core_requirements()))
 

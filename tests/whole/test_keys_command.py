@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import tomllib
 
 import pytest
 from command_line import call, output, refused
@@ -42,6 +43,13 @@ def test_the_same_is_told_to_a_program(capsys):
 def test_tables_whose_keys_stand_together_are_told_together(capsys):
     told = json.loads(output(capsys, "keys", "bench.force", "--json"))
     assert [table["name"] for table in told] == ["bench.force", "bench.force.calibration"]
+
+
+def test_keys_texts_lists_every_shipped_text(capsys):
+    listed = tomllib.loads(output(capsys, "keys", "texts"))
+    assert listed == json.loads(output(capsys, "keys", "texts", "--json"))
+    assert listed["yes"] == "yes"
+    assert "{stop}" in listed["welcome"]
 
 
 def test_without_a_name_every_name_is_listed(capsys):
@@ -85,7 +93,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("file", WRONG)
-def test_a_refused_key_names_the_command_that_tells_all(file, capsys, tmp_path, monkeypatch):
+def test_refused_key_names_the_keys_command(file, capsys, tmp_path, monkeypatch):
     text, command, name = WRONG[file]
     monkeypatch.chdir(tmp_path)
     (tmp_path / file).write_text(text, encoding="utf-8")

@@ -193,7 +193,7 @@ def test_a_console_session_survives_being_killed(start, tmp_path, number):
         assert timeless_files(tmp_path / str(folder)) == whole
 
 
-def test_what_an_interruption_cut_off_is_recorded_beside_the_journal(start, tmp_path):
+def test_cut_off_line_is_kept_in_a_file(start, tmp_path):
     process = start(simulate(tmp_path))
     process.join()
     journal = next((tmp_path / "journals").glob("*P02*.jsonl"))

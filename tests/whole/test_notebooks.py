@@ -24,7 +24,7 @@ def notebook_of(path: Path) -> object:
 
 
 @pytest.mark.parametrize("path", [notebook_of(path) for path in NOTEBOOKS])
-def test_what_a_notebook_shows_is_so(tmp_path: Path, path: Path) -> None:
+def test_notebook_outputs_are_current(tmp_path: Path, path: Path) -> None:
     for file in (DOCS / "notebooks").glob("*.csv"):
         shutil.copy(file, tmp_path)
     kept = shown(read(path))
@@ -32,12 +32,12 @@ def test_what_a_notebook_shows_is_so(tmp_path: Path, path: Path) -> None:
     assert any(kept.values())
 
 
-def test_a_cell_that_fails_fails(tmp_path: Path) -> None:
+def test_failing_notebook_cell_fails(tmp_path: Path) -> None:
     with pytest.raises(CellExecutionError, match="ZeroDivisionError"):
         executed(new_notebook(cells=[new_code_cell("1 / 0")]), tmp_path)
 
 
-def test_what_a_notebook_shows_is_told_cell_by_cell(tmp_path: Path) -> None:
+def test_notebook_differences_are_reported_by_cell(tmp_path: Path) -> None:
     """So that one that shows something else fails."""
     cells = [new_code_cell("print(1)", id="said"), new_code_cell("2", id="value"), new_code_cell("x = 3", id="none")]
     assert shown(executed(new_notebook(cells=cells), tmp_path)) == {

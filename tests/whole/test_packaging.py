@@ -141,7 +141,7 @@ def pinned(name: str, marker: dict[str, str]) -> list[str]:
         *(each for group in PROJECT["optional-dependencies"].values() for each in group),
     ],
 )
-def test_what_is_needed_has_one_version_that_is_admitted(needed: str, marker: dict[str, str]) -> None:
+def test_each_requirement_has_one_admitted_version(needed: str, marker: dict[str, str]) -> None:
     requirement = Requirement(needed)
     versions = pinned(requirement.name, marker)
     assert len(versions) == 1

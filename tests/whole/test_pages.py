@@ -38,7 +38,7 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 @pytest.mark.parametrize("page", [page_of(path) for path in PAGES])
 @pytest.mark.usefixtures("scratch")
-def test_what_a_page_shows_is_so(page: Path) -> None:
+def test_page_examples_are_current(page: Path) -> None:
     run_page(page)
 
 
@@ -77,7 +77,7 @@ WRONG = {
 
 @pytest.mark.parametrize("wrong", WRONG)
 @pytest.mark.usefixtures("scratch")
-def test_what_is_not_so_fails(wrong: str) -> None:
+def test_wrong_example_fails(wrong: str) -> None:
     language, text, complaint = WRONG[wrong]
     with pytest.raises(AssertionError, match=complaint):
         run_block(Block(Path("page.md"), 1, language, text), {})
@@ -91,7 +91,7 @@ def test_a_part_of_a_study_with_an_unknown_key_fails() -> None:
 
 
 @pytest.mark.usefixtures("scratch")
-def test_a_block_with_a_program_runs_where_that_is_installed() -> None:
+def test_block_runs_when_its_program_is_installed() -> None:
     run_block(Block(Path("page.md"), 1, "console", "$ false\n", "with", "no-such-program"), {})
     with pytest.raises(AssertionError, match="ended with 1"):
         run_block(Block(Path("page.md"), 1, "console", "$ false\n", "with", "bash"), {})
@@ -118,7 +118,7 @@ def test_a_reader_is_told_into_which_file_a_block_goes(page: Path) -> None:
     assert [block.said for block in blocks_of(page) if block.mark == "file" and f"`{block.said}`" not in told] == []
 
 
-def test_a_block_that_is_not_run_says_why(tmp_path: Path) -> None:
+def test_skipped_block_states_the_reason(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text("<!-- not run: it needs a force sensor -->\n```console\n$ false\n```\n", encoding="utf-8")
     [block] = blocks_of(page)

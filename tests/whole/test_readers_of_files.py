@@ -13,8 +13,7 @@ from source_tree import FOLDERS, name_of as path_of, parsed, sources
 from tactometry.config.strict import fields_of
 from tactometry.devices.kinds import OUTPUTS, SENSORS
 from tactometry.experiments.reference.tables import name_of, tables
-from tactometry.experiments.study.procedure_kinds import PROCEDURES
-from tactometry.experiments.study.stimulus_kinds import STIMULI, TOUCHES
+from tactometry.experiments.study.kinds import PROCEDURES, STIMULI, TOUCHES
 from tactometry.loading import resolve
 from tactometry.observers.changes import CHANGES
 from tactometry.observers.kinds import OBSERVERS
@@ -88,7 +87,7 @@ def read_in(path, written):
 
 
 @pytest.mark.parametrize(("path", "written"), list(readers()))
-def test_what_a_file_is_read_by_has_its_table(path, written):
+def test_each_reader_has_a_reference_table(path, written):
     if written in next((names for end, names in NAMED.items() if path_of(path).endswith(end)), {}):
         return
     read = read_in(path, written)

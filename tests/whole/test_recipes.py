@@ -25,7 +25,7 @@ def hurried(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "R
 """
 LINES = (
     (
-        "experiments/study/procedure_kinds.py",
+        "experiments/study/kinds.py",
         '    "stochastic_approximation": ProcedureKind(\n'
         '        f"{_RULES}.stochastic_approximation:StochasticApproximation", '
         '{"start": 20.0, "step": 40.0, **_LEVELS}\n    ),\n',
@@ -267,7 +267,7 @@ def test_a_task_is_two_files_and_a_line(folder: Path) -> None:
     assert {row["guess_rate"][:6] for row in fitted} == {"0.3333"}
 
 
-def test_people_are_asked_in_a_new_task_when_each_language_has_its_words(folder: Path) -> None:
+def test_new_task_needs_texts_in_each_language(folder: Path) -> None:
     rows = trial_rows(folder / "asked")
     assert len(rows) == 4 * 4
     assert {(row["task"], row["rig"], row["response"]) for row in rows} == {("oddity", "console", "1")}

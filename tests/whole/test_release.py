@@ -42,7 +42,7 @@ def test_without_a_tag_it_is_no_release(source):
     ("tags", "clean", "sentence"),
     [(["v9.9.9"], True, f"found the tag v9.9.9, expected {TAG}"), ([TAG], False, "files that are not committed")],
 )
-def test_a_tag_that_says_otherwise_or_a_tree_that_differs_fails(source, tags, clean, sentence):
+def test_wrong_tag_or_changed_tree_fails(source, tags, clean, sentence):
     with pytest.raises(release.Failed, match=re.escape(sentence)):
         release.check_version(source, tags, clean=clean)
 
@@ -53,7 +53,7 @@ def test_a_release_has_its_section_in_the_changelog(source):
         release.check_version(source, [TAG], clean=True)
 
 
-def test_the_rooms_stand_in_the_wheel_under_our_name_and_links_do_not():
+def test_wheel_holds_the_packages_without_links():
     tracked = ["tactometry/errors.py", "tactometry/stimuli", "stimuli/hybrid.py", "tests/conftest.py", "README.md"]
     assert release.wanted(tracked) == {"tactometry/errors.py", "tactometry/stimuli/hybrid.py"}
 
@@ -68,7 +68,7 @@ def test_the_rooms_stand_in_the_wheel_under_our_name_and_links_do_not():
         (release.NotDone("not reached"), ["--unaudited"], 0, "NOT DONE: not reached"),
     ],
 )
-def test_what_was_not_done_is_told_and_passes_by_its_option_alone(monkeypatch, capsys, raised, words, status, told):
+def test_skipped_release_step_needs_its_option(monkeypatch, capsys, raised, words, status, told):
     def audit():
         if raised is not None:
             raise raised
@@ -93,7 +93,7 @@ def test_an_audit_whose_service_is_not_reached_is_not_done(monkeypatch, said):
 KNOWN, UNKNOWN = {"name": "a", "vulns": []}, {"name": "b", "skip_reason": "not found"}
 
 
-def test_a_package_that_the_service_does_not_know_was_not_audited(monkeypatch):
+def test_unknown_package_counts_as_unaudited(monkeypatch):
     """Pip-audit itself ends well then."""
     monkeypatch.setattr(release, "run", lambda *_: json.dumps({"dependencies": [KNOWN, UNKNOWN]}))
     with pytest.raises(release.NotDone, match="1 of 2 packages are unknown to its service, such as b"):
@@ -111,7 +111,7 @@ def test_a_known_hole_fails_the_audit(monkeypatch):
         release.audit()
 
 
-def test_a_python_that_is_absent_is_told(monkeypatch, tmp_path):
+def test_absent_python_is_reported(monkeypatch, tmp_path):
     monkeypatch.setenv("PYENV_ROOT", str(tmp_path))
     with pytest.raises(release.NotDone, match=r"no Python 3\.99"):
         release.python_of("3.99")

@@ -54,7 +54,7 @@ def handed_on(room):
 
 
 @pytest.mark.parametrize("name", [name for name in FACES if name != "psychometric"])
-def test_what_a_room_names_is_there_and_is_explained(name):
+def test_exported_names_exist_with_docstrings(name):
     room = import_module(f"tactometry.{name}")
     public_names = handed_on(room)
     assert public_names
@@ -78,7 +78,7 @@ def test_package_exports_what_its_page_lists():
     assert all(inspect.getdoc(getattr(tactometry, name)) for name in tactometry.__all__)
 
 
-def test_a_name_that_is_not_there_is_an_attribute_error():
+def test_unknown_name_is_an_attribute_error():
     room = import_module("tactometry.analysis")
     with pytest.raises(AttributeError, match="has no attribute 'fitt'"):
         _ = room.fitt

@@ -51,7 +51,7 @@ def site_of(page: str, docs: Path) -> Path:
     return docs
 
 
-def test_a_name_of_python_that_is_not_there_fails(tmp_path: Path) -> None:
+def test_unknown_python_name_fails_the_site(tmp_path: Path) -> None:
     """Every such link was let pass, for the sake of the errors that docstrings name."""
     done = built(site_of(NAMES, tmp_path / "docs"), tmp_path / "out", "html")
     assert done.returncode == 1

@@ -44,7 +44,7 @@ def test_an_error_is_relative_above_a_floor_and_the_worst_one_counts(unseen) -> 
     assert SEEN["another"] == 0
 
 
-def test_an_error_that_grew_a_hundredfold_fails(unseen, monkeypatch) -> None:
+def test_hundredfold_error_fails(unseen, monkeypatch) -> None:
     monkeypatch.setattr("hard_cases.stated", lambda: {"a new case": 1e-6})
     hard_case("a new case", 1 + 9e-5, 1.0, 1e-2, against="one")
     hard_case("a new case", 1 + 2e-4, 1.0, 1.0, against="one")

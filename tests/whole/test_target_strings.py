@@ -69,11 +69,11 @@ def refusal(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.mark.parametrize("file", UPWARDS)
-def test_a_target_that_runs_back_up_is_refused(refusal: str, file: str) -> None:
+def test_upward_target_is_refused(refusal: str, file: str) -> None:
     assert f"{module_of(file)} -> {UPWARDS[file].partition(':')[0]}" in refusal
 
 
-def test_a_target_that_closes_a_circle_is_refused(refusal: str) -> None:
+def test_circular_target_is_refused(refusal: str) -> None:
     assert "No cycles are allowed in tactometry.protocols.procedures." in refusal
 
 

@@ -132,7 +132,7 @@ def test_the_schema_of_psych_ds_holds(data_set, exported):
 
 
 @pytest.mark.skipif(VALIDATOR is None, reason="no bids-validator-deno (extra dev)")
-def test_the_validator_of_bids_finds_no_error_and_only_the_warnings_that_the_docs_name(exported):
+def test_bids_validator_finds_documented_warnings_only(exported):
     found = issues_of(exported / "bids")["issues"]
     said = {(issue["severity"], issue["code"], issue.get("subCode")) for issue in found}
     assert said <= {("warning", "SIDECAR_KEY_RECOMMENDED", key) for key in BEYOND_BEHAVIOUR.split()}

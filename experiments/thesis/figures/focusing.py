@@ -8,14 +8,15 @@ from tactometry.palette import BLACK, BLUE, ORANGE
 from tactometry.stimuli.time_reversal import emitted
 from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
-from tactometry.stimuli.time_reversal.figures import prototype
-from tactometry.stimuli.time_reversal.figures.gallery import FOCI, FOCUS, RIG_BAND, UNFILTERED
 from tactometry.stimuli.time_reversal.figures.style import label, sheet
 from tactometry.stimuli.time_reversal.focusing.merit import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S, Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import SIDE_M, Patch
+
+from . import prototype
+from .gallery import FOCI, FOCUS, RIG_BAND, UNFILTERED
 
 REPETITION_S = 10e-3
 N_COLUMNS, STEP_M, EDGE_M = 16, 18e-3, 13.5e-3

@@ -3,9 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
-from tactometry.stimuli.time_reversal.figures.gallery import GALLERY
-
 from ..figures import focusing
+from ..figures.gallery import GALLERY
 from ..reproduction import Origin, Reproduction
 
 ASSUMES = "Plate, edges, layout, tau (set to finding-2), band and drive of the gallery (unverified defaults)."

@@ -4,12 +4,11 @@ import math
 from typing import Any, get_args
 
 from tactometry.observers.signal_detection import SignalDetectionObserver
-from tactometry.stimuli.electrovibration import figures as electrovibration
 from tactometry.stimuli.electrovibration.textures.texture import Grating, Shape
-from tactometry.stimuli.time_reversal.figures.gallery import GALLERY
 
 from ...study.cells import WiredCell
-from ..figures import perception
+from ..figures import electrovibration, perception
+from ..figures.gallery import GALLERY
 from ..reproduction import Reproduction
 from .studies import contact_of, experiment
 

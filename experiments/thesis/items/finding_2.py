@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from tactometry.stimuli.defaults import RESISTANCE_N_S_PER_M
-from tactometry.stimuli.time_reversal.figures.gallery import FOCUS, P1, RIG_BAND
 from tactometry.stimuli.time_reversal.finger import amplitude_loss
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S, Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 
+from ..figures.gallery import FOCUS, P1, RIG_BAND
 from ..reproduction import Number, Origin, Reproduction
 
 FORCE_N = 2.0

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from tactometry.stimuli.time_reversal.figures.gallery import FOCUS, FOUR
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.merit import (
     contrast_whole_of,
@@ -19,6 +18,7 @@ from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F
 
+from ..figures.gallery import FOCUS, FOUR
 from ..reproduction import Number, Reproduction
 
 N_X, N_Y = 120, 85

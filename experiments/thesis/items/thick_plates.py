@@ -9,10 +9,10 @@ import numpy as np
 
 from tactometry.stimuli.time_reversal import Band, focus_amplitude
 from tactometry.stimuli.time_reversal.design.closed_forms import ALPHA, resolution_m
-from tactometry.stimuli.time_reversal.figures.gallery import RIG_BAND, rig
 from tactometry.stimuli.time_reversal.focusing.merit import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 
+from ..figures.gallery import RIG_BAND, rig
 from ..reproduction import Number, Reproduction
 
 FOCI_M = ((0.121, 0.093), (0.15, 0.105), (0.17, 0.12), (0.1, 0.11), (0.14, 0.08))

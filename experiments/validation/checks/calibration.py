@@ -14,9 +14,16 @@ from numpy.typing import NDArray
 
 from tactometry.analysis.tasks.comparison import FIT
 from tactometry.analysis.threshold.counts import count_arrays, normalise
-from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.log_posterior import (
+    LARGEST_RATE,
+    WIDEST,
+    LogPosterior,
+    Prior,
+    log_rate,
+    log_threshold,
+    log_width,
+)
 from tactometry.analysis.threshold.mode import find_mode
-from tactometry.analysis.threshold.prior import LARGEST_RATE, WIDEST, Prior, log_rate, log_threshold, log_width
 from tactometry.analysis.threshold.shared_grid import batched_marginals
 from tactometry.protocols import ParameterGrid, QuestPlus
 from tactometry.protocols.batch.answers import criteria

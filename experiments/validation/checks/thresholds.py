@@ -33,11 +33,9 @@ from ..kinds import ESTIMATES
 N_TRIALS: Final = 60
 N_GROUP: Final = 10
 """Participants of a hierarchical fit."""
-N_RESAMPLES: Final = 200
 CHOSEN: Final = TASKS[1:3]
 """Yes/no with catch trials, and two alternatives."""
 POSTERIOR: Final = ("mode", "median", "mean")
-OTHERS: Final = ("map", "ml", "profile", "bootstrap")
 
 
 def method_of_limits(guess_rate: float) -> MethodOfLimits:
@@ -74,7 +72,7 @@ def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Ge
     n_catch = round(task.catch * N_TRIALS)
     catch = {"n_false_alarms": rng.binomial(n_catch, task.guess_rate, n_sets), "n_catch": np.full(n_sets, n_catch)}
     told: dict[str, Any] = {"shape": SHAPE, "guess_rate": task.told}
-    by_fit = {"the rule's own": _of_rule(procedure, task, made)} | _of_fits(made, told | catch, rng)
+    by_fit = {"the rule's own": _of_rule(procedure, task, made)} | _of_fits(made, told | catch)
     by_fit["hierarchical"] = _of_groups(made, told, catch)
     tables = [table.assign(procedure=procedure, task=task.name, fit=fit) for fit, table in by_fit.items()]
     return pd.concat([table for table in tables if table["estimate"].notna().any()], ignore_index=True)
@@ -90,18 +88,14 @@ def _of_rule(procedure: str, task: SimulatedTask, made: Tracks) -> pd.DataFrame:
     return pd.DataFrame({"truth": truth, "estimate": made.rule_db, "low": np.nan, "high": np.nan})
 
 
-def _of_fits(made: Tracks, told: Mapping[str, Any], rng: np.random.Generator) -> dict[str, pd.DataFrame]:
-    """Of the posterior by its three estimates, which share an interval, and of each other method."""
-    counts, options = _counts(made), {**told, "scale_free_width": True}
-    posterior = fit_many(*counts, **options)
+def _of_fits(made: Tracks, told: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
+    """Return the three estimates of the posterior, which share an interval."""
+    fits = fit_many(*_counts(made), **told, scale_free_width=True)
     by_fit = {
-        f"posterior, {name}": _table(made, posterior, [getattr(fit, f"threshold_{name}") for fit in posterior])
+        f"posterior, {name}": _table(made, fits, [getattr(fit, f"threshold_{name}") for fit in fits])
         for name in POSTERIOR
     }
-    by_fit["posterior, mode"] = _table(made, posterior, [fit.threshold for fit in posterior])
-    for method in OTHERS:
-        found = fit_many(*counts, **options, method=method, n_resamples=N_RESAMPLES, rng=rng)
-        by_fit[method] = _table(made, found, [fit.threshold for fit in found])
+    by_fit["posterior, mode"] = _table(made, fits, [fit.threshold for fit in fits])
     return by_fit
 
 
@@ -150,7 +144,7 @@ to 32 dB in steps of 4): a Gumbel function with a threshold in the middle half o
 catch trial to four trials. Errors and widths in dB. The fits are told what `analyse` is told: the shape and, in
 forced choice, the guess rate, under psignifit's priors. Mode (what `analyse` gives in yes/no), median (in
 forced choice) and mean share an interval. *the rule's own* is held against the level at which
-the rule aims, {N_RESAMPLES} sets are drawn for a bootstrap, and a hierarchical fit has {N_GROUP} participants.""",
+the rule aims, and a hierarchical fit has {N_GROUP} participants.""",
     kind=ESTIMATES,
     keys=("procedure", "task", "fit"),
     settings={
@@ -161,14 +155,6 @@ the rule aims, {N_RESAMPLES} sets are drawn for a bootstrap, and a hierarchical 
     },
     n_sets=10,
     reasons={
-        "map": "Laplace's interval takes the levels as given in advance; where they follow the answers, or the "
-        "posterior is skewed, it is too short. `analyse` does not use it",
-        "ml": "Wald's interval rests on the curvature at the maximum, which says too little of few trials, and "
-        "the levels are taken as given in advance. `analyse` does not use it",
-        "profile": "the profile likelihood takes the levels as given in advance, and chi-square holds for many "
-        "trials only",
-        "bootstrap": "sets are drawn anew at the levels as presented, so that what the levels owe to the answers "
-        "is not in them",
         "hierarchical": "a Bayesian interval is exact on average over its priors; the model has normal thresholds, "
         "where these participants have evenly spread ones",
         "posterior, mode": "a Bayesian interval is exact on average over its priors, and these participants are "

@@ -1,6 +1,5 @@
 """Electrostatic force: four laws of the literature, each by name: they differ by a factor near 1000."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
 
 Law = Literal["parallel_plate", "interface", "total_thickness", "sc_layer"]
 LAWS: tuple[Law, ...] = get_args(Law)
+APPLIED = Relaxations((), (), 1.0)
 
 
 @checked
@@ -66,13 +66,22 @@ def force_form(law: str | None, skin: Skin, area_m2: NotNegative) -> ForceForm:
     ``parallel_plate``  ``e0 e_i A V^2/(2 d_i^2)``: the insulator alone, the finger a conductor
     =================== ==================================================================================
 
-    Raises
-    ------
-    InvalidParameter
-        If no law is named, the area is negative, or the law lacks a term for the gap or the body.
+    Raises `InvalidParameter` if no law is named, the area is negative, or the law lacks a term for the gap or the body.
     """
     check_law(law)
-    return _FORMS[str(law)](skin, area_m2)
+    insulator_m, permittivity = skin.insulator_thickness_m, skin.insulator_permittivity
+    if law == "sc_layer":
+        return ForceForm(skin.relaxations(area_m2), force_per_square_volt_n(skin, area_m2))
+    if law == "interface":
+        newton_per_v2 = E0 * area_m2 / 2 * (permittivity / insulator_m) ** 2
+        return ForceForm(skin.stack.relaxations(INSULATOR, area_m2), newton_per_v2)
+
+    _check_lossless(str(law), skin)
+    if law == "parallel_plate":
+        return ForceForm(APPLIED, E0 * permittivity * area_m2 / (2 * insulator_m**2))
+    s_m = skin.insulator_equivalent_m + skin.corneum_equivalent_m
+    d_m = insulator_m + skin.corneum_thickness_m
+    return ForceForm(APPLIED, E0 * area_m2 / (2 * s_m * d_m))
 
 
 @checked
@@ -86,6 +95,8 @@ def electrostatic_force_n(
     polarity: "Polarity | None" = None,
 ) -> FloatArray:
     """Attraction (N) between finger and screen at the samples of a voltage, from rest.
+
+    Raises `InvalidParameter` if a value is outside of its domain, and as in `force_form`.
 
     Parameters
     ----------
@@ -105,11 +116,6 @@ def electrostatic_force_n(
     -------
     (..., n_samples) array
         Exact at the samples: the recurrence solves the circuit, nothing is stepped.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain, and as in `force_form`.
 
     >>> step = [100.0, 100.0, 100.0]
     >>> force_n = electrostatic_force_n(step, rate_hz=1e4, skin=Skin(), area_m2=1e-4, law="sc_layer")
@@ -162,27 +168,6 @@ def force_per_square_volt_n(skin: Skin, area_m2: float) -> float:
     return E0 * skin.corneum_permittivity * area_m2 / (2 * skin.corneum_thickness_m**2)
 
 
-def _sc_layer(skin: Skin, area_m2: float) -> ForceForm:
-    return ForceForm(skin.relaxations(area_m2), force_per_square_volt_n(skin, area_m2))
-
-
-def _interface(skin: Skin, area_m2: float) -> ForceForm:
-    per_m = skin.insulator_permittivity / skin.insulator_thickness_m
-    return ForceForm(skin.stack.relaxations(INSULATOR, area_m2), E0 * area_m2 / 2 * per_m**2)
-
-
-def _total_thickness(skin: Skin, area_m2: float) -> ForceForm:
-    _check_lossless("total_thickness", skin)
-    s_m = skin.insulator_equivalent_m + skin.corneum_equivalent_m
-    d_m = skin.insulator_thickness_m + skin.corneum_thickness_m
-    return ForceForm(APPLIED, E0 * area_m2 / (2 * s_m * d_m))
-
-
-def _parallel_plate(skin: Skin, area_m2: float) -> ForceForm:
-    _check_lossless("parallel_plate", skin)
-    return ForceForm(APPLIED, E0 * skin.insulator_permittivity * area_m2 / (2 * skin.insulator_thickness_m**2))
-
-
 def _check_lossless(law: str, skin: Skin) -> None:
     for name, neutral in (("gap_m", 0.0), ("body_resistance_ohm", 0.0), ("tissue", None)):
         if getattr(skin, name) != neutral:
@@ -190,15 +175,6 @@ def _check_lossless(law: str, skin: Skin) -> None:
                 f"law: found {law} with Skin.{name} other than {neutral}, which it has no term for; "
                 f"expected {neutral}, or the law interface or sc_layer"
             )
-
-
-APPLIED = Relaxations((), (), 1.0)
-_FORMS: Mapping[str, Callable[[Skin, float], ForceForm]] = {
-    "sc_layer": _sc_layer,
-    "interface": _interface,
-    "total_thickness": _total_thickness,
-    "parallel_plate": _parallel_plate,
-}
 
 
 @checked

@@ -21,15 +21,12 @@ class Polarity(Effect):
     read anywhere, and that it scales the force is a choice (unverified): the effect is off unless it is asked for, and
     its strength has no default.
 
+    Raises `InvalidParameter` if the share is negative or not finite.
+
     Parameters
     ----------
     positive_share : float
         At least 0; below 1 positive voltages are less effective.
-
-    Raises
-    ------
-    InvalidParameter
-        If the share is negative or not finite.
 
     >>> Polarity(0.5).weighted(np.array([4.0, 4.0]), layer_v=np.array([2.0, -2.0])).tolist()
     [2.0, 4.0]

@@ -113,38 +113,21 @@ def march(z: FloatArray, newton: float, plan: DrivenPlan) -> FloatArray:
 
 
 def slide(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
-    """Rows of `Motion`, (n_stimuli, 5, n_wanted): electrostatic and lateral force, deflection and its two derivatives.
-
-    The heights have a first axis (n_stimuli,).
-    """
-    return _slide(newton, uniform(finger), uniform(heights), _bare(plan))
-
-
-def _bare(plan: DrivenPlan) -> Bare:
-    return (tuple(plan.phases), *plan[1:])
-
-
-@compiled
-def _plan(bare: Bare) -> DrivenPlan:
-    return DrivenPlan(Phases(*bare[0]), *bare[1:])
+    """Rows of `Motion`, (5, n_wanted): electrostatic and lateral force, deflection and its two derivatives."""
+    return _slide(newton, uniform(finger), uniform(heights), (tuple(plan.phases), *plan[1:]))
 
 
 @entry
 def _slide(newton: float, finger: Bare, heights: Bare, plan: Bare) -> FloatArray:
-    offsets, slopes, amplitudes = heights
-    whole = _plan(plan)
-    rows = np.empty((len(offsets), 5, len(whole.wanted)))
-    for s in range(len(offsets)):
-        _slip(newton, FullSlip(*finger), Heights(offsets[s], slopes[s], amplitudes[s]), whole, rows[s])
-    return rows
+    whole = DrivenPlan(Phases(*plan[0]), *plan[1:])
+    return _slip(newton, FullSlip(*finger), Heights(*heights), whole)
 
 
 @compiled
-def _slip(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan, rows: FloatArray) -> None:
-    """The rows (5, n_wanted) of one voltage, written in place."""
+def _slip(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
     m, c, k, mu, force_n = finger
     z = states(heights, plan)
-    path = march(z, mu * newton, plan)
+    path, rows = march(z, mu * newton, plan), np.empty((5, len(plan.wanted)))
     for j in range(len(plan.wanted)):
         i, output = plan.wanted[j], 0.0
         for q in range(len(plan.form)):
@@ -153,3 +136,4 @@ def _slip(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan, r
         rows[0, j], rows[1, j] = attraction, mu * force_n + mu * attraction
         rows[2, j], rows[3, j] = mu * force_n / k + x, speed
         rows[4, j] = (mu * attraction - c * speed - k * x) / m
+    return rows

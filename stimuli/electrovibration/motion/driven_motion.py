@@ -19,7 +19,7 @@ from ...arrays import FloatArray, IndexArray
 from ..attraction.force import ForceForm
 from ..skin.relaxation import Relaxations, Solution, scan
 from ..waveforms.pieces import Pieces
-from .phases import Heights, Phases, heights, moving, nodes_of, phases
+from .phases import Phases, moving, nodes_of, phases
 
 REACH: Final = 0.5
 """The longest time of the series in units of the fastest rate."""
@@ -112,7 +112,10 @@ class Flows:
 
 def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flows:
     """The exact flows over lengths of time (n_lengths,) above 0."""
-    fastest_per_s = _fastest_per_s(circuit, system)
+    # a bound of the rates of products of the circuit's states and of the driven states, above 0
+    electric, driven = (np.abs(np.linalg.eigvals(m)).max(initial=0.0) for m in (circuit.matrix(), system.matrix))
+    fastest_per_s = float(2 * electric + driven) or 1.0
+
     doublings = np.maximum(0, np.ceil(np.log2(fastest_per_s * lengths_s / REACH))).astype(np.intp)
     flow = _short_flows(circuit, system, fastest_per_s, np.ldexp(fastest_per_s * lengths_s, -doublings))
     for done in range(doublings.max(initial=0)):
@@ -120,12 +123,6 @@ def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flow
         longer = Flows(flow.states[on], flow.forms[on], flow.change[on]).twice()
         flow.states[on], flow.forms[on], flow.change[on] = longer.states, longer.forms, longer.change
     return flow
-
-
-def _fastest_per_s(circuit: Circuit, system: LinearSystem) -> float:
-    """A bound of the rates of products of the circuit's states and of the driven states, above 0."""
-    electric, driven = (np.abs(np.linalg.eigvals(m)).max(initial=0.0) for m in (circuit.matrix(), system.matrix))
-    return float(2 * electric + driven) or 1.0
 
 
 def _short_flows(circuit: Circuit, system: LinearSystem, unit_per_s: float, lengths: FloatArray) -> Flows:
@@ -223,21 +220,6 @@ def _products(z: FloatArray, plan: DrivenPlan) -> FloatArray:
     return taken_up
 
 
-def stack_heights(stimuli: Sequence[Pieces]) -> Heights:
-    """Heights with a first axis (n_stimuli,), of stimuli whose pieces start at the same times.
-
-    Raises `InvalidParameter` if there is no stimulus, or one has other starts, frequencies or an other end than the
-    first.
-    """
-    require.expect(len(stimuli) > 0, "stimuli", stimuli, "a sequence of at least one voltage in pieces")
-    key = Timing(stimuli[0], np.zeros(0), has_slope=True)
-    for place, pieces in enumerate(stimuli):
-        difference = "other starts, frequencies or an other end than the first stimulus has"
-        same = Timing(pieces, key.t_s, has_slope=True) == key
-        require.expect(same, f"stimuli[{place}]", difference, "the same; solve it by itself")
-    return Heights(*map(np.array, zip(*map(heights, stimuli), strict=True)))
-
-
 def check_times(t: FloatArray, pieces: Pieces) -> None:
     """Refuse times (n_times,) that do not ascend from at least 0 to at most the end of the pieces."""
     require.finite_array("t_s", t)
@@ -249,9 +231,9 @@ def check_times(t: FloatArray, pieces: Pieces) -> None:
 class Timing:
     """When pieces start and which times are asked for: what a plan depends on, but for the heights."""
 
-    def __init__(self, pieces: Pieces, t_s: ArrayLike, *, has_slope: bool | None = None) -> None:
+    def __init__(self, pieces: Pieces, t_s: ArrayLike) -> None:
         self.pieces, self.t_s = pieces, np.asarray(t_s, dtype=np.float64)
-        self.has_slope = bool(np.count_nonzero(pieces.slopes_v_per_s)) if has_slope is None else has_slope
+        self.has_slope = bool(np.count_nonzero(pieces.slopes_v_per_s))
         self._key = (
             self.has_slope, pieces.end_s, pieces.starts_s.tobytes(), pieces.frequencies_hz.tobytes(),
             self.t_s.shape, self.t_s.tobytes(),

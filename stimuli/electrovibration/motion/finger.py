@@ -1,6 +1,5 @@
 """A finger pad as mass, spring and damper that slides fully: exact motion under an electrostatic force."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +11,9 @@ from ...arrays import FloatArray
 from ..attraction.force import ForceForm
 from ..waveforms.pieces import Pieces
 from .coulomb_friction import CoulombFriction
-from .driven_motion import Timing, plan_of, stack_heights
+from .driven_motion import Timing, plan_of
 from .pad import Finger
+from .phases import heights
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,57 +43,17 @@ def sliding(
     The lateral force is ``mu (F_n + F_e)``. There is no slip-rate in it, so that any speed gives the same; whether the
     finger slips at all is the matter of `stick_slip`.
 
+    Raises `InvalidParameter` if the times are not as stated or the force is negative.
+
     Parameters
     ----------
     t_s : (n_times,) array
         Ascending from at least 0 to at most the end of the voltage.
-
-    Raises
-    ------
-    InvalidParameter
-        If the times are not as stated or the force is negative.
     """
-    t = np.asarray(t_s, dtype=np.float64)
-    return Motion(t, *_rows(t, (pieces,), form, finger, friction, force_n)[0])
-
-
-@checked
-def sliding_many(
-    t_s: ArrayLike,
-    stimuli: Sequence[Pieces],
-    form: ForceForm,
-    *,
-    finger: Finger,
-    friction: CoulombFriction,
-    force_n: float,
-) -> Motion:
-    """`sliding` for many voltages whose pieces start at the same times: arrays (n_stimuli, n_times).
-
-    All share the exponentials of one plan: what differs is heights, slopes and phases.
-
-    Raises
-    ------
-    InvalidParameter
-        As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
-    """
-    t = np.asarray(t_s, dtype=np.float64)
-    return Motion(t, *_rows(t, stimuli, form, finger, friction, force_n).swapaxes(0, 1))
-
-
-def _rows(
-    t_s: FloatArray,
-    stimuli: Sequence[Pieces],
-    form: ForceForm,
-    finger: Finger,
-    friction: CoulombFriction,
-    force_n: float,
-) -> FloatArray:
-    """Rows of `Motion` below the times, (n_stimuli, 5, n_times)."""
     from .compiled_loops import FullSlip, slide
 
+    t = np.asarray(t_s, dtype=np.float64)
     pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m
     pressed = FullSlip(*pad, friction.coefficient_at(force_n), force_n)
-    voltages = stack_heights(stimuli)
-    timing = Timing(stimuli[0], t_s, has_slope=bool(voltages.slopes.any()))
-    plan = plan_of(timing, form.relaxations, finger.system)
-    return slide(form.newton_per_v2, pressed, voltages, plan)
+    plan = plan_of(Timing(pieces, t), form.relaxations, finger.system)
+    return Motion(t, *slide(form.newton_per_v2, pressed, heights(pieces), plan))

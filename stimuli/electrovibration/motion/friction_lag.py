@@ -96,10 +96,8 @@ def lagged_friction_n(
 
     The lag acts on the electrostatic part, from rest: ``f' = 2 pi f_c (mu F_e - f)``.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain, or the corner is so high that rounding would pass 1e-9 (`CYCLES_MAX`).
+    Raises `InvalidParameter` if a value is outside of its domain, or the corner is so high that rounding would pass
+    1e-9 (`CYCLES_MAX`).
 
     >>> from tactometry.stimuli.electrovibration import Skin, Step, force_form
     >>> pieces, form = Step(duration_s=0.1).pieces(40.0), force_form("parallel_plate", Skin(), 1e-4)

@@ -14,10 +14,7 @@ DECAYED = 40.0
 
 
 class Heights(NamedTuple):
-    """What of a voltage is not time: per piece its value and slope, and its sinusoids (n_pieces, n_turns).
-
-    Those of many voltages have a first axis.
-    """
+    """What of a voltage is not time: per piece its value and slope, and its sinusoids (n_pieces, n_turns)."""
 
     offsets: FloatArray
     slopes: FloatArray

@@ -67,10 +67,7 @@ class SkinMobility(Effect):
     def gain_m_per_n(self, frequency_hz: ArrayLike, force_n: float) -> FloatArray:
         """Displacement per newton at frequencies (Hz) under a normal force (N, above 0), of their shape.
 
-        Raises
-        ------
-        InvalidParameter
-            If the force is not above 0, or a frequency is below it.
+        Raises `InvalidParameter` if the force is not above 0, or a frequency is below it.
         """
         require.positive("SkinMobility.gain_m_per_n", force_n=force_n)
         frequencies_hz = require.not_negative_array("SkinMobility.gain_m_per_n.frequency_hz", frequency_hz)

@@ -79,17 +79,14 @@ def stick_slip(
     ``mu_s (F_n + F_e)``. In slip ``m s'' + c s' + k s = m V' + sign mu_k (F_n + F_e)``. Between events the motion is
     a power series of 20 terms over at most 1.5 of the fastest time; an event is the root of a polynomial.
 
+    Raises `InvalidParameter` if a value is outside of its domain, or there are `n_events_max` events or more.
+
     Parameters
     ----------
     t_s : (n_times,) array
         Ascending from at least 0 to at most the end of the voltage.
     force_n : float
         Normal force, at least 0.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain, or there are `n_events_max` events or more.
     """
     from . import power_series
 

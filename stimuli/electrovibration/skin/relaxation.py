@@ -166,10 +166,7 @@ class Solution:
     def at(self, t_s: ArrayLike) -> FloatArray:
         """The output, of the shape of `t_s` (0 to the end), from the right at a jump.
 
-        Raises
-        ------
-        InvalidParameter
-            If a time is before 0 or after the end.
+        Raises `InvalidParameter` if a time is before 0 or after the end.
         """
         t = self._times(t_s)
         total = self.relaxations.dc_gain * self.pieces.at(t) if self.relaxations.dc_gain else np.zeros_like(t)

@@ -26,6 +26,8 @@ class Skin:
     All defaults are the unverified parameter set "P0": usual magnitudes, not measured values. The resistivity was
     chosen for a corner near the 500 Hz that Meyer, Peshkin and Colgate (2013) predict, and do not find.
 
+    Raises `InvalidParameter` if a thickness or permittivity is not above 0, or another value is negative.
+
     Parameters
     ----------
     insulator_thickness_m : float
@@ -44,11 +46,6 @@ class Skin:
         Body and source resistance. Above 0 the waveform of the force depends on the contact area.
     tissue : Layer or None
         Deeper tissue in series; None, the default, is one that conducts without loss.
-
-    Raises
-    ------
-    InvalidParameter
-        If a thickness or permittivity is not above 0, or another value is negative.
 
     >>> skin = Skin()
     >>> round(skin.k, 9), round(skin.tau_s * 1e6, 6), round(skin.cutoff_hz, 6)

@@ -49,11 +49,6 @@ class FollowedTexture(Ramped):
         A finger has turned when it came back twice so far from where it was farthest; noise of its position turns
         nothing. 0.1 mm is an unverified default.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain.
-
     >>> from .texture import Grating
     >>> texture = FollowedTexture(Grating(2e-3), duration_s=0.1, rise_s=5e-5)
     >>> parts, before = texture.parts(np.array([0.5e-3, 1.5e-3]))
@@ -132,11 +127,6 @@ class FollowedTexture(Ramped):
 
     def check_motion(self, speed_m_per_s: float, positions_hz: float | None = None) -> None:
         """Refuse a speed at which the finest part of the texture passes faster than the carrier or the reports show.
-
-        Raises
-        ------
-        InvalidParameter
-            In one sentence with the cure.
 
         >>> from .texture import Grating
         >>> FollowedTexture(Grating(1e-4)).check_motion(0.2)

@@ -28,6 +28,9 @@ LARGEST_MAP: Final = 2**26
 class Mapped:
     """Values along a line, or rows of them: here, or in a file, of which `sha256` says that it is still the same.
 
+    Raises `InvalidParameter` if there are neither or both, the digest is missing (it is told) or another, or the file
+    holds no numbers; `InvalidFile` if it cannot be read.
+
     Parameters
     ----------
     pixel_m : float
@@ -40,13 +43,6 @@ class Mapped:
         Its digest: a study is its numbers, and those of such a file are part of it.
     row : int
         The row of the file that the finger follows, from 0.
-
-    Raises
-    ------
-    InvalidParameter
-        If there are neither or both, the digest is missing (it is told) or another, or the file holds no numbers.
-    InvalidFile
-        If it cannot be read.
     """
 
     pixel_m: Positive

@@ -75,6 +75,9 @@ more than 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: wide
 class PlayedTexture:
     """``V0 sqrt(share(x(t))) sin(2 pi f_c t)`` along the path of a finger.
 
+    Raises `InvalidParameter` if a value is outside of its domain, or the path, sensor or carrier is too slow or too
+    coarse.
+
     Parameters
     ----------
     texture : Texture or Velvet
@@ -93,11 +96,6 @@ class PlayedTexture:
         Ramps on and off over the time of the path; none by default.
     level_unit
         As in `Sine`.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain, or the path, sensor or carrier is too slow or too coarse.
 
     >>> grating = PlayedTexture(Grating(1e-3, "sinusoidal"), straight_path_m(0.1, 0.5, 20e3))
     >>> grating.voltage_frequency_hz, grating.force_frequency_hz
@@ -173,13 +171,7 @@ def share_along(texture: Texture | Velvet, path_m: FloatArray) -> FloatArray:
 
 
 def check_carrier(owner: str, carrier_hz: float, texture_hz: float) -> None:
-    """Refuse a carrier that is too slow to show a texture whose finest part passes the finger at `texture_hz`.
-
-    Raises
-    ------
-    InvalidParameter
-        In one sentence with the cure.
-    """
+    """Refuse a carrier that is too slow to show a texture whose finest part passes the finger at `texture_hz`."""
     expected = (
         f"at least twice the frequency of the texture under the finger ({2 * texture_hz:.6g} Hz); raise the carrier, "
         "slow down or widen the texture"

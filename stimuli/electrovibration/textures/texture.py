@@ -287,6 +287,8 @@ def _grey(values: NDArray[np.generic]) -> FloatArray:
 class Velvet:
     """Four features of a pile fabric as shares of the electrostatic force; all values are unverified defaults.
 
+    Raises `InvalidParameter` if a share is not in 0..1, or a length not above 0.
+
     Parameters
     ----------
     with_pile : float
@@ -300,11 +302,6 @@ class Velvet:
         Distance of the tufts, which modulate the friction at ``v/L``.
     tuft_depth : float
         Depth of that modulation (0..1) of the share.
-
-    Raises
-    ------
-    InvalidParameter
-        If a share is not in 0..1, or a length not above 0.
     """
 
     with_pile: float = 0.3

@@ -56,11 +56,6 @@ class AmplitudeModulated(Ramped):
     modulation : {"square_root", "full", "suppressed_carrier"}
         Shape of the envelope that modulates the carrier.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain.
-
     >>> tone = AmplitudeModulated(frequency_hz=240.0)
     >>> tone.voltage_frequency_hz, tone.force_frequency_hz
     (2000.0, 240.0)

@@ -92,11 +92,6 @@ class Square(Periodic):
     band_limited : bool
         Sample the Fourier series below half of `rate_hz` instead of the edges, so that nothing aliases.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain.
-
     >>> Square(frequency_hz=5.0, ramp_s=0.0, rate_hz=20.0, duration_s=0.2).at(0.0).samples.tolist()
     [[1.0, 1.0, -1.0, -1.0]]
     """
@@ -132,11 +127,6 @@ class Triangle(Periodic):
     band_limited : bool
         Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain.
-
     >>> Triangle(frequency_hz=5.0, ramp_s=0.0, rate_hz=20.0, duration_s=0.2).at(0.0).samples.tolist()
     [[0.0, 1.0, 0.0, -1.0]]
     """
@@ -157,6 +147,9 @@ class Triangle(Periodic):
 class Trapezoid(Periodic):
     """From the low value up to ``V0``, hold, down, hold, in straight lines, over and over.
 
+    Raises `InvalidParameter` if a value is outside of its domain, or the voltage stays for less than a sample above or
+    below the middle of its two values, so that samples may miss it.
+
     Parameters
     ----------
     rise_s : float
@@ -173,12 +166,6 @@ class Trapezoid(Periodic):
         As in `Sine`, but without ramps by default: the first rise is one.
     band_limited : bool
         Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain, or the voltage stays for less than a sample above or below the
-        middle of its two values, so that samples may miss it.
 
     >>> lines = Trapezoid(rise_s=0.1, high_s=0.1, fall_s=0.1, low_s=0.1, rate_hz=10.0, duration_s=0.4)
     >>> lines.at(0.0).samples.round(12).tolist()
@@ -263,11 +250,6 @@ class PulseTrain(Periodic):
         quadratic in the voltage does not have: see `Polarity`.
     band_limited : bool
         Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain.
 
     >>> train = PulseTrain(frequency_hz=5.0, width_s=0.05, ramp_s=0.0, rate_hz=20.0, duration_s=0.2)
     >>> train.at(0.0).samples.tolist()

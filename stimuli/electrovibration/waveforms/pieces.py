@@ -21,6 +21,8 @@ class Pieces:
     """``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before
     the first, held after the last.
 
+    Raises `InvalidParameter` if the shapes do not fit, the starts are not ascending from 0, or a value is not finite.
+
     Parameters
     ----------
     starts_s : (n_pieces,) array
@@ -34,11 +36,6 @@ class Pieces:
     amplitudes_v : (n_pieces, n_harmonics) array of complex
         ``c_k``: its modulus is the amplitude, its argument the phase of a cosine at time 0 of the whole
         signal.
-
-    Raises
-    ------
-    InvalidParameter
-        If the shapes do not fit, the starts are not ascending from 0, or a value is not finite.
 
     >>> saw = Pieces(np.array([0.0, 1.0]), 2.0, np.zeros(2), np.array([1.0, 3.0]))
     >>> saw.at([0.5, 1.5, 9.0]).tolist()

@@ -23,11 +23,6 @@ class Sampled(Ramped):
     rate_hz, ramp_s, level_unit
         As in `Sine`; without ramps by default.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain.
-
     >>> Sampled((0.0, 2.0, -4.0, 0.0), rate_hz=100.0).at(0.0).samples.tolist()
     [[0.0, 0.5, -1.0, 0.0]]
     """

@@ -30,11 +30,6 @@ class Sine(Ramped):
     level_unit : {"dB re 1 V", "V"}
         What `at` takes: decibel re 1 V peak, or volt peak.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain.
-
     >>> Sine(frequency_hz=60.0).at(20.0).peak
     10.0
     >>> Sine(frequency_hz=60.0).force_frequency_hz

@@ -15,6 +15,9 @@ from .waveform import LevelUnit, Ramped, check_pulse, n_samples, peak_voltage_v,
 class Step(Ramped):
     """0 until `onset_s`, up to ``V0`` in `rise_s`, hold, and down to 0 in `fall_s` before the end.
 
+    Raises `InvalidParameter` if a value is outside of its domain, the parts are longer than the whole, or the voltage
+    stays for less than a sample above ``V0 / 2``, so that samples may miss it.
+
     Parameters
     ----------
     onset_s : float
@@ -25,12 +28,6 @@ class Step(Ramped):
         Duration of the fall; 0 is a jump, which the samples draw as a line over one sample.
     duration_s, rate_hz, level_unit
         As in `Sine`.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain, the parts are longer than the whole, or the voltage stays for less
-        than a sample above ``V0 / 2``, so that samples may miss it.
 
     >>> Step(onset_s=0.1, duration_s=0.4, rate_hz=10.0).at(20.0).samples.tolist()
     [[0.0, 10.0, 10.0, 10.0]]

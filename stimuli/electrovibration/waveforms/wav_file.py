@@ -29,6 +29,10 @@ _LARGEST: Final = {"u1": 127 / 128, "i2": 1 - 2.0**-15, "i4": 1 - 2.0**-23, "f4"
 class WavFile:
     """The samples of a WAV file of one channel, scaled to a level.
 
+    Raises `InvalidFile` if the file cannot be read; `InvalidParameter` if a value is outside of its domain, or the file
+    has another digest, rate or length, several channels, no samples but 0, one that is not finite, or samples that were
+    cut off at full scale.
+
     Parameters
     ----------
     path : str
@@ -48,14 +52,6 @@ class WavFile:
         Raised-cosine ramp on and off; none by default.
     read : bool
         Whether the file is read now; without it nothing can be played.
-
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read.
-    InvalidParameter
-        If a value is outside of its domain, or the file has another digest, rate or length, several channels, no
-        samples but 0, one that is not finite, or samples that were cut off at full scale.
     """
 
     path: str
@@ -84,14 +80,12 @@ class WavFile:
 
         Raises `InvalidParameter` if the level is none, or the file was not read.
         """
-        samples = ramped(self._factor_v(level) * self._samples, self.ramp_s, self.rate_hz)
-        return Signal(samples[None, :], self.rate_hz, "V")
-
-    def _factor_v(self, level: float) -> float:
-        """Volts for a sample of 1."""
         if self.level_unit == "dB re file":
-            return (self.volts_per_unit or 0.0) * peak_voltage_v(level)
-        return peak_voltage_v(level, self.level_unit) / float(np.abs(self._samples).max())
+            volts = (self.volts_per_unit or 0.0) * peak_voltage_v(level)
+        else:
+            volts = peak_voltage_v(level, self.level_unit) / float(np.abs(self._samples).max())
+        samples = ramped(volts * self._samples, self.ramp_s, self.rate_hz)
+        return Signal(samples[None, :], self.rate_hz, "V")
 
     @cached_property
     def _samples(self) -> FloatArray:

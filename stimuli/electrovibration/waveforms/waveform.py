@@ -75,10 +75,7 @@ class Ramped(Waveform):
 def peak_voltage_v(level: float, unit: LevelUnit = "dB re 1 V") -> float:
     """The peak voltage (V) of a level: ``10**(level/20)`` in decibel re 1 V peak, the level itself in volt.
 
-    Raises
-    ------
-    InvalidParameter
-        If the level is not finite or above `HIGHEST_V`, or a level in volt is negative.
+    Raises `InvalidParameter` if the level is not finite or above `HIGHEST_V`, or a level in volt is negative.
 
     >>> peak_voltage_v(20.0)
     10.0

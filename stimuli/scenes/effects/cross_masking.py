@@ -22,17 +22,14 @@ class CrossMasking(Effect):
     mask each other so is an unverified default: no source states it of a focus and friction. 0.52 is the slope of
     `Masking`, 13 dB by a masker of the same frequency at 25 dB.
 
+    Raises `InvalidParameter` if the target is another.
+
     Parameters
     ----------
     target : {"foci", "friction"}
         Stimulus that is felt: foci or friction. The other one masks it.
     slope : float
         Rise of the threshold per dB of the masker above its own threshold, above 0.
-
-    Raises
-    ------
-    InvalidParameter
-        If the target is another.
     """
 
     kind = "cross_masking"

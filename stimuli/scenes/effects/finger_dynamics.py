@@ -1,5 +1,6 @@
 """The finger pad as mass, spring and damper, which grow with the speed: exact motion, event-exact stick and slip."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import sqrt
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,12 @@ if TYPE_CHECKING:
     from ...arrays import FloatArray
     from ...electrovibration.motion.finger import Motion
     from ...electrovibration.motion.stick_slip import StickSlip
+
+OUTPUTS: Mapping[bool, Mapping[str, str]] = {
+    True: {"lateral_n": "friction_force_n", "stretch_m": "skin_displacement_m", "events_s": "slip_events_s"},
+    False: {"deflection_m": "skin_displacement_m"},  # in full slip friction knows no motion
+}
+"""Quantities by the name of their course, of a finger that sticks and of one that slides."""
 
 
 @dataclass(frozen=True)
@@ -65,22 +72,16 @@ class FingerDynamics(Effect):
             size=per_sample(500.0 if sticks else 250.0),
         )
         felt = spectrum_stage("skin_spectrum", "skin_displacement_m", "skin_components")
-        return (motion, *(_read(name, quantity) for name, quantity in _outputs(sticks)), felt)
+        read = f"{__name__}:read"
+        courses = [
+            Stage(quantity, ("motion",), quantity, read, {"name": name}) for name, quantity in OUTPUTS[sticks].items()
+        ]
+        return motion, *courses, felt
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         """The course itself, under the true area: what moves is no factor of the attraction."""
         *course, _ = (replace(stage, size=None) for stage in self.stages(scene))
         return *course, spectrum_of_record("skin_spectrum", "skin_displacement_m", "skin_components"), of_true_area()
-
-
-def _outputs(sticks: bool) -> tuple[tuple[str, str], ...]:
-    if sticks:
-        return (("lateral_n", "friction_force_n"), ("stretch_m", "skin_displacement_m"), ("events_s", "slip_events_s"))
-    return (("deflection_m", "skin_displacement_m"),)  # in full slip friction knows no motion
-
-
-def _read(name: str, quantity: str) -> Stage:
-    return Stage(quantity, ("motion",), quantity, f"{__name__}:read", {"name": name})
 
 
 def slide(*drive: Any, damping_n_s_per_m: float) -> "Motion":

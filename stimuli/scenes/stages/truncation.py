@@ -178,17 +178,12 @@ def at_rest(scene: Surroundings) -> list[FingerContact]:
 
 def places_m(scene: Surroundings) -> list[Place]:
     """Where they rest: without a place of their own, at the focus."""
-    return [_place(touch, scene.surface.focus_m) for touch in at_rest(scene)]
+    x_m, y_m = scene.surface.focus_m
+    return [(x_m if at.x_m is None else at.x_m, y_m if at.y_m is None else at.y_m) for at in at_rest(scene)]
 
 
 def check_on_plate(scene: Surroundings) -> None:
-    """Refuse a finger that rests beside the plate.
-
-    Raises
-    ------
-    InvalidParameter
-        At the first.
-    """
+    """Refuse a finger that rests beside the plate."""
     plate = scene.surface.plate
     for n, (x_m, y_m) in enumerate(places_m(scene)):
         if not plate.contains(x_m, y_m):
@@ -214,8 +209,3 @@ def farther(scene: Surroundings) -> float:
     """How much larger the focus is than what the plate does elsewhere, about."""
     surface = scene.surface
     return float((surface.plate.modal_density_s * surface.f_max_hz) ** 0.5)
-
-
-def _place(touch: FingerContact, focus_m: Place) -> Place:
-    at_x_m, at_y_m = focus_m
-    return at_x_m if touch.x_m is None else touch.x_m, at_y_m if touch.y_m is None else touch.y_m

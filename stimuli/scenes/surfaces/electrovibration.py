@@ -62,11 +62,6 @@ class Electrovibration(Surface):
     insulator_thickness_m, insulator_permittivity, corneum_thickness_m, corneum_permittivity : float
         As in `tactometry.stimuli.electrovibration.Skin`.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain.
-
     >>> Electrovibration(frequency_hz=240.0).given
     ('level_db_re_1v',)
     """

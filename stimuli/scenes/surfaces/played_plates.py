@@ -71,6 +71,8 @@ class PlayedPlate(Surface):
 class PlayedTimeReversal(PlayedPlate):
     """A plate under one finger.
 
+    Raises `InvalidParameter` if the finger is not on the plate.
+
     Parameters
     ----------
     setup : Setup
@@ -80,11 +82,6 @@ class PlayedTimeReversal(PlayedPlate):
         Place of the finger along the width. Default: at the focus.
     finger : Fingertip
         Whose contact force is told where no effect says that it loads the plate.
-
-    Raises
-    ------
-    InvalidParameter
-        If the finger is not on the plate.
 
     >>> PlayedTimeReversal().given
     ('signal', 'contact')
@@ -108,6 +105,8 @@ class PlayedTimeReversal(PlayedPlate):
 class PlayedFingers(PlayedPlate):
     """A plate under fingers, of which the one that feels most decides a detection, and all of them a localisation.
 
+    Raises `InvalidParameter` if a finger rests on no place, or two are nearer to each other than a fingertip is wide.
+
     Parameters
     ----------
     setup : Setup
@@ -117,11 +116,6 @@ class PlayedFingers(PlayedPlate):
         The places where a finger rests, a fingertip or more from each other; by default on every one.
     finger : Fingertip
         Whose contact force is told where no effect says that it loads the plate.
-
-    Raises
-    ------
-    InvalidParameter
-        If a finger rests on no place, or two are nearer to each other than a fingertip is wide.
 
     >>> PlayedFingers(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).names
     ('index', 'middle')

@@ -70,11 +70,6 @@ class TimeReversal(GlassPanel, Surface):
     inset_m : float
         Of the transducers' centres, from the edges.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its domain.
-
     >>> from tactometry.stimuli.scenes.scene import Scene
     >>> screen = TimeReversal(n_transducers=4, f_max_hz=10e3, flank_hz=1e3, rate_hz=50e3, reversal_s=2e-3)
     >>> peak_m = Scene(screen, (), ("peak_m",)).resolve().run({"voltage_v": 30.0})["peak_m"]

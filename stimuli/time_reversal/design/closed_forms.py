@@ -19,7 +19,6 @@ from tactometry.arguments.require import (
     at_most,
     between,
     not_negative_array,
-    positive,
     positive_array,
 )
 
@@ -106,16 +105,6 @@ def contrast_whole(room: Reverberation) -> float:
 
 
 @checked
-def contrast_temporal(room: Reverberation, start_s: NotNegative, stop_s: float) -> float:
-    """Amplitude over the rms at the focus point from `start_s` to `stop_s` after the focus, 0 <= start < stop."""
-    positive("contrast_temporal", **{"stop_s - start_s": stop_s - start_s})
-    decay = math.exp(-2 * start_s / room.tau_s) - math.exp(-2 * stop_s / room.tau_s)
-    share = decay / (2 * (stop_s - start_s) / room.tau_s)
-    q, kappa = room.n_channels, room.kurtosis
-    return math.sqrt(q * room.n_modes / (((kappa + 1) * (q + kappa) / 2 + room.absorption) * share))
-
-
-@checked
 def contrast_limit(room: Reverberation) -> float:
     """sqrt(N): what no number of transducers and no reversal time exceeds."""
     return math.sqrt(room.n_modes)
@@ -181,20 +170,6 @@ def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
 def half_wavelength_m(plate: Plate, f_mean_hz: PositiveArray, alpha: Positive = ALPHA) -> FloatArray:
     """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), 0.3 to 3.3 % above `resolution_m`."""
     return np.asarray(alpha * math.sqrt(plate.wave_constant_m2_per_s) / np.sqrt(np.asarray(f_mean_hz, float)))
-
-
-@checked
-def mistuned_amplitude_ratio(relative_shift: float, band: Band, tau_s: Positive) -> float:
-    """A(d) / A(0) when every frequency moves by 1 + d: the band's mean of 1 / (1 + (d w tau / 2)^2).
-
-    >>> round(mistuned_amplitude_ratio(1e-2, Band(0.0, 1e3), 1e-9), 6)
-    1.0
-    """
-    reach = abs(relative_shift) * math.pi * tau_s
-    low, high = reach * band.f_min_hz, reach * band.f_max_hz
-    if high - low < 1e-8:
-        return 1 / (1 + ((low + high) / 2) ** 2)
-    return (math.atan(high) - math.atan(low)) / (high - low)
 
 
 def _airy(x: FloatArray) -> FloatArray:

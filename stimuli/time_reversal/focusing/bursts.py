@@ -27,6 +27,8 @@ RESOLVED: Final = 0.02
 class Bursts:
     """Trains of bursts at one supply.
 
+    Raises `InvalidParameter` if one emission begins before the one before it is over.
+
     Parameters
     ----------
     bits : sequence of (n_channels, n_reversal) array
@@ -39,11 +41,6 @@ class Bursts:
         The point of each focus.
     supply_v : float
         Above 0.
-
-    Raises
-    ------
-    InvalidParameter
-        If one emission begins before the one before it is over.
 
     >>> h = Responses(np.array([[[1.0, 2.0, 4.0]]]), 1e3)
     >>> Bursts([np.ones((1, 3))], np.array([0]), h, [0], 30.0).drive(np.array([90.0])).samples
@@ -71,10 +68,7 @@ class Bursts:
     def drive(self, amplitudes_m: FloatArray) -> Signal:
         """The drive (V: the supply, its negative, and 0 where a channel is off) whose foci have these amplitudes.
 
-        Raises
-        ------
-        LimitExceeded
-            If no burst makes a focus to `RESOLVED`.
+        Raises `LimitExceeded` if no burst makes a focus to `RESOLVED`.
         """
         n_channels, n = self.bits[0].shape
         nearest_m = RESOLVED * float(np.abs(amplitudes_m).max())

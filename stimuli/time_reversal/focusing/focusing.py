@@ -62,7 +62,9 @@ def reversed_waveform(
     weight = np.ones(foci.n_points) if weights is None else np.asarray(weights, float)
     if weight.shape != (foci.n_points,) or not np.isfinite(weight).all():
         raise InvalidParameter(f"weights: found {weights}, expected {foci.n_points} finite numbers, one per focus")
-    learnt = np.einsum("p,pqn->qn", weight, foci.samples[:, :, :n]) * _window(window, n)
+    shape = np.ones(n) if window is None else np.asarray(window, float)
+    expect(shape.shape == (n,), "window", f"shape {shape.shape}", f"({n},)")
+    learnt = np.einsum("p,pqn->qn", weight, foci.samples[:, :, :n]) * shape
     if n and not learnt.any():
         raise InvalidParameter(
             "foci: found responses that are zero everywhere, expected a focus that some transducer can move "
@@ -129,13 +131,6 @@ def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
 def focus_amplitude(signal: Signal, responses: Responses, point: int = 0) -> float:
     """One point at the focus instant."""
     return float(focus_amplitudes(signal, responses.at_point(point))[0])
-
-
-def _window(window: FloatArray | None, n: int) -> FloatArray:
-    if window is None:
-        return np.ones(n)
-    expect(np.shape(window) == (n,), "window", f"shape {np.shape(window)}", f"({n},)")
-    return np.asarray(window, float)
 
 
 def _same_channels(signal: Signal, responses: Responses) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Matrix, NotNegative, Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import ascending, between, expect, not_negative, one_of, positive, whole, within
+from tactometry.arguments.require import ascending, between, expect, not_negative, one_of, positive, whole
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
@@ -32,21 +32,6 @@ HALF: float = 0.5
 def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
     """|A| over the rms of the field on the whole plate at the focus instant."""
     return _ratio(amplitude_m, field_m)
-
-
-@checked
-def contrast_temporal_of(
-    signal_m: Vector, focus_sample: int, rate_hz: Positive, start_s: float, stop_s: float
-) -> float:
-    """|A| over the rms at the focus point from `start_s` to `stop_s` after the focus."""
-    within("contrast_temporal_of", 0, len(signal_m) - 1, focus_sample=focus_sample)
-    first, last = (focus_sample + round(t * rate_hz) for t in (start_s, stop_s))
-    if not 0 <= first < last <= len(signal_m):
-        raise InvalidParameter(
-            f"start_s, stop_s: found {start_s} and {stop_s}, expected a window inside of the signal of "
-            f"{len(signal_m) / rate_hz} s"
-        )
-    return _ratio(float(signal_m[focus_sample]), signal_m[first:last])
 
 
 @checked

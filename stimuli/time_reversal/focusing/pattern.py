@@ -174,6 +174,8 @@ def pattern_drive(
 ) -> Signal:
     """The drive of a pattern; focus k comes at sample ``focus_samples(...)[k]``.
 
+    Raises `InvalidParameter` if the path does not fit, or burst modulation has no tau.
+
     Parameters
     ----------
     foci : Responses
@@ -185,11 +187,6 @@ def pattern_drive(
         emission to reach the weight by 1 - exp(-T / tau), which needs `tau_s`. Where drives overlap (T
         above the repetition time) the sum is quantised anew, so that the voltage is kept (that of the largest
         weight under way), and the foci lose the repetition penalty.
-
-    Raises
-    ------
-    InvalidParameter
-        If the path does not fit, or burst modulation has no tau.
     """
     one_of("pattern_drive.modulation", modulation, MODULATIONS)
     rows = [0] * pattern.n_foci if path is None else list(path)

@@ -16,6 +16,9 @@ from ...composition.effect import Quantity
 class SigmaDelta(Quantity):
     """One bit per sample whose quantisation noise is pushed to high frequencies.
 
+    Raises `InvalidParameter` from the constructor, if the order or scale is not as stated; `LimitExceeded` from
+    `quantise`, if the modulator overloads: nothing is emitted.
+
     Parameters
     ----------
     order : int
@@ -23,13 +26,6 @@ class SigmaDelta(Quantity):
     scale : float
         Peak of the modulator's input, above 0; 0.7 keeps the second order stable up to a 20th of
         the rate, and up to 1 the first.
-
-    Raises
-    ------
-    InvalidParameter
-        From the constructor, if the order or scale is not as stated.
-    LimitExceeded
-        From `quantise`, if the modulator overloads: nothing is emitted.
     """
 
     kind, slot, gives = "sigma_delta", "quantiser", "quantiser"

@@ -162,17 +162,14 @@ def _upper_half(a: NDArray[np.floating]) -> FloatArray:
     return np.asarray(shifted - (shifted - a))
 
 
-def _rates(modes: Oscillators) -> tuple[FloatArray, FloatArray]:
-    """The slow rate and the distance to the fast one."""
-    w = modes.split_rad_per_s
-    fast = modes.decay_per_s + w
-    slow = np.divide(modes.omega_rad_per_s**2, fast, out=np.zeros_like(fast), where=fast > 0)
-    return slow[:, None], 2 * w[:, None]
-
-
 def _creeping(modes: Oscillators, time_s: FloatArray, quantity: str) -> FloatArray:
     """(n, n_times): the response of modes that do not oscillate."""
-    slow, distance = _rates(modes)
+    # the slow rate, and its distance to the fast one
+    split = modes.split_rad_per_s
+    fast = modes.decay_per_s + split
+    slow = np.divide(modes.omega_rad_per_s**2, fast, out=np.zeros_like(fast), where=fast > 0)[:, None]
+    distance = 2 * split[:, None]
+
     x = distance * time_s
     ratio = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)
     decayed, ramp = np.exp(-slow * time_s), np.asarray(time_s * ratio)

@@ -48,11 +48,6 @@ class Plate:
     boundary : str
         Four letters, S (simply supported), C (clamped) or F (free), for x = 0, y = 0, x = length, y = width.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its range.
-
     >>> plate = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
     >>> [round(float(f), 1) for f in plate.frequencies_hz(300.0)]
     [92.8, 185.5, 278.3]
@@ -135,10 +130,7 @@ class Plate:
     def frequencies_hz(self, f_max_hz: float) -> FloatArray:
         """Sorted natural frequencies (Kirchhoff) up to `f_max_hz`; rigid-body modes are 0 Hz.
 
-        Raises
-        ------
-        InvalidParameter
-            If `f_max_hz` is not above 0 or asks for more modes than one solution can hold.
+        Raises `InvalidParameter` if `f_max_hz` is not above 0 or asks for more modes than one solution can hold.
         """
         if self.boundary == "SSSS":
             return self.wave_constant_m2_per_s * navier(self, f_max_hz).wavenumber2_per_m2 / (2 * math.pi)

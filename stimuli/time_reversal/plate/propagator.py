@@ -64,17 +64,12 @@ def _phi(z: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     safe = np.where(small, 1.0, z)
     one = np.expm1(safe) / safe
     two = (one - 1) / safe  # near 0 a difference of near equals: there the series, from which `one` follows
-    two[small] = _phi_2(z[small])
+    series = np.ones(np.count_nonzero(small), np.complex128)  # 1/2! + z/3! + z^2/4! + ...
+    for k in range(17, 2, -1):
+        series = 1.0 + z[small] / k * series
+    two[small] = series / 2
     one[small] = 1 + z[small] * two[small]
     return one, two
-
-
-def _phi_2(z: ComplexArray) -> ComplexArray:
-    """1/2! + z/3! + z^2/4! + ..."""
-    total = np.ones(z.shape, np.complex128)
-    for k in range(17, 2, -1):
-        total = 1.0 + z / k * total
-    return np.divide(total, 2)
 
 
 def _pole_weights(pole: ComplexArray, step_s: float) -> ComplexArray:

@@ -182,19 +182,15 @@ def _admissible(function: FloatArray, slope: FloatArray, curvature: FloatArray, 
     value_at, slope_at = function @ ends, slope @ ends
     conditions = [value_at[:, i] for i in (0, 1) if edges[i] in "SC"]
     conditions += [slope_at[:, i] for i in (0, 1) if edges[i] == "C"]
-    free = _null_rows(np.array(conditions).reshape(-1, len(function)))
+    free = np.eye(len(function))
+    if conditions:
+        _, singular, rows = np.linalg.svd(np.array(conditions))
+        free = rows[int(np.sum(singular > 1e-9 * singular.max())) :]
     bent = free @ curvature
     stiffness, turn = np.linalg.eigh(bent @ bent.T)
     # straight functions have no bending stiffness to be scaled by
     scale = np.where(stiffness > 1e-9, 1 / np.sqrt(np.maximum(stiffness, 1e-9)), 1.0)
     return scale[:, None] * (turn.T @ free)
-
-
-def _null_rows(conditions: FloatArray) -> FloatArray:
-    if conditions.size == 0:
-        return np.eye(conditions.shape[1])
-    _, singular, rows = np.linalg.svd(conditions)
-    return rows[int(np.sum(singular > 1e-9 * singular.max())) :]
 
 
 @dataclass(frozen=True)

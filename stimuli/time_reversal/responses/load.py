@@ -219,14 +219,6 @@ def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: 
 
 
 @checked
-def loaded_receptance(
-    receptances: Receptances, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex
-) -> ComplexArray:
-    """(n_to, n_of, n_frequencies): receptances of the plate that bears contacts; see `Receptances`."""
-    return receptances.between(to, of) - receptances.correction(to, of, at, stiffness)
-
-
-@checked
 def loaded_responses(
     screen: Screen,
     points: Sequence[Point],
@@ -253,7 +245,11 @@ def loaded_responses(
     free = impulse_responses(screen, points, rate_hz=rate_hz, duration_s=duration_s, f_max_hz=f_max_hz)
     if not loads or free.n_samples == 0:
         return free
-    _check_pins(loads)
+    points_loaded = [load for load in loads if isinstance(load, PlateLoad)]
+    pins = [(load.x_m, load.y_m) for load in points_loaded if math.isinf(load.stiffness_n_per_m)]
+    if len(set(pins)) < len(pins):
+        raise InvalidParameter(COINCIDENT_PINS)
+
     s, growth, n_fft = contour(free.n_samples, rate_hz)
     receptances = Receptances.of(screen.oscillators(f_max_hz), screen.plate.mass_kg, s)
     at = np.stack([load.weights(screen, f_max_hz) for load in loads], axis=1)
@@ -272,13 +268,6 @@ def contour(n_samples: int, rate_hz: Positive) -> tuple[ComplexArray, FloatArray
     shift = -math.log(WRAP_AROUND) * rate_hz / n_fft  # sigma, by which exp(-sigma t) falls to that in one period
     s = np.asarray(shift + 2j * np.pi * np.fft.rfftfreq(n_fft, 1 / rate_hz), complex)
     return s, np.asarray(np.exp(shift * np.arange(n_samples) / rate_hz), float), n_fft
-
-
-def _check_pins(loads: Sequence[Attached]) -> None:
-    points = [load for load in loads if isinstance(load, PlateLoad)]
-    pins = [(load.x_m, load.y_m) for load in points if math.isinf(load.stiffness_n_per_m)]
-    if len(set(pins)) < len(pins):
-        raise InvalidParameter(COINCIDENT_PINS)
 
 
 def _balance(stiffness: ComplexArray, size: FloatArray) -> tuple[ComplexArray, ComplexArray]:

@@ -152,18 +152,6 @@ def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> MeasuredCon
 
 
 @checked
-def rigidity_ratio_from_dispersion(frequency_hz: ArrayLike, wavenumber_rad_per_m: ArrayLike) -> MeasuredConstant:
-    """D / rho_s (m^4/s^2) from wavenumbers at frequencies: omega^2 / k^4 of each, averaged in logarithm.
-
-    >>> k = np.array([50.0, 100.0, 200.0])
-    >>> round(rigidity_ratio_from_dispersion(1.7 * k**2 / (2 * np.pi), k).value, 9)
-    2.89
-    """
-    f, k = _pairs("frequency_hz", frequency_hz, wavenumber_rad_per_m)
-    return _geometric(np.log((2 * np.pi * f) ** 2 / k**4))
-
-
-@checked
 def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> MeasuredConstant:
     """D / rho_s from measured modal frequencies, assigned to the modes of a plate that is known but for its glass.
 
@@ -220,10 +208,3 @@ def _nearest(measured: FloatArray, model: FloatArray) -> FloatArray:
 def _geometric(logarithms: FloatArray) -> MeasuredConstant:
     inside = mean_estimate(logarithms)
     return MeasuredConstant(*(float(np.exp(logarithm)) for logarithm in (inside.value, inside.low, inside.high)))
-
-
-def _pairs(name: str, first: ArrayLike, second: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    a, b = np.asarray(first, float), np.asarray(second, float)
-    if a.shape != b.shape or a.ndim != 1 or len(a) == 0 or not ((a > 0).all() and (b > 0).all()):
-        raise InvalidParameter(f"{name}: found shapes {a.shape} and {b.shape}, expected two lists of numbers above 0")
-    return a, b

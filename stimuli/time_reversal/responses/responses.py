@@ -100,6 +100,9 @@ def impulse_responses(
     A unit sample is an impulse of area 1 / rate. All pairs of point and channel are summed at once, chunk by
     chunk of time; see `modal_sum`.
 
+    Raises `InvalidParameter` if a point or a transducer is outside, there is none, `f_max_hz` is above the Nyquist
+    frequency, or `static_to_hz` does not fit.
+
     Parameters
     ----------
     screen : Screen
@@ -111,12 +114,6 @@ def impulse_responses(
     static_to_hz : float, optional
         Above `f_max_hz`: the modes between the two follow at once, without inertia, which puts their static compliance
         on sample 0 (displacement only). Up to half of `f_max_hz` they do better than three times as many modes.
-
-    Raises
-    ------
-    InvalidParameter
-        If a point or a transducer is outside, there is none, `f_max_hz` is above the Nyquist frequency, or
-        `static_to_hz` does not fit.
 
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> h = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=50e3, duration_s=1e-3, f_max_hz=10e3)
@@ -208,10 +205,7 @@ def through(responses: Responses, gain: GainCurve) -> Responses:
 def band_limited(responses: Responses, band: Band) -> Responses:
     """The responses within a band.
 
-    Raises
-    ------
-    InvalidParameter
-        If the band reaches above the Nyquist frequency.
+    Raises `InvalidParameter` if the band reaches above the Nyquist frequency.
     """
     if 2 * band.f_max_hz > responses.rate_hz * (1 + 1e-12):
         raise InvalidParameter(

@@ -23,7 +23,6 @@ from ..focusing.pattern import (
     ENVELOPES,
     MODULATIONS,
     PATTERNS,
-    Envelope,
     EnvelopeName,
     Pattern,
     Table,
@@ -114,12 +113,8 @@ class TimeReversalStimulus:
     def at(self, level: float) -> Signal:
         """The drive (V) whose largest focus has this amplitude.
 
-        Raises
-        ------
-        InvalidParameter
-            If the amplitude is not above 0.
-        LimitExceeded
-            If it needs more than `voltage_max_v`, or no burst at `supply_v` makes it.
+        Raises `InvalidParameter` if the amplitude is not above 0; `LimitExceeded` if it needs more than
+        `voltage_max_v`, or no burst at `supply_v` makes it.
         """
         if self.supply_v is not None:
             return self._at_supply(level)
@@ -274,21 +269,14 @@ class FocusTrain:
     def foci(self) -> Pattern:
         """The pattern after replacement."""
         named = PATTERNS[self.pattern]
-        return Pattern(
-            self.repetition_hz or named.repetition_hz,
-            self.train_s or named.duration_s,
-            self._shape or named.envelope,
-        )
+        envelope = named.envelope if self.envelope is None else ENVELOPES[self.envelope]
+        if self.envelope_table is not None:
+            envelope = Table(self.envelope_table)
+        return Pattern(self.repetition_hz or named.repetition_hz, self.train_s or named.duration_s, envelope)
 
     def heard(self, learnt: Responses | None = None) -> Responses:
         """What the place of the focus does: of the model, or as it was learnt there."""
         return self.setup.responses_at(*self.setup.focus_m) if learnt is None else learnt
-
-    @property
-    def _shape(self) -> Envelope | None:
-        if self.envelope_table is not None:
-            return Table(self.envelope_table)
-        return None if self.envelope is None else ENVELOPES[self.envelope]
 
     @property
     def emission_s(self) -> float:
@@ -301,12 +289,8 @@ class FocusTrain:
     def at(self, level: float) -> Signal:
         """The drive (V), one channel per transducer, whose largest focus has this unloaded amplitude.
 
-        Raises
-        ------
-        InvalidParameter
-            If the level is not finite or not above 0 m.
-        LimitExceeded
-            If it needs more than `voltage_max_v`, or no burst at `supply_v` makes it.
+        Raises `InvalidParameter` if the level is not finite or not above 0 m; `LimitExceeded` if it needs more than
+        `voltage_max_v`, or no burst at `supply_v` makes it.
         """
         return _family(self).at(level)
 

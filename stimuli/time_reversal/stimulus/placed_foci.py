@@ -52,6 +52,8 @@ class PlacedFoci(FocusTrain):
     Foci at once come from one drive, whose waveform is the sum of the reversed responses of their places: each is
     heard at the others (crosstalk), by the physics of the plate.
 
+    Raises `InvalidParameter` if a place is not on the plate, two are at one point, or `place` names what is none.
+
     Parameters
     ----------
     places : mapping of str to Place
@@ -62,11 +64,6 @@ class PlacedFoci(FocusTrain):
         As in `FocusTrain`.
     envelope, train_s, envelope_table, modulation, supply_v
         As in `FocusTrain`.
-
-    Raises
-    ------
-    InvalidParameter
-        If a place is not on the plate, two are at one point, or `place` names what is none.
 
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> places = {"index": Place(0.10), "middle": Place(0.13)}
@@ -149,6 +146,8 @@ class FingersSensation:
     Each finger feels the field of all foci under it, by the amplitude of the free plate: that fingers do not damp what
     others feel is an unverified simplification, which the effect `finger_load` of a scene does without.
 
+    Raises `InvalidParameter` if a finger rests on no place, or two are nearer to each other than a fingertip is wide.
+
     Parameters
     ----------
     setup, places
@@ -157,11 +156,6 @@ class FingersSensation:
         The places where a finger rests, `FINGER_DIAMETER_M` or more from each other; by default on every one.
     reference_m : float
         Amplitude of a single focus at the detection threshold; unverified default.
-
-    Raises
-    ------
-    InvalidParameter
-        If a finger rests on no place, or two are nearer to each other than a fingertip is wide.
 
     >>> FingersSensation(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).reference_m
     1e-05

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...arguments.constraints import NotNegative, Positive, constrained
 from ...arguments.require import at_most, expect
 from ...errors import DeviceFailed
-from ...followed import Course, FollowedSignal
+from ...position_dependent import FollowedSignal, PlayedPath
 from ...signal import Signal
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
@@ -86,7 +86,7 @@ class AudioSettings:
 
 
 class AudioOutput(AmplifiedDriver):
-    """An output stream that runs as long as the output is open: zeros, and the frames of one signal at a time."""
+    """An output stream that runs while the output is open: zeros, or the frames of one signal."""
 
     follows = True
 
@@ -95,7 +95,7 @@ class AudioOutput(AmplifiedDriver):
         self._settings = settings
         self._stream: Any = None
         self._device: str | None = None
-        self._course: FrameFeed | None = None
+        self._feed: FrameFeed | None = None
         self._n_frames, self._dry = 0, DryRuns(settings.latency_s)
         self._clocks = ClockMap()
         self._numbers = functools.lru_cache(maxsize=1)(self._round_to_zero)
@@ -117,7 +117,7 @@ class AudioOutput(AmplifiedDriver):
 
     @property
     def stop_delay_s(self) -> float:
-        """What is buffered, a block and the fade; an open card says how much it buffers, and how far it led of late."""
+        """Buffered audio, a block and the fade; an open card reports its latency and recent leads."""
         latency_s = 0.0 if self._stream is None else self._stream.latency
         buffered_s = max(self._settings.latency_s, latency_s, *list(self._dry.leads_s))
         return buffered_s + self._settings.block_s + self.fall_s
@@ -129,8 +129,8 @@ class AudioOutput(AmplifiedDriver):
     def open(self) -> None:
         """Claim the card and play zeros.
 
-        Raises `DeviceFailed` if there is no PortAudio or no such device, it does not take the channels or the rate, or
-        other programs share it and nobody said that they may.
+        Raises `DeviceFailed` if PortAudio or the device is missing, the format is refused, or other programs share the
+        card and `shared` is not set.
         """
         sounddevice, settings = library(), self._settings
         if not settings.shared:
@@ -160,7 +160,7 @@ class AudioOutput(AmplifiedDriver):
         return self._gain.to_volts(self._numbers(signal).astype(np.float64) / full_scale, signal.rate_hz)
 
     def _round_to_zero(self, signal: Signal) -> NDArray[np.generic]:
-        """Rounded towards zero, so that no limit is passed by rounding."""
+        """Round towards zero, so that rounding passes no limit."""
         units = self._gain.to_units(signal)
         kind = np.dtype(self._settings.sample_format)
         if kind.kind == "i":
@@ -174,79 +174,76 @@ class AudioOutput(AmplifiedDriver):
         if self._stream is None or not self._stream.active:
             raise DeviceFailed(f"output {self.name!r}: it is not open, or stopped by itself; nothing was played")
         n_fade = max(1, round(FADE_S * self.rate_hz))
-        frames = self._frames(self._numbers(signal))
+        numbers, channels = self._numbers(signal), self._settings.channels
+        frames = np.zeros((numbers.shape[1], max(channels) + 1), numbers.dtype)
+        frames[:, list(channels)] = numbers.T
         if isinstance(signal, FollowedSignal):
-            course: FrameFeed = FollowingFeed(frames, n_fade, signal, self._position_latency_s())
+            feed: FrameFeed = FollowingFeed(frames, n_fade, signal, self._position_latency_s())
         else:
-            course = FrameFeed(frames, n_fade)
-        if self._course is not None and not self._course.finished:
-            self._course.stop()
-            if not self._course.ended.wait(LONGEST_START_S):
+            feed = FrameFeed(frames, n_fade)
+        if self._feed is not None and not self._feed.finished:
+            self._feed.stop()
+            if not self._feed.ended.wait(LONGEST_START_S):
                 raise self._silent()
-        self._course = course
-        if signal.samples.size and not course.begun.wait(LONGEST_START_S):
-            course.stop()
+        self._feed = feed
+        if signal.samples.size and not feed.begun.wait(LONGEST_START_S):
+            feed.stop()
             raise self._silent()
-        return course.onset_s
+        return feed.onset_s
 
     def _position_latency_s(self) -> float:
-        """From a place of the finger to the voltage that answers it: the card's longest lead of late covers the bursts
-        in which a sound server asks for blocks."""
+        """Time from a finger position to the voltage that answers it; the longest recent lead covers bursts of a sound
+        server.
+        """
         stated_s, longest_lead_s = self._settings.position_latency_s, max(list(self._dry.leads_s), default=0.0)
         return longest_lead_s + self._settings.block_s + POSITION_AGE_S if stated_s is None else stated_s
 
-    def course(self) -> Course | None:
-        feed = self._course
+    def played_path(self) -> PlayedPath | None:
+        feed = self._feed
         if not isinstance(feed, FollowingFeed):
             return None
         feed.ended.wait(LONGEST_START_S)
         numbers = feed.frames()[:, list(self._settings.channels)].T
         full_scale = FULL_SCALE[self._settings.sample_format]
         volts = self._gain.to_volts(numbers.astype(np.float64) / full_scale, self.rate_hz)
-        return Course(volts, feed.latency_s, feed.late, feed.unknown)
+        return PlayedPath(volts, feed.latency_s, feed.late, feed.unknown)
 
     def _silent(self) -> DeviceFailed:
         return DeviceFailed(f"output {self.name!r}: the device asked for no samples in {LONGEST_START_S:g} s")
 
-    def _frames(self, numbers: NDArray[np.generic]) -> NDArray[np.generic]:
-        channels = self._settings.channels
-        frames = np.zeros((numbers.shape[1], max(channels) + 1), numbers.dtype)
-        frames[:, list(channels)] = numbers.T
-        return frames
-
     def _fill(self, out: NDArray[np.generic], n_frames: int, times: Any, status: Any) -> None:
         now_s = time.perf_counter()
-        course = self._course  # read once: `play` puts another in its place while this runs in PortAudio's thread
+        feed = self._feed  # read once: `play` puts another in its place while this runs in PortAudio's thread
         lead_s = max(0.0, times.outputBufferDacTime - times.currentTime)
         block_s = n_frames / self.rate_hz
         underflow = bool(status.output_underflow)
         gap_s = self._dry.after(now_s=now_s, lead_s=lead_s, block_s=block_s, underflow=underflow)
-        if course is not None and gap_s is not None:
-            course.n_gaps += course.is_torn_by(gap_s, self.rate_hz)
+        if feed is not None and gap_s is not None:
+            feed.n_gaps += feed.is_torn_by(gap_s, self.rate_hz)
         self._clocks = self._clocks.after(self._n_frames / self.rate_hz, now_s)
         self._n_frames += n_frames
         out[:] = 0  # before and after a signal, and behind its last frame
-        if course is None or course.finished:
+        if feed is None or feed.finished:
             return
-        if not course.begun.is_set():
-            course.n_gaps += self._dry.is_dry  # its first frames are lost in the gap before it
-            course.begin(now_s, lead_s)
+        if not feed.begun.is_set():
+            feed.n_gaps += self._dry.is_dry  # its first frames are lost in the gap before it
+            feed.begin(now_s, lead_s)
         # a device whose lead is not known plays up to `latency_s` behind its first block
-        course.give_up_if_late(self.rate_hz, FADE_S + (0.0 if self._dry.has_lead else self._settings.latency_s))
-        piece = course.take(n_frames)
+        feed.give_up_if_late(self.rate_hz, FADE_S + (0.0 if self._dry.has_lead else self._settings.latency_s))
+        piece = feed.take(n_frames)
         out[: len(piece)] = piece
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int:
-        """Gaps since the last signal began, up to its end; one that lasts now is one."""
-        course = self._course
-        if course is None:
+        """Return gaps since the last signal began, up to its end; a current gap counts."""
+        feed = self._feed
+        if feed is None:
             return 0
-        lasts = not self._asks_within(longest_wait_s) and course.is_torn_by(self._dry.dry_s, self.rate_hz)
+        lasts = not self._asks_within(longest_wait_s) and feed.is_torn_by(self._dry.dry_s, self.rate_hz)
         # frames that are late were held up by a gap: by one that nobody told of, if there is no other
-        return course.n_gaps + lasts or int(course.is_late(time.perf_counter(), self.rate_hz))
+        return feed.n_gaps + lasts or int(feed.is_late(time.perf_counter(), self.rate_hz))
 
     def _asks_within(self, longest_s: float) -> bool:
-        """Whether the device asks for samples; not waited for if `longest_s` is 0."""
+        """Return True if the device asks for samples in time; 0 does not wait."""
         n_frames, end_s = self._n_frames, time.perf_counter() + longest_s
         while longest_s and self._n_frames == n_frames:
             if time.perf_counter() > end_s:
@@ -255,8 +252,8 @@ class AudioOutput(AmplifiedDriver):
         return True
 
     def stop(self) -> None:
-        if self._course is not None:
-            self._course.stop()
+        if self._feed is not None:
+            self._feed.stop()
 
     def close(self) -> None:
         stream, self._stream = self._stream, None
@@ -265,7 +262,7 @@ class AudioOutput(AmplifiedDriver):
 
 
 def _check_own(sounddevice: Any, device: str) -> None:
-    """Refuse a device that other programs play to as well; one that is not there is refused as it is opened."""
+    """Refuse a device that other programs share; a missing one is refused when it is opened."""
     try:
         card = sounddevice.query_devices(device, "output")
         interface = str(sounddevice.query_hostapis(card["hostapi"])["name"])
@@ -294,10 +291,9 @@ def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
 
 
 def system_volume(device: str) -> float | None:
-    """The volume of the sink that a device leads to, 1 for 100 % and 0 where it is muted.
+    """Return the volume of a device's sink, 1 for 100 % and 0 if muted; None if unknown.
 
-    None where no sound server is between, or where its volume cannot be read: a card's own mixer, macOS and Windows
-    are not read. Of several channels the loudest counts.
+    Only PulseAudio and PipeWire are read; of several channels the loudest counts.
     """
     if device not in SERVERS:
         return None
@@ -310,7 +306,7 @@ def system_volume(device: str) -> float | None:
 
 
 def _volume_of(sink: Any) -> float:
-    """The volume of a sink as ``pactl`` describes it.
+    """Return the volume of a sink as ``pactl`` describes it.
 
     >>> _volume_of({"mute": False, "volume": {"left": {"value": 65536}, "right": {"value": 32768}}})
     1.0

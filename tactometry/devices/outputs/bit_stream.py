@@ -46,7 +46,7 @@ _STREAM: Final = "packed stream"
 
 
 def word_bytes(n_channels: int) -> int:
-    """Bytes of a word, a bit for each channel.
+    """Return the bytes of a word with a bit for each channel.
 
     >>> word_bytes(32), word_bytes(33)
     (4, 5)
@@ -55,7 +55,7 @@ def word_bytes(n_channels: int) -> int:
 
 
 def encode(signal: Signal) -> bytes:
-    """A signal of +V, -V and 0 (off) as a stream; a signal of no samples is "stop".
+    """Encode a signal of +V, -V and 0 (off); a signal of no samples is "stop".
 
     Raises `InvalidParameter` if a sample is neither +V, -V nor 0 for one V, the peak, or all of them are 0.
 
@@ -82,9 +82,9 @@ def encode(signal: Signal) -> bytes:
 
 
 def decode(stream: bytes) -> Signal:
-    """The signal of a stream, bit by bit; 0 where a channel is off.
+    """Decode the signal of a stream; 0 where a channel is off.
 
-    Raises `InvalidParameter` if it is no stream, or was damaged.
+    Raises `InvalidParameter` if it is no stream, or is damaged.
     """
     n_words, n_channels, rate_hz, voltage_v, n_samples, checksum = _read_header(stream)
     payload = stream[HEADER_BYTES:]
@@ -98,7 +98,7 @@ def decode(stream: bytes) -> Signal:
 
 
 def stop_stream(n_channels: int, rate_hz: float) -> bytes:
-    """A stream of no samples: outputs off."""
+    """Return the stream of no samples, which switches outputs off."""
     return encode(Signal(np.zeros((n_channels, 0)), rate_hz, "V"))
 
 

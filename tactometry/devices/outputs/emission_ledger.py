@@ -1,7 +1,7 @@
-"""What each output of the computer emitted of late, whatever session, data set or command played it.
+"""Ledger of what each output of the computer emitted, across sessions and processes.
 
-One SQLite database of the user's account serves all processes: it has the locks, and a process that is killed leaves
-it whole. A row is written before its signal begins, so that a process that is killed has counted it.
+It is a SQLite database of the user's account, whose locks serve all processes. A row is written before its signal
+begins, so that it counts even if the process is killed.
 """
 
 import math
@@ -33,7 +33,7 @@ _TABLE: Final = (
 
 
 def default_path() -> Path:
-    """Path of the database, in the folder where programs of this account keep their state."""
+    """Return the path of the database in the account's state folder."""
     import platformdirs  # only where an output is opened
 
     return platformdirs.user_state_path("tactometry", appauthor=False) / NAME
@@ -41,7 +41,7 @@ def default_path() -> Path:
 
 @dataclass(frozen=True)
 class Moment:
-    """A time on the clock since the start of the computer, and on the wall clock.
+    """A time on the clock since boot and on the wall clock.
 
     >>> played = Moment("monday", boot_s=100.0, utc_s=1000.0)
     >>> played.ago_s(Moment("monday", boot_s=103.0, utc_s=5000.0))  # the wall clock was set ahead
@@ -61,21 +61,14 @@ class Moment:
         return cls(boot_id(), boot_clock_s(), time.time())
 
     def ago_s(self, now: "Moment") -> float:
-        """How long ago it was, s: on the clock of this start of the computer, or else at least since the start.
-
-        Where a start has no name, a time that this start has already passed counts as one of it. It is never older
-        than that.
-        """
+        """Return the elapsed time, s: by the clock since boot, or else at least the time since boot."""
         if self.boot_id == now.boot_id and self.boot_s <= now.boot_s:
             return now.boot_s - self.boot_s
         return max(now.utc_s - self.utc_s, now.boot_s)
 
 
 class Ledger:
-    """The emissions of one output, from `open` on.
-
-    - `path`: Of the database, which is made with its folder.
-    """
+    """The emissions of one output, from `open` on, in the database at `path`."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._output, self._opened = path, "", ""
@@ -84,7 +77,7 @@ class Ledger:
         self._last: tuple[int, Moment, float] | None = None
 
     def open(self, output: str) -> None:
-        """Begin to count what `output` emits; rows that no window of a limit reaches are deleted."""
+        """Begin to count an output; rows beyond every limit's window are deleted."""
         make_folder(self._path.parent)
         self._output, self._opened, self._last = output, uuid.uuid4().hex, None
         with self._turn, self._connected() as database:
@@ -101,15 +94,14 @@ class Ledger:
     def add(self, duration_s: float, allow: Callable[[Emissions], None]) -> None:
         """Count a signal of `duration_s` that is about to begin.
 
-        `allow` is called with what was emitted before the ledger was opened, or by another process; nothing is
-        counted if it raises.
-
-        Raises `DeviceFailed` if the database cannot be written or is damaged; nothing was counted.
+        `allow` gets what other openings or processes emitted; nothing is counted if it raises. Raises `DeviceFailed` if
+        the database cannot be written or is damaged.
         """
         with self._turn:
             with self._connected() as database:
                 now = Moment.now()
-                allow(self._of_others(database, now))
+                others = _rows(database, "output = ? AND opened != ?", self._output, self._opened)
+                allow(tuple((begin.ago_s(now), lasted_s) for _, begin, lasted_s in others))
                 self._shorten(database, now)  # the new signal replaces it
                 row = (self._output, self._opened, now.boot_id, now.boot_s, now.utc_s, duration_s)
                 columns = "output, opened, boot_id, boot_s, utc_s, duration_s"
@@ -118,9 +110,9 @@ class Ledger:
             self._last = (added.lastrowid or 0, now, duration_s)
 
     def end(self, late_s: float) -> None:
-        """Shorten the last signal to now, and `late_s` for what the device has buffered.
+        """Shorten the last signal to now plus `late_s`, which the device has buffered.
 
-        The whole signal counts where the database cannot be written.
+        The whole signal counts if the database cannot be written.
         """
         with suppress(DeviceFailed), self._turn:
             if self._last is not None:
@@ -140,13 +132,9 @@ class Ledger:
                 self._database.close()
             self._database = None
 
-    def _of_others(self, database: sqlite3.Connection, now: Moment) -> Emissions:
-        rows = _rows(database, "output = ? AND opened != ?", self._output, self._opened)
-        return tuple((begin.ago_s(now), duration_s) for _, begin, duration_s in rows)
-
     @contextmanager
     def _connected(self) -> Iterator[sqlite3.Connection]:
-        """One transaction, which no other process gets into."""
+        """Open one exclusive transaction."""
         try:
             if self._database is None:
                 self._database = self._connect()
@@ -172,9 +160,9 @@ class Ledger:
 
 
 def _rows(database: sqlite3.Connection, where: str, *values: str) -> list[tuple[int, Moment, float]]:
-    """Return id, begin and duration of each row that meets a condition.
+    """Return id, begin and duration of the rows that meet a condition.
 
-    Raises `sqlite3.DatabaseError` if a row has something else than finite numbers, which SQLite keeps in any column.
+    Raises `sqlite3.DatabaseError` unless all are finite numbers.
     """
     query = f"SELECT id, duration_s, boot_s, utc_s, boot_id FROM emissions WHERE {where}"
     rows = database.execute(query, values).fetchall()

@@ -3,7 +3,7 @@
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -43,7 +43,7 @@ class FileSettings:
 
 
 class FileOutput(UnconnectedDriver):
-    """Writes each signal to a file of its own and never over another."""
+    """Writes each signal to a new file."""
 
     def __init__(self, settings: FileSettings) -> None:
         self.name = f"file {settings.folder}"
@@ -73,16 +73,22 @@ class FileOutput(UnconnectedDriver):
     def play(self, signal: Signal) -> float:
         onset_s = time.perf_counter()
         path = self._folder / f"{self._n_written + 1:04d}.{self._format}"
+        signal = self.final(signal)
         with attempt(path, "cannot write", "a new file"), path.open("xb") as file:
-            _WRITERS[self._format](file, self.final(signal))
+            if self._format == "wav":
+                from scipy.io import wavfile
+
+                wavfile.write(file, round(signal.rate_hz), np.ascontiguousarray(signal.samples.T))
+            else:
+                np.savez(file, samples=signal.samples, rate_hz=signal.rate_hz, unit=signal.unit, digest=signal.digest())
         self._n_written += 1
         return onset_s
 
 
 def read_signal(path: Path) -> Signal:
-    """What a file output wrote.
+    """Read a file that a file output wrote.
 
-    Raises `InvalidFile` if there is no such file. Raises `InvalidParameter` if it is no NPZ or WAV of samples.
+    Raises `InvalidFile` if it is missing, `InvalidParameter` if it is no NPZ or WAV of samples.
     """
     content = read_file(path, "a signal as NPZ or WAV")
     try:
@@ -93,16 +99,3 @@ def read_signal(path: Path) -> Signal:
         return Signal(frames.T, rate_hz, "V")
     except (ValueError, TypeError) as error:
         raise InvalidParameter(f"{path}: cannot be read as a signal ({error}), expected NPZ or WAV") from None
-
-
-def _write_npz(file: IO[bytes], signal: Signal) -> None:
-    np.savez(file, samples=signal.samples, rate_hz=signal.rate_hz, unit=signal.unit, digest=signal.digest())
-
-
-def _write_wav(file: IO[bytes], signal: Signal) -> None:
-    from scipy.io import wavfile
-
-    wavfile.write(file, round(signal.rate_hz), np.ascontiguousarray(signal.samples.T))
-
-
-_WRITERS = {"npz": _write_npz, "wav": _write_wav}

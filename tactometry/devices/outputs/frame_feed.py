@@ -1,4 +1,4 @@
-"""The frames that a sound card asks for: of one signal, of one that follows a finger, and when the card ran dry."""
+"""Frames that a sound card requests: of a signal, of one that follows a finger, and gaps of the card."""
 
 import math
 import statistics
@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ...followed import FollowedSignal
+from ...position_dependent import FollowedSignal
 from ...signal import FloatArray
 from ..clock_map import boot_clock_s
 
@@ -36,12 +36,9 @@ LONGEST_HOLD_UP_S: Final = 0.1
 
 
 class FrameFeed:
-    """The frames of one signal, handed out in order; after the last, and after `stop`, there are none.
+    """Frames of one signal in order; none after the last one or after `stop`.
 
-    `take` is called by the device's thread, all else by the one that plays.
-
-    - `frames`: As the device takes them.
-    - `n_fade`: Frames over which a stop falls to zero, in as many blocks as that takes.
+    The device's thread calls `take`, the playing thread everything else. A stop fades over `n_fade` frames.
     """
 
     def __init__(self, frames: NDArray[Any], n_fade: int) -> None:
@@ -59,27 +56,26 @@ class FrameFeed:
         return self._at >= len(self._frames)
 
     def is_torn_by(self, dry_s: float, rate_hz: float) -> bool:
-        """Whether a device that ran dry at `dry_s`, or `EARLY_S` before, did so in the midst of these frames, not
-        before or after them."""
+        """Return True if a device that ran dry at `dry_s` (or `EARLY_S` before) did so within these frames."""
         return self.begun.is_set() and dry_s - EARLY_S < self.onset_s + len(self._frames) / rate_hz
 
     def is_late(self, now_s: float, rate_hz: float) -> bool:
-        """Whether the device should have taken all of these frames by now and has not: others were heard meanwhile."""
+        """Return True if the device should have taken all frames by now and has not."""
         ends_s = self.onset_s + len(self._frames) / rate_hz
         return self.begun.is_set() and not self._stopping and not self.finished and now_s > ends_s
 
     def begin(self, now_s: float, lead_s: float) -> None:
-        """Set the onset at `lead_s` after `now_s`, or end if the device asks too long after the frames were made."""
+        """Set the onset at `lead_s` after `now_s`, or end if the device asks too late."""
         self.onset_s, self._zero_s = now_s + lead_s, boot_clock_s() + lead_s
         if boot_clock_s() - self._made_s > LONGEST_HOLD_UP_S:
             self._give_up()
         self.begun.set()
 
     def give_up_if_late(self, rate_hz: float, allowed_s: float) -> None:
-        """End at once, without a fade, if the next frame should have left the device more than `allowed_s` ago.
+        """End at once, without a fade, if the next frame is more than `allowed_s` late.
 
-        The process was held up (SIGSTOP, suspend, debugger) for longer than the device had frames in hand, so that the
-        device has fallen to zero by itself. Frames that went on would be felt long after their touch.
+        The process was held up (SIGSTOP, suspend, debugger) and the device has fallen to zero. Frames that went on
+        would be felt long after their touch.
         """
         late_s = boot_clock_s() - (self._zero_s + self._at / rate_hz)
         if not self.finished and late_s > allowed_s:
@@ -94,7 +90,7 @@ class FrameFeed:
         self._stopping = True
 
     def take(self, n_frames: int) -> NDArray[Any]:
-        """The next frames, at most `n_frames`.
+        """Return the next frames, at most `n_frames`.
 
         >>> course = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
         >>> course.take(2).ravel().tolist()
@@ -129,9 +125,9 @@ class FrameFeed:
 
 
 class FollowingFeed(FrameFeed):
-    """The frames of a signal that follows a finger, each by where it was `latency_s` before the frame leaves the card.
+    """Frames of a signal that follows a finger, each by its position `latency_s` before the frame leaves.
 
-    A place that has not come by then is the last one that did.
+    A position that is late is replaced by the last known one.
     """
 
     def __init__(self, frames: NDArray[Any], n_fade: int, signal: FollowedSignal, latency_s: float) -> None:
@@ -158,7 +154,7 @@ class FollowingFeed(FrameFeed):
         return emitted
 
     def _as_checked(self, parts: FloatArray) -> FloatArray:
-        """Return parts as the guard assumed them, whatever custom code returned: 0 to 1, 0 for NaN, no fast steps."""
+        """Limit parts to what the guard assumed of custom code: 0 to 1, 0 for NaN, no fast steps."""
         parts = np.clip(np.nan_to_num(parts, nan=0.0), 0.0, 1.0)
         step = (1 + 1e-9) / (self._signal.stimulus.rise_s * self._signal.rate_hz)
         last = float(parts[0]) if self._part is None else self._part
@@ -169,29 +165,25 @@ class FollowingFeed(FrameFeed):
         return parts
 
     def frames(self) -> NDArray[Any]:
-        """What was emitted, (n_frames, n_channels)."""
+        """Return the emitted frames, (n_frames, n_channels)."""
         return np.concatenate(self._pieces) if self._pieces else self._frames[:0]
 
     @property
     def late(self) -> float:
-        """The part (0..1) of the frames whose place had not come."""
+        """Share (0..1) of the frames whose position came late."""
         return self._n_late / max(1, sum(map(len, self._pieces)))
 
     @property
     def unknown(self) -> float:
-        """The part (0..1) of the frames of which nobody knew the place."""
+        """Share (0..1) of the frames without a known position."""
         return self._n_unknown / max(1, sum(map(len, self._pieces)))
 
 
 def was_held_up(left_s: float, leads_s: Sequence[float], latency_s: float) -> bool:
-    """Whether a device that has `left_s` in hand, by our own clock, asks later than it should, and may have skipped.
+    """Return True if a device that has `left_s` in hand asks later than it should, and may have skipped.
 
-    Blocks that were written lie in a sound server's line while it is held up: it may run dry long before what it says
-    that it has is over, and says nothing. It has as a rule the median of `leads_s`, or `latency_s` if that is less.
-
-    - `left_s`: What the device has left as it asks, by the block before: s.
-    - `leads_s`: What it said of late that it has in hand, block by block: s.
-    - `latency_s`: What it was asked to have.
+    A held-up sound server may run dry before its reported buffer ends, without reporting it. The usual buffer is the
+    median of `leads_s`, or `latency_s` if that is less; all in s.
 
     >>> was_held_up(0.05, [0.1, 0.1, 0.11], latency_s=0.1), was_held_up(0.07, [0.1, 0.1, 0.11], latency_s=0.1)
     (True, False)
@@ -203,13 +195,11 @@ def was_held_up(left_s: float, leads_s: Sequence[float], latency_s: float) -> bo
 
 
 class DryRuns:
-    """When a stream ran dry, or may have: fed with each block that the device asks for.
+    """Detects gaps of a stream from each block that the device requests.
 
-    It did where the device tells so, where it asks for a block later than the ones before lasted, and where it has next
-    to nothing in hand as it asks: sound servers forget to tell, and run dry a little before what they say lasts. It may
-    have where it `was_held_up`: that counts, as a torn touch that is told to be whole is worse than a whole one that is
-    asked again. What it has in hand is believed of a device that once had half of `latency_s`; one that takes samples
-    as fast as they come has not.
+    The stream ran dry if the device says so, requests a block late, or has almost nothing buffered. It may have if it
+    `was_held_up`, which counts as well, because an undetected gap is worse than a repeated touch. The reported buffer
+    is trusted only if it once reached half of `latency_s`.
 
     >>> dry = DryRuns(latency_s=0.04)
     >>> dry.after(now_s=1.0, lead_s=0.05, block_s=0.01, underflow=False)
@@ -233,15 +223,13 @@ class DryRuns:
 
     @property
     def has_lead(self) -> bool:
-        """Whether the device once said that it had half of `latency_s` in hand."""
+        """True once the device has reported half of `latency_s` in hand."""
         return self._had_lead
 
     def after(self, *, now_s: float, lead_s: float, block_s: float, underflow: bool) -> float | None:
-        """From when on what is heard may be torn by the gap before this block, which leaves the device `lead_s` from
-        now: since the last burst, or now if that is still to come. None where there was none.
+        """Add a block that leaves `lead_s` from now; return when a gap before it may have begun, or None.
 
-        A device tells of one gap with several blocks, some of them in one burst, and may tell of it as late as what it
-        had in hand lasts.
+        A device reports one gap with several blocks of a burst, and as late as its buffer lasts.
         """
         held_up = was_held_up(self.dry_s - now_s, self.leads_s, self._latency_s)
         is_dry = underflow or held_up or now_s > self.dry_s or (self._had_lead and lead_s < SCANT_S)

@@ -1,4 +1,4 @@
-"""What the numbers of an output become at its load, and what that holds for."""
+"""Voltage at the load for each unit of an output, and the signal chain it was measured with."""
 
 from dataclasses import dataclass, replace
 from datetime import date
@@ -20,10 +20,7 @@ MEASURE: Final = "measure it with: tactometry calibrate gain; nothing was played
 
 @dataclass(frozen=True)
 class SignalChain:
-    """What a gain holds for: the output with its format, and a sound server's volume (1 is 100 %).
-
-    `system_volume` is None where there is none, or where it cannot be read.
-    """
+    """Output with its format, and the sound server's volume (1 is 100 %; None if unknown)."""
 
     output: str
     system_volume: float | None = None
@@ -33,22 +30,13 @@ class SignalChain:
 class Gain(Measured):
     """Volts at the load for each unit of a sample: those at the device's connector, times what the amplifier does.
 
-    Parameters
-    ----------
-    volts_per_unit : float
-        Peak voltage at the connector for a sample of 1.0, V, above 0.
-    amplifier_gain : float
-        Voltage at the load over voltage at the connector, above 0.
-    measured_on : date, str, optional
-        Date of the measurement.
-    measured_by : date, str, optional
-        Who made the measurement.
-    max_age_days : int or Unlimited
-        How old the measurement may be.
-    measured_with : str, optional
-        The output and format that it was measured with, in the words of `SignalChain.output`.
-    system_volume : float, optional
-        The sound server's volume at which it was measured, 1 is 100 %.
+    - `volts_per_unit`: Peak voltage at the connector for a sample of 1.0, V, above 0.
+    - `amplifier_gain`: Voltage at the load over voltage at the connector, above 0.
+    - `measured_on`: Date of the measurement.
+    - `measured_by`: Who made the measurement.
+    - `max_age_days`: How old the measurement may be.
+    - `measured_with`: The output and format that it was measured with, in the words of `SignalChain.output`.
+    - `system_volume`: The sound server's volume at which it was measured, 1 is 100 %.
 
     >>> gain = Gain(volts_per_unit=2.0, amplifier_gain=50.0)
     >>> gain.to_units(Signal(np.array([[-50.0, 25.0]]), 1e3, "V"))
@@ -68,9 +56,7 @@ class Gain(Measured):
         return self.volts_per_unit * self.amplifier_gain
 
     def check(self, what: str, chain: SignalChain, today: date) -> None:
-        """Refuse a gain that nobody measured, that is too old, or that was measured with something else.
-
-        Raises `DeviceFailed` in one sentence that opens with `what`.
+        """Raise `DeviceFailed` if the gain was not measured, is too old, or belongs to another signal chain.
 
         >>> gain = Gain(2.0, 50.0, date(2026, 1, 2), "ZG", measured_with="audio Interface, int32")
         >>> gain.check("output.gain", SignalChain("audio Interface, int32"), date(2026, 3, 1))
@@ -99,7 +85,7 @@ class Gain(Measured):
         self.check_age(what, today)
 
     def to_units(self, signal: Signal) -> FloatArray:
-        """The samples as numbers for the device, (n_channels, n_samples).
+        """Convert samples to device units, (n_channels, n_samples).
 
         Raises `DeviceFailed` if one is beyond -1..1, where the device would clip.
         """
@@ -117,14 +103,14 @@ class Gain(Measured):
 
 
 def measured_anew(gain: Gain, chain: SignalChain, today: date, by: str) -> Gain:
-    """A gain as it stands in a file, as if it were measured now, with what plays."""
+    """Return a gain as if it were measured now with this signal chain."""
     return replace(
         gain, measured_on=today, measured_by=by, measured_with=chain.output, system_volume=chain.system_volume
     )
 
 
 def required_gain(gain: Gain | None, what: str) -> Gain:
-    """The gain of an output that leads to an amplifier, which nobody may leave out."""
+    """Return the gain of a connected output; raise if there is none."""
     if gain is None:
         raise InvalidParameter(
             f"{what}: found none, expected volts_per_unit and amplifier_gain with date and author: without them the "

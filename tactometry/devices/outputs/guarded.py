@@ -1,4 +1,4 @@
-"""The guard before every driver: nothing reaches a load that its limits do not allow."""
+"""The guard of every driver: it plays only what the limits allow."""
 
 import functools
 import math
@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ...errors import LimitExceeded
-from ...followed import Course, FollowedSignal
+from ...position_dependent import FollowedSignal, PlayedPath
 from ...safety.limits import Exposure, Limits
 from ...safety.load import Load, PassedCharge
 from ...signal import Signal
@@ -23,7 +23,7 @@ OnEnd = Callable[[float], None]
 
 @dataclass(frozen=True)
 class _Playing:
-    """The signal that was begun last, on the clock of the guard."""
+    """The last signal, on the clock of the guard."""
 
     onset_s: float
     duration_s: float
@@ -33,7 +33,7 @@ class _Playing:
         return at_s >= self.onset_s + self.duration_s
 
     def passed_c(self, at_s: float, late_s: float) -> float:
-        """Return the charge that it passed if it ends, or has ended, at `at_s`."""
+        """Return the charge passed if the signal ends at `at_s`."""
         if self.charge is None:
             return 0.0
         return self.charge.net_c if self.is_over(at_s) else self.charge.stopped_c(at_s - self.onset_s, late_s)
@@ -44,9 +44,9 @@ class Guarded:
     """An output that checks the final samples of its driver, and how often and how long it played.
 
     - `limits`: None: nothing is played.
-    - `load`: What is connected; None only for a driver that is not connected to anything.
-    - `clock`: Seconds; by default `time.perf_counter`.
-    - `ledger`: What the output emitted before it was opened, and in other processes; None counts from its opening on.
+    - `load`: None only for a driver that is not connected.
+    - `clock`: Seconds.
+    - `ledger`: Earlier emissions of the output; None counts from its opening on.
     """
 
     driver: Driver
@@ -70,23 +70,22 @@ class Guarded:
 
     @property
     def emits(self) -> bool:
-        """Whether anything comes of what is played: nothing does of a null output."""
+        """False for a null output."""
         return self.driver.emits
 
     def count_on(self, before: Exposure) -> None:
-        """Count on from what was emitted before: `before` is on the clock of this guard."""
+        """Continue from an earlier exposure, on the clock of this guard."""
         self._before = before
 
     def subscribe(self, on_signal: OnSignal, on_end: OnEnd = lambda charge_c: None) -> None:
-        """Report each signal that is emitted from now on, as it begins and after it has ended, in the thread that
-        plays, stops or closes."""
+        """Report each signal as it begins and after it has ended, in the thread that plays, stops or closes."""
         self._on_signal, self._on_end = on_signal, on_end
 
     def open(self) -> None:
-        """Claim the device, if its limits are stated.
+        """Claim the device.
 
-        Raises `LimitExceeded` if a limit that the load needs is missing, or a stop may take too long; the device is
-        closed. Raises `DeviceFailed` if the device or the ledger does not open; the device is closed.
+        Raises `LimitExceeded` if a required limit is missing or a stop may take too long, `DeviceFailed` if the device
+        or the ledger does not open. The device is closed then.
         """
         limits = self._require_limits()
         self.driver.open()
@@ -101,9 +100,9 @@ class Guarded:
         self._counting = threading.Lock()
 
     def play(self, signal: Signal) -> float:
-        """Check all limits on the final samples, then begin to emit.
+        """Check all limits on the final samples, then begin to emit; return the onset.
 
-        Raises `LimitExceeded` or `DeviceFailed` if the signal must not or cannot be played; nothing was.
+        Raises `LimitExceeded` or `DeviceFailed`; nothing was played then.
         """
         limits, final = self.check(signal)
         charge = None if self.load is None else self.load.passed_c(final, _rise_s(signal))
@@ -134,11 +133,11 @@ class Guarded:
             self._on_signal(onset_s, duration_s, largest_c)
 
     def _count(self, limits: Limits, now_s: float, duration_s: float, charge_c: float) -> None:
-        """Refuse a signal by what was emitted before, or write it down in the ledger."""
+        """Refuse a signal because of earlier emissions, or enter it in the ledger."""
 
         def allow(emitted: Emissions) -> None:
             others_s = ((now_s - ago_s, now_s - ago_s + other_s) for ago_s, other_s in emitted)
-            limits.check_exposure(self._exposure.beside(others_s), now_s, duration_s, charge_c)
+            limits.check_exposure(self._exposure.with_others(others_s), now_s, duration_s, charge_c)
 
         if self.ledger is None or not self.ledger.is_open:  # a driver that is not open plays nothing on its load
             allow(())
@@ -146,10 +145,7 @@ class Guarded:
             self.ledger.add(duration_s, allow)
 
     def _end_playing(self, at_s: float) -> None:
-        """Count what the signal that plays has passed by `at_s`.
-
-        Which part of a signal with gaps was emitted is not known: it counts with its largest charge.
-        """
+        """Count the charge of the playing signal up to `at_s`; a signal with gaps counts with its largest charge."""
         with self._counting:
             playing, self._playing = self._playing, None
             if playing is None:
@@ -162,10 +158,7 @@ class Guarded:
             self._on_end(passed_c)
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:
-        """The limits and the final samples of a signal that keeps them; `play` does not compute them again.
-
-        Raises `LimitExceeded` or `DeviceFailed` if the signal must not or cannot be played.
-        """
+        """Return the limits and the final samples; raises as `play`, which does not compute them again."""
         limits = self._require_limits()
         return limits, self._final(signal, limits)
 
@@ -181,9 +174,9 @@ class Guarded:
             limits.check_filtered(final, self.load, _rise_s(signal))
         return final
 
-    def course(self) -> Course | None:
-        """What the last signal became, where it followed a finger."""
-        return self.driver.course()
+    def played_path(self) -> PlayedPath | None:
+        """Return what the last signal became, if it followed a finger."""
+        return self.driver.played_path()
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
         return self.driver.n_gaps(longest_wait_s)
@@ -221,5 +214,5 @@ class Guarded:
 
 
 def _rise_s(signal: Signal) -> float:
-    """How fast a signal that follows a finger may rise from nothing to all; infinite of another."""
+    """Return the shortest rise time of a signal that follows a finger; infinite for others."""
     return signal.stimulus.rise_s if isinstance(signal, FollowedSignal) else math.inf

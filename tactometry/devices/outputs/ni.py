@@ -61,9 +61,9 @@ class NiSettings:
 
 
 def connector_v(settings: NiSettings, gain: Gain, signal: Signal) -> FloatArray:
-    """What a signal puts on each connector, V, (n_channels, n_samples + 1): it ends at zero.
+    """Return the voltages at the connectors, (n_channels, n_samples + 1), which end at zero.
 
-    Raises `DeviceFailed` if the device cannot reach the voltage.
+    Raises `DeviceFailed` if the device cannot reach them.
 
     >>> signal = Signal(np.array([[100.0, -200.0]]), 1e3, "V")
     >>> connector_v(NiSettings(("Dev1/ao0",), 1e3), Gain(10.0, 20.0), signal).tolist()
@@ -91,7 +91,7 @@ class NiOutput(AmplifiedDriver):
 
     @property
     def identity(self) -> str:
-        """That of the card: a finger may rest on any of its electrodes."""
+        """Name of the card; a finger may rest on any of its electrodes."""
         return f"ni {self._settings.channels[0].partition('/')[0]}"
 
     @property
@@ -139,7 +139,7 @@ class NiOutput(AmplifiedDriver):
         return task is not None
 
     def _zero(self) -> None:
-        """Zero on every channel at once, without a clock."""
+        """Write zero to every channel at once, without a clock."""
         try:
             with _library().Task() as task:
                 _add_channels(task, self._settings)
@@ -153,7 +153,7 @@ class NiOutput(AmplifiedDriver):
 
 
 def start_task(volts: FloatArray, settings: NiSettings) -> Any:
-    """A task of the driver that has begun to play (n_channels, n_samples) volts once."""
+    """Start a task that plays (n_channels, n_samples) volts once."""
     from nidaqmx.constants import AcquisitionType
 
     task = _library().Task()

@@ -1,4 +1,4 @@
-"""What makes samples into voltage: the seam of every output driver, which a rig reaches through its guard alone."""
+"""The interface of output drivers; a rig reaches a driver only through its guard."""
 
 import math
 import time
@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arguments.require import not_negative
 from ...errors import DeviceFailed
-from ...followed import Course, FollowedSignal
+from ...position_dependent import FollowedSignal, PlayedPath
 from ...signal import Signal
 from .gain import Gain, SignalChain
 
@@ -25,14 +25,14 @@ LONGEST_WORD_S = 0.1
 
 
 class Driver(ABC):
-    """A driver of one output. It emits nothing but what `play` was given, and zero otherwise.
+    """A driver of one output, which emits only what `play` was given, and zero otherwise.
 
-    - `connected`: Whether what it emits leaves the computer.
-    - `one_bit`: Whether it emits nothing but plus or minus one voltage, without ramps.
-    - `emits`: Whether anything comes of what is played.
+    - `connected`: True if the output leaves the computer.
+    - `one_bit`: True if it emits only plus or minus one voltage, without ramps.
+    - `emits`: False for a null output.
     - `full_scale_v`: The largest voltage that it can put on the load.
     - `n_channels`, `rate_hz`: None for a driver that takes any.
-    - `follows`: Whether it asks a signal that follows a finger where that is, sample by sample.
+    - `follows`: True if it can play signals that follow a finger.
     """
 
     name: str
@@ -50,25 +50,22 @@ class Driver(ABC):
         return self.name
 
     def facts(self) -> dict[str, str | int | float | None]:
-        """What the journal says of the device after it was opened, and of what went wrong since."""
+        """Return facts for the journal: of the open device, and of what went wrong since."""
         return {}
 
     @property
     def reconstructs(self) -> bool:
-        """Whether a filter makes a continuous voltage of the samples, which may be larger between them.
-
-        True unless nothing is connected or the output switches between two voltages.
-        """
+        """True if a filter makes the voltage continuous, which may be larger between samples."""
         return self.connected and not self.one_bit
 
     @property
     def stop_delay_s(self) -> float:
-        """Worst-case time from the call of `stop` to zero at the load, s; 0 where nothing is connected."""
+        """Worst-case time from `stop` to zero at the load, s; 0 if not connected."""
         return 0.0
 
     @property
     def fall_s(self) -> float:
-        """Time over which a stop falls from the signal to zero, s; 0 where it is one step of the device."""
+        """Fall time of a stop, s; 0 for a single step."""
         return 0.0
 
     @abstractmethod
@@ -77,41 +74,41 @@ class Driver(ABC):
 
     @abstractmethod
     def final(self, signal: Signal) -> Signal:
-        """What `play` would emit, in volts at the load, sample by sample: rounded, clipped, on every channel.
+        """Return what `play` would emit, in volts at the load: rounded, clipped, on every channel.
 
-        Raises `DeviceFailed` where the driver cannot emit the signal.
+        Raises `DeviceFailed` if the driver cannot emit the signal.
         """
 
     @abstractmethod
     def play(self, signal: Signal) -> float:
-        """Begin to emit and return at once: the time of the first sample on `time.perf_counter`, s.
+        """Begin to emit and return the time of the first sample on `time.perf_counter`, s.
 
-        The signal is finite: after its last sample the output is at zero without being told.
+        The signal is finite, and the output is at zero after it.
         """
 
-    def course(self) -> Course | None:
-        """What the last signal became, where it followed a finger; waited for until it is over."""
+    def played_path(self) -> PlayedPath | None:
+        """Wait for the end of the last signal and return what it became, if it followed a finger."""
         return None
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Gaps since the last signal began, up to its end; None where the device cannot tell.
+        """Return gaps since the last signal began, up to its end; None if the device cannot tell.
 
-        It waits until the device has said whether there was one just now, `longest_wait_s` at most.
+        Waits at most `longest_wait_s` for the device to report a current gap.
         """
         del longest_wait_s
         return None
 
     @abstractmethod
     def stop(self) -> None:
-        """Zero now; not an error when nothing plays or the device is closed."""
+        """Set the output to zero; no error if nothing plays or the device is closed."""
 
     @abstractmethod
     def close(self) -> None:
-        """Zero, and let go of the device; may be called more than once."""
+        """Set the output to zero and release the device. May be called more than once."""
 
 
 class AmplifiedDriver(Driver):
-    """A driver that leads out of the computer, to an amplifier: its channels, its rate and its gain are known."""
+    """A driver that leads to an amplifier, with known channels, rate and gain."""
 
     connected = True
     n_channels: int
@@ -123,7 +120,7 @@ class AmplifiedDriver(Driver):
 
 
 class UnconnectedDriver(Driver):
-    """A driver to which nothing is connected that would have to be put to zero."""
+    """A driver whose output is not connected and needs no stop."""
 
     connected = False
 
@@ -135,7 +132,7 @@ class UnconnectedDriver(Driver):
 
 
 class NullOutput(UnconnectedDriver):
-    """A driver of which nothing comes: any channels, any rate."""
+    """A driver that emits nothing: any channels, any rate."""
 
     name = "null"
     emits = False
@@ -175,7 +172,7 @@ REMEDIES = {
 
 
 def check_format(signal: Signal, output: Driver) -> None:
-    """Refuse a signal that is not of the channels or the rate that `output` has."""
+    """Refuse a signal whose channels or rate are not those of `output`."""
     if isinstance(signal, FollowedSignal):
         expect_following(output)
     of_signal = {"n_channels": signal.samples.shape[0], "rate_hz": signal.rate_hz}
@@ -189,7 +186,7 @@ def check_format(signal: Signal, output: Driver) -> None:
 
 
 def expect_following(output: Driver) -> None:
-    """Refuse a texture where the output takes no signal that follows a finger."""
+    """Refuse a texture if the output cannot play signals that follow a finger."""
     if output.emits and not output.follows:
         raise DeviceFailed(
             f"output {output.name!r}: found a texture, whose signal follows the finger, expected one that is known "
@@ -198,11 +195,9 @@ def expect_following(output: Driver) -> None:
 
 
 def with_ramps(signal: Signal, ramp_s: float) -> Signal:
-    """`signal` with raised-cosine ramps of `ramp_s`, unless each channel begins and ends at rest.
+    """Add raised-cosine ramps of `ramp_s`, unless each channel begins and ends below 1 % of the peak.
 
-    At rest is below 1 % of the signal's peak. A signal shorter than two ramps has ramps of half its length.
-
-    Raises `InvalidParameter` if `ramp_s` is not a finite number of at least 0.
+    A signal shorter than two ramps has ramps of half its length.
 
     >>> step = Signal(np.ones((1, 100)), rate_hz=1000.0, unit="V")
     >>> with_ramps(step, 0.01).samples[0, [0, 4, 50, 99]].round(3).tolist()

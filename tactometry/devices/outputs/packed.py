@@ -1,6 +1,6 @@
-"""An output of packed one-bit streams: to a file, a named pipe, or the device node of a board.
+"""Packed one-bit streams to a file, a named pipe, or the device node of a board.
 
-The line to a board never makes anybody wait: it is written without blocking, in a thread of its own.
+The line to a board is written without blocking, in a separate thread.
 """
 
 import contextlib
@@ -32,9 +32,9 @@ OPEN_WITHIN_S: Final = 5.0
 """A board that does not read yet is waited for."""
 AGAIN_WITHIN_S: Final = 0.5
 """The same, where it read before."""
-SEND_BESIDE_S: Final = 1.0
+SEND_EXTRA_S: Final = 1.0
 """A board takes a stream in the time that it lasts and this (unverified default)."""
-TAKE_BESIDE_S: Final = 0.5
+TAKE_EXTRA_S: Final = 0.5
 """A board that has not all of a stream so long after its end played nothing (unverified default)."""
 LOOK_S: Final = 0.005
 """A line that takes nothing is looked at this often."""
@@ -44,14 +44,14 @@ _NEVER: Final = threading.Event()
 
 
 class BoardLine:
-    """An open line; `take_back` and `was_read` know of pipes alone, others are taken to pass on what they took."""
+    """An open line; only of pipes is it known whether data were read, and can they be taken back."""
 
     def __init__(self, path: Path, file: int) -> None:
         self.path, self._file = path, file
         self._is_pipe = stat.S_ISFIFO(os.fstat(file).st_mode)
 
     def write(self, stream: bytes, within_s: float, until: threading.Event = _NEVER) -> int:
-        """How many bytes the line took in a time, or before `until` was set.
+        """Return how many bytes the line took in a time, or before `until` was set.
 
         Raises `DeviceFailed` if the board went away.
         """
@@ -77,7 +77,7 @@ class BoardLine:
             raise DeviceFailed(f"{self.path}: the board took no more ({error.strerror}); the output stopped") from None
 
     def was_read(self, within_s: float) -> bool:
-        """Whether a pipe is empty within a time: its reader has all that was written."""
+        """Return True once a pipe is empty, False if it is not within a time."""
         end_s = time.monotonic() + within_s
         while self._is_pipe and _n_unread(self._file) > 0:
             if time.monotonic() > end_s:
@@ -101,7 +101,7 @@ class BoardLine:
 
 
 class Sending:
-    """A stream that is being sent in a thread of its own; `failure` is what went wrong, unless it was ended."""
+    """A stream that is sent in a thread; `failure` says what went wrong, unless it was ended."""
 
     def __init__(self, line: BoardLine, stream: bytes, within_s: float) -> None:
         self._line, self._stream, self._within_s = line, stream, within_s
@@ -128,9 +128,9 @@ class Sending:
         return self.n_sent == len(self._stream)
 
     def end(self, within_s: float) -> bool:
-        """Send no more: whether the whole stream was sent.
+        """Send no more; return whether the whole stream was sent.
 
-        Raises `DeviceFailed` if the driver of the board holds a write up.
+        Raises `DeviceFailed` if the board's driver blocks a write.
         """
         self._ending.set()
         self._thread.join(within_s)
@@ -140,7 +140,7 @@ class Sending:
 
 
 def open_line(path: Path, within_s: float) -> BoardLine:
-    """A line for appending; a pipe that nobody reads is waited for.
+    """Open a line for appending; wait for the reader of a pipe.
 
     Raises `DeviceFailed` if it cannot be written, or nobody reads it within `within_s`.
     """
@@ -174,7 +174,6 @@ def open_line(path: Path, within_s: float) -> BoardLine:
 
 
 def _n_unread(pipe: int) -> int:
-    """Bytes of a pipe that its reader has not read."""
     import fcntl
     import termios
 
@@ -215,11 +214,10 @@ class PackedSettings:
 
 
 class PackedOutput(AmplifiedDriver):
-    """Writes one stream per signal, and a stream of no samples to stop; the form is that of `bit_stream`.
+    """Writes a stream per signal, and a stream of no samples to stop, in the form of `bit_stream`.
 
-    Streams are sent in a thread of their own, and nothing waits for a board that hangs: a stop ends what is being sent,
-    and is over within `STOP_WITHIN_S`, whatever the board does. What it had not read is then taken back, and its
-    line is closed, so that it finds the end of the file when it wakes up: no stream, and nothing to play.
+    A stop ends what is being sent and returns within `STOP_WITHIN_S`, whatever the board does. Unread data are then
+    taken back and the line is closed, so that a board that wakes up finds nothing to play.
     """
 
     one_bit = True
@@ -250,16 +248,17 @@ class PackedOutput(AmplifiedDriver):
         return STOP_WITHIN_S
 
     def open(self) -> None:
-        """Wait for the board to read, and tell it to stop.
+        """Wait for the board to read, and stop it.
 
-        Raises `DeviceFailed` if it cannot be opened, nobody reads within `OPEN_WITHIN_S`, or it does not take the stop.
+        Raises `DeviceFailed` if the board cannot be opened, nobody reads within `OPEN_WITHIN_S`, or it does not take
+        the stop.
         """
         self._line = open_line(self._path, OPEN_WITHIN_S)
         self._is_open = True
         self.stop()
 
     def final(self, signal: Signal) -> Signal:
-        """What comes out of the bits again; every voltage is that of the supply, or 0 where a channel is off."""
+        """Return the decoded bits; every voltage is that of the supply, or 0 for a channel that is off."""
         try:
             emitted = decode(self._stream_of(signal))
         except InvalidParameter as error:
@@ -291,16 +290,16 @@ class PackedOutput(AmplifiedDriver):
             self._line = self._line or open_line(self._path, AGAIN_WITHIN_S)
             onset_s = time.perf_counter()
             self._over_s, self._is_torn = onset_s + signal.duration_s, False
-            self._sending = Sending(self._line, self._stream_of(signal), signal.duration_s + SEND_BESIDE_S)
+            self._sending = Sending(self._line, self._stream_of(signal), signal.duration_s + SEND_EXTRA_S)
         return onset_s
 
     def _end_whole(self) -> None:
-        """As `_finish`, before another signal; what lies unread in a pipe by then was not played."""
+        """Finish before another signal; what lies unread in a pipe was not played."""
         before, is_over = self._sending, time.perf_counter() >= self._over_s
         self._finish(READ_WITHIN_S)
         if before is None:
             return
-        if is_over and self._line is not None and not self._line.was_read(TAKE_BESIDE_S):
+        if is_over and self._line is not None and not self._line.was_read(TAKE_EXTRA_S):
             self._is_torn = True
             self._let_go()
         if self._is_torn:
@@ -310,7 +309,7 @@ class PackedOutput(AmplifiedDriver):
             )
 
     def _finish(self, within_s: float) -> None:
-        """End what is being sent; a line with a torn stream is let go."""
+        """End what is being sent; close a line with an incomplete stream."""
         sending, self._sending = self._sending, None
         if sending is None:
             return
@@ -323,17 +322,17 @@ class PackedOutput(AmplifiedDriver):
             raise sending.failure
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """1 where the signal was over before the board had all of its stream: it played nothing."""
+        """Return 1 if the signal was over before the board had all of its stream: it played nothing."""
         sending, line = self._sending, self._line
         if sending is not None and line is not None and time.perf_counter() >= self._over_s:
-            within_s = max(longest_wait_s, TAKE_BESIDE_S)
+            within_s = max(longest_wait_s, TAKE_EXTRA_S)
             self._is_torn = not (sending.is_whole(within_s) and line.was_read(within_s))
         return int(self._is_torn)
 
     def stop(self) -> None:
-        """Zero now, within `STOP_WITHIN_S`.
+        """Stop within `STOP_WITHIN_S`.
 
-        Raises `DeviceFailed` if the board has not read the stop by then, or had not taken what was played before.
+        Raises `DeviceFailed` if the board has not read the stop by then, or had not taken the last stream.
         """
         end_s = time.monotonic() + READ_WITHIN_S
         with self._turn:

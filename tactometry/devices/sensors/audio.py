@@ -17,18 +17,11 @@ from .reader import SampleBlock, SensorSettings, Source
 class AudioInputSettings(SensorSettings):
     """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale.
 
-    Parameters
-    ----------
-    rate_hz : float
-        Sampling rate of the sound card's input.
-    device : str
-        The card, as the system calls it.
-    n_channels : int
-        How many are read, from the first.
-    block_s : float
-        What is read at once.
-    latency_s : float
-        How much the card may keep.
+    - `rate_hz`: Sampling rate of the sound card's input.
+    - `device`: The card, as the system calls it.
+    - `n_channels`: How many are read, from the first.
+    - `block_s`: What is read at once.
+    - `latency_s`: How much the card may keep.
     """
 
     rate_hz: Positive
@@ -45,7 +38,7 @@ class AudioInputSettings(SensorSettings):
 
 
 class AudioInput(Source):
-    """Blocks from a card; its frames are counted, and the least delayed of them tell the time."""
+    """Blocks from a card; time comes from its frame count and the least delayed blocks."""
 
     def __init__(self, settings: AudioInputSettings) -> None:
         super().__init__(f"audio {settings.device}", settings.rate_hz, settings.n_channels)

@@ -1,4 +1,4 @@
-"""Samples that carry a counter and their device's time: counted, unwrapped, and put on our clock."""
+"""Samples that carry a counter and their device's time, mapped to our clock."""
 
 from collections.abc import Sequence
 
@@ -22,7 +22,7 @@ default)."""
 
 
 class CountedSamples:
-    """Keeps the last counter and time, how many samples were lost between, and how the clocks are related."""
+    """Tracks the last counter and time, lost samples, and the relation of the clocks."""
 
     def __init__(self, tick_s: float, settling_s: float = SETTLING_S, name: str = "sensor") -> None:
         self._tick_s, self._settling_s, self._name = tick_s, settling_s, name
@@ -32,7 +32,7 @@ class CountedSamples:
         self._begin(0)
 
     def may_begin_anew(self) -> None:
-        """The device was asked to send, or opened: its next counter may be any."""
+        """Accept any next counter: the device was opened or asked to send."""
         self._may_begin_anew = True
 
     def _begin(self, ticks: int) -> None:
@@ -46,14 +46,18 @@ class CountedSamples:
         return {**counts, "clock_offset_s": self._clocks.offset_s}
 
     def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> SampleBlock:
-        """Samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32.
+        """Stamp samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32.
 
-        A stamp is at most `STEP_S` later than the arrival. It goes back only where those before were further off than
-        that, or the device started again. What came before, or after a later one, is counted and dropped.
+        A stamp is at most `STEP_S` later than the arrival. It goes back only after larger errors or a restart of the
+        device. Repeated and out-of-order samples are counted and dropped.
 
         Raises `DeviceFailed` if the device's clock does not run as ours.
         """
-        new = [(self._device_s(ticks), values) for counter, ticks, values in samples if self._is_new(counter, ticks)]
+        new = []
+        for counter, ticks, values in samples:
+            if self._is_new(counter, ticks):
+                self._ticks += (ticks - self._ticks) % 2**32
+                new.append((self._ticks * self._tick_s, values))
         # all of the block first, so that its least delayed sample stamps the others too
         for device_s, _ in new:
             self._clocks = self._clocks.after(device_s, arrival_s)
@@ -63,7 +67,7 @@ class CountedSamples:
         return SampleBlock(np.array(times_s), np.array([values for _, values in settled], dtype=np.float64))
 
     def _settle(self, device_s: float, newest_s: float) -> bool:
-        """Whether the difference of the clocks has stood for a while: what had waited to be read is through."""
+        """Return True once the difference of the clocks is stable: samples that had waited are through."""
         if self._is_settled:
             return True
         offset_s = self._clocks.offset_s or 0.0
@@ -91,7 +95,7 @@ class CountedSamples:
         return stamp_s
 
     def _is_new(self, counter: int, ticks: int) -> bool:
-        """Whether a sample is later than those before; a counter that jumps far back is a device that started again."""
+        """Return True for a later sample; a counter that jumps far back is a restart of the device."""
         anew, self._may_begin_anew = self._may_begin_anew, False
         if self._counter is not None:
             n_behind = (self._counter - counter) % 2**32
@@ -105,7 +109,3 @@ class CountedSamples:
                 self.n_lost += n_missing
         self._counter = counter
         return True
-
-    def _device_s(self, ticks: int) -> float:
-        self._ticks += (ticks - self._ticks) % 2**32
-        return self._ticks * self._tick_s

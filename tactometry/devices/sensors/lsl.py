@@ -45,9 +45,9 @@ class LslSettings(SensorSettings):
 
 
 class LslSource(Source):
-    """An inlet whose stamps are the outlet's, corrected by LSL's clock exchange and moved to our clock.
+    """An inlet with the outlet's stamps, corrected by LSL's clock exchange and moved to our clock.
 
-    An outlet that dies raises `DeviceFailed`; afterwards only one with its source id is opened, if it had one.
+    An outlet that dies raises `DeviceFailed`; then only one with the same source id is opened.
     """
 
     def __init__(self, settings: LslSettings) -> None:
@@ -89,7 +89,6 @@ class LslSource(Source):
         self._inlet, self._source_id = inlet, self._source_id or info.source_id() or None
 
     def _find_outlet(self, pylsl: Any) -> Any:
-        """The one outlet of the name and the source id."""
         search_s = 1.0 if self._searched else LONGEST_SEARCH_S
         self._searched = True
         if not pylsl.resolve_byprop("name", self._settings.stream, timeout=search_s):

@@ -1,4 +1,4 @@
-"""One thread per sensor: it takes samples as they come, so that drawing never starves it."""
+"""One thread per sensor takes samples as they come, independently of the display."""
 
 import contextlib
 import math
@@ -42,47 +42,44 @@ class SampleBlock:
 
 
 class Source(ABC):
-    """What a reader reads. All but `name` and `rate_hz` is called from one thread at a time.
-
-    - `rate_hz`: The nominal rate.
-    """
+    """What a reader reads, at the nominal rate `rate_hz`. Its methods are called from one thread at a time."""
 
     def __init__(self, name: str, rate_hz: float, n_channels: int) -> None:
         self.name, self.rate_hz, self.n_channels = name, rate_hz, n_channels
         self._opened = contextlib.ExitStack()
 
     def check(self) -> None:  # noqa: B027 - most sources read no file
-        """Raises `DeviceFailed` if a file that is needed cannot be read; opens no device."""
+        """Raise `DeviceFailed` if a required file cannot be read; opens no device."""
 
     @abstractmethod
     def open(self) -> None:
-        """Raises `DeviceFailed` if the device is not there."""
+        """Open the device. Raises `DeviceFailed`."""
 
     @abstractmethod
     def receive(self) -> SampleBlock | None:
-        """The next samples; waits for about `POLL_S`, then None. Raises `DeviceFailed` if the device went away."""
+        """Return the next samples, or None after about `POLL_S`. Raises `DeviceFailed` if the device went away."""
 
     def close(self) -> None:
-        """Let go of what `open` put on the stack `_opened`; may be called more than once."""
+        """Release what `open` put on the stack `_opened`. May be called more than once."""
         self._opened.close()
 
     def facts(self) -> dict[str, str | int | float | None]:
-        """Counts of what was damaged or lost, and the drift of the clock."""
+        """Return counts of damaged and lost samples, and the clock offset."""
         return {}
 
 
 class SensorSettings(ABC):
-    """The table of a sensor; `live` if its samples are of now."""
+    """Table of a sensor; `live` if its samples are current."""
 
     live: ClassVar[bool] = True
 
     @abstractmethod
     def source(self) -> Source:
-        """What reads it; it is not open."""
+        """Make the source; it is not open."""
 
 
 class Listener:
-    """What one part of the program has not read yet."""
+    """Samples that one part of the program has not read yet."""
 
     def __init__(self, n_channels: int) -> None:
         self._n_channels = n_channels
@@ -96,7 +93,7 @@ class Listener:
             self._blocks.popleft()
 
     def read(self) -> SampleBlock:
-        """All samples since the last call, in order; never waits."""
+        """Return all samples since the last call, in order; never waits."""
         # as many as there are now: the reader's thread may add to them meanwhile
         blocks = [self._blocks.popleft() for _ in range(len(self._blocks))]
         if not blocks:
@@ -105,7 +102,7 @@ class Listener:
         return SampleBlock(times_s, np.concatenate([block.values for block in blocks]))
 
     def blocks(self, end_s: float, pause_s: float = 0.01) -> Iterator[SampleBlock]:
-        """What comes until `end_s`, as it comes; asked for at every pause."""
+        """Yield blocks as they come until `end_s`, polled at every pause."""
         while now_s() < end_s:
             block = self.read()
             if block.times_s.size:
@@ -115,12 +112,12 @@ class Listener:
 
 @dataclass(frozen=True)
 class Arrivals:
-    """What the stamps of a sensor were like up to now.
+    """State of a sensor's stamps.
 
     - `last_s`: The last stamp, s.
-    - `late_since_s`: When the first of the blocks came that were all late, s.
-    - `n_steps_back`: How often a stamp was before the one before it.
-    - `fault`: Why the last block is not believed: a stamp that is no number, lies in the future, or late for a while.
+    - `late_since_s`: Arrival of the first block since which all were late, s.
+    - `n_steps_back`: How often a stamp was before the previous one.
+    - `fault`: Why the last block is rejected: a stamp not finite, in the future, or late for long.
 
     >>> arrivals = Arrivals().after(np.array([1.0, 1.1]), arrival_s=1.11)
     >>> arrivals.fault, arrivals.after(np.array([1.05]), arrival_s=1.12).n_steps_back
@@ -136,7 +133,7 @@ related to this computer's"
     fault: str | None = None
 
     def after(self, times_s: FloatArray, arrival_s: float) -> "Arrivals":
-        """With a block of at least one sample."""
+        """Add a block of at least one sample."""
         stamps_s = times_s.tolist()
         age_s = arrival_s - max(stamps_s)  # of the newest: a block is late if all of it is
         since_s = arrival_s if self.late_since_s is None else self.late_since_s
@@ -164,10 +161,10 @@ def _fault(stamps_s: list[float], age_s: float, late_for_s: float) -> str | None
 
 
 class Reader:
-    """Reads a source in a thread, for all listeners, from `open` to `close`; looks for it again when it goes away.
+    """Reads a source in a thread for all listeners, from `open` to `close`, and reopens it after an outage.
 
-    Whatever a source raises, it went away. What comes with stamps that arrival does not bear out is not told: that is
-    an outage, too. Stamps are moved back by `delay_s`, by which the source is known to be late.
+    Any exception of the source is an outage, and so are stamps that contradict their arrival; those samples are
+    dropped. Stamps are moved back by the known delay `delay_s`.
     """
 
     def __init__(self, source: Source, delay_s: float = 0.0) -> None:
@@ -189,37 +186,32 @@ class Reader:
         return {**self.source.facts(), **counts, "n_steps_back": n_steps_back}
 
     def check_channels(self, where: str, *channels: int) -> None:
-        """Refuse a channel (from 0) that the source does not have.
-
-        Raises `InvalidParameter` in one sentence that opens with `where`.
-        """
+        """Raise `InvalidParameter` for a channel (from 0) that the source lacks; `where` opens the message."""
         last = self.source.n_channels - 1
         for channel in channels:
             expect(0 <= channel <= last, where, channel, f"from 0 to {last}, a channel of {self.source.name}")
 
     def listen(self) -> Listener:
-        """Another listener; it hears what comes from now on."""
+        """Return a new listener, which receives samples from now on."""
         listener = Listener(self.source.n_channels)
         self.subscribe(listener.append)
         return listener
 
     def subscribe(self, on_block: Callable[[SampleBlock], None]) -> Callable[[], None]:
-        """Call `on_block` in the reader's thread with each block from now on, an empty one where nothing came.
+        """Call `on_block` in the reader's thread with each block, an empty one if nothing came.
 
-        It ends when the function that is returned is called.
+        Returns the function that ends the subscription.
         """
         # a new tuple, never a list that grows: the reader's thread goes through the old one undisturbed
         self._subscribers = (*self._subscribers, on_block)
-        return lambda: self._unsubscribe(on_block)
 
-    def _unsubscribe(self, on_block: Callable[[SampleBlock], None]) -> None:
-        self._subscribers = tuple(other for other in self._subscribers if other is not on_block)
+        def unsubscribe() -> None:
+            self._subscribers = tuple(other for other in self._subscribers if other is not on_block)
+
+        return unsubscribe
 
     def open(self) -> None:
-        """Begin to read; the second of two that share a reader changes nothing.
-
-        Raises `DeviceFailed` if the device is not there.
-        """
+        """Begin to read; a second opening of a shared reader changes nothing. Raises `DeviceFailed`."""
         if self._n_open == 0:
             self._open_source()
             self._ending.clear()
@@ -228,7 +220,7 @@ class Reader:
         self._n_open += 1
 
     def close(self) -> None:
-        """End the thread when the last of those who opened has closed."""
+        """End the thread once all who opened the reader have closed it."""
         self._n_open = max(0, self._n_open - 1)
         if self._n_open == 0 and self._thread is not None:
             self._ending.set()

@@ -1,4 +1,4 @@
-"""A recorded file as a sensor: its samples come again, as they came."""
+"""A recorded file as a sensor, played back in its own time."""
 
 import io
 import time
@@ -24,14 +24,9 @@ class RecordedSettings(SensorSettings):
     """A recording: a CSV file with a header, of which the first column is ``time_s`` and the others are channels, in
     counts.
 
-    Parameters
-    ----------
-    path : str
-        A CSV file, from where the program runs.
-    rate_hz : float
-        Sampling rate of the recording.
-    n_channels : int
-        How many columns follow ``time_s``.
+    - `path`: A CSV file, from where the program runs.
+    - `rate_hz`: Sampling rate of the recording.
+    - `n_channels`: How many columns follow ``time_s``.
     """
 
     live: ClassVar[bool] = False
@@ -44,7 +39,7 @@ class RecordedSettings(SensorSettings):
 
 
 class RecordedSource(Source):
-    """Hands out each sample at its time after opening; after the last one the sensor is silent."""
+    """Returns each sample at its time after opening; the sensor is silent after the last one."""
 
     def __init__(self, settings: RecordedSettings) -> None:
         super().__init__(f"recorded {settings.path}", settings.rate_hz, settings.n_channels)

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from ...arguments.constraints import Positive, PositiveWhole, constrained
-from ...errors import DeviceFailed, library_needed
+from ...errors import DeviceFailed, library_needed, reason
 from .counted_samples import CountedSamples
 from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
 
@@ -35,16 +35,10 @@ LARGEST_READ = 65_536
 class SerialSettings(SensorSettings):
     """A serial line: `port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states.
 
-    Parameters
-    ----------
-    port : str
-        Such as ``/dev/ttyACM0`` or ``COM3``.
-    rate_hz : float
-        What the device states.
-    n_channels : int
-        How many values a sample has.
-    baud : int
-        Symbol rate of the serial line.
+    - `port`: Such as ``/dev/ttyACM0`` or ``COM3``.
+    - `rate_hz`: What the device states.
+    - `n_channels`: How many values a sample has.
+    - `baud`: Symbol rate of the serial line.
     """
 
     port: str
@@ -57,7 +51,7 @@ class SerialSettings(SensorSettings):
 
 
 class SerialSource(Source):
-    """Frames from a line; a line that is unplugged raises `DeviceFailed`, and may be opened again."""
+    """Frames from a line; an unplugged line raises `DeviceFailed` and may be opened again."""
 
     def __init__(self, settings: SerialSettings) -> None:
         super().__init__(f"serial {settings.port}", settings.rate_hz, settings.n_channels)
@@ -76,9 +70,9 @@ class SerialSource(Source):
             line.open()
             line.reset_input_buffer()
         except (serial.SerialException, OSError, ValueError) as error:
-            raise DeviceFailed(
-                f"{self.name}: cannot open the line ({_reason(error)}), expected a device to read"
-            ) from None
+            number = getattr(error, "errno", None)
+            why = os.strerror(number) if number else reason(error)
+            raise DeviceFailed(f"{self.name}: cannot open the line ({why}), expected a device to read") from None
         self._framing, self._line = Framing(self.n_channels, n_skipped=self._framing.n_skipped), line
         self._opened.callback(line.close)
         self._samples.may_begin_anew()
@@ -88,14 +82,15 @@ class SerialSource(Source):
         try:
             data = _available(self._line, self._framing.n_missing)
         except (serial.SerialException, OSError, TypeError) as error:  # TypeError: pyserial's, of a line without a file
-            raise DeviceFailed(f"{self.name}: the line went away ({' '.join(str(error).split())})") from None
+            words = " ".join(str(error).split())
+            raise DeviceFailed(f"{self.name}: the line went away ({words})") from None
         arrival_s = now_s()
         self._framing, frames = self._framing.after(data)
         return self._samples.block(frames, arrival_s) if frames else None
 
 
 def _available(line: Any, n_missing: int) -> bytes:
-    """What has come, after `POLL_S` at most, in as few calls as possible: each may wait for a thread that computes."""
+    """Return what has come after `POLL_S` at most, in few calls, as each may wait for another thread."""
     if os.name != "posix":
         return bytes(line.read(max(n_missing, line.in_waiting)))
     ready, _, _ = select.select([line.fd], [], [], POLL_S)
@@ -103,11 +98,6 @@ def _available(line: Any, n_missing: int) -> bytes:
     if ready and not data:
         raise OSError("the device hung up")
     return data
-
-
-def _reason(error: Exception) -> str:
-    number = getattr(error, "errno", None)
-    return os.strerror(number) if number else " ".join(str(error).split())
 
 
 def _library() -> Any:
@@ -140,13 +130,13 @@ def frame_bytes(n_channels: int) -> int:
 
 @dataclass(frozen=True)
 class Framing:
-    """What is left of a stream of bytes once its frames were taken out.
+    """The rest of a stream of bytes after its frames were taken out.
 
-    Whatever lies between, a frame that came whole is found; a frame with a wrong byte never is, but for one in 2**32.
+    A whole frame is found in any noise; a damaged one is accepted once in 2**32.
 
     - `n_channels`: Of every frame of this device.
-    - `rest`: Not yet a whole frame.
-    - `n_skipped`: Bytes that belonged to none.
+    - `rest`: Bytes that are not yet a whole frame.
+    - `n_skipped`: Bytes that belonged to no frame.
 
     >>> body = bytes.fromhex("a55a 0100 07000000 e8030000 fbffffff")
     >>> sent = body + zlib.crc32(body).to_bytes(4, "little")
@@ -169,7 +159,7 @@ class Framing:
         return frame_bytes(self.n_channels) - len(self.rest)
 
     def after(self, data: bytes) -> tuple["Framing", list[Frame]]:
-        """Take in bytes: the new state, and the frames that are whole by now."""
+        """Add bytes; return the new state and the complete frames."""
         stream = self.rest + data
         at, n_skipped, frames = 0, self.n_skipped, []
         n_frame = frame_bytes(self.n_channels)
@@ -186,7 +176,7 @@ class Framing:
         return Framing(self.n_channels, stream[begin:], n_skipped + begin - at), frames
 
     def _candidate(self, stream: bytes, at: int) -> int:
-        """Where the next frame may begin: at its opening bytes, or at what is left of the stream of them."""
+        """Return where the next frame may begin: at its opening bytes, or at their first part."""
         opening = SYNC + bytes([self.n_channels, 0])
         begin = stream.find(opening, at)
         if begin >= 0:

@@ -1,4 +1,4 @@
-"""Force and position out of the channels of a stream, in newton and metres; both may come out of one."""
+"""Force (N) and position (m) from the channels of a stream."""
 
 import math
 from collections.abc import Callable
@@ -21,11 +21,10 @@ MEAN_S = 0.02
 
 
 class StreamedSensor:
-    """A sensor that is some channels of a reader: `convert` makes its quantity from counts (n_samples, n_channels).
+    """A sensor made of channels of a reader; `convert` maps counts (n_samples, n_channels) to its quantity.
 
     A force is in N, (n_samples,), a position on the surface in m, (n_samples, n_axes). Stamps are seconds on
-    `time.perf_counter`; a sample that the device knows to be lost is NaN. The device is read in a thread of its own, so
-    that drawing never starves it.
+    `time.perf_counter`; a sample that the device reports as lost is NaN.
     """
 
     def __init__(self, reader: Reader, convert: Callable[[FloatArray], FloatArray]) -> None:
@@ -50,14 +49,14 @@ class StreamedSensor:
         return block.times_s, self._convert(block.values)
 
     def subscribe(self, on_samples: OnSamples) -> Callable[[], None]:
-        """Call `on_samples` with all samples from now on, in the thread that collects them, until the result is called.
+        """Call `on_samples` with new samples in the reader's thread, until the returned function is called.
 
-        A device that says nothing is told about every `POLL_S`, with empty arrays.
+        A silent device gives empty arrays every `POLL_S`.
         """
         return self.reader.subscribe(lambda block: on_samples(block.times_s, self._values(block)))
 
     def _values(self, block: SampleBlock) -> FloatArray:
-        """Of the block that all subscribers hear in turn, converted once for all of them."""
+        """Convert a block once for all subscribers."""
         converted, values = self._converted
         if converted is not block:
             values = self._convert(block.values)
@@ -65,7 +64,7 @@ class StreamedSensor:
         return values
 
     def close(self) -> None:
-        """Let go of the device; may be called more than once."""
+        """Release the device. May be called more than once."""
         if self._is_open:
             self._is_open = False
             self.reader.close()
@@ -82,28 +81,17 @@ class ForceCalibration(Measured):
     """One of three forms; what lies outside of a range that is known becomes NaN, a lost sample. So does a force above
     `LARGEST_FORCE_N`, as the value that an instrument sends at overload.
 
-    Parameters
-    ----------
-    newtons_per_count : float, optional
-        With `zero_count`: N per count, not 0 (below 0 where pressing lowers the counts).
-    zero_count : float
-        What the sensor counts without a force.
-    polynomial : tuple of float, optional
-        Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to `count_high`.
-    table_counts : tuple of float, optional
-        Rising counts of a calibration curve of straight lines.
-    table_forces_n : tuple of float, optional
-        Force at each of the `table_counts`, rising or falling with them.
-    count_low : float, optional
-        Count at which the sensor saturates at the low end.
-    count_high : float, optional
-        Count at which the sensor saturates at the high end.
-    measured_on
-        Date of the calibration.
-    measured_by
-        Who made the calibration.
-    max_age_days
-        Age from which the calibration is refused.
+    - `newtons_per_count`: With `zero_count`: N per count, not 0 (below 0 where pressing lowers the counts).
+    - `zero_count`: What the sensor counts without a force.
+    - `polynomial`: Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to
+      `count_high`.
+    - `table_counts`: Rising counts of a calibration curve of straight lines.
+    - `table_forces_n`: Force at each of the `table_counts`, rising or falling with them.
+    - `count_low`: Count at which the sensor saturates at the low end.
+    - `count_high`: Count at which the sensor saturates at the high end.
+    - `measured_on`: Date of the calibration.
+    - `measured_by`: Who made the calibration.
+    - `max_age_days`: Age from which the calibration is refused.
 
     >>> ForceCalibration(newtons_per_count=0.01, zero_count=100.0).force_n(np.array([100.0, 350.0])).tolist()
     [0.0, 2.5]
@@ -152,7 +140,7 @@ class ForceCalibration(Measured):
         expect(rises, "ForceCalibration.count_low", self.count_low, f"below count_high, {self.count_high}")
 
     def force_n(self, counts: FloatArray) -> FloatArray:
-        """(n_samples,) counts to newton; NaN outside of what is known, and above `LARGEST_FORCE_N`."""
+        """Convert counts (n_samples,) to N; NaN outside of the known range and above `LARGEST_FORCE_N`."""
         known = (counts >= self.count_low) & (counts <= self.count_high)
         return _within(np.where(known, self._force_n(counts), np.nan), LARGEST_FORCE_N)
 
@@ -189,7 +177,7 @@ def streamed_position(
 ) -> StreamedSensor:
     """Return a position sensor with one channel per axis, whose position is 0 at `zero_counts` (default 0).
 
-    Counts outside of `known`, as those of an overload, become NaN, a lost sample.
+    Counts outside of `known`, such as overload values, become NaN.
     """
     columns, zero = np.array(channels), np.array(zero_counts or (0.0,) * len(channels))
 
@@ -206,14 +194,13 @@ def _within(values: FloatArray, largest: float) -> FloatArray:
 
 
 def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | None:
-    """How fast a finger moved: the way along the mean positions of each `MEAN_S`, over the time between them.
-
-    Raises `InvalidParameter` if the shapes do not fit or the stamps go back.
+    """Return the mean speed of a finger: path length along the mean positions of each `MEAN_S`, over time.
 
     - `times_s`: Rising stamps, s.
-    - `positions_m`: Finite positions, m.
+    - `positions_m`: Finite positions, m, (n_samples, n_axes).
 
-    Returns: None where the samples fill less than two such times.
+    Returns None if the samples fill less than two such times. Raises `InvalidParameter` if the shapes differ or stamps
+    go back.
 
     >>> times_s = np.arange(1000) / 1000
     >>> round(mean_speed_m_per_s(times_s, np.column_stack([0.03 * times_s, 0.04 * times_s])), 9)

@@ -38,12 +38,8 @@ HELD_S = 0.01
 class TouchSettings(SensorSettings):
     """A touch screen: `path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units.
 
-    Parameters
-    ----------
-    path : str
-        Device file of the touch screen, such as ``/dev/input/event5``.
-    rate_hz : float
-        How often it reports a finger that moves.
+    - `path`: Device file of the touch screen, such as ``/dev/input/event5``.
+    - `rate_hz`: How often it reports a finger that moves.
     """
 
     path: str
@@ -55,7 +51,7 @@ class TouchSettings(SensorSettings):
 
 @dataclass(frozen=True)
 class TrackedFinger:
-    """Where a finger is by the events up to now; `touching` from landing to lift, and always for a moved mouse."""
+    """Position of a finger by the events so far; `touching` from landing to lift, always for a moved mouse."""
 
     values: tuple[float, float, float] = (0.0, 0.0, 0.0)
     touching: bool = False
@@ -110,9 +106,8 @@ class TouchSource(Source):
             raise DeviceFailed(f"{self.name}: the device went away ({error.strerror})") from None
         if ready and not data:
             raise DeviceFailed(f"{self.name}: the device went away")
-        return self._block(data) if ready else self._rest_sample()
-
-    def _rest_sample(self) -> SampleBlock | None:
+        if ready:
+            return self._block(data)
         return SampleBlock(np.array([now_s()]), np.array([self._reported.values])) if self._reported.touching else None
 
     def _block(self, data: bytes) -> SampleBlock | None:
@@ -139,7 +134,7 @@ class TouchSource(Source):
 
 
 def _set_clock(file: int) -> bool:
-    """Whether the kernel now stamps events on the clock of `time.perf_counter`."""
+    """Return True if the kernel now stamps events on the clock of `time.perf_counter`."""
     try:
         import fcntl
 

@@ -33,16 +33,10 @@ class UdpSettings(SensorSettings):
     """A sensor that sends datagrams: its address; `sensor_rate_hz` is the rate of its own samples, of which it may
     send each n-th.
 
-    Parameters
-    ----------
-    address : str
-        Network address of the sensor.
-    rate_hz : float
-        Of the samples that it sends.
-    sensor_rate_hz : float
-        Of its own samples, of which it may send each n-th.
-    port : int
-        UDP port of the sensor.
+    - `address`: Network address of the sensor.
+    - `rate_hz`: Of the samples that it sends.
+    - `sensor_rate_hz`: Of its own samples, of which it may send each n-th.
+    - `port`: UDP port of the sensor.
     """
 
     address: str
@@ -58,7 +52,7 @@ class UdpSettings(SensorSettings):
 
 
 def records(datagram: bytes) -> list[tuple[int, int, int, tuple[int, ...]]]:
-    """(sequence, sensor's sequence, status, six counts) of a datagram's records; none if its length is not theirs.
+    """Return (sequence, sensor's sequence, status, six counts) of a datagram's records; none if its length is wrong.
 
     >>> records(RECORD.pack(1, 7, 0, 1, -2, 3, 4, 5, 6))
     [(1, 7, 0, (1, -2, 3, 4, 5, 6))]
@@ -71,7 +65,7 @@ def records(datagram: bytes) -> list[tuple[int, int, int, tuple[int, ...]]]:
 
 
 class UdpSource(Source):
-    """Asks the sensor to send, and takes what comes from its address; a status that is not sound is a lost sample."""
+    """Asks the sensor to send and takes what comes from its address; an unsound status is a lost sample."""
 
     def __init__(self, settings: UdpSettings) -> None:
         super().__init__(f"udp {settings.address}:{settings.port}", settings.rate_hz, n_channels=6)

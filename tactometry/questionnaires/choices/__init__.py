@@ -1,1 +1,1 @@
-"""Forms of questions with choices of their own, a data file each; `tactometry.choice_form` reads them."""
+"""Forms of questions with choices of their own, a data file each; `tactometry.questionnaire` reads them."""

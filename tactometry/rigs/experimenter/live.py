@@ -1,7 +1,7 @@
-"""A terminal whose last rows stand: the trial that is under way, where the session is, and what is being typed.
+"""A terminal with a status area: the current trial, session status, and the typed line.
 
-What is told goes above them, whole line by whole line, so that neither libraries nor typed letters run into anything.
-Keys are read one by one and shown here, as the terminal's own echo would stand wherever the cursor is.
+Messages are printed above it, whole line by whole line. Keys are read one by one and shown here, because the terminal's
+own echo would appear at the cursor.
 """
 
 import atexit
@@ -26,13 +26,13 @@ USUAL_WIDTH: Final = 80
 
 @dataclass(frozen=True)
 class Typed:
-    """A line that is being typed, and whether a key's sequence (an arrow) is under way, which is let go."""
+    """The typed line, and whether an escape sequence (an arrow key) is being skipped."""
 
     text: str = ""
     in_sequence: bool = False
 
     def after(self, key: str) -> tuple["Typed", str | None]:
-        """With another character: the line too where that ends it.
+        """Add a character; return also the line if the character ends it.
 
         >>> Typed("n hell").after("o")
         (Typed(text='n hello', in_sequence=False), None)
@@ -55,8 +55,7 @@ class Typed:
 
 
 def rows(trial: str, status: str, typed: str, width: int) -> tuple[str, ...]:
-    """What stands at the bottom of a terminal of this width: of what is too long the end of trial and typing, and the
-    beginning of the status, which stands out.
+    """Return the bottom rows of a terminal of this width: trial and typed line cut at the left, status at the right.
 
     >>> rows("trial 7: tone 5", "", "n he", 12)
     ('…7: tone 5', '> n he')
@@ -72,23 +71,23 @@ def _end(words: str, room: int) -> str:
 
 
 def can_stand(source: TextIO | None, output: TextIO | None) -> bool:
-    """Whether these are terminals that can be written to by place, and whose keys can be read one by one."""
+    """Return True if these are terminals with cursor control whose keys can be read one by one."""
     if source is None or output is None or not (source.isatty() and output.isatty()):
         return False
     return sys.platform != "win32" and os.environ.get("TERM", "dumb") not in ("", "dumb")
 
 
 def experimenter_terminal(source: TextIO, output: TextIO) -> ExperimenterTerminal:
-    """The terminal of these files, with rows that stand where they can; what libraries write there is told as well."""
+    """Return the terminal of these files, with a status area if possible."""
     if not can_stand(source, output):
         return ExperimenterTerminal(source, output)
     return LiveTerminal(source, output, [file for file in (1, 2) if os.isatty(file)])
 
 
 class LiveTerminal(ExperimenterTerminal):
-    """As `ExperimenterTerminal`, on a terminal of which `can_stand` is true."""
+    """An `ExperimenterTerminal` with a status area; requires `can_stand`."""
 
-    def __init__(self, source: TextIO, output: TextIO, heard_files: Sequence[int] = ()) -> None:
+    def __init__(self, source: TextIO, output: TextIO, redirected_files: Sequence[int] = ()) -> None:
         self._drawing, self._n_rows, self._width = threading.RLock(), 0, USUAL_WIDTH
         self._trial, self._typed, self._opened = "", Typed(), ExitStack()
         self._decode = codecs.getincrementaldecoder("utf-8")("replace")
@@ -98,7 +97,7 @@ class LiveTerminal(ExperimenterTerminal):
         atexit.register(self.close)
         super().__init__(source, output)
         self._opened.callback(self._leave)
-        self._opened.enter_context(heard(heard_files, self.tell))  # to their last word, before it is left
+        self._opened.enter_context(redirected(redirected_files, self.tell))  # to their last word, before it is left
 
     def _read(self, file: int) -> None:
         while data := available(file):
@@ -135,12 +134,16 @@ class LiveTerminal(ExperimenterTerminal):
         return f"\r\x1b[{self._n_rows - 1}A{ERASE_BELOW}" if self._n_rows > 1 else f"\r{ERASE_BELOW}"
 
     def _draw(self, above: str | None = None) -> None:
-        """The rows that stand anew, with a line above them."""
+        """Redraw the status area, with a line above it."""
         with self._drawing:
             if self._output is None:
                 return
             told = "" if above is None else f"{above}\n"
-            standing = rows(self._trial, self.standing, self._typed.text, self._columns())
+            try:
+                width = os.get_terminal_size(self._kept_file).columns or USUAL_WIDTH
+            except OSError:
+                width = USUAL_WIDTH
+            standing = rows(self._trial, self.standing, self._typed.text, width)
             drawn = f"{self._erased()}{told}" + "\n".join(standing)
             self._n_rows = len(standing)
             self._put(drawn)
@@ -153,21 +156,15 @@ class LiveTerminal(ExperimenterTerminal):
         except OSError:  # the terminal is gone, the session is not
             self._output = None
 
-    def _columns(self) -> int:
-        try:
-            return os.get_terminal_size(self._kept_file).columns or USUAL_WIDTH
-        except OSError:
-            return USUAL_WIDTH
-
     def close(self) -> None:
-        """The terminal as it was, below what was told."""
+        """Restore the terminal below the messages."""
         atexit.unregister(self.close)
         self.end_line()
         self._opened.close()
 
 
 def one_by_one(file: int) -> Callable[[], None]:
-    """A terminal gives its keys one by one and does not show them: what makes it as it was."""
+    """Switch a terminal to single keys without echo; return the function that restores it."""
     import termios
     import tty
 
@@ -184,17 +181,16 @@ def one_by_one(file: int) -> Callable[[], None]:
 
 
 @contextmanager
-def heard(files: Sequence[int], tell: Callable[[str], None]) -> Iterator[None]:
-    """In the body each line that is written to these files (numbers, as 2 for errors) is told instead; what was
-    written last too, without an end of its line."""
+def redirected(files: Sequence[int], tell: Callable[[str], None]) -> Iterator[None]:
+    """Pass each line that is written to these file numbers to `tell`, also an unfinished last one."""
     with ExitStack() as last_first:
         for file in files:
-            last_first.enter_context(_heard(file, tell))
+            last_first.enter_context(_redirected(file, tell))
         yield
 
 
 @contextmanager
-def _heard(file: int, tell: Callable[[str], None]) -> Iterator[None]:
+def _redirected(file: int, tell: Callable[[str], None]) -> Iterator[None]:
     before, (source, sink) = os.dup(file), os.pipe()
     listener = threading.Thread(target=_listen, args=(source, tell), name=f"messages {file}", daemon=True)
     os.dup2(sink, file)

@@ -1,4 +1,4 @@
-"""Who looks after a session: stops it, pauses it, and writes down how it went: orders, trials, clocks."""
+"""Supervision of a session: stops, pauses, orders, and the log of trials and clocks."""
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -26,22 +26,21 @@ CLOCK = "_clock_offset_s"
 
 
 def utc_text(clock_s: float) -> str:
-    """ISO 8601 of a moment on `time.perf_counter`, by the offset of now."""
+    """Format a moment on `time.perf_counter` as ISO 8601."""
     moment = datetime.now(UTC) - timedelta(seconds=time.perf_counter() - clock_s)
     return moment.isoformat(timespec="milliseconds")
 
 
 @dataclass(eq=False)
 class Supervisor:
-    """Attends to the participant's Escape key and the experimenter's orders, in each frame.
+    """Attends to the participant's Escape key and the experimenter's orders in each frame.
 
-    - `log`: Where events are kept.
-    - `mute`: ``mute(on=True)`` puts the output to zero and keeps it there.
-    - `page`: What the participant sees in a pause.
-    - `stopped_page`: What the participant sees who stopped the session, for `STOPPED_S` or until the next key.
-    - `zero_s`: When the session began, on `time.perf_counter`.
-    - `under_way`, `repeat`: Whether a trial is under way, and whether that is to be repeated.
-    - `last`: The trial that was recorded last.
+    - `mute`: ``mute(on=True)`` sets the output to zero and keeps it there.
+    - `page`: Shown to the participant in a pause.
+    - `stopped_page`: Shown after a stop by Escape, for `STOPPED_S` or until the next key.
+    - `zero_s`: Start of the session on `time.perf_counter`.
+    - `under_way`, `repeat`: True while a trial is under way, and if it is to be repeated.
+    - `last`: The last recorded trial.
     """
 
     screen: Display
@@ -67,17 +66,17 @@ class Supervisor:
             self.log.note(Event(kind, round(clock_s - self.zero_s, 6), utc_text(clock_s), facts, duration_s))
 
     def note_stimulus(self, onset_s: float, duration_s: float, charge_c: float) -> None:
-        """Keep a stimulus as it begins: what is kept counts when the session goes on."""
+        """Keep a stimulus as it begins, so that it counts when the session goes on."""
         self._keep("stimulus", onset_s, {"charge_c": charge_c}, duration_s)
 
     def note_stimulus_end(self, charge_c: float) -> None:
-        """Keep the charge that the last stimulus passed, which replaces the one of its beginning."""
+        """Keep the charge that the last stimulus passed, which replaces that of its beginning."""
         self.note("stimulus_end", charge_c=charge_c)
 
     def attend(self, events: tuple[Input, ...]) -> bool:
-        """Look at what was pressed and typed: True if the session was paused meanwhile.
+        """Handle what was pressed and typed; return True if the session was paused.
 
-        Raises `Stopped` if Escape was pressed, the window closed, or the experimenter wants to stop.
+        Raises `Stopped` after Escape, a closed window, or an order to stop.
         """
         n_pauses = self._n_pauses
         self._look(events)
@@ -86,7 +85,7 @@ class Supervisor:
         return self._n_pauses != n_pauses
 
     def pause(self, by: str, over: Callable[[], bool]) -> None:
-        """The output is at zero and a page says so, until it is over and the experimenter wants no pause."""
+        """Pause with the output at zero, until it is over and the experimenter agrees."""
         self.mute(on=True)
         self._n_pauses += 1
         self.note("pause", text=by)
@@ -110,7 +109,7 @@ class Supervisor:
             self._obey(order)
 
     def stop(self, why: str, recorded: str = "") -> Stopped:
-        """Put the output to zero for good: what is to be raised, which says what is `recorded`."""
+        """Set the output to zero for good and return the exception to raise."""
         self.mute(on=True)
         self.note("stop", text=why)
         return Stopped(f"{why}; {SAFE}{recorded}")
@@ -156,7 +155,7 @@ class Supervisor:
         self.terminal.tell(words)
 
     def goes_on_with(self, trials: Sequence[Trial]) -> None:
-        """What an earlier sitting left: its last trial, and what was wanted and did not come to pass."""
+        """Take over the last trial and open interventions of an earlier sitting."""
         self._recorded(trials)
         self._interventions = () if self.log is None else self.log.wanted
         for intervention in self._interventions:
@@ -170,23 +169,19 @@ class Supervisor:
         self._recorded([trial])
 
     def take_interventions(self) -> tuple[Intervention, ...]:
-        """What was wanted since it was taken last; it is in the hands of the course from now on."""
+        """Return and clear the interventions since the last call."""
         taken, self._interventions = self._interventions, ()
         return taken
 
     def carry_out(self, request: Intervene) -> None:
-        """Tell what comes of what was wanted."""
+        """Report the result of an intervention."""
         if self.last is not None:
             (self.last,) = without([self.last], request.retracted)
         self.terminal.tell(request.said)
 
 
 class TrialLog:
-    """Collects what belongs to the trial that is under way.
-
-    - `supervisor`: Notes the events.
-    - `facts`: What the devices say of themselves now.
-    """
+    """Collects timing of the current trial; `supervisor` notes it, `facts` returns the devices' clocks."""
 
     def __init__(self, supervisor: Supervisor, screen: Display, facts: Callable[[], Mapping[str, Fact]]) -> None:
         self._supervisor, self._screen, self._facts = supervisor, screen, facts
@@ -201,12 +196,11 @@ class TrialLog:
         self._delays_s += [] if gate_delay_s is None else [gate_delay_s]
 
     def note_answer(self, at_s: float) -> None:
-        """The last key or touch of an answer, on `time.perf_counter`."""
+        """Remember the last key or touch of an answer, on `time.perf_counter`."""
         self._answered_s = at_s
 
     def begin_trial(self, trial: Trial) -> None:
-        """A row is about to be recorded: the first of a trial, another of it, or one of a questionnaire on its own, in
-        which the frames are nobody's."""
+        """Prepare for a row: of a new trial, of the same one, or of a separate questionnaire."""
         self.finish_trial()
         if trial.is_form:
             self._screen.frame_intervals_s()
@@ -218,10 +212,15 @@ class TrialLog:
             self._trial, self._last = trial, trial.key
 
     def finish_trial(self) -> None:
-        """Note the trial that was recorded, if there is one that was not noted."""
+        """Note the timing of the recorded trial, once."""
         trial, self._trial = self._trial, None
         if trial is None:
             return
+        log = self._supervisor.log
+        recorded_s = None if log is None else log.recorded_s
+        key_to_record_s = None
+        if recorded_s is not None and self._answered_s is not None:
+            key_to_record_s = round(recorded_s - self._answered_s, 6)
         self._supervisor.note(
             "trial",
             block=trial.block,
@@ -229,15 +228,9 @@ class TrialLog:
             attempt=trial.attempt,
             **timing_of(self._screen.frame_intervals_s(), self._screen.period_s),
             gate_delay_s=round(max(self._delays_s), 6) if self._delays_s else None,
-            key_to_record_s=self._key_to_record_s(),
+            key_to_record_s=key_to_record_s,
         )
         self._delays_s, self._answered_s = [], None
-
-    def _key_to_record_s(self) -> float | None:
-        recorded_s = None if self._supervisor.log is None else self._supervisor.log.recorded_s
-        if recorded_s is None or self._answered_s is None:
-            return None
-        return round(recorded_s - self._answered_s, 6)
 
     def _note_clocks(self) -> None:
         offsets = {name: value for name, value in self._facts().items() if name.endswith(CLOCK)}

@@ -1,4 +1,4 @@
-"""The experimenter's side: what is typed in the terminal while a session runs, and what is told there."""
+"""The experimenter's terminal: typed orders and printed messages."""
 
 import math
 import os
@@ -47,14 +47,14 @@ HELP: Final = f"{OF_TRIALS}   (return)\n{OF_SESSION}"
 
 @dataclass(frozen=True)
 class Order:
-    """What the experimenter wants; `text` of a note."""
+    """An order of the experimenter; `text` of a note."""
 
     wish: Wish
     text: str = ""
 
 
 def order_of(line: str) -> Order:
-    """The order of a typed line.
+    """Parse a typed line.
 
     >>> order_of("n moved the hand"), order_of(" P ")
     (Order(wish='note', text='moved the hand'), Order(wish='pause', text=''))
@@ -69,10 +69,9 @@ def order_of(line: str) -> Order:
 
 
 class ExperimenterTerminal:
-    """Reads orders from a terminal in a thread of its own, and writes to it; without terminals it is silent.
+    """Reads orders from a terminal in a thread, and writes to it; silent without terminals.
 
-    - `source`, `output`: Used where they are terminals.
-    - `language`: Of what is said of the touches of a trial and of pauses, its two letters.
+    `language` (two letters) is that of messages on touches and pauses.
     """
 
     def __init__(self, source: TextIO | None = None, output: TextIO | None = None, language: str = "en") -> None:
@@ -92,7 +91,7 @@ class ExperimenterTerminal:
                 self._lines.put(line.decode("utf-8", "replace"))
 
     def orders(self) -> list[Order]:
-        """What was typed since the last call; a line that is no order is answered with what would be one."""
+        """Return the orders typed since the last call; answer other lines with a hint."""
         orders = []
         while not self._lines.empty():
             line = self._lines.get()
@@ -103,7 +102,7 @@ class ExperimenterTerminal:
         return orders
 
     def status(self, words: str) -> None:
-        """Where the session stands: shown by a terminal on which a line can stand, told by the others when asked."""
+        """Set the session status, shown in a status area or on request."""
         self.standing = words
 
     def add(self, words: str) -> None:
@@ -134,7 +133,7 @@ class ExperimenterTerminal:
 
 
 def available(file: int) -> bytes:
-    """What can be read of a file by its number, as soon as there is some; nothing at its end."""
+    """Return what can be read of a file number, as soon as there is some; nothing at its end."""
     try:
         return os.read(file, 4096)
     except OSError:
@@ -142,7 +141,7 @@ def available(file: int) -> bytes:
 
 
 def status_words(progress: Progress, parts: Sequence[PartAhead]) -> str:
-    """The line, what matters most first: a narrow terminal cuts its end.
+    """Format the status line, the most important part first.
 
     >>> status_words(Progress(), [PartAhead(n_trials=20, lasts_s=100.0)])
     'trial 1 of 20 · 2 min left · 0 false alarms of 0 · 0 frames dropped · 0 gaps'
@@ -172,17 +171,17 @@ def _track_words(progress: Progress) -> list[str]:
 
 
 class StatusLine:
-    """Follows a session, and shows on a terminal where it stands."""
+    """Follows a session and shows its status on a terminal."""
 
     def __init__(self, terminal: ExperimenterTerminal, parts: Sequence[PartAhead]) -> None:
         self._terminal, self._parts, self._progress = terminal, parts, Progress()
         self._warned: str | None = None
         self._show(Progress())
 
-    def hear(self, request: Request[Any], answer: object) -> None:
+    def on_request(self, request: Request[Any], answer: object) -> None:
         self._show(self._progress.after(request, answer))
 
-    def hear_event(self, event: Event) -> None:
+    def on_event(self, event: Event) -> None:
         self._show(self._progress.after_event(event))
 
     def _show(self, progress: Progress) -> None:

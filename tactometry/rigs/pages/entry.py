@@ -22,7 +22,7 @@ BUTTONS = tuple(
 
 
 def value_of(typed: str, low: float, high: float | None) -> float | None:
-    """The number that was typed; None if it is none, or beside the bounds.
+    """Return the typed number; None if it is none or out of range.
 
     >>> value_of("12.5", 0.0, None), value_of(".", 0.0, None), value_of("11", 0.0, 10.0)
     (12.5, None, None)
@@ -34,7 +34,7 @@ def value_of(typed: str, low: float, high: float | None) -> float | None:
 
 
 def after(typed: str, answer: Answer, low: float, high: float | None) -> tuple[str, bool]:
-    """What stands there after a key, and whether it is settled.
+    """Return the text after a key, and whether it is confirmed.
 
     >>> after("1", "2", 0.0, None), after("12", ERASE, 0.0, None), after("", layout.CONFIRM, 0.0, None)
     (('12', False), ('1', False), ('', False))
@@ -48,7 +48,7 @@ def after(typed: str, answer: Answer, low: float, high: float | None) -> tuple[s
 
 
 def entry_page(words: str, typed: str, hint: str, aspect: float, *, ready: bool) -> Page:
-    """The question, what was typed, and keys to touch."""
+    """Return a page with the question, the typed text, and keys to touch."""
     keys = [item for key in BUTTONS for item in (key.outline(EDGE), Text(str(key.answer), key.x, key.y, layout.BODY))]
     items = (
         layout.heading(words, 0.37, aspect),

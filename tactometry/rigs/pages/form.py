@@ -1,4 +1,4 @@
-"""A page of a questionnaire: a row for each question, all of them open until the page is left."""
+"""A page of a questionnaire: a row for each question, all open until the page is left."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -25,10 +25,10 @@ OPEN_BUTTON = Button(OPEN, ("0", "num_0"), 0.42, FOOT_Y, 0.34, 0.08)
 
 @dataclass(frozen=True)
 class FormWords:
-    """What a page says beside its questions.
+    """Texts of a page in addition to its questions.
 
-    `stem` opens all of them; `count` says which page it is of how many; `hint` what may be pressed, `gaps` what may be
-    done with open questions; `back` and `leave_open` stand in boxes. `back` is empty on a first page.
+    `stem` is above all questions, `count` is the page number, `hint` explains keys, `gaps` open questions; `back` and
+    `leave_open` label boxes. `back` is empty on a first page.
     """
 
     hint: str
@@ -41,7 +41,7 @@ class FormWords:
 
 @dataclass(frozen=True)
 class Form:
-    """What a page asks: `rows` of (statement, left word, right word), each with `n_positions` places."""
+    """Rows of (statement, left word, right word) with `n_positions` places each."""
 
     rows: tuple[tuple[str, str, str], ...]
     n_positions: int
@@ -50,14 +50,13 @@ class Form:
 
     @property
     def wide(self) -> bool:
-        """Whether a scale takes the width of the page, with its words below its ends."""
+        """True if a scale fills the width, with its words below its ends."""
         return not self.rings or self.n_positions > MOST_DIGITS
 
 
 @dataclass(frozen=True)
 class Marks:
-    """The marks of a form up to now, the row that the keys go to, whether the gaps were pointed out, and whether the
-    page before is wanted."""
+    """Marks of a form, the row that gets the keys, whether gaps were pointed out, and whether to go back."""
 
     places: tuple[int | None, ...]
     row: int = 0
@@ -74,7 +73,7 @@ class Marks:
 
 
 def begun(places: tuple[int | None, ...]) -> Marks:
-    """What stands on a page when it comes: the keys go to the first open row.
+    """Return the initial state of a page: keys go to the first open row.
 
     >>> begun((3, None, None)).row, begun((3, 2, 1)).row
     (1, 0)
@@ -83,7 +82,7 @@ def begun(places: tuple[int | None, ...]) -> Marks:
 
 
 def hint_for(steps: int | None) -> str:
-    """The message that tells how a row of so many rings is answered, of a line without.
+    """Return the message that explains how to answer a row.
 
     >>> hint_for(7), hint_for(21), hint_for(None)
     ('hint_fill', 'hint_fill_arrows', 'hint_fill_line')
@@ -94,8 +93,9 @@ def hint_for(steps: int | None) -> str:
 
 
 def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
-    """The marks that follow an answer, and whether the page is left. Return leaves it when it is complete; questions
-    are left open by a box of their own, which a first wish to leave shows.
+    """Return the marks after an answer, and whether the page is left.
+
+    Return leaves a complete page; a first attempt with open questions shows the box that leaves them open.
 
     >>> form = Form((("", "a", "b"), ("", "c", "d")), n_positions=7, rings=True, words=FormWords("", ""))
     >>> after(form, Marks((3, None)), layout.CONFIRM)
@@ -121,7 +121,7 @@ def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
 
 
 def form_page(form: Form, marks: Marks, aspect: float) -> Page:
-    """The rows with their marks, and boxes to leave the page."""
+    """Return a page of rows with their marks, and boxes to leave it."""
     pitch = (TOP - BOTTOM) / len(form.rows)
     width = layout.MARGIN * aspect
     stem = Text(form.words.stem, -width / 2, STEM_Y, layout.BODY, wrap_width=width - 0.24, align="left")
@@ -156,7 +156,7 @@ def scale_extent(form: Form, aspect: float) -> float:
 
 
 def scale_y(form: Form, row: int, y: float, pitch: float) -> float:
-    """The height of a scale in the row around `y`: below a statement, above digits or words."""
+    """Return the height of a scale in a row: below a statement, above digits or words."""
     return y - 0.08 * pitch if form.rows[row][0] else y + 0.13 * pitch
 
 
@@ -183,18 +183,13 @@ def _row(
 def _scale(form: Form, place: int | None, y: float, length: float) -> list[Item]:
     xs = [((k + 0.5) / form.n_positions - 0.5) * length for k in range(form.n_positions)]
     if form.rings:
-        return [*layout.rings(xs, y, min(0.02, 0.4 * length / form.n_positions), place), *_digits(xs, y)]
+        rings = layout.rings(xs, y, min(0.02, 0.4 * length / form.n_positions), place)
+        digits = [Text(str(k), x, y - 0.034, 0.022, QUIET) for k, x in enumerate(xs, 1)]
+        return [*rings, *(digits if len(xs) <= MOST_DIGITS else [])]
     line = Box(0, y, length, 0.004, fill=EDGE)
     ends = [Box(side * length / 2, y, 0.005, 0.05, fill=INK) for side in (-1, 1)]
     mark = [] if place is None else [Box(xs[place], y, 0.012, 0.06, fill=GOOD)]
     return [line, *ends, *mark]
-
-
-def _digits(xs: Sequence[float], y: float) -> list[Item]:
-    """The digit below each ring, where each has one."""
-    if len(xs) > MOST_DIGITS:
-        return []
-    return [Text(str(k), x, y - 0.034, 0.022, QUIET) for k, x in enumerate(xs, 1)]
 
 
 def _box(button: Button, words: str) -> list[Item]:

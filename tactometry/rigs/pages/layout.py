@@ -1,4 +1,4 @@
-"""The participant's pages, laid out from words: pure functions to `Page`."""
+"""Layout of the participant's pages: pure functions from words to `Page`."""
 
 import unicodedata
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ BODY, HEADING, HINT = 0.042, 0.056, 0.032
 N_POSITIONS_CONTINUOUS = 101
 MARGIN = 0.9
 """Part of the screen's width that may be filled."""
-LONGEST_BESIDE_BAR = 0.5
+LONGEST_NEXT_TO_BAR = 0.5
 WIDEST = 1.5
 """No line of words is longer, on however wide a screen."""
 
@@ -36,9 +36,9 @@ CONFIRM_BUTTON = Button(CONFIRM, CONTINUE_KEYS, 0, -0.27, 0.26, 0.1)
 
 
 def shift(place: int | None, answer: Answer, n_places: int) -> int:
-    """The place that follows an arrow, Home or End, within the scale.
+    """Return the place after an arrow, Home or End, within the scale.
 
-    An arrow enters a scale without a mark from the end that it comes from, so that the page itself proposes no place.
+    An arrow enters an unmarked scale from its own end, so that the page suggests no place.
 
     >>> shift(None, RIGHT, 7), shift(None, LEFT, 7), shift(3, LEFT, 7), shift(3, LAST, 7)
     (0, 6, 2, 6)
@@ -60,13 +60,17 @@ def hint_line(words: str, aspect: float) -> Text:
 def message_page(
     words: str, hint: str, aspect: float, progress: float | None = None, image: tuple[str, float] | None = None
 ) -> Page:
-    """A text that is left by the space bar, return or a click anywhere; `progress` (0..1) is drawn as a bar, an `image`
-    (its file, and its width over its height) between the heading and the rest."""
+    """Return a page of text, left by space, return or a click.
+
+    `progress` (0..1) is drawn as a bar, an `image` (file, width over height) below the heading.
+    """
     width = min(WIDEST, MARGIN * aspect)
     first, _, body = words.strip().partition("\n\n")
     items: list[Item] = [heading(first, 0.43 if image else 0.33 if body else 0.05, aspect)]
     if image is not None:
-        items.append(_picture(*image, width))
+        path, ratio = image
+        height = min(TALLEST, width / ratio)
+        items.append(Picture(path, 0, 0.18, ratio * height, height))
     if body:
         items.append(Text(body.strip(), 0, -0.16 if image else 0, BODY, wrap_width=width))
     if progress is not None:
@@ -81,13 +85,8 @@ def message_page(
     return Page(tuple(items), (Button("continue", CONTINUE_KEYS, 0, 0, aspect, 1.0),))
 
 
-def _picture(path: str, ratio: float, width: float) -> Picture:
-    height = min(TALLEST, width / ratio)
-    return Picture(path, 0, 0.18, ratio * height, height)
-
-
 def bar_page(words: str, hint: str, aspect: float, length: float) -> Page:
-    """A bar of `length` beside a text, which is left as a message is."""
+    """Return a page with a bar of `length` beside a text."""
     message = message_page("", hint, aspect)
     first, _, body = words.partition("\n\n")
     items = (
@@ -100,7 +99,7 @@ def bar_page(words: str, hint: str, aspect: float, length: float) -> Page:
 
 
 def question_page(words: str, options: Sequence[int], labels: Sequence[str], hint: str, aspect: float) -> Page:
-    """A question with a box for each option, which shows its label and its key."""
+    """Return a question with a box for each option, with label and key."""
     gap = 0.04
     width = min(0.42, MARGIN * aspect / len(options) - gap)
     left = -(len(options) - 1) / 2 * (width + gap)
@@ -123,26 +122,22 @@ def _option_box(button: Button, label: str) -> list[Item]:
 
 
 def list_page(words: str, options: Sequence[int], labels: Sequence[str], hint: str, aspect: float) -> Page:
-    """A question with its options one below the other, each behind its digit: labels may be long, and many."""
+    """Return a question with its options in a column, for long or many labels."""
     width, pitch = min(0.9, MARGIN * aspect), LIST_HEIGHT / max(len(options), LEAST_ROWS)
     buttons = tuple(
         Button(option, (str(option), f"num_{option}"), 0, LIST_TOP - (k + 0.5) * pitch, width, 0.84 * pitch)
         for k, option in enumerate(options)
     )
-    rows = [item for button, label in zip(buttons, labels, strict=True) for item in _list_row(button, label)]
+    rows: list[Item] = []
+    for button, label in zip(buttons, labels, strict=True):
+        digit = Text(button.keys[0], 0.06 - width / 2, button.y, BODY, QUIET)
+        label_text = Text(label, 0.12 - width / 2, button.y, BODY, wrap_width=width - 0.16, align="left")
+        rows += [button.outline(INK), digit, label_text]
     return Page((heading(words, 0.37, aspect), *rows, hint_line(hint, aspect)), buttons)
 
 
-def _list_row(button: Button, label: str) -> list[Item]:
-    left = button.x - button.width / 2
-    digit = Text(button.keys[0], left + 0.06, button.y, BODY, QUIET)
-    words = Text(label, left + 0.12, button.y, BODY, wrap_width=button.width - 0.16, align="left")
-    return [button.outline(INK), digit, words]
-
-
 def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str, ...]]:
-    """The keys of each option, the shown one first: the label's first letter if it is its own on each keyboard, the
-    digit.
+    """Return the keys of each option: the first letter of its label if unique on every keyboard, and its digit.
 
     >>> option_keys((0, 1), ("no", "yes"))
     [('n', '0', 'num_0'), ('y', 'z', '1', 'num_1')]
@@ -158,15 +153,17 @@ def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str
 
 
 def _letter_keys(label: str) -> tuple[str, ...]:
-    """The first letter of a label, wherever it lies: keys are named by their place on a US keyboard."""
+    """Return the keys of a label's first letter; keys are named by their place on a US keyboard."""
     plain = unicodedata.normalize("NFKD", label).casefold()[:1]
     letter = plain if "a" <= plain <= "z" else ""
     return (letter, *ELSEWHERE.get(letter, ())) if letter else ()
 
 
 def marker_page(interval: int | None, *, playing: bool, words: str = "", why: str = "") -> Page:
-    """A ring with the number of the interval, filled while a stimulus may be felt; above it what to do, and `why` the
-    touch before did not count."""
+    """Return a ring with the interval's number, filled while a stimulus may be felt.
+
+    `words` say what to do, `why` says why the last touch did not count.
+    """
     fill, ink = (ACCENT, PAPER) if playing else (None, INK)
     number = [Text(str(interval), 0, 0, 0.16, ink)] if interval is not None else []
     above = [Text(words, 0, 0.4, HEADING, wrap_width=1.3)] if words else []
@@ -179,7 +176,7 @@ def waiting_page() -> Page:
 
 
 def force_page(page: Page, force_n: float | None, target_n: float, tolerance: float) -> Page:
-    """`page` with a bar that rises with the force; in the band it changes colour and gets a square beside it."""
+    """Add a bar that rises with the force; in the band it changes colour and gets a square."""
     held = force_n is not None and abs(force_n - target_n) <= tolerance * target_n
     x, bottom, full = 0.4, -0.3, 0.56
     scale = full / (2 * target_n)  # the target is at half of the bar's height
@@ -195,12 +192,11 @@ def force_page(page: Page, force_n: float | None, target_n: float, tolerance: fl
 
 
 def track_page(page: Page, cue: float, length: float, finger: float | None = None) -> Page:
-    """`page` with a track of `length` (screen heights) on which a dot moves, to be followed by a ring: the finger.
+    """Add a track of `length` (screen heights) with a moving dot, and a ring for the finger.
 
-    `cue` and `finger` are places from -1 to 1; a finger beyond the track stays at its end. A short track lies beside
-    the bar of the force, a long one below it.
+    `cue` and `finger` are places from -1 to 1. A short track lies beside the force bar, a long one below.
     """
-    y = -0.23 if length <= LONGEST_BESIDE_BAR else -0.36
+    y = -0.23 if length <= LONGEST_NEXT_TO_BAR else -0.36
     moving = [Disc(cue * length / 2, y, 0.022, fill=ACCENT)]
     if finger is not None:
         place = min(max(finger, -1.1), 1.1)  # just past an end, so that it is seen to be beyond
@@ -209,7 +205,7 @@ def track_page(page: Page, cue: float, length: float, finger: float | None = Non
 
 
 def sweep(phase: float) -> float:
-    """The place (-1..1) of a cue that goes to and fro at constant speed; one way takes a phase of 1.
+    """Return the place (-1..1) of a cue that moves to and fro at constant speed, one way per phase of 1.
 
     >>> [sweep(phase) for phase in (0.0, 0.5, 1.0, 1.5, 2.0)]
     [-1.0, 0.0, 1.0, 0.0, -1.0]
@@ -229,7 +225,7 @@ class Scale:
     rings: bool
 
     def after(self, mark: int | None, answer: Answer) -> tuple[int | None, bool]:
-        """The mark (0..n_positions-1) that follows an answer, and whether it is settled.
+        """Return the mark (0..n_positions-1) after an answer, and whether it is confirmed.
 
         >>> scale = Scale("", "ugly", "attractive", "", n_positions=7, rings=True)
         >>> scale.after(None, LEFT), scale.after(6, RIGHT), scale.after(2, CONFIRM)
@@ -243,11 +239,17 @@ class Scale:
 
 
 def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
-    """The scale with its mark, if there is one yet."""
+    """Return a page with the scale and its mark."""
     length = min(1.1, 0.75 * aspect)
     pitch = length / scale.n_positions
     places = [(k + 0.5) * pitch - length / 2 for k in range(scale.n_positions)]
-    drawn = _numbered_rings(places, pitch, mark) if scale.rings else _line(length, places, mark)
+    if scale.rings:
+        digits = [Text(str(k), x, -0.085, HINT, QUIET) for k, x in enumerate(places[:9], 1)]
+        drawn = [*rings(places, 0, min(0.04, 0.4 * pitch), mark), *digits]
+    else:
+        ends = [Box(side * length / 2, 0, 0.006, 0.08, fill=INK) for side in (-1, 1)]
+        mark_box = [] if mark is None else [Box(places[mark], 0, 0.014, 0.12, fill=GOOD)]
+        drawn = [Box(0, 0, length, 0.006, fill=INK), *ends, *mark_box]
     items = (
         heading(scale.words, 0.26, aspect),
         Text(scale.low, -length / 2 + 0.01, 0.13, BODY, wrap_width=length / 2, align="left"),
@@ -261,37 +263,26 @@ def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
 
 
 def digit_keys(k: int) -> tuple[str, ...]:
-    """The keys of a place, from 0."""
+    """Return the keys of a place, from 0."""
     return (str(k + 1), f"num_{k + 1}") if k < 9 else ()  # a tenth place has no digit of its own
 
 
 def rings(places: Sequence[float], y: float, radius: float, mark: int | None) -> list[Item]:
-    """A ring at each place of a line, one of them marked."""
+    """Draw a ring at each place of a line, one of them marked."""
     line = Box(0, y, places[-1] - places[0], 0.004, fill=EDGE)
     discs = [Disc(x, y, radius, fill=PAPER, line=INK) for x in places]
     dot = [] if mark is None else [Disc(places[mark], y, 0.7 * radius, fill=GOOD)]
     return [line, *discs, *dot]
 
 
-def _numbered_rings(places: Sequence[float], pitch: float, mark: int | None) -> list[Item]:
-    digits = [Text(str(k), x, -0.085, HINT, QUIET) for k, x in enumerate(places[:9], 1)]
-    return [*rings(places, 0, min(0.04, 0.4 * pitch), mark), *digits]
-
-
-def _line(length: float, places: Sequence[float], mark: int | None) -> list[Item]:
-    ends = [Box(side * length / 2, 0, 0.006, 0.08, fill=INK) for side in (-1, 1)]
-    mark_box = [Box(places[mark], 0, 0.014, 0.12, fill=GOOD)] if mark is not None else []
-    return [Box(0, 0, length, 0.006, fill=INK), *ends, *mark_box]
-
-
 def confirm_box(button: Button, *, ready: bool = True) -> tuple[Item, Item]:
-    """The box of a confirmation, faint while there is nothing to confirm."""
+    """Draw the confirmation box, faint while there is nothing to confirm."""
     ink = INK if ready else EDGE
     return button.outline(ink), Text("OK", button.x, button.y, BODY, ink)
 
 
 def adjust_page(words: str, hint: str, aspect: float) -> Page:
-    """Two arrows and a confirmation; the level itself is not shown."""
+    """Return a page with two arrows and a confirmation; the level is not shown."""
     up = Button(UP, ("up", "right"), 0.14, 0.02, 0.2, 0.16)
     down = Button(DOWN, ("down", "left"), -0.14, 0.02, 0.2, 0.16)
     items = (
@@ -307,7 +298,7 @@ def adjust_page(words: str, hint: str, aspect: float) -> Page:
 
 
 def steps_after(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
-    """The steps from the start that follow an answer, within the bounds, and whether it settles them.
+    """Return the steps from the start after an answer, within the bounds, and whether it confirms.
 
     >>> request = Adjust("tone", start=5.0, step=2.0, low=0.0, high=6.0)
     >>> steps_after(request, 0, DOWN), steps_after(request, 0, UP), steps_after(request, -1, CONFIRM)

@@ -1,7 +1,7 @@
-"""A page of the participant's screen as a value: what is drawn, what can be answered, how events answer it.
+"""A page of the participant's screen as a value: items, buttons, and answers to events.
 
-Lengths are in heights of the screen, with the origin in its middle and y upwards; so a page looks the same on
-every screen that is wide enough.
+Lengths are in heights of the screen, with the origin in its middle and y upwards, so that a page looks the same on
+every sufficiently wide screen.
 """
 
 import time
@@ -24,7 +24,7 @@ GOOD = "#F0E442"
 
 @dataclass(frozen=True)
 class Text:
-    """Words around (x, y), `height` high, broken at `wrap_width`."""
+    """Words around (x, y), `height` high, wrapped at `wrap_width`."""
 
     words: str
     x: float
@@ -74,7 +74,7 @@ Item = Text | Box | Disc | Picture
 
 @dataclass(frozen=True)
 class KeyDown:
-    """A key that went down at `at_s` on `time.perf_counter`; `repeated`: that has been held down since."""
+    """A key that went down at `at_s` on `time.perf_counter`; `repeated` while it is held."""
 
     name: str
     at_s: float
@@ -83,9 +83,9 @@ class KeyDown:
 
 @dataclass(frozen=True)
 class Click:
-    """A press of the mouse button, or of a finger on a touch screen, at (x, y).
+    """A press of mouse button or finger at (x, y).
 
-    While it is held and moves it is `dragged`: y stays where it began, so that it answers one row alone.
+    While it is held and moves it is `dragged`; y stays, so that it answers one row only.
     """
 
     x: float
@@ -96,7 +96,7 @@ class Click:
 
 @dataclass(frozen=True)
 class Closed:
-    """The window was closed, by its frame or by the system."""
+    """The window was closed."""
 
     at_s: float
 
@@ -106,9 +106,9 @@ Input = KeyDown | Click | Closed
 
 @dataclass(frozen=True)
 class Button:
-    """What answers `answer`: one of the `keys`, or a click into the rectangle around (x, y).
+    """Answers `answer` to one of the `keys`, or a click into the rectangle around (x, y).
 
-    A key that is held down answers again and again if it `repeats`.
+    If it `repeats`, a held key answers again and again.
     """
 
     answer: Answer
@@ -123,7 +123,7 @@ class Button:
         return Box(self.x, self.y, self.width, self.height, line=line)
 
     def takes(self, event: Input) -> bool:
-        """Whether this event presses the button.
+        """Return True if this event presses the button.
 
         >>> Button(1, keys=("y",)).takes(KeyDown("y", at_s=0.0))
         True
@@ -140,8 +140,9 @@ class Button:
 
 @dataclass(frozen=True)
 class Slider:
-    """`n_places` side by side in the rectangle around (x, y): a click answers the `row` with the place that it hits, a
-    drag that began there with the one above or below it, beyond an end with the last.
+    """Row of `n_places` in the rectangle around (x, y): a click or drag answers with the place that it hits.
+
+    A drag may leave the rectangle; beyond an end it gives the last place.
 
     >>> slider = Slider(2, 4, x=0.0, y=0.0, width=1.0, height=0.2)
     >>> slider.answer_to(Click(0.3, 0.0, at_s=0.0)), slider.answer_to(Click(0.8, 0.0, at_s=0.0, dragged=True))
@@ -156,7 +157,7 @@ class Slider:
     height: float
 
     def answer_to(self, event: Input) -> Answer | None:
-        """The row and the place that an event answers."""
+        """Return the row and the place that an event answers."""
         if not isinstance(event, Click) or abs(event.y - self.y) >= self.height / 2:
             return None
         part = (event.x - self.x) / self.width + 0.5
@@ -167,21 +168,21 @@ class Slider:
 
 @dataclass(frozen=True)
 class Page:
-    """Items, drawn in their order, and buttons; the pointer is shown where there is something to click."""
+    """Items in drawing order, and buttons; the pointer is shown if there are buttons."""
 
     items: tuple[Item, ...] = ()
     buttons: tuple[Button | Slider, ...] = ()
 
     def answer(self, event: Input) -> Answer | None:
-        """What the first button that takes `event` answers; None for an event that answers nothing."""
+        """Return the answer of the first button that takes `event`, or None."""
         answers = (button.answer_to(event) for button in self.buttons)
         return next((answer for answer in answers if answer is not None), None)
 
 
 class Display:
-    """What a rig needs of a display and a keyboard. All times are on `time.perf_counter`, in seconds.
+    """Interface of a display with a keyboard; all times are on `time.perf_counter`, s.
 
-    As it stands here nothing is shown on it and nothing can be pressed: that of a console.
+    This base class shows nothing and reports no input, as a console requires.
     """
 
     @property
@@ -190,17 +191,16 @@ class Display:
         return 1.0
 
     def prepare(self, page: Page) -> None:
-        """Build what the page needs, so that its first frame comes without delay."""
+        """Build what the page needs, so that its first frame is not delayed."""
 
     def present(self, page: Page) -> float:
-        """Show a page for the first time: the time of the flip."""
+        """Show a page for the first time; return the time of the flip."""
         del page
         return time.perf_counter()
 
     @property
     def offered_s(self) -> float:
-        """When the page that stands was ready to be shown, just before it could be seen: what is pressed later may
-        answer it. Its flip is stamped behind that, by how much only the system knows."""
+        """Time just before the current page became visible; later presses may answer it."""
         return 0.0
 
     def refresh(self, page: Page) -> float:
@@ -208,14 +208,14 @@ class Display:
         return self.present(page)
 
     def events(self) -> tuple[Input, ...]:
-        """What was pressed or closed since the last call, in order; each once."""
+        """Return new inputs since the last call, in order."""
         return ()
 
     def give_back(self) -> None:
-        """What was asked is answered: a screen that is somebody else's is theirs until the next page."""
+        """Return a borrowed screen until the next page."""
 
     def facts(self) -> Facts:
-        """What the head of the journal says of it."""
+        """Return facts for the head of the journal."""
         return {}
 
     @property
@@ -223,12 +223,12 @@ class Display:
         return PERIOD_WITHOUT_BLANK_S
 
     def frame_intervals_s(self) -> list[float]:
-        """Those since the last call."""
+        """Return the frame intervals since the last call."""
         return []
 
     def clock_offset_s(self) -> float:
-        """Our clock minus that of the keyboard."""
+        """Return our clock minus that of the keyboard."""
         return 0.0
 
     def close(self) -> None:
-        """May be called more than once."""
+        """Close the display. May be called more than once."""

@@ -1,4 +1,4 @@
-"""The course of pages: frames that pass, and answers that change what is shown."""
+"""Presentation of pages: frames, and answers that change what is shown."""
 
 import time
 from collections.abc import Callable
@@ -22,7 +22,7 @@ def as_it_is(page: Page, now_s: float) -> Page:
 
 
 def reason_to_end(events: tuple[Input, ...]) -> str | None:
-    """What of it ends a session, in words: the Escape key, or the window that was closed.
+    """Return why events end a session: Escape, or a closed window.
 
     >>> reason_to_end((KeyDown("y", 1.0), Closed(2.0))), reason_to_end((KeyDown("escape", 1.0),)), reason_to_end(())
     ('the window was closed', 'Escape was pressed', None)
@@ -36,7 +36,7 @@ def reason_to_end(events: tuple[Input, ...]) -> str | None:
 
 
 def linger(screen: Display, page: Page, longest_s: float) -> None:
-    """Show a last page until something is pressed, or closed, or for `longest_s`."""
+    """Show a last page until an input, or for `longest_s`."""
     shown_s = screen.present(page)
     while time.perf_counter() < shown_s + longest_s and not any(
         event.at_s > screen.offered_s for event in screen.events()
@@ -56,14 +56,14 @@ class Presenter:
         self._attend = attend
 
     def frame(self, page: Page) -> None:
-        """Show one more frame; whatever is pressed but Escape is let go."""
+        """Show one more frame; inputs other than Escape are discarded."""
         self.screen.refresh(page)
         self._events()
 
     def hold(
         self, end_s: float, page: Page, dress: Dress = as_it_is, each_frame: Callable[[], None] = lambda: None
     ) -> None:
-        """Show frames until `end_s`; a pause puts it off."""
+        """Show frames until `end_s`; a pause extends it."""
         while (now_s := time.perf_counter()) < end_s:
             each_frame()
             self.frame(dress(page, now_s))
@@ -77,10 +77,10 @@ class Presenter:
         after: Callable[[S, Answer], tuple[S, bool]],
         each_frame: Callable[[S], None] = lambda state: None,
     ) -> tuple[S, float, float]:
-        """Show the view of a state that answers change until one settles it: the state, onset and end.
+        """Show the view of a state that answers change, until one confirms it; return state, onset and end.
 
-        What was pressed before the page could be seen is no answer; what was pressed then, but before its onset is
-        stamped, is one at the onset. After a pause the page comes again, with another onset.
+        Presses before the page is visible are ignored; those between visibility and the onset stamp count at the onset.
+        After a pause the page is presented again, with a new onset.
         """
         page = view(state)
         onset_s = self.screen.present(page)

@@ -1,4 +1,4 @@
-"""What is on the screen during a touch, as a small picture with a number at each part, and what the parts mean."""
+"""A small, numbered picture of the screen during a touch, with a legend."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -20,7 +20,7 @@ LENGTH, CUE, FINGER = 0.42, 0.5, -0.33
 
 
 def parts_of(*, slides: bool, force: bool, place: bool) -> tuple[str, ...]:
-    """What a touch shows, by whether it slides and what is measured.
+    """Return the parts that a touch shows.
 
     >>> parts_of(slides=True, force=False, place=True)
     ('circle', 'dot', 'ring')
@@ -30,10 +30,7 @@ def parts_of(*, slides: bool, force: bool, place: bool) -> tuple[str, ...]:
 
 
 def picture_page(words: str, meanings: Mapping[str, str], hint: str, aspect: float) -> Page:
-    """The picture on the left, on the right what each part means; left as a message is.
-
-    `meanings` are those of the parts, by the names of `parts_of`.
-    """
+    """Return a page with the picture on the left and the meaning of each part on the right."""
     message = layout.message_page("", hint, aspect)
     numbers = [Text(str(n), *PLACES[part], layout.BODY / SCALE) for n, part in enumerate(meanings, 1)]
     page = layout.marker_page(None, playing=True)
@@ -41,17 +38,14 @@ def picture_page(words: str, meanings: Mapping[str, str], hint: str, aspect: flo
         page = layout.force_page(page, 1.0, 1.0, 0.2)
     if "dot" in meanings:
         page = layout.track_page(page, CUE, LENGTH, FINGER if "ring" in meanings else None)
-    touch = list(page.items)
-    picture = _scaled([*touch, *numbers], -0.25 * layout.MARGIN * aspect - 0.09, 0.0)
+    x = -0.25 * layout.MARGIN * aspect - 0.09
+    moved = [replace(item, x=x + SCALE * item.x, y=SCALE * item.y) for item in (*page.items, *numbers)]
+    picture = map(_scaled, moved)
     items = (layout.heading(words, 0.39, aspect), *picture, *_legend(tuple(meanings.values()), aspect))
     return Page((*items, message.items[-1]), message.buttons)
 
 
-def _scaled(items: Sequence[Item], x: float, y: float) -> list[Item]:
-    return [_item_scaled(replace(item, x=x + SCALE * item.x, y=y + SCALE * item.y)) for item in items]
-
-
-def _item_scaled(item: Item) -> Item:
+def _scaled(item: Item) -> Item:
     if isinstance(item, Text):
         return replace(item, height=SCALE * item.height)
     if isinstance(item, Disc):

@@ -1,4 +1,4 @@
-"""What the finger does during one touch and between two: samples of its force and of its way, gated, and judged."""
+"""Force and motion of the finger during and between touches, gated and evaluated."""
 
 import math
 import threading
@@ -13,7 +13,7 @@ from ...gates import Compliance, ForceGate, SpeedCompliance, SpeedGate, complian
 from ...safety.limits import FORCE_PEAK_N
 from ...signal import FloatArray
 from ...trials.trial import Reason
-from ..judgement import fault_of_speed
+from ..touch_validity import fault_of_speed
 
 G = TypeVar("G", ForceGate, SpeedGate)
 
@@ -30,7 +30,7 @@ DEAF_S = 0.5
 
 
 class Trace:
-    """Collects blocks in one thread, and gives them to another; `last_s` is the last stamp, `last` its value."""
+    """Collects sample blocks in one thread for another; `last_s` is the last stamp, `last` its value."""
 
     def __init__(self) -> None:
         self._blocks: list[tuple[FloatArray, FloatArray]] = []
@@ -39,7 +39,7 @@ class Trace:
         self.last_s: float | None = None
         self.last: FloatArray | None = None
 
-    def hear(self, times_s: FloatArray, values: FloatArray) -> None:
+    def on_samples(self, times_s: FloatArray, values: FloatArray) -> None:
         now_s = time.perf_counter()
         if times_s.size:
             self._blocks.append((times_s, values))
@@ -49,16 +49,16 @@ class Trace:
         self._silent_s = 0.0 if times_s.size else now_s - self._taken_s
 
     def quiet(self, longest_s: float) -> bool:
-        """Whether nothing is known of longer. What waits to be read while the process is held up is no silence."""
+        """Return True if nothing is known of the last `longest_s`; what waits in a held-up process does not count."""
         return self._silent_s > longest_s or time.perf_counter() - self._told_s > DEAF_S
 
     @property
     def age_s(self) -> float:
-        """How long ago the last sample was taken, or the trace begun."""
+        """Age of the last sample, or of the trace."""
         return time.perf_counter() - self._taken_s
 
     def between(self, begin_s: float, end_s: float) -> tuple[FloatArray, FloatArray]:
-        """Times and values of the finite samples of an interval; none where a stamp goes back."""
+        """Return times and values of finite samples of an interval; none if a stamp goes back."""
         blocks = self._blocks.copy()  # the sensor's thread adds to them meanwhile
         if not blocks:
             return np.empty(0), np.empty(0)
@@ -69,23 +69,23 @@ class Trace:
         return (times_s[kept], values[kept]) if sound else (times_s[:0], values[:0])
 
     def mean_speed_m_per_s(self, begin_s: float, end_s: float) -> float | None:
-        """Of positions; None where it was not measured."""
+        """Return the mean speed of positions; None if not measured."""
         times_s, positions_m = self.between(begin_s, end_s)
         return mean_speed_m_per_s(times_s, positions_m) if times_s.size else None
 
 
 class Since:
-    """How long we have heard of something that a sensor's stamps say began: a second opinion, by our own clock.
+    """How long we have known of a condition that began at a sensor's stamp, by our own clock.
 
-    Samples that waited and came at once were heard of only now: what needs both opinions is late at most, never early.
+    Samples that waited and came at once count from now. Requiring both clocks may decide late, never early.
     """
 
     def __init__(self) -> None:
         self._began_s: float | None = None
         self._heard_s = time.perf_counter()
 
-    def hear(self, began_s: float | None) -> None:
-        """It began at this stamp; None where it is over."""
+    def update(self, began_s: float | None) -> None:
+        """Set the stamp at which the condition began; None if it is over."""
         if began_s != self._began_s:
             self._began_s, self._heard_s = began_s, time.perf_counter()
 
@@ -94,7 +94,7 @@ class Since:
 
 
 class GatedSamples(ABC, Generic[G]):
-    """Hears the samples of one touch, each through a gate; `opened_s` is the stamp of the one that opened it."""
+    """Passes the samples of one touch through a gate; `opened_s` is the stamp that opened it."""
 
     def __init__(self, gate: G) -> None:
         self.gate: G = gate
@@ -105,20 +105,20 @@ class GatedSamples(ABC, Generic[G]):
 
     @property
     def open(self) -> bool:
-        """Whether it was held long enough, by the sensor's stamps and by our clock."""
+        """True if the condition lasted long enough, by the sensor's stamps and by our clock."""
         return self.gate.open and self._since.lasts(self.gate.hold_s)
 
     @abstractmethod
     def _is_good(self, value: float) -> bool:
-        """Whether what plays may go on after this sample."""
+        """Return True if playing may go on after this sample."""
 
-    def hear(self, times_s: FloatArray, values: FloatArray) -> None:
-        self._trace.hear(times_s, values)
+    def on_samples(self, times_s: FloatArray, values: FloatArray) -> None:
+        self._trace.on_samples(times_s, values)
         along = values if values.ndim == 1 else values[:, 0]  # of positions the first axis
         for time_s, value in zip(times_s.tolist(), along.tolist(), strict=True):
             was_open = self.gate.open
             self.gate = self.gate.after(time_s, value)
-            self._since.hear(self.gate.since_s)
+            self._since.update(self.gate.since_s)
             if self.gate.open and not was_open:
                 self.opened_s = time_s
             if self._is_good(value) or self._good_s is None:
@@ -130,7 +130,7 @@ class GatedSamples(ABC, Generic[G]):
 
 
 class AppliedForce(GatedSamples[ForceGate]):
-    """The finger's force: one above `force_peak_n` stops what plays."""
+    """Force of the finger; above `force_peak_n` playing stops."""
 
     def __init__(self, gate: ForceGate, force_peak_n: float = FORCE_PEAK_N) -> None:
         super().__init__(gate)
@@ -140,7 +140,7 @@ class AppliedForce(GatedSamples[ForceGate]):
 
     @property
     def open(self) -> bool:
-        """Whether the force was held long enough, by the sensor's stamps and by our clock, and is known of now."""
+        """True if the force was held long enough by both clocks, and is current."""
         return super().open and self._trace.age_s <= SILENT_S
 
     def _is_good(self, value: float) -> bool:
@@ -149,12 +149,12 @@ class AppliedForce(GatedSamples[ForceGate]):
 
     @property
     def silent(self) -> bool:
-        """Whether the sensor says nothing, or nothing but lost samples."""
+        """True if the sensor sends nothing, or only lost samples."""
         return self._is_bad_for(SILENT_S) or self._trace.quiet(SILENT_S)
 
     @property
     def loss(self) -> Reason | None:
-        """Why nothing may play any more: the sensor is silent, the finger has left, or it presses too much."""
+        """Why playing must stop: silent sensor, lifted finger, or excessive force; None if it may go on."""
         force_n = self.force_n
         if self.silent:
             return "sensor_lost"
@@ -165,25 +165,25 @@ class AppliedForce(GatedSamples[ForceGate]):
         return "lifted" if force_n < AWAY_PART * self.gate.target_n else None
 
     def compliance(self, begin_s: float, end_s: float) -> Compliance | None:
-        """How the force was kept from `begin_s` to `end_s`; None without samples or if stamps go back."""
+        """Return how well the force was kept; None without samples or if stamps go back."""
         times_s, forces_n = self._trace.between(begin_s, end_s)
         return compliance(times_s, forces_n, self.gate.target_n, self.gate.tolerance) if times_s.size else None
 
 
 class FingerMotion(GatedSamples[SpeedGate]):
-    """The finger's way; its path lies along the sensor's first axis."""
+    """Motion of the finger along the sensor's first axis."""
 
     def _is_good(self, value: float) -> bool:
         return self.gate.moving
 
     @property
     def silent(self) -> bool:
-        """Whether the sensor tells no place, or only lost ones."""
+        """True if the sensor sends no position, or only lost ones."""
         return self._trace.quiet(HALT_S) or self.gate.speed_m_per_s is None
 
     @property
     def loss(self) -> Reason | None:
-        """Why nothing may play any more: the finger has left its band of speed, or the sensor is silent."""
+        """Why playing must stop: speed out of band, or silent sensor; None if it may go on."""
         if self._trace.quiet(HALT_S):
             return "sensor_lost"
         if not self._is_bad_for(HALT_S):
@@ -192,7 +192,7 @@ class FingerMotion(GatedSamples[SpeedGate]):
         return "sensor_lost" if speed_m_per_s is None else fault_of_speed(speed_m_per_s, self.gate.target_m_per_s)
 
     def motion(self, begin_s: float, end_s: float) -> SpeedCompliance | None:
-        """How the speed was kept; None where it was not measured."""
+        """Return how well the speed was kept; None if it was not measured."""
         times_s, positions_m = self._trace.between(begin_s, end_s)
         if times_s.size < 2 or np.any(np.diff(times_s) == 0):  # two places at one time have no speed
             return None
@@ -200,15 +200,15 @@ class FingerMotion(GatedSamples[SpeedGate]):
 
 
 class Release:
-    """Whether the finger let go between two touches: a sensor that is stuck in its band never does.
+    """Whether the force left its band between touches, which a stuck sensor never does.
 
-    It hears the force all the time; where none is `needed`, it is always given.
+    It receives the force all the time; if not `needed`, it always happened.
 
     >>> release, gate = Release(), ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.5)
-    >>> release.hear(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
+    >>> release.on_samples(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
     >>> release.happened(gate), release.begin(), release.happened(gate)
     (True, None, False)
-    >>> release.hear(np.array([0.2]), np.array([1.1]))
+    >>> release.on_samples(np.array([0.2]), np.array([1.1]))
     >>> release.happened(gate)
     False
     """
@@ -218,7 +218,7 @@ class Release:
         self._lock = threading.Lock()
         self._low_n, self._high_n = math.inf, -math.inf
 
-    def hear(self, times_s: FloatArray, forces_n: FloatArray) -> None:
+    def on_samples(self, times_s: FloatArray, forces_n: FloatArray) -> None:
         del times_s
         known_n = [force_n for force_n in forces_n.tolist() if math.isfinite(force_n)]
         with self._lock:
@@ -226,14 +226,14 @@ class Release:
             self._high_n = max(self._high_n, *known_n, -math.inf)
 
     def begin(self) -> None:
-        """A touch is over: what the force did before does not count."""
+        """Forget the force so far, as a touch is over."""
         with self._lock:
             self._low_n, self._high_n = math.inf, -math.inf
 
     def happened(self, gate: ForceGate) -> bool:
-        """Whether the force was out of the band of a gate since then."""
+        """Return True if the force was outside the band of a gate since `begin`."""
         with self._lock:
-            heard = self._low_n <= self._high_n
+            known = self._low_n <= self._high_n
             # where both extremes are in the band, so was all between them
             stayed = gate.holds(self._low_n) and gate.holds(self._high_n)
-            return not self._needed or (heard and not stayed)
+            return not self._needed or (known and not stayed)

@@ -1,4 +1,4 @@
-"""One touch of the finger while a stimulus plays, with and without a force sensor or a page of ours."""
+"""One touch while a stimulus plays, with or without a force sensor, and beside other code's pages."""
 
 import math
 import time
@@ -10,45 +10,41 @@ from typing import Any
 import numpy as np
 
 from ...devices.sensors.streamed import StreamedSensor
-from ...followed import HELD_S, Course, path_lines
 from ...gates import VALID_PART, ForceGate, SpeedGate
+from ...position_dependent import HELD_S, PlayedPath, path_lines
 from ...provenance import digest_of
 from ...safety.limits import FORCE_PEAK_N
 from ...session.answer import Played, Touched
 from ...session.request import Play, Press, Slide
 from ...signal import Signal
 from ...trials.trial import Reason
-from ..judgement import broken_condition, compliance_fields
 from ..pages import layout
 from ..pages.page import Page
 from ..pages.presenter import Dress, as_it_is
+from ..touch_validity import broken_condition, compliance_fields
 from .gated_samples import MOVING_S, AppliedForce, FingerMotion, Release, Trace
-from .trigger import Trigger, hearing, quick_turns
+from .trigger import Trigger, quick_turns, receiving
 from .watchdog import TouchSetup, silence, watchdog
 
 TOLD_EVERY_S = 1.0
 
 
 def moving_cue(request: Slide, display_height_m: float, places: Trace) -> Dress:
-    """Adds a cue that goes out and back along the path of a slide, at its speed, and the measured finger."""
+    """Add a cue that moves along the path of a slide at its speed, and the measured finger."""
     begin_s = time.perf_counter()
     length = request.length_m / display_height_m
 
     def with_track(page: Page, now_s: float) -> Page:
         phase = (now_s - begin_s) * request.speed_m_per_s / request.length_m
-        return layout.track_page(page, layout.sweep(phase), length, _finger(places, request.length_m))
+        place_m = math.nan if places.last is None else float(places.last[0])  # 0 is the beginning of the path
+        finger = 2 * place_m / request.length_m - 1 if math.isfinite(place_m) else None
+        return layout.track_page(page, layout.sweep(phase), length, finger)
 
     return with_track
 
 
-def _finger(places: Trace, length_m: float) -> float | None:
-    """The place of the finger on its path (-1..1), whose beginning is position 0 on the sensor's first axis."""
-    place_m = None if places.last is None else float(places.last[0])
-    return None if place_m is None or not math.isfinite(place_m) else 2 * place_m / length_m - 1
-
-
 class Held:
-    """What the sensors of one held touch say: force, and speed where it is gated."""
+    """Sensor state of one held touch: force, and speed if gated."""
 
     def __init__(
         self,
@@ -82,32 +78,30 @@ class Held:
 
     @property
     def missed(self) -> Reason:
-        """Why it did not open in time: where force is held, a finger without a place is no fault of its own."""
+        """Reason for a timeout; a missing position while the force is held counts as a lost sensor."""
         placeless = self.finger_motion is not None and self.finger_motion.silent and self.applied_force.gate.open
         return "sensor_lost" if placeless else "timeout"
 
     def fire(self, fire: Callable[[], float | None]) -> float | None:
-        """Begin to play what these sensors let through: they hear on, but what opened the gate stands."""
+        """Begin to play and remember the stamp that opened the gate."""
         self.let_through_s = self.opened_s
         return fire()
 
     def breaks(self) -> bool:
-        """Whether a sensor is silent, or the finger has left or stopped: `loss` then says which."""
+        """Return True if playing must stop; `loss` is the reason."""
         self.loss = next((samples.loss for samples in self._gated if samples.loss), None)
         return self.loss is not None
 
     def delay_s(self, decided_s: float) -> float:
-        """From the sample that opened the gate to the decision; a stamp may be ahead of its arrival by an error of the
-        clocks, and the delay is then 0."""
+        """Return the time from the sample that opened the gate to the decision, at least 0."""
         return max(0.0, decided_s - self.let_through_s)
 
 
 @dataclass(frozen=True)
-class TouchCourse:
-    """A request to press or slide, with what carries it out; `places` is where its position is heard, `why` says why
-    the touch before did not count.
+class TouchRun:
+    """Carries out a request to press or slide; `places` receives positions, `why` explains the last invalid touch.
 
-    What cuts a stimulus short is a pause that the experimenter wants, or what the sensors say.
+    A stimulus is cut short by a pause or by the sensors.
     """
 
     request: Press | Slide
@@ -119,12 +113,9 @@ class TouchCourse:
     why: str = ""
 
     def carry_out(self, signal: Signal | None) -> tuple[Touched, float | None]:
-        """What came of the touch (its onset on `time.perf_counter`), and how late the gate's decision was, s.
-
-        A touch whose stimulus was cut short by a pause is not valid.
-        """
+        """Carry out the touch; return the answer (onset on `time.perf_counter`) and the gate's delay, s."""
         sensor = self.setup.sensor
-        with hearing(self.setup.position, self.places.hear):
+        with receiving(self.setup.position, self.places.on_samples):
             touched, delay_s = (
                 (self._play_ungated(signal), None) if sensor is None else self._play_gated(signal, sensor)
             )
@@ -132,7 +123,7 @@ class TouchCourse:
         return replace(touched, speed_mean_m_per_s=None if speed is None else round(speed, 6)), delay_s
 
     def _play_ungated(self, signal: Signal | None) -> Touched:
-        """Trust the finger: show when to be ready for `hold_s`, then play."""
+        """Show when to be ready for `hold_s`, then play without a force condition."""
         ready, playing = (
             layout.marker_page(self.request.interval, playing=on, words=self.words, why="" if on else self.why)
             for on in (False, True)
@@ -151,8 +142,8 @@ class TouchCourse:
     def _answer(
         self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: Any
     ) -> Touched:
-        course = self.setup.emitter.course(signal)
-        if course is not None and course.unknown > 1 - VALID_PART:
+        path = self.setup.emitter.played_path(signal)
+        if path is not None and path.unknown > 1 - VALID_PART:
             reason = reason or "sensor_lost"
         return Touched(
             onset_s,
@@ -161,15 +152,15 @@ class TouchCourse:
             valid=reason is None,
             invalid_reason=reason,
             n_gaps=n_gaps,
-            positions_digest=None if course is None else self._positions_digest(onset_s, course),
-            positions_late=None if course is None else round(course.late, 6),
+            positions_digest=None if path is None else self._positions_digest(onset_s, path),
+            positions_late=None if path is None else round(path.late, 6),
             **kept,
         )
 
-    def _positions_digest(self, onset_s: float, course: Course) -> str:
-        """The digest of the places that a texture followed, which are kept under it."""
-        begin_s = onset_s - course.latency_s
-        times_s, positions_m = self.places.between(begin_s - HELD_S, begin_s + course.signal.duration_s)
+    def _positions_digest(self, onset_s: float, path: PlayedPath) -> str:
+        """Keep the positions that a texture followed, and return their digest."""
+        begin_s = onset_s - path.latency_s
+        times_s, positions_m = self.places.between(begin_s - HELD_S, begin_s + path.signal.duration_s)
         new = np.diff(times_s, prepend=-np.inf) > 0  # as the texture heard them: of those of one stamp the first
         along_m = positions_m[:, 0] if positions_m.ndim == 2 else positions_m
         lines = path_lines(times_s[new] - begin_s, along_m[new])
@@ -178,9 +169,9 @@ class TouchCourse:
         return digest
 
     def _play_gated(self, signal: Signal | None, sensor: StreamedSensor) -> tuple[Touched, float | None]:
-        """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.
+        """Play once the force is held in motion; stop when the finger stops or leaves, or a sensor is lost.
 
-        The threads of the sensors decide; here it is shown what they hear.
+        The sensors' threads decide; this thread only draws.
         """
         setup, moving = self.setup, self.setup.position is not None
         held = Held(self.request, moving=moving, force_peak_n=setup.force_peak_n, release=setup.release)
@@ -192,9 +183,11 @@ class TouchCourse:
         )
         with ExitStack() as last_first:
             last_first.enter_context(quick_turns())
-            last_first.enter_context(hearing(sensor, held.applied_force.hear, trigger.consider))
+            last_first.enter_context(receiving(sensor, held.applied_force.on_samples, trigger.consider))
             if held.finger_motion is not None:
-                last_first.enter_context(hearing(self.setup.position, held.finger_motion.hear, trigger.consider))
+                last_first.enter_context(
+                    receiving(self.setup.position, held.finger_motion.on_samples, trigger.consider)
+                )
             last_first.callback(trigger.disarm)  # the first to run on any way out: nothing fires behind it
             begun = self._await_begin(held, trigger, sensor)
             if begun is None:
@@ -212,9 +205,9 @@ class TouchCourse:
         return touched, held.delay_s(decided_s)
 
     def _await_begin(self, held: Held, trigger: Trigger, sensor: StreamedSensor) -> tuple[float, float] | None:
-        """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
+        """Show the force until the stimulus begins; return decision time and onset, or None after a timeout.
 
-        A silent sensor pauses the session; no time counts in a pause.
+        A silent sensor pauses the session; pauses do not count.
         """
         begin_s = said_s = self._present(self._bar(held, playing=False))
         while trigger.begun is None:
@@ -228,8 +221,7 @@ class TouchCourse:
         return trigger.begun  # asked after disarming: it may have fired just before
 
     def _silence(self, held: Held, sensor: StreamedSensor) -> str | None:
-        """Which sensor is silent, and why; of one of position only where it went away: a finger that is off the
-        surface has no place."""
+        """Describe a silent sensor; a position sensor counts only if it failed, as a lifted finger has no position."""
         if held.applied_force.silent:
             return silence(sensor)
         position = self.setup.position
@@ -237,7 +229,7 @@ class TouchCourse:
         return None if failure is None else f"the position sensor is silent ({failure})"
 
     def _tell_force(self, held: Held, said_s: float) -> float:
-        """Tell the experimenter the force, once in a while: when it was told last."""
+        """Print the force for the experimenter about once a second; return when it was printed last."""
         now_s, force_n = time.perf_counter(), held.applied_force.force_n
         if now_s < said_s + TOLD_EVERY_S or force_n is None:
             return said_s
@@ -245,7 +237,7 @@ class TouchCourse:
         return now_s
 
     def _interruption(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> Reason | None:
-        """Show the force while the stimulus plays: what cut it short, None if it played to its end."""
+        """Show the force while the stimulus plays; return what cut it short, or None."""
         self._present(self._bar(held, playing=True))
         while time.perf_counter() < onset_s + self.request.duration_s:
             trigger.consider()
@@ -281,11 +273,11 @@ class TouchCourse:
         return self._answer(signal, onset_s, reason, n_gaps, **compliance_fields(force, speed))
 
 
-class Beside:
-    """Begins with the object, under the eyes of the force sensor.
+class ConcurrentPlay:
+    """Plays while other code draws, supervised by the force sensor.
 
     - `signal`: None for a blank.
-    - `give_back`: Gives the screen back after a page that a pause needs.
+    - `give_back`: Returns the screen after the page of a pause.
     """
 
     def __init__(self, setup: TouchSetup, request: Play, signal: Signal | None, give_back: Callable[[], None]) -> None:
@@ -296,11 +288,11 @@ class Beside:
 
     @property
     def cut(self) -> bool:
-        """Whether a pause cut it short; nothing plays again by itself."""
+        """True if a pause cut it short; nothing plays again by itself."""
         return self._setup.presenter.paused_until_s > self._onset_s
 
     def look(self) -> bool:
-        """In each frame: whether it plays on. What the sensor must not say (silence, too much force) pauses here."""
+        """Supervise in each frame; return True while it plays. Silence and excessive force pause the session."""
         try:
             self._look()
         finally:
@@ -308,7 +300,7 @@ class Beside:
         return not self.cut and time.perf_counter() < self._onset_s + self._request.duration_s
 
     def end(self) -> Played:
-        """Zero now, and what was played (its onset on `time.perf_counter`)."""
+        """Stop; return what was played (onset on `time.perf_counter`)."""
         emitter = self._setup.emitter
         n_gaps = emitter.n_gaps(self._signal)
         emitter.stop()

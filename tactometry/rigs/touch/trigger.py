@@ -1,4 +1,4 @@
-"""A decision that is taken where the samples arrive: in the threads of the sensors, whatever the screen does."""
+"""Start and stop the stimulus from the sensor threads, independently of the display."""
 
 import sys
 import threading
@@ -15,13 +15,10 @@ TURN_S = 0.002
 
 
 class Trigger:
-    """Fires once when `opens` says so, and stops what it fired when `breaks` says so.
+    """Fires once when `opens` is True, and stops it when `breaks` is True.
 
-    `consider` is called from any thread, after each block of samples; it never waits for another that considers.
-
-    - `opens`, `breaks`: What the samples up to now say.
-    - `fire`: Begins to play: the onset on `time.perf_counter`, s; None if it may not just now.
-    - `stop`: Zero now.
+    `consider` is called from any thread after each block of samples and never waits for another call. `fire` returns
+    the onset on `time.perf_counter`, s, or None if it may not play now.
     """
 
     def __init__(
@@ -40,13 +37,13 @@ class Trigger:
 
     @property
     def begun(self) -> tuple[float, float] | None:
-        """When it was decided, and the onset; None before. Raises what went wrong when it fired or stopped."""
+        """Decision time and onset, or None. Raises errors of `fire` and `stop`."""
         self._raise_failure()
         return self._begun
 
     @property
     def broken(self) -> bool:
-        """Whether it stopped what it fired. Raises as `begun`."""
+        """True if it stopped what it fired. Raises as `begun`."""
         self._raise_failure()
         return self._broken
 
@@ -77,7 +74,7 @@ class Trigger:
             self._stop()
 
     def disarm(self, longest_s: float = BEGIN_WITHIN_S) -> None:
-        """Neither fire nor stop any more; waits for one that is under way, but for no output that hangs."""
+        """Neither fire nor stop any more; wait for a call under way, at most `longest_s`."""
         is_free = self._lock.acquire(timeout=longest_s)
         self._step = None  # without the lock too: what hangs in it has fired already
         if is_free:
@@ -86,7 +83,7 @@ class Trigger:
 
 @contextmanager
 def quick_turns() -> Iterator[None]:
-    """Threads take turns every `TURN_S`, so that drawing keeps the sensors' threads from no decision."""
+    """Switch threads every `TURN_S`, so that drawing does not delay sensor threads."""
     usual_s = sys.getswitchinterval()
     sys.setswitchinterval(min(TURN_S, usual_s))
     try:
@@ -96,14 +93,16 @@ def quick_turns() -> Iterator[None]:
 
 
 @contextmanager
-def hearing(sensor: StreamedSensor | None, hear: OnSamples, then: Callable[[], None] = lambda: None) -> Iterator[None]:
-    """Samples go to `hear` in the sensor's thread, each time followed by `then`, until the block ends."""
+def receiving(
+    sensor: StreamedSensor | None, on_samples: OnSamples, then: Callable[[], None] = lambda: None
+) -> Iterator[None]:
+    """Pass samples to `on_samples`, then call `then`, in the sensor's thread until the body ends."""
     if sensor is None:
         yield
         return
 
     def pass_on(times_s: FloatArray, values: FloatArray) -> None:
-        hear(times_s, values)
+        on_samples(times_s, values)
         then()
 
     end = sensor.subscribe(pass_on)

@@ -1,4 +1,4 @@
-"""With what a touch is carried out; what plays without a gate of force, under the eyes of the sensor all the same."""
+"""Set-up of touches, and supervision of stimuli that play without a force gate."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -16,7 +16,7 @@ from ..emitter import Emitter
 from ..pages.page import Page
 from ..pages.presenter import Presenter
 from .gated_samples import SILENT_S, Release, Trace
-from .trigger import hearing
+from .trigger import receiving
 
 SILENT = "the force sensor is silent"
 
@@ -26,10 +26,11 @@ Pause = Callable[[str, Callable[[], bool]], None]
 
 @dataclass(frozen=True)
 class TouchSetup:
-    """Screen, output and sensors of a rig; `say` tells the experimenter, by the name of a phrase and its values. Above
-    `force_peak_n` nothing plays.
+    """Screen, output and sensors of a rig.
 
-    `keep_path` keeps the places that a texture followed, under their digest.
+    - `say`: Prints a phrase with values for the experimenter.
+    - `force_peak_n`: Above it nothing plays.
+    - `keep_path`: Keeps the positions that a texture followed.
     """
 
     presenter: Presenter
@@ -44,25 +45,24 @@ class TouchSetup:
 
 
 def silence(sensor: StreamedSensor | None) -> str:
-    """Why a session pauses whose force sensor says nothing, with what is known of it."""
+    """Describe a silent force sensor."""
     failure = None if sensor is None else sensor.reader.failure
     return SILENT if failure is None else f"{SILENT} ({failure})"
 
 
 @contextmanager
 def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
-    """Until the block ends, the output is stopped in the sensor's thread when nothing may play.
+    """Stop the output from the sensor's thread if the sensor is silent or the force too high.
 
-    That is when it has said nothing for `SILENT_S`, or the force is above its limit. The value is for each frame:
-    it pauses the session where that happened, until the sensor speaks again of a force below.
+    Yields a function for each frame, which then pauses the session until both are over.
     """
     sensor, force_peak_n = setup.sensor, setup.force_peak_n
     trace, lost, force_n = Trace(), False, 0.0
 
-    def hear(times_s: FloatArray, forces_n: FloatArray) -> None:
+    def on_samples(times_s: FloatArray, forces_n: FloatArray) -> None:
         nonlocal force_n
         known = np.isfinite(forces_n)
-        trace.hear(times_s[known], forces_n[known])
+        trace.on_samples(times_s[known], forces_n[known])
         force_n = float(forces_n[known][-1]) if known.any() else force_n
 
     def wrong() -> str | None:
@@ -84,12 +84,12 @@ def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
             setup.pause(wrong() or SILENT, lambda: wrong() is None)
             lost = False
 
-    with hearing(sensor, hear, consider):
+    with receiving(sensor, on_samples, consider):
         yield look
 
 
 def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | None) -> Played:
-    """The answer (its onset on `time.perf_counter`): it plays under a watchdog, and begins anew after a pause."""
+    """Play under a watchdog, again after a pause; the onset is on `time.perf_counter`."""
     presenter, emitter = setup.presenter, setup.emitter
     begin_s = presenter.screen.present(page)
     with watchdog(setup) as look:
@@ -105,7 +105,7 @@ def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | N
 
 
 class RepeatedStimulus:
-    """Plays the level of so many steps again and again; another level begins at once. Each time after a `look`."""
+    """Plays a level again and again; a new level begins at once. Calls `look` each time."""
 
     def __init__(self, request: Adjust, emitter: Emitter, look: Callable[[], None]) -> None:
         self._request, self._emitter, self._look = request, emitter, look
@@ -125,6 +125,6 @@ class RepeatedStimulus:
         self._end_s = self._emitter.emit(signal) + signal.duration_s
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Gaps in all that was played up to now; None where the output cannot tell."""
+        """Return gaps in all that was played; None if the output cannot tell."""
         now = self._emitter.n_gaps(self._signal, longest_wait_s)
         return self._n_before if now is None else (self._n_before or 0) + now

@@ -25,14 +25,8 @@ compileScript("felt.psyexp", None, "felt.py")
 
 
 def python(folder, *command):
-    done = subprocess.run(
-        [sys.executable, *command],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=LONGEST_PROGRAM_S,
-    )
+    how = {"cwd": folder, "capture_output": True, "text": True, "timeout": LONGEST_PROGRAM_S}
+    done = subprocess.run([sys.executable, *command], **how, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout + done.stderr
 
@@ -57,12 +51,8 @@ print(json.dumps({name: list(each["params"]) for name, each in told.items() if e
 
 def test_builder_is_told_of_each_part_with_its_fields(display, tmp_path):
     told = json.loads(python(tmp_path, "-c", TOLD).splitlines()[0])
-    assert told.keys() == {
-        "GatedTouchComponent",
-        "TactileStimulusComponent",
-        "QuestionnaireComponent",
-        "TactometryLoop",
-    }
+    components = {"GatedTouchComponent", "TactileStimulusComponent", "QuestionnaireComponent"}
+    assert told.keys() == components | {"TactometryLoop"}
     assert all({"name", "study", "bench", "factors"} <= set(fields) for fields in told.values())
 
 
@@ -85,9 +75,8 @@ def sitting(compiled, display):
 
 def test_the_loop_asks_for_the_levels_of_the_procedure_until_it_has_finished(sitting):
     trials = [row for row in sitting if row["quest.response"]]
-    assert [(row["quest.response"], row["quest.valid"], row["quest.force_mean_n"]) for row in trials] == [
-        ("1", "1", "1.0")
-    ] * 4
+    answers = [(row["quest.response"], row["quest.valid"], row["quest.force_mean_n"]) for row in trials]
+    assert answers == [("1", "1", "1.0")] * 4
     assert [row["quest.intensity"] for row in trials] == [row["quest.level_delivered"] for row in trials]
     assert [row["quest.ending"] for row in sitting if row["quest.ending"]] == ["censored_below"]
 

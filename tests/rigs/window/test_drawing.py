@@ -70,9 +70,8 @@ def test_what_is_drawn_from_lists_is_what_psychopy_draws(screen, name):
 def test_a_frame_in_which_something_moves_asks_psychopy_for_nothing(screen, monkeypatch):
     """Each attribute of a shape costs more than its drawing: forms took 110 ms a frame, and dropped five of six."""
     marker = layout.marker_page(1, playing=True, words="Press")
-    frames = [
-        layout.track_page(layout.force_page(marker, force, 1.0, 0.2), force - 1, 0.5, 0.0) for force in (0.9, 1.1)
-    ]
+    forces = [layout.force_page(marker, force_n, 1.0, 0.2) for force_n in (0.9, 1.1)]
+    frames = [layout.track_page(page, at, 0.5, 0.0) for page, at in zip(forces, (-0.1, 0.1), strict=True)]
     first = pixels(screen, frames[0])
     monkeypatch.delattr("psychopy.visual.basevisual.BaseVisualStim.pos")
     monkeypatch.delattr("psychopy.visual.shape.BaseShapeStim.draw")

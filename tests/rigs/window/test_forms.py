@@ -9,7 +9,6 @@ from learnt_file import write_responses
 from screens import entry_page, form_pages
 from short_studies import shortened
 
-from tactometry import choice_form
 from tactometry.devices.outputs.output import RAMP_S, with_ramps
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.bench.bench_parts import Learnt
@@ -20,7 +19,7 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load as load_study
 from tactometry.protocols.session import question_of, words_of
 from tactometry.protocols.tasks.rating import pages
-from tactometry.questionnaire import load
+from tactometry.questionnaire import load, load_choices
 from tactometry.records.journal import read
 from tactometry.rigs.bench import Bench, form_of
 from tactometry.rigs.device_rig import Equipment
@@ -58,7 +57,7 @@ def bench(watched, output):
 
 @pytest.mark.parametrize(("pressed", "code"), [("3", 3), ("0", 0), ((0.0, 0.24), 1)])
 def test_a_question_about_a_person_is_answered_by_its_digit_or_a_touch(watched, output, participant, pressed, code):
-    form = choice_form.load("demographics")
+    form = load_choices("demographics")
     bench = Bench(watched, Equipment(output, {}), texts_in("fr", words_of(form, "fr")))
     participant.answers(pressed)
     assert bench.answer(question_of(form, form.items[0])).option == code
@@ -147,10 +146,9 @@ def test_a_page_goes_back_to_the_one_before_with_its_marks(bench, participant):
 
 
 def test_a_page_says_what_it_is_about_and_which_it_is():
-    words = [
-        getattr(item, "words", "") for item in form.form_page(drawn(SECOND), form.Marks((None,) * 5), ASPECT).items
-    ]
-    assert {"The surface that you felt was …", "Page 2 of 2", *"1234567"} <= set(words)
+    page = form.form_page(drawn(SECOND), form.Marks((None,) * 5), ASPECT)
+    words = {getattr(item, "words", "") for item in page.items}
+    assert {"The surface that you felt was …", "Page 2 of 2", *"1234567"} <= words
 
 
 @pytest.mark.parametrize(
@@ -198,13 +196,8 @@ def test_the_entry_page_is_drawn_for_a_look(screen, artefacts):
 # --- studies from start to end
 
 LEARNT = "time-reversal-threshold"
-BLINDLY = (
-    LEARNT,
-    "time-reversal-patterns",
-    "time-reversal-localisation",
-    "hybrid-button",
-    "electrovibration-threshold",
-)
+OTHERS = ("time-reversal-patterns", "time-reversal-localisation", "hybrid-button", "electrovibration-threshold")
+BLINDLY = (LEARNT, *OTHERS)
 """Studies that keys alone lead through."""
 
 

@@ -98,11 +98,8 @@ def test_questions_about_a_person_have_rows_with_the_words_of_their_codes(guest_
     guest = guest_with(TUTORIAL, FRENCH)
     seen = presses("3", "1", "0")
     assert guest.questionnaire("demographics", experiment) == {"age_band": 3.0, "handedness": 1.0, "gender": 0.0}
-    assert rows_of(experiment, "demographics") == [
-        ("age_band", 3.0, "25 to 34"),
-        ("handedness", 1.0, "right"),
-        ("gender", 0.0, ""),
-    ]
+    rows = [("age_band", 3.0, "25 to 34"), ("handedness", 1.0, "right"), ("gender", 0.0, "")]
+    assert rows_of(experiment, "demographics") == rows
     assert "De quelle main" in seen[1]
 
 

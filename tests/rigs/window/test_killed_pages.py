@@ -95,23 +95,15 @@ NO_REQUEST = {
 def test_every_page_that_a_session_shows_is_one_that_is_killed():
     """Requests that protocols put, by their names; a page of words by that of its message, instructions by one name."""
     protocols = "".join(path.read_text("utf-8") for path in (ROOT / "protocols").rglob("*.py"))
-    put = {name for name in REQUESTS if re.search(rf"\b{name}\(", protocols)} - {
-        "Record",
-        "Show",
-        "Fill",
-        "Intervene",
-    } | {"agree"}
+    put = {name for name in REQUESTS if re.search(rf"\b{name}\(", protocols)}
+    asked = put - {"Record", "Show", "Fill", "Intervene"} | {"agree", "feedback", "Fill 1", "Fill 2"}
     messages = texts_in("en", {}).messages
-    headed = {
-        name.partition("_")[0] if name.startswith("instructions_") else name for name in messages if has_body(name)
-    }
-    shown = headed - NO_REQUEST.keys()
-    told = {"feedback", "Fill 1", "Fill 2"}
-    assert set().union(*(pages for _, pages in STUDIES.values())) == put | shown | told
+    headed = {one_name(name) for name, text in messages.items() if "\n\n" in text.strip()}
+    assert set().union(*(pages for _, pages in STUDIES.values())) == asked | headed - NO_REQUEST.keys()
 
 
-def has_body(name):
-    return "\n\n" in texts_in("en", {}).messages[name].strip()
+def one_name(message):
+    return message.partition("_")[0] if message.startswith("instructions_") else message
 
 
 class Turns:
@@ -175,7 +167,7 @@ def page_of(requests, n):
     if isinstance(request, Show) and request.message in ("right", "wrong"):
         return "feedback"
     if isinstance(request, Show):
-        return request.message.partition("_")[0] if request.message.startswith("instructions_") else request.message
+        return one_name(request.message)
     if isinstance(request, Choose) and request.question == CONSENT:
         return CONSENT
     if not isinstance(request, Fill):

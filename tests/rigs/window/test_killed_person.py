@@ -72,9 +72,9 @@ class Killed:
         self.until(lambda: len(self.requests()) > n_before)
         self.page = self.new_page(unlike=self.page)
 
-    def answer_until(self, holds):
-        """Leave pages of words and say yes to questions until something holds."""
-        keys = cycle(("space", "y"))
+    def answer_until(self, holds, answer="y"):
+        """Leave pages of words and give one answer to questions until something holds."""
+        keys = cycle(("space", answer))
         self.until(holds, lambda: self._hands.tap(next(keys)))
 
     def ended(self):
@@ -157,11 +157,8 @@ def test_each_question_about_a_person_and_each_rest_that_time_brings_is_put_once
     killed.begin()
     assert killed.ended() == (0, "")
     rows = trial_rows(killed.data)
-    assert [(row["item"], row["response"]) for row in rows if row["item"]] == [
-        ("age_band", "3"),
-        ("handedness", "2"),
-        ("gender", "1"),
-    ]
+    answers = [(row["item"], row["response"]) for row in rows if row["item"]]
+    assert answers == [("age_band", "3"), ("handedness", "2"), ("gender", "1")]
     assert [row["response"] for row in rows if not row["item"]] == ["1"] * 3
     asked = Counter(request.question for request in killed.requests() if isinstance(request, Choose))
     assert {name: n for name, n in asked.items() if name.startswith(ABOUT)} == {
@@ -182,4 +179,27 @@ def test_who_does_not_agree_is_not_asked_again(session):
     assert killed.ended() == (1, "")  # no block came to its end
     told = [request.question if isinstance(request, Choose) else request.message for request in killed.requests()]
     assert told == ["welcome", "consent", CONSENT, "declined"]
+    assert is_sound(killed.data)
+
+
+PRACTICE = '[practice]\nlevels = [40.0]\nn_correct = 1\nn_of = 1\nn_trials = 1\non_miss = "ask"\n'
+
+
+def test_missed_practice_is_decided_once_when_killed(session):
+    """Kill the session on the page of the choice, then on the page after it."""
+    killed = session(f"{changed(shortened('tutorial'), {'catch_rate = 0.2': 'catch_rate = 0.0'})}\n{PRACTICE}")
+    killed.begin()
+    killed.answer_until(lambda: n_trials(killed) == 1, "n")
+    killed.page = killed.new_page()
+    killed.until(lambda: "wrong" in messages(killed))
+    killed.page = killed.new_page(unlike=killed.page)
+    killed.kill()
+    killed.begin()
+    killed.answer("g")
+    killed.kill()
+    killed.begin()
+    assert killed.ended() == (0, "")
+    chosen = [request for request in killed.requests() if isinstance(request, Choose)]
+    assert [request.question for request in chosen][:3] == ["felt", "practice_missed", "felt"]
+    assert [row["practice"] for row in trial_rows(killed.data)].count("1") == 1
     assert is_sound(killed.data)

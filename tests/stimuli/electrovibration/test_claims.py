@@ -23,7 +23,6 @@ from tactometry.stimuli.electrovibration import (
     force_form,
     lagged_friction_n,
     sliding,
-    sliding_many,
     stick_slip,
 )
 
@@ -138,8 +137,6 @@ def test_the_coefficient_depends_on_the_load_in_every_friction(force_n: float, m
     motion = slid(friction, force_n)
     expected_n = mu * (force_n + motion.electrostatic_n)
     np.testing.assert_allclose(motion.lateral_n, expected_n, rtol=1e-13)
-    many = sliding_many(T_S, [PIECES], FORM, finger=Finger(), friction=friction, force_n=force_n)
-    np.testing.assert_allclose(many.lateral_n[0], expected_n, rtol=1e-13)
     np.testing.assert_allclose(friction.modulation_n(0.01, force_n), mu * 0.01, rtol=1e-13)
     assert lagged_n(FrictionLag(), friction, force_n)[0] == pytest.approx(mu * force_n, rel=1e-13)
 

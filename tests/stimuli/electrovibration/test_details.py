@@ -22,7 +22,6 @@ from tactometry.stimuli.electrovibration import (
     Velvet,
     charge_c,
     current_a,
-    figures,
     sliding,
     stick_slip,
 )
@@ -142,14 +141,6 @@ def test_times_that_are_almost_even_are_not_taken_for_even_ones() -> None:
 def test_a_step_falls_before_its_end() -> None:
     samples = Step(fall_s=0.2, duration_s=0.4, rate_hz=10.0).at(20.0).samples[0]
     np.testing.assert_allclose(samples, [10.0, 10.0, 10.0, 5.0])
-
-
-def test_the_error_bar_of_the_applied_forces_is_the_95_percent_t_interval() -> None:
-    figure = figures.applied_forces({"1 N": [0.9, 1.0, 1.2]})
-    (bars,) = figure.axes[0].collections
-    (segment,) = bars.get_segments()
-    half_n = 4.302652729911275 * np.std([0.9, 1.0, 1.2], ddof=1) / np.sqrt(3)
-    np.testing.assert_allclose(np.ptp(segment[:, 1]), 2 * half_n, rtol=1e-9)
 
 
 def test_sampled_tones_double_in_the_force() -> None:

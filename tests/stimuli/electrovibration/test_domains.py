@@ -27,7 +27,6 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
     ellipse_area_m2,
 )
-from tactometry.stimuli.electrovibration.skin.stack import periodic_voltages_v, shares
 
 P0, AREA_M2 = Skin(), 1e-4
 PIECES = Step(duration_s=0.1).pieces(40.0)
@@ -93,18 +92,6 @@ def force_n(voltage_v, **changes):
         ),
         (lambda: Stack((Layer(1e-6),)).relaxations(1, AREA_M2), "Stack.index: found 1, expected one of 0"),
         (lambda: Stack((Layer(1e-6),)).relaxations(-1, AREA_M2), "Stack.index: found -1, expected one of 0"),
-        (
-            lambda: shares([-1.0], (Layer(1e-6),)),
-            "shares.frequency_hz[0]: found -1.0, expected a finite number, at least 0",
-        ),
-        (
-            lambda: shares([1.0], (Layer(0.0),)),
-            "shares.layers: found none that can hold a voltage, expected one of thickness and resistivity above 0",
-        ),
-        (
-            lambda: periodic_voltages_v(np.ones((2, 3)), 1e3, (Layer(1e-6),)),
-            "periodic_voltages_v.voltage_v: found shape (2, 3), expected one period (n_samples,)",
-        ),
         (lambda: step_voltage_v(-1.0, 1.0, P0), "t_s: found -1.0, expected a finite number, at least 0"),
         (lambda: sine_voltage_v(-1.0, 60.0, 1.0, P0), "t_s: found -1.0, expected a finite number, at least 0"),
         (lambda: square_edge_v(0.0, 1.0, P0), "frequency_hz: found 0.0, expected a finite number above 0"),

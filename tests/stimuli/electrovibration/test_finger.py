@@ -20,7 +20,6 @@ from tactometry.stimuli.electrovibration import (
     Step,
     Trapezoid,
     sliding,
-    sliding_many,
 )
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.motion.friction_lag import lagged_friction_n
@@ -144,28 +143,6 @@ def test_the_deflection_grows_with_the_square_of_the_voltage(scale: float) -> No
         for p in (SINE, SINE.scaled(scale))
     )
     np.testing.assert_allclose(other, scale**2 * one, rtol=1e-9, atol=1e-18 * scale**2)
-
-
-def test_many_stimuli_of_one_timing_move_as_each_by_itself() -> None:
-    stimuli = [TRAPEZOID.scaled(x) for x in (0.0, -0.5, 2.0)]
-    form = form_of(3e-4)
-    together = sliding_many(T_S, stimuli, form, finger=FINGER, friction=FRICTION, force_n=1.0)
-    for row, pieces in enumerate(stimuli):
-        alone = sliding(T_S, pieces, form, finger=FINGER, friction=FRICTION, force_n=1.0)
-        np.testing.assert_allclose(together.deflection_m[row], alone.deflection_m, rtol=1e-13)
-        np.testing.assert_allclose(together.lateral_n[row], alone.lateral_n, rtol=1e-13)
-        np.testing.assert_allclose(together.acceleration_m_per_s2[row], alone.acceleration_m_per_s2, atol=1e-9)
-
-
-def test_stimuli_of_other_timings_do_not_share_a_plan() -> None:
-    with pytest.raises(InvalidParameter) as caught:
-        sliding_many(T_S, [STEP, TRAPEZOID], form_of(1.0), finger=FINGER, friction=FRICTION, force_n=1.0)
-    assert str(caught.value) == (
-        "stimuli[1]: found other starts, frequencies or an other end than the first stimulus has, expected the same; "
-        "solve it by itself"
-    )
-    with pytest.raises(InvalidParameter, match=r"stimuli: found \[\], expected a sequence of at least one"):
-        sliding_many(T_S, [], form_of(1.0), finger=FINGER, friction=FRICTION, force_n=1.0)
 
 
 def test_lag_of_a_step_is_an_exponential() -> None:

@@ -15,7 +15,7 @@ from tables import trial_rows
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.study_file import load
-from tactometry.followed import felt_under
+from tactometry.position_dependent import felt_under
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     Bump,

@@ -15,7 +15,6 @@ from tactometry.errors import TactometryError
 from tactometry.signal import Signal
 from tactometry.stimuli import electrovibration as ev
 from tactometry.stimuli.composition.effect import Effect
-from tactometry.stimuli.electrovibration import figures
 from tactometry.stimuli.electrovibration.attraction import contact_area
 from tactometry.stimuli.electrovibration.skin import stack
 
@@ -24,8 +23,6 @@ HOSTILE: tuple[Any, ...] = (
     None, "text", "", NAN, INF, -INF, -1, 0, 1e-320, -1e-320, 1e-200, 1e200, 1e308, [], [NAN], [1e308, -1e308],
     [1.0, None], True, 1j, 10**400, -(10**30), {}, object(),
 )  # fmt: skip
-DRAWN = (None, "text", NAN, -1, 0, 1e-320, 1e308, [], [NAN], 1j)
-"""Fewer for figures, which take long."""
 
 SKIN, AREA_M2 = ev.Skin(), 1e-4
 LEAKY = ev.Layer(200e-6, 1000.0, 2e4)
@@ -118,7 +115,6 @@ CONSTRUCTORS: dict[str, Call] = {
 
 SAMPLED = {"voltage_v": V, "rate_hz": 1e4, "skin": SKIN, "area_m2": AREA_M2}
 AT = {"t_s": T_S, "pieces": PIECES, "skin": SKIN, "area_m2": AREA_M2}
-DISPERSED = {"layers": (LEAKY, TABLE), "resistance_ohm": 1.0, "area_m2": AREA_M2}
 
 FUNCTIONS: dict[str, Call] = {
     "area_of_prints": (ev.area_of_prints, {"prints": PRINTS}),
@@ -139,7 +135,6 @@ FUNCTIONS: dict[str, Call] = {
     "level_db_re_1v": (ev.level_db_re_1v, {"voltage_v": 10.0}),
     "peak_voltage_v": (ev.peak_voltage_v, {"level": 10.0, "unit": "V"}),
     "sliding": (ev.sliding, {"pieces": PIECES, **MOVING}),
-    "sliding_many": (ev.sliding_many, {"stimuli": [PIECES, SINE.pieces(20.0)], **MOVING}),
     "stick_slip": (ev.stick_slip, {
         "pieces": PIECES, **MOVING, "friction": ev.DryFriction(), "travel": ev.Travel(), "n_events_max": 1000}),
     "straight": (ev.straight, {"times_s": [0.0, 1.0, 1.0], "values_v": [0.0, 1.0, 2.0]}),
@@ -157,12 +152,6 @@ FUNCTIONS: dict[str, Call] = {
         "frequency_hz": [60.0], "voltage_v": 100.0, "skin": SKIN, "area_m2": AREA_M2}),
     "square_harmonic_force_n": (closed_form.square_harmonic_force_n, {
         "n_harmonic": [1, 2], "frequency_hz": 60.0, "voltage_v": 100.0, "skin": SKIN, "area_m2": AREA_M2}),
-    "properties_of": (stack.properties_of, {"layer": TABLE, "f_hz": np.array([60.0])}),
-    "shares": (stack.shares, {"frequency_hz": [0.0, 60.0], **DISPERSED}),
-    "periodic_force_n": (ev.periodic_force_n, {
-        "voltage_v": V, "rate_hz": 1e3, "insulator": ev.Layer(1e-6), "corneum": TABLE, "deeper": (LEAKY,),
-        "resistance_ohm": 1.0, "area_m2": AREA_M2, "law": "interface"}),
-    "periodic_voltages_v": (stack.periodic_voltages_v, {"voltage_v": V, "rate_hz": 1e3, **DISPERSED}),
 }  # fmt: skip
 
 STACK = CONSTRUCTORS["Stack"][0](**CONSTRUCTORS["Stack"][1])
@@ -231,19 +220,6 @@ for _name in ("AmplitudeModulated", "PulseTrain", "Sampled", "Sine", "Square", "
               "WithOffset"):  # fmt: skip
     _stimulus = CONSTRUCTORS[_name][0](**CONSTRUCTORS[_name][1])
     METHODS |= {f"{_name}.{verb}": (getattr(_stimulus, verb), {"level": 20.0}) for verb in ("at", "pieces")}
-
-FIGURES: dict[str, Call] = {
-    "input_against_position": (figures.input_against_position, {
-        "textures": {"grating": ev.Grating(1e-3)}, "length_m": 0.01, "speed_m_per_s": 0.05, "carrier_hz": 100.0,
-        "voltage_v": 100.0}),
-    "force_against_area": (figures.force_against_area, {
-        "voltage_v": 100.0, "skin": SKIN, "laws": ("interface",), "largest_m2": 1e-4}),
-    "skin_properties": (figures.skin_properties, {"layers": {"table": TABLE}}),
-    "force_for_inputs": (figures.force_for_inputs, {
-        "areas_m2": (1e-4,), "skin": SKIN, "law": "interface", "level": 40.0, "inputs": {"sine": PIECES}}),
-    "applied_forces": (figures.applied_forces, {"forces_n": {"a": [1.0, 2.0]}}),
-    "contact_ellipse": (figures.contact_ellipse, {"prints": PRINTS}),
-}  # fmt: skip
 
 CALLS = CONSTRUCTORS | FUNCTIONS | METHODS
 RESULTS = {ev.Motion, ev.StickSlip}
@@ -329,12 +305,6 @@ def test_a_hostile_value_gives_a_finite_result_or_one_sentence(name: str) -> Non
     assert complaints(name, call, valid, HOSTILE) == []
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_a_figure_of_a_hostile_value_is_refused_or_drawn(name: str) -> None:
-    call, valid = FIGURES[name]
-    assert complaints(name, call, valid, DRAWN) == []
-
-
 def public_functions(module: ModuleType) -> set[str]:
     own = (name for name, one in getmembers(module, isfunction) if one.__module__ == module.__name__)
     return {name for name in own if not name.startswith("_")}
@@ -357,14 +327,13 @@ def test_every_public_callable_is_in_the_sweep() -> None:
     modules = [public_functions(module) for module in (closed_form, contact_area, stack)]
     assert classes <= set(CONSTRUCTORS)
     assert functions.union(*modules) - {"check_resistivity"} <= set(FUNCTIONS)
-    assert public_functions(figures) == set(FIGURES)
     assert set().union(*(public_methods(public[name]) for name in classes)) <= set(METHODS)
 
 
 def test_every_argument_is_in_the_sweep() -> None:
     missing = [
         f"{name}({argument})"
-        for name, (call, valid) in (CALLS | FIGURES).items()
+        for name, (call, valid) in CALLS.items()
         for argument in set(signature(call).parameters) - set(valid)
     ]
     assert missing == []

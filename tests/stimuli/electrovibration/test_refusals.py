@@ -19,7 +19,6 @@ from tactometry.stimuli.electrovibration import (
     Travel,
     WithOffset,
     electrostatic_force_n,
-    figures,
     force_form,
     peak_voltage_v,
     sliding,
@@ -50,7 +49,6 @@ def stuck(n_events_max):
         (lambda: CoulombFriction().modulation_n([np.nan], 1.0), "electrostatic_n.*found nan, expected a finite number"),
         (lambda: stuck(-1), "n_events_max: found -1, expected a whole number"),
         (lambda: stuck(1.5), "n_events_max: found 1.5, expected a whole number"),
-        (lambda: figures.input_against_position({}), "textures: found none, expected at least one"),
         (
             lambda: electrostatic_force_n(["a"], rate_hz=1e3, skin=Skin(), area_m2=1e-4, law="sc_layer"),
             r"found \['a'\], expected finite numbers",
@@ -85,7 +83,6 @@ def slid(finger):
         (lambda: CoulombFriction(1e30, 10.0).modulation_n(1e50, 1e29), "found a result beyond the range of a double"),
         (lambda: straight_path_m(0.1, 1e12, 1e12), "straight_path_m.duration_s: found 1000000000000.0 s"),
         (lambda: Noise.drawn(1.0, 1e20, 1e9, rng=np.random.default_rng(0)), "expected at most 268435456 lines"),
-        (lambda: figures.applied_forces({"a": [-1.0, 2.0]}), "found a negative force"),
     ],
 )
 def test_two_arguments_that_cannot_be_together_are_refused(call, sentence):

@@ -13,7 +13,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.defaults import VACUUM_PERMITTIVITY_F_PER_M as E0
 from tactometry.stimuli.electrovibration import Layer, Pieces, Sine, Skin, Solution, Stack, Step
 from tactometry.stimuli.electrovibration.attraction.force import charge_c, charge_c_at, current_a, current_a_at
-from tactometry.stimuli.electrovibration.skin.stack import DispersiveLayer, periodic_voltages_v, shares
+from tactometry.stimuli.electrovibration.skin.stack import DispersiveLayer
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
 AREA_M2 = 1e-4
@@ -163,52 +163,11 @@ def test_the_current_is_the_slope_of_the_charge() -> None:
     assert float(current_a_at(t_s, pieces, skin, AREA_M2)) == pytest.approx(slope_a, rel=1e-6)
 
 
-def test_periodic_steady_state_of_constant_properties_equals_the_relaxations() -> None:
-    skin = Skin(body_resistance_ohm=1e3)
-    n, period_s = 4096, 1 / 60
-    t_s = np.arange(n) * period_s / n
-    tone_v = 100 * np.sin(2 * np.pi * 60 * t_s) + 30 * np.cos(2 * np.pi * 180 * t_s) + 7.0
-    found_v = periodic_voltages_v(tone_v, n / period_s, skin.stack.layers[::2], resistance_ohm=1e3, area_m2=AREA_M2)
-    h = skin.response([60.0, 180.0], AREA_M2)
-    expected_v = (100 * h[0] * np.exp(2j * np.pi * 60 * t_s)).imag
-    expected_v += (30 * h[1] * np.exp(2j * np.pi * 180 * t_s)).real
-    np.testing.assert_allclose(found_v[1], expected_v, atol=1e-10)
-    assert found_v[0].mean() == pytest.approx(7.0, rel=1e-12)
-
-
-def test_a_table_of_constant_properties_is_a_plain_layer() -> None:
-    table = DispersiveLayer(200e-6, (1.0, 1e6), (1000.0, 1000.0), (2e4, 2e4))
-    f_hz = [0.0, 1.0, 60.0, 1e7]
-    plain = shares(f_hz, (GLASS, Layer(200e-6, 1000.0, 2e4)))
-    np.testing.assert_allclose(shares(f_hz, (GLASS, table)), plain, rtol=1e-12)
-
-
-def test_a_table_of_properties_answers_each_line_with_those_of_its_frequency() -> None:
-    table = DispersiveLayer(200e-6, (10.0, 100.0, 1000.0), (4e3, 2e3, 1e3), (1e5, 6e4, 2e4))
-    n, rate_hz = 2000, 2000.0
-    t_s = np.arange(n) / rate_hz
-    found_v = periodic_voltages_v(
-        np.cos(2 * np.pi * 10 * t_s) + np.cos(2 * np.pi * 100 * t_s), rate_hz, (GLASS, table), area_m2=AREA_M2
-    )[1]
-    expected_v = np.zeros(n)
-    for f_hz, permittivity, rho in ((10.0, 4e3, 1e5), (100.0, 2e3, 6e4)):
-        plain = Stack((GLASS, Layer(200e-6, permittivity, rho)))
-        expected_v += (plain.response(f_hz, 1, AREA_M2) * np.exp(2j * np.pi * f_hz * t_s)).real
-    np.testing.assert_allclose(found_v, expected_v, atol=1e-12)
-
-
 def test_properties_between_two_rows_lie_on_a_line_of_logarithms() -> None:
     table = DispersiveLayer(1e-4, (1.0, 100.0), (1e4, 1e2), (1e6, 1e2))
     permittivity, resistivity = table.properties([0.1, 10.0, 1e4])
     np.testing.assert_allclose(permittivity, [1e4, 1e3, 1e2], rtol=1e-12)
     np.testing.assert_allclose(resistivity, [1e6, 1e4, 1e2], rtol=1e-12)
-
-
-def test_a_layer_without_thickness_takes_no_share() -> None:
-    layers = Skin().stack.layers
-    found = shares([0.0, 60.0], layers)
-    assert not found[1].any()
-    np.testing.assert_allclose(found[::2], shares([0.0, 60.0], layers[::2]), rtol=1e-14)
 
 
 def test_deeper_tissue_is_a_layer_of_the_stack() -> None:
@@ -225,11 +184,6 @@ def test_tissue_that_only_resists_is_a_body_resistance() -> None:
     body = Skin(body_resistance_ohm=20.0 * 5e-3 / AREA_M2)
     f_hz = [1.0, 60.0, 1e3, 1e5]
     np.testing.assert_allclose(tissue.response(f_hz, AREA_M2), body.response(f_hz, AREA_M2), rtol=1e-3)
-
-
-def test_constant_voltage_divides_by_resistance_if_all_layers_leak() -> None:
-    found = shares(0.0, (Layer(1e-6, 2.0, 3e6), Layer(1e-6, 5.0, 1e6)))
-    np.testing.assert_allclose(found[:, 0], [0.75, 0.25], rtol=1e-14)
 
 
 def test_step_pieces_reach_the_closed_form() -> None:

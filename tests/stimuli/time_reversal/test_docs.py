@@ -34,7 +34,6 @@ def test_the_page_speaks_of_every_effect():
     effects = (
         "relearn",
         "warmed",
-        "contact_is_lost",
         'modulation="burst"',
         "path=",
         "weights=",

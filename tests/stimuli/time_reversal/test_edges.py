@@ -10,11 +10,9 @@ from tactometry.stimuli.time_reversal import (
     A4_SCREEN,
     Attenuation,
     Band,
-    DiscPatch,
     Emission,
     Fingertip,
     FocusTrain,
-    Patch,
     Pattern,
     PlateLoad,
     Responses,
@@ -23,16 +21,13 @@ from tactometry.stimuli.time_reversal import (
     TimeReversalStimulus,
     Transducers,
     amplitude_loss,
-    band_limited,
     border,
     emitted,
-    inverse_filter_waveform,
     loaded_responses,
     n_held,
 )
 from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
 from tactometry.stimuli.time_reversal.design.guide import Design, amplitudes_m
-from tactometry.stimuli.time_reversal.finger import amplitude_ratio_at_focus
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import overlap
 from tactometry.stimuli.time_reversal.focusing.pattern import Table, focus_samples
 from tactometry.stimuli.time_reversal.plate.dispersion import (
@@ -40,7 +35,6 @@ from tactometry.stimuli.time_reversal.plate.dispersion import (
     wavenumber_rad_per_m,
 )
 from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
-from tactometry.stimuli.time_reversal.responses.bonded_patches import bonded_loads
 
 SCREEN = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
 EMISSION = Emission(Band(200.0, 9e3), 4e-3, 20e3)
@@ -51,12 +45,6 @@ def test_a_finger_that_does_not_press_takes_nothing():
     assert amplitude_loss(SCREEN, FOCUS, [Fingertip().load(FOCUS, 0.0)], EMISSION) == 0.0
 
 
-@pytest.mark.parametrize("impedance", [math.nan, complex(math.nan, 1.0), complex(1.0, math.nan), "soft", None, True])
-def test_an_impedance_that_is_none_is_refused(impedance):
-    with pytest.raises(InvalidParameter, match="impedance_n_s_per_m: found .*, expected a number"):
-        amplitude_ratio_at_focus(A4_SCREEN, impedance)
-
-
 def test_a_reversal_shorter_than_half_a_sample_is_refused():
     with pytest.raises(InvalidParameter, match=r"Emission.reversal_s: found 1e-05, expected at least half a sample"):
         Emission(Band(200.0, 9e3), 1e-5, 20e3)
@@ -65,12 +53,6 @@ def test_a_reversal_shorter_than_half_a_sample_is_refused():
 def test_an_emission_above_the_nyquist_frequency_is_refused():
     with pytest.raises(InvalidParameter, match=r"Emission.band: found 11000.0 Hz, above the Nyquist frequency 10000"):
         Emission(Band(200.0, 11e3), 4e-3, 20e3)
-
-
-def test_an_inverse_filter_above_the_nyquist_frequency_is_refused():
-    points = Responses(np.ones((1, 2, 16)), 1e3)
-    with pytest.raises(InvalidParameter, match=r"Band.f_max_hz .*: found 600.0, expected a number from 0 to 500"):
-        inverse_filter_waveform(points, [1.0], Band(100.0, 600.0), reversal_s=0.016)
 
 
 def test_drives_that_overlap_take_their_penalty_from_the_amplitude():
@@ -124,30 +106,6 @@ def test_the_factored_overlap_is_that_of_one_exponential_per_pair(tau_s, reversa
     found = overlap(both, reversal_s)
     np.testing.assert_array_equal(found, found.T)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("patch", [Patch(0.1, 0.1, 0.012, 0.008), DiscPatch(0.1, 0.1, 0.01)])
-def test_parts_of_a_patch_keep_its_mass_rigidity_and_middle(patch):
-    whole, split = bonded_loads(A4_SCREEN, [patch]), bonded_loads(A4_SCREEN, [patch], n_parts=4)
-    assert len(split) == 16 * len(whole)
-    masses = [load for load in split if isinstance(load, PlateLoad)]
-    assert sum(load.mass_kg for load in masses) == pytest.approx(whole[0].mass_kg, rel=1e-12)
-    assert sum(load.rigidity_n_m3 for load in split[16:]) == pytest.approx(whole[1].rigidity_n_m3, rel=1e-12)
-    assert np.mean([(load.x_m, load.y_m) for load in masses], axis=0) == pytest.approx([0.1, 0.1], abs=3e-4)
-
-
-def test_parts_of_a_quarter_wave_give_the_patch_within_3_percent():
-    """The shortest wave at 25 kHz is 20.9 mm: one part of 10 mm is 14 % off, two are 2 %."""
-    few = Screen(A4_SCREEN, border(A4_SCREEN, 2), Attenuation(3e-3))
-    sampling = {"rate_hz": 80e3, "duration_s": 4e-3, "f_max_hz": 26e3}
-
-    def heard(n_parts):
-        loads = bonded_loads(A4_SCREEN, few.sources, n_parts=n_parts)
-        return band_limited(loaded_responses(few, [FOCUS], loads, **sampling), Band(200.0, 25e3)).samples
-
-    fine = heard(3)
-    off = [np.linalg.norm(heard(n) - fine) / np.linalg.norm(fine) for n in (1, 2)]
-    assert off[1] < 0.03 < off[0]
 
 
 def test_waves_in_thick_glass_tend_to_thin_glass_and_to_shear():

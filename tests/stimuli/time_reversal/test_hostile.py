@@ -52,10 +52,9 @@ from tactometry.stimuli.time_reversal import (
     TimeReversalStimulus,
 )
 from tactometry.stimuli.time_reversal.design.guide import Transducers
-from tactometry.stimuli.time_reversal.filters import Butterworth, Hold, MeasuredGain
+from tactometry.stimuli.time_reversal.filters import Butterworth
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.focusing.sound import NoiseSpectrum
-from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.responses.load import SprungMass
 from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
@@ -104,7 +103,7 @@ class Call:
 def constructors() -> Iterator[tuple[str, object]]:
     """Sound instances, whose fields are the arguments of their classes."""
     yield from {
-        "screen.attenuation": Attenuation(3e-3, 0.1), "responses.bonded_patches": (Stiffener(0.1, 0.1, 1.0), Ceramic()),
+        "screen.attenuation": Attenuation(3e-3, 0.1),
         "design.closed_forms": ROOM, "finger": (Contactor("soft"),), "fingertip": (Fingertip(10.0),),
         "responses.plate_constants": MeasuredConstant(1.0, 0.5, 2.0),
         "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN),
@@ -125,7 +124,7 @@ def constructors() -> Iterator[tuple[str, object]]:
         "screen.glass_panel": GlassPanel(),
         "stimulus.sensation": (TimeReversalSensation(SETUP), FocusReading(SETUP)), "stimulus.setup": SETUP,
         "focusing.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
-        "filters": (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
+        "filters": (BAND, Butterworth(500.0)),
         "design.thickness": SHEETS[0],
         "screen.transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01)),
     }.items()  # fmt: skip
@@ -188,7 +187,6 @@ INFINITE = (
     "focusing.sound.a_weighting_db",
     "focusing.sound.NoiseSpectrum",
     "focusing.sound.noise",
-    "finger.absorbing_tau_s",
     "responses.plate_constants.mean_estimate",
 )
 """What their docstrings let be infinite: silence, no weight, no loss, an unknown interval."""

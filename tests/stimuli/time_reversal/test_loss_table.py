@@ -10,7 +10,7 @@ from tactometry.analysis.report.summary import summary
 from tactometry.errors import InvalidFile
 from tactometry.experiments.data_sets.force_loss import measured_losses
 from tactometry.experiments.study.study_file import builtin
-from tactometry.stimuli.time_reversal.figures.prototype import loss_over_force
+from tactometry.experiments.thesis.figures.prototype import loss_over_force
 
 LOSS = {("finger", "F", 2.0): 0.30, ("finger", "P1", 2.0): 0.06, ("soft 5 mm", "F", 2.0): 0.1}
 NOISE = {"P01": 0.01, "P02": -0.01, "P03": 0.03}

@@ -6,17 +6,10 @@ import numpy as np
 import pytest
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
-from tactometry.stimuli.time_reversal.focusing.inverse_filter import (
-    estimator,
-    interpolate,
-    inverse_filter_waveform,
-)
+from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, normalised
-from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.learning import write_learnt
 from tactometry.stimuli.time_reversal.responses.measured import (
@@ -28,7 +21,6 @@ from tactometry.stimuli.time_reversal.responses.measured import (
 )
 from tactometry.stimuli.time_reversal.responses.plate_constants import (
     mean_estimate,
-    rigidity_ratio_from_dispersion,
     rigidity_ratio_from_modes,
     schroeder_db,
     tau_s,
@@ -222,16 +214,6 @@ def test_tau_of_a_silent_or_short_response_is_refused():
         tau_s(np.ones(1000), 1e3)
 
 
-def test_rigidity_from_noisy_dispersion_lies_in_its_interval():
-    rng = np.random.default_rng()
-    f = np.linspace(2e3, 25e3, 40)
-    k = wavenumber_rad_per_m(A4_SCREEN, f) * np.exp(rng.normal(0, 0.005, 40))
-    found = rigidity_ratio_from_dispersion(f, k)
-    truth = A4_SCREEN.wave_constant_m2_per_s**2
-    assert abs(math.log(found.value / truth)) < 4 * 4 * 0.005 / math.sqrt(40)
-    assert found.low < found.value < found.high
-
-
 @pytest.mark.parametrize("boundary", ["SSSS", "FFFF"])
 def test_rigidity_and_modulus_from_measured_modes(boundary):
     truth = BOROFLOAT_33.plate(0.297, 0.21, 1.1e-3, boundary)
@@ -247,55 +229,6 @@ def test_one_value_has_no_finite_interval():
     assert mean_estimate(np.array([2.0])).high == math.inf
 
 
-def test_inverse_filter_is_quieter_at_the_points_it_knows_and_weaker(recorded):
-    grid = [(0.12 + 0.02 * i, 0.09 + 0.02 * j) for i in range(-2, 3) for j in range(-2, 3)]
-    h = impulse_responses(SCREEN, grid, rate_hz=RATE_HZ, duration_s=6e-3, f_max_hz=18e3)
-    band = Band(500.0, 15e3, 500.0)
-    h = band_limited(h, band)
-    centre = 12
-    wanted = [1.0 if i == centre else 0.0 for i in range(25)]
-    waves = {
-        "inverse": inverse_filter_waveform(h, wanted, band, reversal_s=6e-3, regularisation=1e-3),
-        "reversal": drive(h.at_point(centre), 1.0, Analogue()).samples,
-    }
-    worst, peak = {}, {}
-    for name, wave in waves.items():
-        u = focus_amplitudes(Signal(normalised(wave), RATE_HZ, "V"), h)
-        worst[name] = np.sqrt(np.mean(np.delete(u, centre) ** 2)) / u[centre]
-        peak[name] = u[centre]
-    assert worst["inverse"] < 0.8 * worst["reversal"]
-    assert peak["inverse"] > 0
-
-
-def test_strongly_regularised_inverse_filter_is_time_reversal(recorded):
-    band = Band(500.0, 15e3, 500.0)
-    h = band_limited(recorded.at_point(0), band)
-    found = inverse_filter_waveform(h, [1.0], band, reversal_s=20e-3, regularisation=1e9)
-    expected = drive(band_limited(h, band), 1.0, Analogue()).samples
-    assert normalised(found) == pytest.approx(expected, abs=0.02)
-
-
-def test_interpolation_at_a_calibrated_point_is_that_point(recorded):
-    h = band_limited(recorded, Band(500.0, 18e3))
-    found = interpolate(h, [(0.12, 0.09), (0.2, 0.14)], (0.12, 0.09), A4_SCREEN)
-    assert found.samples[0] == pytest.approx(h.samples[0], abs=5e-3 * np.abs(h.samples).max())
-
-
-@pytest.mark.parametrize("step_m", [5e-3, 10e-3])
-def test_interpolated_focus_costs_what_is_predicted(step_m):
-    band = Band(500.0, 15e3, 200.0)
-    at = (0.1437, 0.0982)
-    points = [(at[0] + step_m * (i + 0.5), at[1] + step_m * (j + 0.5)) for i in range(-3, 3) for j in range(-3, 3)]
-    sampling = {"rate_hz": RATE_HZ, "duration_s": 8e-3, "f_max_hz": 16e3}
-    calibrated = band_limited(impulse_responses(SCREEN, points, **sampling), band)
-    truth = band_limited(impulse_responses(SCREEN, [at], **sampling), band)
-    guess = interpolate(calibrated, points, at, A4_SCREEN)
-    ratio = focus_amplitude(drive(guess, 1.0), truth) / focus_amplitude(drive(truth, 1.0), truth)
-    _, share = estimator(points, at, A4_SCREEN, np.linspace(band.f_min_hz, band.f_max_hz, 200))
-    predicted = math.sqrt(share.mean())  # the 1-bit drive follows the correlation of waveforms
-    assert ratio == pytest.approx(predicted, abs=0.08)
-
-
 def test_the_sign_of_a_correlated_waveform_finds_the_root_of_its_share_of_power():
     """Gaussian x and y of correlation r: <x sign(y)> = r <|x|>."""
     rng = np.random.default_rng()
@@ -305,29 +238,12 @@ def test_the_sign_of_a_correlated_waveform_finds_the_root_of_its_share_of_power(
     assert found == pytest.approx(math.sqrt(0.25), abs=4 * math.sqrt(2 / 400_000))
 
 
-def test_interpolation_puts_nothing_at_the_end_of_a_response_that_has_ended():
-    pulse = np.zeros((2, 1, 300))
-    pulse[:, :, 5] = 1.0
-    found = interpolate(Responses(pulse, RATE_HZ), [(0.1, 0.1), (0.13, 0.1)], (0.115, 0.11), A4_SCREEN)
-    assert np.abs(found.samples[..., -50:]).max() < 2e-3 * np.abs(found.samples).max()
-
-
-def test_far_from_every_point_nothing_is_known():
-    _, share = estimator([(0.02, 0.02)], (0.25, 0.18), A4_SCREEN, np.linspace(5e3, 25e3, 200))
-    assert share.mean() < 0.05
-    _, at_point = estimator([(0.1, 0.1)], (0.1, 0.1), A4_SCREEN, [1e4])
-    assert at_point[0] == pytest.approx(1.0, abs=1e-3)
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [
         (lambda h: trimmed(h, 0.0, 1.0), "start_s, duration_s: found 0.0 and 1.0"),
         (lambda h: aligned(h, [0.0]), "delay_s: found 1, expected 16"),
-        (lambda h: interpolate(h, [(0.1, 0.1)], (0.1, 0.1), A4_SCREEN), "points: found 1, expected 2"),
-        (lambda h: inverse_filter_waveform(h, [0.0, 0.0], Band(1e3, 2e3), reversal_s=1e-3), "wanted: found [0.0, 0.0]"),
         (lambda h: rigidity_ratio_from_modes([3.0, 1.0], A4_SCREEN), "measured_hz: found [3.0, 1.0]"),
-        (lambda h: rigidity_ratio_from_dispersion([1.0], [0.0]), "frequency_hz: found shapes (1,) and (1,)"),
         (lambda h: read([]), "read.paths: found none"),
     ],
 )

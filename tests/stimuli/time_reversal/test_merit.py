@@ -7,14 +7,18 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.design.closed_forms import resolution_m
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.focusing import drive
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.merit import (
+    amplitude_by_subset_m,
+    amplitude_over_count_m,
     area_m2,
-    contrast_temporal_of,
     contrast_whole_of,
+    contributions_m,
     dielectric_power_w,
     modal_amplitudes,
+    resolution_per_focus_m,
     switched_power_w,
     temporal_width_s,
     uniformity,
@@ -70,11 +74,6 @@ def test_area_counts_cells_of_their_two_sides_and_leaves_out_what_is_not_connect
 def test_contrast_of_a_negative_focus_is_positive():
     field = np.array([[3.0, -4.0]])
     assert contrast_whole_of(-10.0, field) == pytest.approx(10 / math.sqrt(12.5))
-
-
-def test_temporal_contrast_counts_from_its_start_to_its_stop():
-    signal = np.array([9.0, 0.0, -8.0, 100.0, 3.0, 4.0, 50.0])
-    assert contrast_temporal_of(signal, 2, 1e3, 2e-3, 4e-3) == pytest.approx(8 / math.sqrt(12.5))
 
 
 def test_contrasts_of_a_known_field():
@@ -283,3 +282,42 @@ def test_bad_input_is_refused_in_one_sentence(call, message):
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert str(caught.value).startswith(message)
+
+
+SMALL = Emission(Band(500.0, 12e3), 4e-3, 50e3)
+FOCI = [(x, 0.045) for x in (0.05, 0.1, 0.15, 0.2)]
+
+
+def test_contributions_add_up_to_the_focus():
+    h = SMALL.responses(A4_PROTOTYPE, FOCI[:3])
+    contributions = contributions_m(h, 30.0)
+    for i in range(3):
+        assert contributions[i].sum() == pytest.approx(focus_amplitude(drive(h.at_point(i), 30.0), h, i), rel=1e-12)
+
+
+def test_amplitude_grows_with_each_transducer_to_the_same_end():
+    contributions = np.random.default_rng().uniform(0.5, 1.5, (4, 8))
+    grown = amplitude_over_count_m(contributions, np.random.default_rng(), 5)
+    assert np.all(np.diff(grown, axis=2) > 0)
+    assert grown[:, :, -1] == pytest.approx(np.broadcast_to(contributions.sum(axis=1), (5, 4)))
+
+
+def test_transducers_are_added_in_orders_that_differ():
+    contributions = np.arange(1.0, 9.0)[None]
+    grown = amplitude_over_count_m(contributions, np.random.default_rng(), 60)
+    assert len(set(grown[:, 0, 0])) > 3
+    assert set(grown[:, 0, 0]) <= set(contributions[0])
+
+
+def test_subsets():
+    contributions = np.arange(6.0).reshape(2, 3)
+    found = amplitude_by_subset_m(contributions, {"ends": [0, 2], "all": range(3)})
+    assert list(found["ends"]) == [2.0, 8.0]
+    with pytest.raises(InvalidParameter, match=r"subsets\['none'\]: found \[3\], expected channels from 0 to 2"):
+        amplitude_by_subset_m(contributions, {"none": [3]})
+
+
+def test_resolution_of_every_focus_is_near_the_model():
+    widths = resolution_per_focus_m(A4_PROTOTYPE, FOCI[:4], SMALL)
+    assert widths.shape == (4, 2)
+    assert np.mean(widths) == pytest.approx(resolution_m(A4_SCREEN, SMALL.band), rel=0.2)

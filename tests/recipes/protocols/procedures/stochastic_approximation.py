@@ -10,8 +10,7 @@ import numpy as np
 from tactometry.arguments.require import finite, within
 
 from .procedure import RuleThreshold
-from .stepping import SteppingRule, SteppingRun
-from .transition import GOES_ON, TRIALS, Numbers, Order, State, Transition
+from .stepping import GOES_ON, TRIALS, Numbers, Order, State, SteppingRule, SteppingRun, Transition
 
 
 # numbers: start, step, low, high, target, n_trials; state: level asked
@@ -53,7 +52,7 @@ class StochasticApproximation(SteppingRule["StochasticApproximationRun"]):
     n_trials: int = 30
 
     name: ClassVar[str] = "stochastic_approximation"
-    transition = Transition(_start, _level, _after, _ending, _threshold)
+    transition = Transition(_level, _ending, _start, _after, _threshold)
 
     def __post_init__(self) -> None:
         finite("StochasticApproximation", start=self.start, step=self.step, low=self.low, high=self.high)

@@ -1,28 +1,31 @@
 """Every figure of the thesis's time-reversal chapters, from the model with its default (unverified) parameters."""
 
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..design.closed_forms import Reverberation
-from ..design.guide import Design, Target, Transducers, recommend
-from ..design.thickness import best_sheet, sheets
-from ..filters import Band
-from ..finger import Contactor, force_loss
-from ..focusing.focusing import Emission
-from ..focusing.merit import amplitude_by_subset_m, amplitude_over_count_m, contributions_m, resolution_per_focus_m
-from ..focusing.sigma_delta import SigmaDelta
-from ..focusing.sound import noise
-from ..plate.glass import A4_SCREEN, BOROFLOAT_33
-from ..responses.responses import Point, impulse_responses
-from ..screen.attenuation import TAU_S, Attenuation
-from ..screen.screen import A4_PROTOTYPE, Screen
-from ..screen.transducer import DiscPatch
-from . import focus, prototype, theory
-from .style import save
+from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation
+from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.finger import Contactor, force_loss
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission
+from tactometry.stimuli.time_reversal.focusing.merit import (
+    amplitude_by_subset_m,
+    amplitude_over_count_m,
+    contributions_m,
+    resolution_per_focus_m,
+)
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sound import noise
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
+from tactometry.stimuli.time_reversal.responses.responses import Point, impulse_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S, Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
+from tactometry.stimuli.time_reversal.screen.transducer import DiscPatch
+
+from . import closed_forms, focus, prototype
 
 FOCUS: Final = (0.121, 0.093)
 P1: Final = (0.205, 0.142)
@@ -83,33 +86,20 @@ def _force_loss(forces_n: Sequence[float] = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0)
     return prototype.loss_over_force(rows)
 
 
-def _design() -> Figure:
-    target = Target(contrast=20.0, repetition_hz=100.0)
-    return theory.trade_offs(recommend(A4_SCREEN, Transducers(), FILTERED.band, TAU_S, target))
-
-
-def _thickness() -> Figure:
-    among = sheets(A4_SCREEN, Transducers(side_m=5e-3), FILTERED.band, TAU_S, Target(contrast=28.0))
-    return theory.over_thickness(among, best_sheet(among, A4_SCREEN.thickness_m))
-
-
 GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {
     "3.8-focus-map": lambda emission=RIG_BAND: focus.displacement_map(rig(35e-3), FOCUS, emission),
-    "3.9-resolution-over-bandwidth": lambda: theory.resolution_over_bandwidth(PLATES),
+    "3.9-resolution-over-bandwidth": lambda: closed_forms.resolution_over_bandwidth(PLATES),
     "3.11-amplitude-over-bandwidth": lambda: focus.amplitude_over_bandwidth(
         {"12 mm discs": rig(12e-3), "35 mm discs": rig(35e-3)}, FOCUS, RIG_BAND
     ),
     "3.13-scans-per-band": lambda emission=RIG_BAND: focus.scans_per_band(rig(35e-3), FOCUS, BANDS, emission),
     "3.14-frequency-response": _frequency_response,
-    "3.15-stress-and-deflection": lambda: theory.stress_and_deflection_over_thickness(A4_SCREEN),
-    "3.16-resolution-over-mean-frequency": lambda: theory.resolution_over_mean_frequency(A4_SCREEN),
-    "3.18-amplitude-over-reversal": lambda: theory.amplitude_over_reversal(TAU_S, np.linspace(0, 20e-3, 100)),
-    "3.21-contrast": lambda: theory.contrast_over_transducers(ROOM, (1, 4, 8, 32), np.linspace(0.2e-3, 15e-3, 80)),
-    "3.22-design": _design,
-    "3.22-design-thickness": _thickness,
-    "4.5-quantised-sine": focus.quantised_sine,
-    "4.7-order-1": lambda: focus.modulator_diagram(1),
-    "4.8-order-2": lambda: focus.modulator_diagram(2),
+    "3.15-stress-and-deflection": lambda: closed_forms.stress_and_deflection_over_thickness(A4_SCREEN),
+    "3.16-resolution-over-mean-frequency": lambda: closed_forms.resolution_over_mean_frequency(A4_SCREEN),
+    "3.18-amplitude-over-reversal": lambda: closed_forms.amplitude_over_reversal(TAU_S, np.linspace(0, 20e-3, 100)),
+    "3.21-contrast": lambda: closed_forms.contrast_over_transducers(
+        ROOM, (1, 4, 8, 32), np.linspace(0.2e-3, 15e-3, 80)
+    ),
     "4.9-modulator-noise": focus.modulator_noise,
     "4.11-decay-fit": _decay_fit,
     "4.13-noise-window": lambda: focus.noise_window(A4_PROTOTYPE, FOCUS, RIG_BAND),
@@ -125,11 +115,3 @@ GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {
     "5.4-force-loss": _force_loss,
     "5.8-patterns": focus.pattern_waveforms,
 }
-
-
-def write(folder: Path) -> list[Path]:
-    """Draw every figure as a PNG; the paths."""
-    paths = [folder / f"{name}.png" for name in GALLERY]
-    for path, draw in zip(paths, GALLERY.values(), strict=True):
-        save(draw(), path)
-    return paths

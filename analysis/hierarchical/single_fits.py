@@ -1,5 +1,4 @@
-"""What each cell of a study says alone, and each condition with the answers of all participants together: where a
-hierarchical fit starts, and what it can tell at all."""
+"""Fits of single cells, and of all answers to a condition, from which a hierarchical fit starts."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -10,14 +9,14 @@ import numpy as np
 from ..arrays import Array, Indices
 from ..threshold.fitting import ThresholdFit, fit_many
 from ..threshold.status import Status
-from .study import StudyCounts
+from .model import StudyCounts
 
 WITH_THRESHOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
 
 
 @dataclass(frozen=True)
-class Alone:
-    """Fits of each cell (a list per condition), and of each condition's answers together, on the scale of the study."""
+class SingleFits:
+    """Fits of each cell (a list per condition), and of each condition's answers together, in units of the study."""
 
     study: StudyCounts
     cells: tuple[tuple[ThresholdFit, ...], ...]
@@ -25,13 +24,12 @@ class Alone:
 
     @property
     def separated(self) -> bool:
-        """Whether each cell that tells a threshold does so by one step."""
+        """True if each cell with a threshold has it by one step."""
         statuses = [one.status for cell in self.cells for one in cell if has_threshold(one)]
         return bool(statuses) and all(status == Status.SEPARATED for status in statuses)
 
     def statuses(self) -> list[Status]:
-        """`ok` where any cell, or all answers together, tell a threshold; else what the cells agree on, else that of
-        the answers together."""
+        """Return `ok` where a cell or all answers have a threshold, else the common status of the cells, or of all."""
         statuses = []
         for cell, together in zip(self.cells, self.together, strict=True):
             of_cells = {one.status for one in cell} - {Status.NO_DATA}
@@ -44,20 +42,20 @@ class Alone:
 
     @property
     def with_threshold(self) -> Indices:
-        """The conditions with a threshold."""
+        """Places of the conditions with a threshold."""
         return np.flatnonzero([status in (Status.OK, Status.SEPARATED) for status in self.statuses()])
 
     def cell_bounds(self) -> Array:
-        """Of each cell (n_conditions, n_participants, 2), NaN for none."""
+        """Return the bounds of each cell (n_conditions, n_participants, 2), NaN for none."""
         ends = [[(one.interval_low, one.interval_high) for one in cell] for cell in self.cells]
         return np.array(ends, dtype=np.float64)
 
     def width_bounds(self) -> Array:
-        """The upper bound of each condition's width, from its answers together; NaN for none."""
+        """Return the upper bound of each condition's width from its answers together, NaN for none."""
         return np.array([np.nan if one.width_high is None else one.width_high for one in self.together])
 
     def start(self) -> tuple[Array, Array]:
-        """A threshold and a log width of each condition that is told."""
+        """Return a threshold and a log width of each condition with a threshold."""
         low, high, _ = self.study.only(self.with_threshold).ranges()
         middle, ends = (low + high) / 2, {Status.BELOW: low, Status.ABOVE: high}
         threshold, width = [], []
@@ -82,8 +80,8 @@ PLACES = ("threshold", "interval_low", "interval_high", "threshold_mode", "thres
 WIDTHS = ("width", "width_low", "width_high")
 
 
-def single_fits(study: StudyCounts, shape: str, known: Known) -> Alone:
-    """As an analysis fits them (`cells.estimates`), so that a cell has one verdict, and none that is `known`."""
+def single_fits(study: StudyCounts, shape: str, known: Known) -> SingleFits:
+    """Fit single cells as an analysis does (`cells.estimates`), but for those that are `known`."""
     n, c = study.n_participants, study.n_conditions
     by_condition = [np.moveaxis(rows, 1, 0) for rows in (study.u, study.n_yes, study.n_trials)]
     alarms, catch = np.swapaxes(study.own_catch, 1, 2)
@@ -96,11 +94,10 @@ def single_fits(study: StudyCounts, shape: str, known: Known) -> Alone:
     fits = tuple(next(fitted) if one is None else _on_scale(one, study) for one in taken)
     cells = tuple(fits[i * n : (i + 1) * n] for i in range(c))
     together = _fits(study, shape, of_conditions, alarms.sum(axis=1), catch.sum(axis=1))
-    return Alone(study, cells, together)
+    return SingleFits(study, cells, together)
 
 
 def _on_scale(one: ThresholdFit, study: StudyCounts) -> ThresholdFit:
-    """A fit on the levels u of a study."""
     values: dict[str, float | None] = {name: getattr(one, name) for name in (*PLACES, *WIDTHS)}
     moved: dict[str, Any] = {
         name: None if value is None else (value - study.centre * (name in PLACES)) / study.spread

@@ -1,15 +1,22 @@
-"""What a study asks for, held against its limits before anything is made of it."""
+"""Checks of a wired study: limits, places, and the guess rates of its rules."""
 
-from collections.abc import Iterable
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 from tactometry.arguments.require import at_most, expect
-from tactometry.errors import rewording
+from tactometry.errors import count_of, rewording
 from tactometry.protocols.block_state import Condition
+from tactometry.protocols.tasks.task import Place
 from tactometry.safety.limits import Limits
 from tactometry.session.request import Play
 from tactometry.signal import Signal, Stimulus
+
+from .cells import WiredCell, tables
+from .procedure_table import check_guess_rates
+from .session_plan import Key, places_of
+from .study import Study
 
 MOST_SAMPLES = 100_000_000
 """What a stimulus may hold: 800 MB."""
@@ -53,3 +60,21 @@ def check_signal(limits: Limits, strongest: Strongest) -> None:
 
 def _within_limits(finding: str) -> AbstractContextManager[None]:
     return rewording(lambda words: f"{finding}, expected one within the limits ({words})")
+
+
+def check_rules(study: Study, cells: Iterable[WiredCell]) -> None:
+    """Refuse rules whose guess rate contradicts the task (`check_guess_rates`)."""
+    for cell in cells:
+        check_guess_rates(tables(study, cell.condition.factors)["procedure"], study.task)
+
+
+def check_places(over: str | None, cells: Mapping[Key, WiredCell]) -> None:
+    """Refuse alternatives of a trial that share a place, if they are at places at all."""
+    together: dict[Key, list[frozenset[Place]]] = defaultdict(list)
+    for key, cell in cells.items():
+        rest = tuple(item for item in key if item[0] != over)
+        together[rest].extend(filter(None, [frozenset(places_of(cell.stimulus))]))
+    for alternatives in together.values() if over else ():
+        n, n_apart = len(alternatives), len(set(alternatives))
+        found = f"{n} alternatives of {over!r} at {count_of(n_apart, 'place')}"
+        expect(n == n_apart, "task.over", found, "no more answers than places; give each a place of its own")

@@ -1,4 +1,4 @@
-"""Signals that a moving finger weakens: how strong each sample is follows from where the finger is."""
+"""Signals whose samples are weakened according to the position of a moving finger."""
 
 import hashlib
 import math
@@ -21,27 +21,29 @@ HELD_S: Final = 0.1
 
 @runtime_checkable
 class FollowsFinger(Stimulus, Protocol):
-    """A stimulus whose signal `at` a level is the strongest that it can become: places take a part of it.
+    """A stimulus whose signal `at` a level is the strongest; positions take a part of it.
 
-    No two samples of the part differ by more than their distance over `rise_s`.
+    Two samples of the part differ by at most their distance over `rise_s`.
     """
 
     @property
     def rise_s(self) -> float: ...
 
     def parts(self, x_m: FloatArray, before: Any = None) -> tuple[FloatArray, Any]:
-        """Parts (0..1) of the voltage at places (n_samples,) along the path, one a sample of the signal, and what is to
-        be remembered of them: `before` for the places that come next. Nothing of it where a place is NaN."""
+        """Return parts (0..1) of the voltage at positions (n_samples,), and the state `before` the next ones.
+
+        The part is 0 where a position is NaN.
+        """
 
     def check_motion(self, speed_m_per_s: float, positions_hz: float | None = None) -> None:
-        """Refuse a speed at which the texture passes faster than the carrier shows, or than positions are reported."""
+        """Refuse a speed that is too high for the carrier or the rate of positions."""
 
 
 class FingerPath:
-    """The last of a finger's path along its first axis: told by a sensor's thread, asked for by that of an output.
+    """The recent path of a finger along its first axis, written by a sensor's thread and read by an output's.
 
     >>> path = FingerPath()
-    >>> path.hear(np.array([0.0, 0.1]), np.array([[0.0, 5.0], [0.01, 5.0]]))
+    >>> path.on_samples(np.array([0.0, 0.1]), np.array([[0.0, 5.0], [0.01, 5.0]]))
     >>> path.at(np.array([-0.1, 0.05, 0.15, 0.3])).tolist()
     [nan, 0.005, 0.01, nan]
     """
@@ -52,8 +54,8 @@ class FingerPath:
         self.last_s = -math.inf
         """The last stamp; before the first, minus infinity."""
 
-    def hear(self, times_s: FloatArray, positions_m: FloatArray) -> None:
-        """Samples with stamps (s); those that are lost, or not later than the last one, are left out."""
+    def on_samples(self, times_s: FloatArray, positions_m: FloatArray) -> None:
+        """Add samples with stamps (s), except lost ones and those not later than the last."""
         for time_s, place_m in zip(times_s.tolist(), positions_m[:, 0].tolist(), strict=True):
             if time_s > self.last_s and math.isfinite(place_m):
                 kept_s, kept_m, n = self._kept
@@ -65,7 +67,7 @@ class FingerPath:
                 self._kept, self.last_s = (kept_s, kept_m, n + 1), time_s
 
     def at(self, times_s: FloatArray) -> FloatArray:
-        """Places (m) at times (s): on lines between samples, the last one for `HELD_S`; NaN where not known."""
+        """Return positions (m) at times (s): interpolated, held for `HELD_S` at the end, else NaN."""
         all_s, all_m, n = self._kept
         if not n:
             return np.full(times_s.shape, np.nan)
@@ -76,7 +78,7 @@ class FingerPath:
 
 @dataclass(frozen=True, eq=False)
 class FollowedSignal(Signal):
-    """The strongest samples of a stimulus, with the path of the finger that weakens them as they are played."""
+    """The strongest samples of a stimulus, with the path of the finger that weakens them."""
 
     stimulus: FollowsFinger
     path: FingerPath
@@ -87,19 +89,18 @@ class FollowedSignal(Signal):
 
     @cached_property
     def _digest(self) -> str:
-        """Another than that of its samples: what holds for them alone is not found for it in a cache."""
+        """Differs from that of its samples, as caches must not mix them."""
         strongest = Signal(self.samples, self.rate_hz, self.unit).digest()
         return hashlib.sha256(f"{strongest} under a finger, {self.stimulus.rise_s!r}".encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True)
-class Course:
+class PlayedPath:
     """What a signal became under a finger.
 
     - `signal`: What was emitted.
-    - `latency_s`: From a place of the finger to the voltage that answers it.
-    - `late`, `unknown`: Parts (0..1) of the samples whose place was not there in time, so that the last one stood for
-      it, and of those of which nobody knew the place.
+    - `latency_s`: From a position to the voltage that answers it.
+    - `late`, `unknown`: Shares (0..1) of samples whose position came late, or was not known.
     """
 
     signal: Signal
@@ -109,10 +110,7 @@ class Course:
 
 
 def felt_under(stimulus: Stimulus, signal: Signal, times_s: FloatArray, positions_m: FloatArray) -> Signal:
-    """What a signal of a stimulus becomes under a finger that was at `positions_m` at `times_s` of it.
-
-    Other stimuli do not follow a finger: their signal stays.
-    """
+    """Return what a signal becomes under a finger at `positions_m` at `times_s`, if its stimulus follows it."""
     if not isinstance(stimulus, FollowsFinger):
         return signal
     at_s = np.arange(signal.samples.shape[1]) / signal.rate_hz
@@ -121,7 +119,7 @@ def felt_under(stimulus: Stimulus, signal: Signal, times_s: FloatArray, position
 
 
 def straight_way(duration_s: float, speed_m_per_s: float, length_m: float) -> tuple[FloatArray, FloatArray]:
-    """Times (s) and positions (m) of a finger that goes out and back over a length at a constant speed.
+    """Return times (s) and positions (m) of a finger that moves out and back at a constant speed.
 
     >>> straight_way(3.0, 0.1, 0.1)[1].round(9).tolist()
     [0.0, 0.1, 0.0, 0.1]
@@ -132,7 +130,7 @@ def straight_way(duration_s: float, speed_m_per_s: float, length_m: float) -> tu
 
 
 def path_lines(times_s: FloatArray, positions_m: FloatArray) -> bytes:
-    """Times and places, a line each, to the microsecond and the nanometre.
+    """Format times and positions, a line each, to the microsecond and the nanometre.
 
     >>> path_lines(np.array([0.001]), np.array([0.05]))
     b'0.001000\\t0.050000000\\n'

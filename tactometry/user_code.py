@@ -1,6 +1,6 @@
-"""Code of one's own: a class in a file beside a study, imported where a person allowed it, whose calls are guarded.
+"""User code: a class in a file next to a study, imported if allowed, with guarded calls.
 
-What its code raises, or answers that is no answer, is told in one sentence with file and line.
+An exception, or an invalid answer, becomes one sentence with file and line.
 """
 
 import functools
@@ -24,7 +24,7 @@ MARK: Final = "_is_guarded"
 
 @dataclass(frozen=True)
 class Expected:
-    """What a method answers, in words, whether a value (of these arguments) is that, and the plain form of it."""
+    """Valid answers of a method: description, test (value, arguments), and conversion to a plain value."""
 
     words: str
     fits: Callable[[Any, tuple[Any, ...]], bool]
@@ -32,7 +32,7 @@ class Expected:
 
 
 def is_own(kind: object) -> bool:
-    """Whether a kind names a class of one's own.
+    """Return True if a kind names a class of the user.
 
     >>> is_own("mine:Careful"), is_own("sine")
     (True, False)
@@ -41,7 +41,7 @@ def is_own(kind: object) -> bool:
 
 
 def not_allowed(where: str, target: str, what: str) -> InvalidParameter:
-    """The refusal of code that nobody allowed to run."""
+    """Return the error for code that may not run."""
     return InvalidParameter(
         f"{where}: found {target!r}, {what} whose code would run, expected --allow-code on the command line, if you "
         "trust it"
@@ -49,10 +49,9 @@ def not_allowed(where: str, target: str, what: str) -> InvalidParameter:
 
 
 def class_beside(target: str, folder: Path, where: str) -> type:
-    """The dataclass that ``module:Class`` names, from the file of the module in `folder`.
+    """Return the dataclass that ``module:Class`` names, from a file in `folder`.
 
-    Raises `InvalidParameter` if there is no such file, its import fails, or it holds no such dataclass; `where` opens
-    the sentence.
+    Raises `InvalidParameter`, opened by `where`, if the file or class is missing or its import fails.
     """
     module, _, name = target.partition(":")
     file = folder.joinpath(*module.split(".")).with_suffix(".py")
@@ -74,7 +73,7 @@ def state_of(folder: Path) -> str:
 
 
 def _module(file: Path, where: str) -> ModuleType:
-    """The module of a file, under a name that no other file or state of its folder has."""
+    """Import a file under a name that is unique to it and the state of its folder."""
     name = f"tactometry_own_{state_of(file.parent)[:12]}_{file.stem}"
     if name in sys.modules:
         return sys.modules[name]
@@ -99,7 +98,7 @@ def _module(file: Path, where: str) -> ModuleType:
 
 @contextmanager
 def _beside(folder: Path) -> Iterator[None]:
-    """What stands in a folder can be imported, by who does it here alone: another state of it is imported anew."""
+    """Allow imports from a folder in the body only."""
     known = set(sys.modules)
     sys.path.append(str(folder))
     try:
@@ -112,9 +111,9 @@ def _beside(folder: Path) -> Iterator[None]:
 
 
 def guarded(kind: type, expected: Mapping[str, Expected | None]) -> type:
-    """A class as it stands, each of whose calls that are named ends with a plain answer or one sentence.
+    """Return a class whose named calls return a plain answer or raise one sentence.
 
-    Raises `InvalidParameter` by its calls: with file and line, what was raised or answered, and what was expected.
+    Raises `InvalidParameter` in these calls, with file and line, what was raised or answered, and what was expected.
     """
     made = type(kind.__name__, (kind,), {"__module__": kind.__module__, "__slots__": (), MARK: True})
     for name, answer in expected.items():
@@ -124,7 +123,7 @@ def guarded(kind: type, expected: Mapping[str, Expected | None]) -> type:
 
 
 def _briefly(value: object) -> str:
-    """Return a value on one line, the middle of a long one left out.
+    """Show a value on one line, without the middle of a long one.
 
     >>> _briefly(3.0), len(_briefly("a" * 4000)) < 150
     ('3.0', True)
@@ -144,7 +143,9 @@ def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any
                 return value
             if expected.fits(value, (*asked, *named.values())):
                 return expected.plain(value)
-            where, found = _line_of(getattr(kind, name)), f"{_briefly(value)} as the answer of {name}"
+            code = getattr(getattr(kind, name), "__code__", None)
+            where = f"{code.co_filename}, line {code.co_firstlineno}" if code else str(getattr(kind, name))
+            found = f"{_briefly(value)} as the answer of {name}"
         except TactometryError:
             raise
         except BaseException as error:  # whatever foreign code may raise
@@ -159,16 +160,11 @@ def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any
 
 
 def _is_end(error: BaseException) -> bool:
-    """Return True for Ctrl-C and a signal that ends the process, False for what own code raised."""
+    """Return True for Ctrl-C and a signal that ends the process."""
     return type(error) in (KeyboardInterrupt, Terminated)
 
 
 def place_of(error: BaseException, folder: Path) -> str:
-    """Which line of a file in a folder raised an error; nothing if none did."""
+    """Return the line of a file in a folder that raised an error; empty if none did."""
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent == folder]
     return f"{frames[-1].filename}, line {frames[-1].lineno}" if frames else ""
-
-
-def _line_of(method: Any) -> str:
-    code = getattr(method, "__code__", None)
-    return f"{code.co_filename}, line {code.co_firstlineno}" if code else str(method)

@@ -1,5 +1,4 @@
-"""Where the climbs to a mode begin: every summit of a coarse grid, and steep functions whose density is known in closed
-form.
+"""Start values of the climbs to a mode: summits of a coarse grid, and steps with a density in closed form.
 
 A density may have several summits, such as a shallow function without lapses and steep ones between any two levels.
 """
@@ -11,11 +10,9 @@ from itertools import product
 import numpy as np
 
 from ..arrays import Array, Bools, Indices, Rows
-from .chances import weighted
 from .counts import Counts
-from .likelihood import GUESS, LAPSE, N_PARAMETERS, constant_log_likelihood, log_chances_by_curve
-from .log_posterior import LogPosterior
-from .prior import LARGEST_RATE, Prior, log_rate
+from .likelihood import GUESS, LAPSE, N_PARAMETERS, constant_log_likelihood, log_chances_by_curve, weighted
+from .log_posterior import LARGEST_RATE, LogPosterior, Prior, log_rate
 
 N_WIDTHS = 10
 WIDEST_NODE, NARROWEST_NODE = 2.8, 0.03
@@ -49,9 +46,7 @@ class Starts(Rows):
 
 # Of a coarse grid
 def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
-    """The summits of the grid, and the best node of its narrow and of its wide half for each data set.
-
-    Sets with the same levels and catch trials share the chances: one product of matrices."""
+    """Return the summits of the grid, and the best node of its narrow and of its wide half for each data set."""
     counts, prior = posterior.counts, posterior.prior
     summits, halves = [Starts.none()], [Starts.none()]
     for members in posterior.alike():
@@ -74,7 +69,7 @@ def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
 
 
 def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
-    """Nodes (n_widths * n_thresholds * n_rates, 4) for the levels of one data set, and those numbers."""
+    """Return nodes (n_widths * n_thresholds * n_rates, 4) for the levels of one data set, and those numbers."""
     narrow = min(max(1.3 * float(one.gap[0]), NARROWEST_NODE), 1.5)
     has_two_rates = LAPSE in prior.free and GUESS in prior.free
     rates = RATES[2 if has_two_rates else 1]
@@ -89,7 +84,7 @@ def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
 
 
 def _places(levels: Array) -> Array:
-    """Thresholds at the levels, at their middles and beyond them; of many levels equidistant ones."""
+    """Return thresholds at the levels, at their middles and beyond; equidistant ones for many levels."""
     x = np.unique(np.clip(levels, -BEYOND[-1], BEYOND[-1]))
     inside = np.concatenate([x, (x[1:] + x[:-1]) / 2])
     if len(inside) > MOST_PLACES or not len(inside):
@@ -100,13 +95,11 @@ def _places(levels: Array) -> Array:
 
 
 def _answers(counts: Counts) -> Array:
-    """Numbers of yes, and of no, at each level (n_sets, 2 * n_levels)."""
     return np.concatenate([counts.n_yes, counts.n_trials - counts.n_yes], axis=1)
 
 
 def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
-    """From densities (n_sets, n_rates, n_widths, n_thresholds): the tops over widths and thresholds of the best rates,
-    and the best of the narrow and of the wide half."""
+    """Return the summits of densities (n_sets, n_rates, n_widths, n_thresholds), and the best of both halves."""
     ridge = density.max(axis=1)
     high = ridge >= ridge.max(axis=(1, 2), keepdims=True) - LOW
     summits = _at_best_rate(sets, density, nodes, *np.nonzero(_is_top(ridge) & high))
@@ -124,8 +117,7 @@ def _at_best_rate(sets: Indices, density: Array, nodes: Array, row: Indices, wid
 
 
 def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
-    """The best node at each rate but the best one, where it is about as good: two summits that differ by their rate may
-    be one on the coarse grid."""
+    """Return the best node at each other rate where it is about as good: it may lead to another summit."""
     n_rates = density.shape[1]
     by_rate = density.reshape(len(sets), n_rates, -1)
     node = by_rate.argmax(axis=2)
@@ -136,7 +128,7 @@ def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
 
 
 def _is_top(ridge: Array) -> Bools:
-    """Where a density (n_sets, n_widths, n_thresholds) is higher than at all eight neighbours, the first of equals."""
+    """Return True where a density is higher than at its eight neighbours, at the first of equals."""
     _, a, b = ridge.shape
     padded = np.pad(ridge, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
     top = np.ones(ridge.shape, dtype=bool)
@@ -149,8 +141,7 @@ def _is_top(ridge: Array) -> Bools:
 
 # Of steps
 def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
-    """The `N_STEPS` densest steps, between two levels or at one level with any rate there, of each data set, if their
-    log density (without the prior of threshold and width) reaches `at_least` (n_sets,)."""
+    """Return the `N_STEPS` densest steps of each data set whose log density reaches `at_least` (n_sets,)."""
     steps = (_steps_between(posterior), _steps_at(posterior))
     density, theta = (np.concatenate(both, axis=1) for both in zip(*steps, strict=True))
     best = np.argsort(-density, axis=1)[:, :N_STEPS]
@@ -160,19 +151,19 @@ def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
 
 
 def _spacings(counts: Counts) -> Array:
-    """Between neighbouring levels (n_sets, n_levels - 1); infinite where one of them is unused."""
+    """Return spacings of neighbouring levels (n_sets, n_levels - 1); infinite where one of them is unused."""
     used = counts.n_trials > 0
     return np.where(used[:, 1:] & used[:, :-1], np.diff(counts.u, axis=1), np.inf)
 
 
 def _steep_width(counts: Counts, spacing: Array) -> Array:
-    """That of a steep start in a spacing, off the smallest spacing, where the width's prior ends."""
+    """Return the width of a steep start in a spacing, above the end of the prior of the width."""
     finite = np.where(np.isfinite(spacing), spacing, 1.0)
     return np.maximum(1.5 * counts.gap[:, None], STEEP * finite)
 
 
 def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
-    """Log densities (n_sets, n_levels - 1) and parameters (n_sets, n_levels - 1, 4) of steps between two levels."""
+    """Return log densities (n_sets, n_levels - 1) and parameters of steps between two levels."""
     u, spacing = posterior.counts.u, _spacings(posterior.counts)
     cut = np.arange(1, u.shape[1])
     density, lapse, guess = _asymptotes(posterior, cut, cut)
@@ -182,7 +173,7 @@ def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
-    """Log densities (n_sets, n_levels) and parameters (n_sets, n_levels, 4) of steps at a level that has any rate."""
+    """Return log densities (n_sets, n_levels) and parameters of steps at a level with any rate there."""
     shape, counts = posterior.shape, posterior.counts
     u, k, n = counts.u, counts.n_yes, counts.n_trials
     spacing, outer = _spacings(counts), np.full((len(counts), 1), np.inf)
@@ -201,7 +192,7 @@ def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tuple[Array, Array, Array]:
-    """Of the levels before `below` and from `above` on: log density (n_sets, n_steps), lapse and guess rates."""
+    """Return log density, lapse and guess rate of the levels before `below` and from `above` on."""
     counts, prior = posterior.counts, posterior.prior
     none = np.zeros((len(counts), 1))
     # At i: answers and trials of all levels before level i.
@@ -223,7 +214,7 @@ def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tupl
 
 
 def _rate(k: Array, n: Array, fixed: float | None, beta: float) -> Array:
-    """The mode of a rate under its prior, or the one that is known."""
+    """Return the mode of a rate under its prior, or the known one."""
     if fixed is not None:
         return np.full(k.shape, fixed)
     mode = k / (n + beta - 1)  # of Beta(1 + k, beta + n - k)

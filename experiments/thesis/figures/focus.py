@@ -6,26 +6,20 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
 from tactometry.palette import BLACK, BLUE, ORANGE
-
-from ...arrays import FloatArray
-from ..filters import Band
-from ..focusing.focusing import Emission, drive, emitted, focus_amplitude
-from ..focusing.merit import Grid, field, grid, width_m
-from ..focusing.modulator import modulate
-from ..focusing.one_bit import OneBit
-from ..focusing.pattern import PATTERNS, Pattern
-from ..focusing.pulse_width import PulseWidth
-from ..focusing.quantiser import Quantiser
-from ..focusing.sigma_delta import SigmaDelta
-from ..focusing.sound import NoiseSpectrum
-from ..responses.plate_constants import schroeder_db, tau_s
-from ..responses.responses import Point, Responses
-from ..screen.screen import Screen
-from ..screen.transducer import VOLTAGE_V
-from .style import DIVERGING, colours, label, sheet
+from tactometry.stimuli.arrays import FloatArray
+from tactometry.stimuli.time_reversal.figures.style import DIVERGING, colours, label, sheet
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.merit import Grid, field, grid, width_m
+from tactometry.stimuli.time_reversal.focusing.modulator import modulate
+from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, Pattern
+from tactometry.stimuli.time_reversal.focusing.sound import NoiseSpectrum
+from tactometry.stimuli.time_reversal.responses.plate_constants import schroeder_db, tau_s
+from tactometry.stimuli.time_reversal.responses.responses import Point, Responses
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import VOLTAGE_V
 
 N_X, N_Y = 301, 213
 
@@ -164,32 +158,16 @@ def _map(figure: Figure, axes: Axes, at_m: Grid, displacement: Callable[[Grid], 
     axes.set_title(title, fontsize="medium")
 
 
-def quantised_sine(rate_hz: float = 1e6, frequency_hz: float = 5e3) -> Figure:
-    """A sine and its 1-bit, PWM and sigma-delta streams (thesis 4.5, 4.6)."""
-    t = np.arange(round(2 * rate_hz / frequency_hz)) / rate_hz
-    sine = 0.7 * np.sin(2 * np.pi * frequency_hz * t)
-    rules: dict[str, Quantiser] = {
-        "1 bit": OneBit(),
-        "PWM, 60 kHz": PulseWidth(60e3, 0.7),
-        "Sigma-delta, order 1": SigmaDelta(1, 0.7),
-        "Sigma-delta, order 2": SigmaDelta(2, 0.7),
-    }
-    figure, axes = sheet(4, 1, width_in=7.2, height_in=6.0)
-    for one, (name, rule), colour in zip(axes, rules.items(), colours(), strict=False):
-        one.step(t * 1e3, rule.quantise(sine[None], rate_hz)[0], where="post", color=colour, linewidth=0.6)
-        one.plot(t * 1e3, sine, color=BLACK, linewidth=1.2)
-        label(one, "Time (ms)" if one is axes[-1] else "", "Signal / V", name)
-    return figure
-
-
 def modulator_noise(rate_hz: float = 1e6, f_max_hz: float = 25e3, n_samples: int = 1 << 18) -> Figure:
     """Spectral density of what quantisation adds, 0 to 25 kHz, with the transfer functions (thesis 4.9)."""
+    from scipy.signal import welch
+
     rng = np.random.default_rng(0)
     signal = 0.5 * np.sin(2 * np.pi * 3e3 * np.arange(n_samples) / rate_hz) + rng.uniform(-0.1, 0.1, n_samples)
     figure, (axes,) = sheet()
     streams = {"1 bit": np.sign(signal), **{f"order {k}": modulate(signal[None], k).bits[0] for k in (1, 2)}}
     for (name, bits), colour in zip(streams.items(), colours(), strict=False):
-        f, density = _density(bits - signal, rate_hz)
+        f, density = welch(bits - signal, rate_hz, nperseg=8192)
         shown = (f > 0) & (f <= f_max_hz)
         axes.plot(f[shown] / 1e3, 10 * np.log10(density[shown]), color=colour, linewidth=0.8, label=name)
     f = np.linspace(200.0, f_max_hz, 300)
@@ -198,38 +176,6 @@ def modulator_noise(rate_hz: float = 1e6, f_max_hz: float = 25e3, n_samples: int
         axes.plot(f / 1e3, 10 * np.log10(shaped), ":", color=BLACK, label="white error, shaped" if order == 1 else None)
     label(axes, "Frequency (kHz)", "Noise density (dB re V²/Hz)", ncols=2, loc="lower right")
     return figure
-
-
-def modulator_diagram(order: int) -> Figure:
-    """Block diagram of the error-feedback modulator (thesis 4.7, 4.8)."""
-    figure, (axes,) = sheet(width_in=7.2, height_in=3.0)
-    axes.set(xlim=(0, 10), ylim=(0, 4))
-    axes.axis("off")
-    for x, y, text in ((2.0, 3.2, "u − ·"), (5.5, 3.2, "sign"), (5.5, 1.9, "v − y"), (2.0, 0.6, _FEEDBACK[order])):
-        axes.add_patch(FancyBboxPatch((x - 0.8, y - 0.3), 1.6, 0.6, boxstyle="round,pad=0.05", fc="white", ec=BLACK))
-        axes.text(x, y, text, ha="center", va="center")
-    for start, *middle, end in _WIRES:
-        corners = [start, *middle]
-        axes.plot(*zip(*corners, strict=True), color=BLACK, linewidth=1.2)
-        axes.add_patch(
-            FancyArrowPatch(corners[-1], end, arrowstyle="-|>", mutation_scale=10, color=BLACK, shrinkA=0, shrinkB=0)
-        )
-    for x, y, text in ((0.5, 3.35, "u"), (3.7, 3.35, "y"), (9.2, 3.35, "v"), (4.6, 0.7, "e")):
-        axes.text(x, y, text, style="italic", ha="center")
-    axes.set_title(f"Sigma-delta modulator of order {order}", fontsize="medium")
-    return figure
-
-
-_FEEDBACK = {1: "z⁻¹", 2: "2z⁻¹ − z⁻²"}
-_WIRES: tuple[tuple[tuple[float, float], ...], ...] = (
-    ((0.2, 3.2), (1.15, 3.2)),
-    ((2.85, 3.2), (4.65, 3.2)),
-    ((6.35, 3.2), (9.7, 3.2)),
-    ((3.7, 3.2), (3.7, 1.9), (4.65, 1.9)),
-    ((7.4, 3.2), (7.4, 1.9), (6.35, 1.9)),
-    ((5.5, 1.55), (5.5, 0.6), (2.85, 0.6)),
-    ((2.0, 0.95), (2.0, 2.85)),
-)
 
 
 def sound_spectra(spectra: Mapping[str, NoiseSpectrum], f_max_hz: float = 125e3) -> Figure:
@@ -261,10 +207,3 @@ def pattern_waveforms(patterns: Mapping[str, Pattern] = PATTERNS) -> Figure:
         label(one, "Time (ms)" if one is axes[-1] else "", f"{name}", "")
     figure.supylabel("Focus amplitude (of P0)", fontsize="medium")
     return figure
-
-
-def _density(noise: FloatArray, rate_hz: float) -> tuple[FloatArray, FloatArray]:
-    from scipy.signal import welch
-
-    f, density = welch(noise, rate_hz, nperseg=8192)
-    return np.asarray(f), np.asarray(density)

@@ -7,13 +7,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from tactometry.palette import BLACK, BLUE, ORANGE
-
-from ...arrays import FloatArray
-from ..finger import LossRow
-from ..responses.responses import Point
-from ..screen.screen import Screen
-from ..screen.transducer import Patch
-from .style import ABOVE, colours, label, sheet
+from tactometry.stimuli.arrays import FloatArray
+from tactometry.stimuli.time_reversal.figures.style import ABOVE, colours, label, sheet
+from tactometry.stimuli.time_reversal.finger import LossRow
+from tactometry.stimuli.time_reversal.responses.responses import Point
+from tactometry.stimuli.time_reversal.screen.screen import Screen
+from tactometry.stimuli.time_reversal.screen.transducer import Patch
 
 
 def layout(screen: Screen, foci: Sequence[Point]) -> Figure:

@@ -1,4 +1,4 @@
-"""Figures: each draws, has units on its axes, and shows the numbers that it was given."""
+"""Figures of the thesis: axes have units and curves show the computed numbers."""
 
 import re
 from functools import lru_cache
@@ -6,25 +6,16 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from tactometry.errors import InvalidParameter
-from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation, resolution_m
-from tactometry.stimuli.time_reversal.figures import focus as focus_figures, prototype, theory
-from tactometry.stimuli.time_reversal.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
+from tactometry.experiments.thesis.figures import electrovibration, focus as focus_figures, prototype
+from tactometry.experiments.thesis.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
+from tactometry.stimuli.electrovibration import Bump, Grating, Print, Skin, Velvet, electrostatic_force_n
 from tactometry.stimuli.time_reversal.figures.style import save
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import LossRow
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
-from tactometry.stimuli.time_reversal.focusing.merit import (
-    amplitude_by_subset_m,
-    amplitude_over_count_m,
-    contributions_m,
-    resolution_per_focus_m,
-)
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.focusing.sound import NoiseSpectrum
-from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 SMALL = Emission(Band(500.0, 12e3), 4e-3, 50e3)
 SHORT = {
@@ -42,20 +33,28 @@ SIZES: dict[str, dict[str, object]] = {
 """What is drawn smaller here than in the gallery."""
 
 NO_UNIT = {"", "Transducer", "Focus", "Number of transducers Q", "Contrast, A / rms of the plate", "Signal / V"}
-NO_UNIT |= set(PATTERNS)
+NO_UNIT |= {"relative permittivity", *PATTERNS}
+
+
+DRAWN_FAST = {
+    "6.3": lambda: electrovibration.input_against_position({"square": Grating(4e-3), "bump": Bump(0.02, 4e-3)}),
+    "6.5": electrovibration.force_against_area,
+    "6.6": electrovibration.skin_properties,
+    "6.8": electrovibration.force_for_inputs,
+    "B.1": electrovibration.contact_ellipse,
+}
 
 
 @lru_cache
 def drawn(name):
-    figure = GALLERY[name](**SIZES.get(name, {}))
+    figure = (GALLERY | DRAWN_FAST)[name](**SIZES.get(name, {}))
     figure.draw_without_rendering()
     return figure
 
 
-@pytest.mark.parametrize("name", GALLERY)
-def test_gallery_draws_with_a_label_and_its_unit_on_every_axis(name):
+@pytest.mark.parametrize("name", [*GALLERY, *DRAWN_FAST])
+def test_figure_has_labels_with_units_on_every_axis(name):
     for axes in drawn(name).axes:
-        assert axes.get_ylabel() or axes.get_xlabel() or not axes.axison
         for label in (axes.get_xlabel(), axes.get_ylabel()):
             assert label in NO_UNIT or re.search(r"\(.+\)$|^dB re ", label), label
 
@@ -138,57 +137,55 @@ def test_sound_above_what_is_drawn_does_not_count_in_the_last_band():
     assert levels_db == pytest.approx(levels_db[0])
 
 
-def test_measured_points_are_drawn():
-    figure = theory.resolution_over_mean_frequency(A4_SCREEN, [(12.5e3, 15e-3), (20e3, 12e-3)])
-    (drawn,) = [line for line in figure.axes[0].lines if line.get_marker() == "s"]
-    assert drawn.get_xydata().tolist() == [[12.5, 15.0], [20.0, 12.0]]
-
-
-def test_measured_losses_and_contrasts_are_drawn_beside_their_model():
+def test_measured_losses_are_drawn_next_to_their_model():
     rows = [LossRow(kind, 1e-2, "F", force_n, 0.1 * force_n) for kind in ("finger", "soft") for force_n in (1.0, 2.0)]
     (axes, *_) = prototype.loss_over_force(rows, [LossRow("finger", 1e-2, "F", 1.5, 0.2)]).axes
     drawn = [line for line in axes.lines if line.get_fillstyle() == "none"]
     assert [(float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in drawn] == [(1.5, pytest.approx(20.0))]
-    room = Reverberation(32, 25e3, 3.5e-3, 7e-3, 0.018, 1.25)
-    (axes,) = theory.contrast_over_transducers(room, (8,), np.linspace(1e-3, 9e-3, 5), {8: [(2e-3, 9.0)]}).axes
-    assert [float(line.get_ydata()[0]) for line in axes.lines if line.get_marker() == "o"] == [9.0]
-
-
-def test_contributions_add_up_to_the_focus():
-    h = SMALL.responses(A4_PROTOTYPE, FOCI[:3])
-    contributions = contributions_m(h, 30.0)
-    for i in range(3):
-        assert contributions[i].sum() == pytest.approx(focus_amplitude(drive(h.at_point(i), 30.0), h, i), rel=1e-12)
-
-
-def test_amplitude_grows_with_each_transducer_to_the_same_end():
-    contributions = np.random.default_rng().uniform(0.5, 1.5, (4, 8))
-    grown = amplitude_over_count_m(contributions, np.random.default_rng(), 5)
-    assert np.all(np.diff(grown, axis=2) > 0)
-    assert grown[:, :, -1] == pytest.approx(np.broadcast_to(contributions.sum(axis=1), (5, 4)))
-
-
-def test_transducers_are_added_in_orders_that_differ():
-    contributions = np.arange(1.0, 9.0)[None]
-    grown = amplitude_over_count_m(contributions, np.random.default_rng(), 60)
-    assert len(set(grown[:, 0, 0])) > 3
-    assert set(grown[:, 0, 0]) <= set(contributions[0])
-
-
-def test_subsets():
-    contributions = np.arange(6.0).reshape(2, 3)
-    found = amplitude_by_subset_m(contributions, {"ends": [0, 2], "all": range(3)})
-    assert list(found["ends"]) == [2.0, 8.0]
-    with pytest.raises(InvalidParameter, match=r"subsets\['none'\]: found \[3\], expected channels from 0 to 2"):
-        amplitude_by_subset_m(contributions, {"none": [3]})
-
-
-def test_resolution_of_every_focus_is_near_the_model():
-    widths = resolution_per_focus_m(A4_PROTOTYPE, FOCI[:4], SMALL)
-    assert widths.shape == (4, 2)
-    assert np.mean(widths) == pytest.approx(resolution_m(A4_SCREEN, SMALL.band), rel=0.2)
 
 
 def test_rig_of_chapter_3_has_its_discs_on_the_plate():
     assert len(rig(35e-3).sources) == 8
     assert UNFILTERED.f_max_hz == pytest.approx(66e3)
+
+
+def test_the_input_against_position_is_the_root_of_the_share_times_the_carrier():
+    velvet = Velvet()
+    figure = electrovibration.input_against_position({"velvet": velvet, "grating": Grating(4e-3)}, voltage_v=80.0)
+    for ax, share in zip(figure.axes, (velvet.force_share_along, Grating(4e-3).force_share), strict=True):
+        carrier, envelope = ax.get_lines()
+        x_m = envelope.get_xdata() * 1e-3
+        np.testing.assert_allclose(envelope.get_ydata(), 80 * np.sqrt(share(x_m)), atol=1e-12)
+        expected_v = envelope.get_ydata() * np.sin(2 * np.pi * 100 * x_m / 0.05)
+        np.testing.assert_allclose(carrier.get_ydata(), expected_v, atol=1e-9)
+    assert "carrier of 100 Hz" in figure.axes[-1].get_xlabel()
+
+
+def test_force_against_area_is_the_force_of_each_law():
+    figure = electrovibration.force_against_area(voltage_v=50.0)
+    for line in figure.axes[0].get_lines():
+        area_m2 = line.get_xdata()[-1] * 1e-4
+        expected_n = electrostatic_force_n([50.0], rate_hz=1.0, skin=Skin(), area_m2=area_m2, law=line.get_label())
+        assert line.get_ydata()[-1] == pytest.approx(float(expected_n[0]))
+
+
+def test_force_over_area_is_one_curve_without_body_resistance():
+    figure = electrovibration.force_for_inputs((1e-4, 2e-4))
+    for ax in figure.axes[3:]:
+        one, two = (line.get_ydata() for line in ax.get_lines())
+        np.testing.assert_allclose(two, 2 * one, rtol=1e-12)
+
+
+def test_ellipses_have_the_measured_axes():
+    figure = electrovibration.contact_ellipse([Print(1.0, 0.012, 0.01), Print(2.0, 0.014, 0.011)])
+    axes_mm = [(patch.width, patch.height) for patch in figure.axes[0].patches]
+    np.testing.assert_allclose(axes_mm, [(10.0, 12.0), (11.0, 14.0)])
+    one, two = (line.get_xydata()[0] for line in figure.axes[1].get_lines()[:2])
+    np.testing.assert_allclose([one, two], [(1.0, np.pi / 4 * 1.2), (2.0, np.pi / 4 * 1.4 * 1.1)])
+
+
+def test_more_curves_than_colours_are_all_drawn():
+    prints = [Print(float(n), 0.01 + 1e-4 * n, 0.01) for n in range(1, 10)]
+    assert len(electrovibration.contact_ellipse(prints).axes[0].patches) == 9
+    forces = electrovibration.force_for_inputs([1e-5 * n for n in range(1, 10)]).axes[3]
+    assert len(forces.get_lines()) == 9

@@ -1,4 +1,4 @@
-"""Why a touch does not count, by the force and the speed that were kept."""
+"""Reasons for which a touch is not valid, from its force and speed."""
 
 from typing import Any, Final
 
@@ -11,7 +11,7 @@ STANDING_PART: Final = 0.1
 
 
 def broken_condition(request: Press | Slide, force: Compliance, speed: SpeedCompliance | None) -> Reason | None:
-    """Which condition of a touch was not kept for long enough, the force's first; `speed` None: it is not gated.
+    """Return which condition of a touch was violated, force first; `speed` None is not gated.
 
     >>> broken_condition(Press("tone", 5.0, 0.3, 1.0, 0.2, 0.1, 5.0), Compliance(0.7, 0.1, in_band=0.5), None)
     'too_light'
@@ -24,7 +24,7 @@ def broken_condition(request: Press | Slide, force: Compliance, speed: SpeedComp
 
 
 def fault_of_speed(speed_m_per_s: float, target_m_per_s: float) -> Reason:
-    """What is wrong with a speed that is out of its band.
+    """Return what is wrong with a speed outside its band.
 
     >>> fault_of_speed(0.001, 0.05), fault_of_speed(0.03, 0.05), fault_of_speed(0.08, 0.05)
     ('stopped', 'too_slow', 'too_fast')
@@ -35,7 +35,7 @@ def fault_of_speed(speed_m_per_s: float, target_m_per_s: float) -> Reason:
 
 
 def compliance_fields(force: Compliance | None, speed: SpeedCompliance | None) -> dict[str, Any]:
-    """How force and speed were kept, as the fields of an answer; None where it was not measured.
+    """Return compliance of force and speed as fields of an answer; None if not measured.
 
     >>> compliance_fields(Compliance(1.0, 0.1, in_band=0.9), None)
     {'force_mean_n': 1.0, 'force_sd_n': 0.1, 'force_in_band': 0.9, 'speed_in_band': None}

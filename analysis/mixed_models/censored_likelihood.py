@@ -1,0 +1,243 @@
+"""Likelihood of values and bounds with a random intercept per participant, and its maximum.
+
+A known value contributes its density, a censored one the chance of its interval. The intercept is integrated over by
+adaptive Gauss-Hermite quadrature about its mode (Pinheiro and Chao 2006, Journal of Computational and Graphical
+Statistics 15(1), 58-81), which is exact where nothing is censored.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.special import log_ndtr, logsumexp
+
+from tactometry.psychometric import log1mexp
+
+from ..arrays import Array, Bools, Expansion, Indices, lay_out, symmetric_inverse
+
+N_NODES = 31
+NARROW = 1e-6
+"""An interval narrower than this part of the values' spread is a value."""
+LOG_ROOT_TWO_PI = 0.5 * float(np.log(2 * np.pi))
+MAX_STEPS, SMALL_DECREMENT = 60, 1e-9
+DIFFERENCE = 1e-4
+"""Of central differences: their error goes with its square, that of rounding with its inverse."""
+GRADIENT_TOLERANCE = 1e-5
+MAX_RESTARTS, MAX_POLISHING = 5, 4
+IMPOSSIBLE = 1e12
+
+
+@dataclass(frozen=True)
+class Maximum:
+    """Parameters (coefficients, log residual sd, participants' sd) at the largest log likelihood, their covariance, and
+    the largest gradient left over."""
+
+    parameters: Array
+    covariance: Array
+    log_likelihood: float
+    gradient: float
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """Intervals laid out as (participant, slot), 0 to 0 where a slot is not `used`; a value where both ends meet."""
+
+    low: Array
+    high: Array
+    used: Bools
+    x: Array
+
+    @classmethod
+    def of(cls, ends: Array, x: Array, groups: Indices) -> "Intervals":
+        narrow = ends[:, 1] - ends[:, 0] < NARROW
+        ends = np.where(narrow[:, None], ends.mean(axis=1, keepdims=True), ends)
+        laid, used = lay_out(groups, np.column_stack([ends, x]), np.ones(len(x)))
+        return cls(laid[..., 0], laid[..., 1], used > 0, laid[..., 2:])
+
+    @property
+    def n_censored(self) -> int:
+        return int((self.used & (self.low < self.high)).sum())
+
+    def values(self, mean: Array, log_sd: Array) -> Expansion:
+        """Return the log likelihood of each slot, with derivatives along mean (..., participant, slot) and log sd."""
+        of_values = of_value(self.low, mean, log_sd)
+        of_intervals = of_interval(self.low, self.high, mean, log_sd)
+        is_known, merged = self.low == self.high, []
+        for exact, chance in zip(vars(of_values).values(), vars(of_intervals).values(), strict=True):
+            axes = (..., *[None] * (exact.ndim - mean.ndim))
+            values = np.where(is_known[axes], exact, chance)
+            merged.append(np.where(self.used[axes], values, 0.0))
+        return Expansion(*merged)
+
+    def intercepts(self, parameters: Array, start: Array) -> tuple[Array, Array]:
+        """Return the modes of the standardised intercepts (participant,), and the curvatures there."""
+        fixed, log_sd, scale = self.x @ parameters[:-2], parameters[-2], parameters[-1]
+
+        def at(u: Array) -> Array:
+            found = self.values(fixed + scale * u[:, None], log_sd)
+            value = found.value.sum(axis=1) - 0.5 * u * u
+            slope = scale * found.gradient[..., 0].sum(axis=1) - u
+            return np.array([value, slope, 1 - scale**2 * found.hessian[..., 0, 0].sum(axis=1)])
+
+        u, length = start, np.ones(len(start))
+        here = at(u)
+        for _ in range(MAX_STEPS):
+            value, slope, curvature = here
+            step = length * slope / curvature
+            there = at(u + step)
+            better = there[0] >= value - 1e-12 * (1 + np.abs(value))
+            is_near = np.abs(slope * slope / curvature) <= SMALL_DECREMENT * (1 + np.abs(value))
+            u, here = np.where(better, u + step, u), np.where(better, there, here)
+            length = np.where(better, 1.0, length / 4)
+            if is_near.all():
+                break
+        return u, here[2]
+
+    def log_likelihood(self, parameters: Array, start: Array) -> tuple[float, Array, Array]:
+        """Return the log likelihood, its gradient and the intercepts' modes.
+
+        The gradient is the mean of that given the intercepts, over these given the values (Fisher's identity).
+        """
+        mode, curvature = self.intercepts(parameters, start)
+        points, weights = np.polynomial.hermite.hermgauss(N_NODES)
+        u = mode + np.sqrt(2 / curvature) * points[:, None]
+        at = self.values(self.x @ parameters[:-2] + parameters[-1] * u[..., None], parameters[-2])
+
+        # The weights are those of integrals with a factor exp(-x^2), which is taken out again.
+        terms = at.value.sum(axis=2) - 0.5 * u * u + (points**2 + np.log(weights))[:, None]
+        of_each = logsumexp(terms, axis=0)
+        shares = np.exp(terms - of_each)
+        by_mean, by_log_sd = np.moveaxis(shares[..., None, None] * at.gradient, -1, 0)
+        by_scale = (by_mean.sum(axis=2) * u).sum()
+        gradient = np.array([*np.tensordot(by_mean.sum(axis=0), self.x, axes=2), by_log_sd.sum(), by_scale])
+        value = (of_each - 0.5 * np.log(np.pi * curvature)).sum()
+        return float(value), gradient, mode
+
+    def start(self) -> Array:
+        """Return least squares through the middles or bounds, with half of the residual variance to each side."""
+        y = middle(np.stack([self.low, self.high], axis=-1))
+        beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
+        residuals = (y - self.x @ beta)[self.used]
+        sd = max(float(residuals.std()), 0.01) / np.sqrt(2)  # of an exact fit it would be 0, which has no logarithm
+        return np.array([*beta, np.log(sd), sd])
+
+
+class _Objective:
+    """Negative log likelihood with its gradient; each call starts from the intercepts of the one before.
+
+    Parameters so far away that a number overflows are as impossible as those under which the values have no chance.
+    """
+
+    def __init__(self, intervals: Intervals) -> None:
+        self._intervals, self._modes = intervals, np.zeros(len(intervals.low))
+
+    def __call__(self, parameters: Array) -> tuple[float, Array]:
+        value, gradient, modes = self._intervals.log_likelihood(parameters, self._modes)
+        if not (np.isfinite(value) and np.isfinite(gradient).all()):
+            return IMPOSSIBLE, np.zeros(len(parameters))
+        self._modes = modes
+        return -value, -gradient
+
+    def hessian(self, parameters: Array) -> Array:
+        """Return central differences of the gradient."""
+        steps = DIFFERENCE * np.maximum(1.0, np.abs(parameters))
+        rows = []
+        for step, unit in zip(steps, np.eye(len(parameters)), strict=True):
+            (_, ahead), (_, behind) = self(parameters + step * unit), self(parameters - step * unit)
+            rows.append((ahead - behind) / (2 * step))
+        matrix = np.array(rows)
+        return np.asarray((matrix + matrix.T) / 2)  # differences leave it symmetric but for their error
+
+
+def maximise(intervals: Intervals) -> Maximum:
+    """Climb by quasi-Newton steps (BFGS, from the start's inverse Hessian), then by Newton's."""
+    from scipy.optimize import minimize  # slow to load
+
+    objective, parameters = _Objective(intervals), intervals.start()
+    with np.errstate(all="ignore"):
+        hessian = objective.hessian(parameters)
+        for _ in range(MAX_RESTARTS):
+            inverse = symmetric_inverse(hessian)
+            # scipy raises for a matrix that is not definite, and begins at the unit matrix for None.
+            options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": inverse if _is_definite(inverse) else None}
+            parameters = minimize(objective, parameters, jac=True, method="BFGS", options=options).x
+            parameters, hessian = _newton_steps(objective, parameters)
+            value, gradient = objective(parameters)
+            if np.abs(gradient).max() < 100 * GRADIENT_TOLERANCE:
+                break
+    return Maximum(parameters, symmetric_inverse(hessian), -value, float(np.abs(gradient).max()))
+
+
+def _newton_steps(objective: _Objective, parameters: Array) -> tuple[Array, Array]:
+    """Take Newton's steps as long as they shrink the gradient; return the Hessian at the last but one place."""
+    value, gradient = objective(parameters)
+    for _ in range(MAX_POLISHING):
+        hessian = objective.hessian(parameters)
+        trial = parameters - symmetric_inverse(hessian) @ gradient
+        new_value, new_gradient = objective(trial)
+        is_flatter = np.abs(new_gradient).max() < 0.9 * np.abs(gradient).max()
+        if not (is_flatter and new_value <= value + 1e-9):
+            break
+        parameters, value, gradient = trial, new_value, new_gradient
+        if np.abs(gradient).max() < GRADIENT_TOLERANCE:
+            break
+    return parameters, hessian
+
+
+def _is_definite(matrix: Array) -> bool:
+    try:
+        np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
+        return False
+    return bool(np.isfinite(matrix).all())
+
+
+def middle(ends: Array) -> Array:
+    """Return the middle of an interval (..., 2), or its one finite end."""
+    low, high = np.moveaxis(np.where(np.isfinite(ends), ends, ends[..., ::-1]), -1, 0)
+    return np.asarray(low + (high - low) / 2)
+
+
+def of_value(y: Array, mean: Array, log_sd: Array) -> Expansion:
+    """Return the log density of a known value."""
+    y = np.where(np.isfinite(y), y, 0.0)
+    inverse = np.exp(-log_sd)
+    z = (y - mean) * inverse
+    log_density = -0.5 * z * z - log_sd - LOG_ROOT_TWO_PI
+    gradient = np.stack([z * inverse, z * z - 1], axis=-1)
+    return Expansion(log_density, gradient, _square(-(inverse**2), -2 * z * inverse, -2 * z * z))
+
+
+def of_interval(low: Array, high: Array, mean: Array, log_sd: Array) -> Expansion:
+    """Return the log chance of a normal value between two ends, of which one may be infinite."""
+    inverse = np.exp(-log_sd)
+    a, b = (low - mean) * inverse, (high - mean) * inverse
+    log_chance = _log_chance(a, b)
+    ratio_a, ratio_b = (np.exp(-0.5 * end * end - LOG_ROOT_TWO_PI - log_chance) for end in (a, b))
+    # At an infinite end the density is 0: the end's place must not make NaN of its product with it.
+    a, b = (np.where(np.isfinite(end), end, 0.0) for end in (a, b))
+    by_a, by_b = -ratio_a, ratio_b
+    aa = a * ratio_a - ratio_a**2
+    ab = ratio_a * ratio_b
+    bb = -b * ratio_b - ratio_b**2
+
+    gradient = np.stack([-(by_a + by_b) * inverse, -(a * by_a + b * by_b)], axis=-1)
+    curved = np.minimum(aa + 2 * ab + bb, 0.0) * inverse**2  # log-concave, also where all digits are lost
+    mixed = (by_a + by_b + a * aa + (a + b) * ab + b * bb) * inverse
+    by_log_sd_twice = a * by_a + b * by_b + a * a * aa + 2 * a * b * ab + b * b * bb
+    return Expansion(log_chance, gradient, _square(curved, mixed, by_log_sd_twice))
+
+
+def _square(first: Array, mixed: Array, second: Array) -> Array:
+    rows = np.broadcast_arrays(first, mixed, mixed, second)
+    return np.stack(rows, axis=-1).reshape(*rows[0].shape, 2, 2)
+
+
+def _log_chance(a: Array, b: Array) -> Array:
+    """Return log(Phi(b) - Phi(a)) in the tail that keeps its digits; 0 for an empty interval."""
+    flipped = a > 0
+    low, high = np.where(flipped, -b, a), np.where(flipped, -a, b)
+    upper = log_ndtr(high)
+    with np.errstate(invalid="ignore"):
+        difference = np.maximum(upper - log_ndtr(low), 1e-300)  # log1mexp has no value at 0
+        return np.where(high > low, upper + log1mexp(difference), 0.0)

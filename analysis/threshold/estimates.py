@@ -1,0 +1,209 @@
+"""Fits of many data sets: posterior or likelihood, statuses from the counts, and results in the unit of the levels."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array, Bools, Rows
+from .likelihood import LOG_WIDTH, THRESHOLD
+from .log_posterior import LogPosterior
+from .mode import Mode, find_mode, find_overdispersed_mode
+from .posterior import Marginals
+from .result import ThresholdFit
+from .shared_grid import batched_marginals
+from .status import HELD, Status, Statuses, best_step, notes, statuses, verdict_shares
+
+CENSORED = (Status.BELOW, Status.ABOVE)
+WITH_THRESHOLD = (Status.OK, Status.SEPARATED)
+FITTED_ANYWAY = (Status.NON_MONOTONE, Status.TOO_FEW_LEVELS)
+WIDEST_SD = 0.5
+"""In ranges of the levels: with a larger standard error the 95 % interval of a threshold exceeds all levels."""
+WIDEST_LOG_SD = 1.5
+"""Of a log width: an interval from a twentieth to twenty times the width says nothing."""
+
+
+@dataclass(frozen=True)
+class Estimates(Rows):
+    """Parameters (n_sets, 4) with the width in place of its logarithm, ends (n_sets, 2) of threshold and width, and the
+    `method` (n_sets,) that the ends come from."""
+
+    theta: Array
+    threshold: Array
+    width: Array
+    method: NDArray[np.object_]
+
+
+@dataclass(frozen=True)
+class Fitting:
+    """Data sets, their priors, and how they are fitted."""
+
+    posterior: LogPosterior
+    shape: str
+    method: str
+    interval: float
+    estimate: str
+    overdispersed: bool
+
+    @cached_property
+    def mode(self) -> Mode:
+        """Mode of the binomial posterior."""
+        return find_mode(self.posterior)
+
+    @cached_property
+    def marginals(self) -> Marginals:
+        """Binomial posterior, on which the statuses rest."""
+        return self._integrated(self.posterior, self.mode)
+
+    def results(self) -> tuple[ThresholdFit, ...]:
+        posterior = self.posterior
+        likeliest = find_mode(posterior.under(on_curve=False), self.mode.theta)
+        step = best_step(posterior, likeliest)
+        shares = verdict_shares(posterior, self.marginals)
+        status = np.array(statuses(posterior, shares, step), dtype=object)
+
+        basis, marginals, eta = self.mode, self.marginals, None
+        if self.overdispersed:
+            basis, eta = find_overdispersed_mode(posterior)
+            marginals = self._integrated(posterior.under(overdispersion=eta), basis)
+            eta = marginals.overdispersion if self.estimate == "mean" else eta
+        levels = np.stack([basis.theta[:, THRESHOLD], marginals.threshold[:, 1], marginals.mean[:, THRESHOLD]])
+        place = np.where(step.is_between, step.place, np.nan)
+        estimates = self._of_posterior(basis, marginals, place)
+
+        if self.method == "likelihood":
+            basis = likeliest
+            if self.overdispersed:
+                basis, eta = find_overdispersed_mode(posterior.under(on_curve=False))
+            has_maximum = is_regular(basis) & np.isin(status, (Status.OK, *FITTED_ANYWAY))
+            of_step = np.where(step.is_best, Status.SEPARATED, Status.FLAT)
+            status = np.where((status == Status.OK) & ~has_maximum, of_step, status)
+            estimates = _of_likelihood(basis).where(has_maximum, estimates)
+            is_step = (status == Status.SEPARATED) & _within(step.place, estimates.threshold)
+            estimates.theta[is_step, THRESHOLD] = step.place[is_step]
+
+        # A perfect fit may round to below 0.
+        deviance = np.maximum(posterior.deviance(basis.theta), 0.0)
+        return self._fits(status, estimates, shares, levels, deviance, eta)
+
+    def _integrated(self, posterior: LogPosterior, mode: Mode) -> Marginals:
+        """Posterior of every data set with two levels or more."""
+        chosen = np.flatnonzero(posterior.counts.n_levels > 1)
+        found = batched_marginals(posterior[chosen], mode[chosen], self.interval)
+        return Marginals.empty(len(posterior)).replaced(chosen, found)
+
+    def _of_posterior(self, mode: Mode, marginals: Marginals, place: Array) -> Estimates:
+        """Return mode, median or mean of the posterior.
+
+        The mode of a step is a whole stretch; its middle is `place`. The median replaces a mode on an edge of the
+        priors or outside of its interval.
+        """
+        threshold, width = marginals.threshold[:, [0, 2]], marginals.width[:, [0, 2]]
+        theta = marginals.mean
+        if self.estimate != "mean":
+            theta = marginals.mean.copy()
+            theta[:, THRESHOLD], theta[:, LOG_WIDTH] = marginals.threshold[:, 1], marginals.width[:, 1]
+        if self.estimate == "mode":
+            top, is_step = _with_width(mode.theta), ~np.isnan(place)
+            top[is_step, THRESHOLD] = place[is_step]
+            holds_width = _within(top[:, LOG_WIDTH], width)
+            top[:, LOG_WIDTH] = np.where(holds_width, top[:, LOG_WIDTH], theta[:, LOG_WIDTH])
+            is_summit = is_step | (mode.interior & holds_width)
+            is_held = is_summit & _within(top[:, THRESHOLD], threshold)
+            theta = np.where(is_held[:, None], top, theta)
+        return Estimates(theta, threshold, width, np.full(len(theta), "posterior", dtype=object))
+
+    def _fits(
+        self,
+        status: Statuses,
+        estimates: Estimates,
+        shares: Array,
+        levels: Array,
+        deviance: Array,
+        eta: Array | None,
+    ) -> tuple[ThresholdFit, ...]:
+        """Return each data set's result, with None for what its status leaves open."""
+        counts, (threshold, width, lapse, guess) = self.posterior.counts, estimates.theta.T
+        has_curve = counts.n_levels > 1
+        is_fitted_anyway = np.isin(status, FITTED_ANYWAY) & has_curve & (np.abs(threshold) <= 0.5)
+        has_threshold = np.isin(status, WITH_THRESHOLD) | is_fitted_anyway
+        has_width = has_threshold & (status != Status.SEPARATED)  # of a step the width has an upper bound only
+        has_low, has_high = _has_ends(status, shares, has_threshold).T & has_curve
+        mode, median, mean = self._levels(levels)
+        low, high = self._levels(estimates.threshold.T)
+        narrow, wide = counts.spread * estimates.width.T
+
+        columns = {
+            "threshold": _known(self._levels(threshold), has_threshold),
+            "width": _known(counts.spread * width, has_width),
+            "lapse_rate": _known(lapse, has_threshold),
+            "guess_rate": _known(guess, has_threshold),
+            "interval_low": _known(low, has_low),
+            "interval_high": _known(high, has_high),
+            "width_low": _known(narrow, has_width),
+            "width_high": _known(wide, has_threshold),
+            "threshold_mode": _known(mode, has_threshold),
+            "threshold_median": _known(median, has_threshold),
+            "threshold_mean": _known(mean, has_threshold),
+            "deviance": _known(deviance, has_threshold),
+            "overdispersion": [None] * len(status) if eta is None else _known(eta, has_threshold),
+            "probability_within": _known(shares[:, 0], has_curve),
+            "probability_below": _known(shares[:, 1], has_curve),
+            "probability_above": _known(shares[:, 2], has_curve),
+            "method": np.where(has_low | has_high, estimates.method, self.method).tolist(),
+            "status": [Status(word) for word in status],
+            "note": notes(counts, status, self.interval),
+            "n_trials": counts.n_trials.sum(axis=1).astype(int).tolist(),
+            "n_levels": counts.n_levels.tolist(),
+        }
+        rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+        return tuple(ThresholdFit(**row, shape=self.shape, interval=self.interval) for row in rows)
+
+    def _levels(self, u: Array) -> Array:
+        counts = self.posterior.counts
+        levels = counts.centre + counts.spread * u
+        with np.errstate(over="ignore"):
+            return np.exp(levels) if self.posterior.shape.on_log_levels else levels
+
+
+def _of_likelihood(mode: Mode) -> Estimates:
+    """Return the maximum of the likelihood, without intervals."""
+    open_ends = np.full((len(mode.theta), 2), np.nan)
+    return Estimates(_with_width(mode.theta), open_ends, open_ends, np.full(len(open_ends), "likelihood", dtype=object))
+
+
+def _has_ends(status: Statuses, shares: Array, has_threshold: Bools) -> Bools:
+    """Return which ends (n_sets, 2) an interval has.
+
+    Without a threshold an end is open unless the answers exclude, as they do for `ok`, that the threshold lies
+    beyond the levels on its side.
+    """
+    is_open = ~has_threshold[:, None] & (shares[:, 1:3] > 1 - HELD)
+    is_bound = np.isin(status, CENSORED)
+    is_open[is_bound] = status[is_bound, None] == np.array(CENSORED, dtype=object)
+    return np.asarray(~is_open)
+
+
+def _known(values: Array, where: Bools) -> list[float | None]:
+    """Return values, with None elsewhere and for an end that there is none of."""
+    is_known = where & np.isfinite(values)
+    return [value if known else None for value, known in zip(values.tolist(), is_known, strict=True)]
+
+
+def is_regular(mode: Mode) -> Bools:
+    """Return True where the curvature at a mode is well conditioned."""
+    is_narrow = (mode.sd[:, THRESHOLD] < WIDEST_SD) & (mode.sd[:, LOG_WIDTH] < WIDEST_LOG_SD)
+    return np.asarray(mode.interior & is_narrow)
+
+
+def _with_width(theta: Array) -> Array:
+    """Return parameters with the width in place of its logarithm."""
+    theta = theta.copy()
+    with np.errstate(over="ignore"):
+        theta[:, LOG_WIDTH] = np.exp(theta[:, LOG_WIDTH])
+    return theta
+
+
+def _within(x: Array, ends: Array) -> Bools:
+    return np.asarray((ends[:, 0] <= x) & (x <= ends[:, 1]))

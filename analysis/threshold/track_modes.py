@@ -1,0 +1,89 @@
+"""Posterior modes of very many tracks, for simulations: those of `fit`, without status, interval and notes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tactometry.arguments.require import expect
+from tactometry.psychometric import shape_named
+
+from ..arrays import Array, Bools, Rows
+from .counts import count_arrays, normalise
+from .estimates import is_regular
+from .fitting import check_rates
+from .likelihood import LOG_WIDTH, THRESHOLD
+from .log_posterior import LogPosterior, Prior
+from .mode import find_mode
+
+MOST_SHARED = 64
+"""Levels that tracks share and are counted at; QUEST places its levels anywhere."""
+
+
+@dataclass(frozen=True)
+class TrackModes(Rows):
+    """Threshold with standard error and width of each track (n_sets,); `regular` where there is a curvature."""
+
+    thresholds: Array
+    standard_errors: Array
+    widths: Array
+    regular: Bools
+
+
+def fit_modes(
+    levels: ArrayLike,
+    answers: ArrayLike,
+    *,
+    shape: str,
+    guess_rate: float | None,
+    lapse_rate: float | None = None,
+    scale_free_width: bool = True,
+) -> TrackModes:
+    """Find the mode of each track's posterior.
+
+    Parameters
+    ----------
+    levels, answers : (n_sets, n_trials) array
+        The level of each trial and its answer, 1 or 0; trials at the level NaN are none.
+    shape, guess_rate, lapse_rate, scale_free_width
+        As of `tactometry.analysis.threshold.fitting.fit`; a shape on levels, not on their logarithms.
+
+    Raises
+    ------
+    InvalidParameter
+        If rates are none, arrays do not match, or an answer is neither 1 nor 0.
+
+    >>> x = np.tile([10.0, 14.0, 18.0, 22.0, 26.0], (1, 8))
+    >>> found = fit_modes(x, x > [[16.0] * 20 + [20.0] * 20], shape="normal", guess_rate=0.0, lapse_rate=0.02)
+    >>> found.thresholds.round().tolist(), found.regular.tolist()
+    ([18.0], [True])
+    """
+    check_rates("fit_modes", guess_rate, lapse_rate)
+    x, y = np.asarray(levels, dtype=np.float64), np.asarray(answers, dtype=np.float64)
+    expect(
+        x.ndim == 2 and x.shape == y.shape, "fit_modes", f"shapes {x.shape}, {y.shape}", "(n_sets, n_trials) of both"
+    )
+    curve, used = shape_named(shape), ~np.isnan(x)
+    expect(not curve.on_log_levels, "fit_modes.shape", shape, "a shape on levels")
+    expect(np.isin(y[used], (0, 1)).all(), "fit_modes.answers", "another value", "1 or 0")
+    shared = np.unique(x[used])
+    if 2 <= len(shared) <= MOST_SHARED:
+        counts = normalise(*count_arrays(*_pooled(shared, x, y, used)))
+    else:
+        counts = normalise(*count_arrays(np.where(used, x, 0.0), np.where(used, y, 0.0), used))
+    none = np.zeros(len(counts))
+    prior = Prior(counts.gap, lapse_rate, guess_rate, none, none, scale_free_width=scale_free_width)
+    mode = find_mode(LogPosterior(curve, counts, prior))
+    at = counts.centre + counts.spread * mode.theta[:, THRESHOLD]
+    widths = counts.spread * np.exp(mode.theta[:, LOG_WIDTH])
+    return TrackModes(at, counts.spread * mode.sd[:, THRESHOLD], widths, is_regular(mode) & (counts.n_levels > 1))
+
+
+def _pooled(shared: Array, x: Array, y: Array, used: Bools) -> tuple[Array, Array, Array]:
+    """Return levels (1, n_levels), and the numbers of answers 1 and of all answers (n_sets, n_levels) there."""
+    shape = (len(x), len(shared))
+    cells = (np.arange(len(x))[:, None] * shape[1] + np.searchsorted(shared, x))[used]
+    size = shape[0] * shape[1]
+    n_yes = np.bincount(cells, weights=y[used], minlength=size).reshape(shape)
+    n_trials: Array = np.bincount(cells, minlength=size).reshape(shape).astype(np.float64)
+    return shared[None], np.asarray(n_yes, dtype=np.float64), n_trials

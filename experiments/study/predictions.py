@@ -1,0 +1,196 @@
+"""Predicted sensation levels of a study: by level, conditions that are too weak, and just noticeable differences."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from math import inf, sqrt
+from statistics import NormalDist
+
+import numpy as np
+
+from tactometry.contact import Contact
+from tactometry.observers.people import Feeling, Stated
+from tactometry.observers.psychometric import OF_WIDTH, PsychometricObserver
+from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.position_dependent import felt_under, straight_way
+from tactometry.protocols.batch.answers import LevelTable
+from tactometry.protocols.procedures.procedure import OfLevels
+from tactometry.protocols.tasks.comparison import Comparison
+from tactometry.protocols.tasks.task import AgainstStandard
+from tactometry.session.request import TRAJECTORY_M
+from tactometry.signal import Signal
+from tactometry.trials.cells import cell as cell_text
+
+from .cells import WiredCell
+from .experiment import Experiment
+from .own_parts import Unseen
+
+N_LEVELS = 81
+SILENT_DB = -200.0
+"""Sensation level of an imperceptible stimulus in a table of numbers."""
+TOLERATED_DB = 0.05
+"""A level this far below the threshold is printed as at it."""
+NEAR_DB = 10.0
+"""A standard less than this above the threshold is near it: two standard deviations between people (unverified
+default)."""
+JND_PER_SD = NormalDist().inv_cdf(0.75)
+
+
+def contact_of(cell: WiredCell) -> Contact:
+    """Return the contact that a cell asks for, at rest and without force where it asks for nothing."""
+    request = cell.condition.touch.request(cell.condition.stimulus, None, None)
+    return Contact(getattr(request, "target_n", None) or 0.0, getattr(request, "speed_m_per_s", None) or 0.0)
+
+
+def played(cell: WiredCell, level: float, speed_m_per_s: float) -> Signal:
+    """Return the signal of a level, under a finger that slides straight on where the signal follows the finger."""
+    signal = cell.stimulus.at(level)
+    return felt_under(cell.stimulus, signal, *straight_way(signal.duration_s, speed_m_per_s, TRAJECTORY_M))
+
+
+def felt_db(cell: WiredCell, level: float, contact: Contact) -> float:
+    """Return the sensation level (dB), -inf where nothing is felt."""
+    return cell.sensation.sensation_db(played(cell, level, contact.speed_m_per_s), contact)
+
+
+def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact: Contact | None = None) -> LevelTable:
+    """Return sensation levels (dB) through the scene of a cell, or through its stimulus's own model.
+
+    Parameters
+    ----------
+    levels : (n_levels,) sequence of float
+        Rising; levels between them are interpolated. By default the levels of the rule, or `N_LEVELS` over its range.
+    contact : Contact
+        By default the contact that the cell asks for.
+    """
+    contact = contact_of(cell) if contact is None else contact
+    rule = cell.procedure.rule
+    if not levels:
+        levels = (
+            sorted(set(rule.levels)) if isinstance(rule, OfLevels) else np.linspace(*rule.bounds, N_LEVELS).tolist()
+        )
+
+    sensations_db = [max(felt_db(cell, level, contact), SILENT_DB) for level in levels]
+    return LevelTable(np.asarray(levels, dtype=np.float64), np.asarray(sensations_db))
+
+
+@dataclass(frozen=True)
+class Unfelt:
+    """Condition with an imperceptible strongest level, or a standard near threshold, and the sensation level there."""
+
+    condition: str
+    level: str
+    sensation_db: float | None
+    is_standard: bool = False
+
+    @property
+    def line(self) -> str:
+        """State the condition as a warning.
+
+        >>> Unfelt("frequency_hz 60", "36 dB re 1 V", -28.74).line
+        'WARNING: even the strongest level (36 dB re 1 V) is 28.7 dB below the predicted threshold at frequency_hz 60'
+        >>> Unfelt("", "36 dB re 1 V", None).line
+        'WARNING: even the strongest level (36 dB re 1 V) is not felt at all'
+        >>> Unfelt("", "40 dB re 1 V", 2.5, is_standard=True).line.partition(":")[2][:67]
+        ' the standard (40 dB re 1 V) is 2.5 dB above the predicted threshol'
+        """
+        where = f" at {self.condition}" if self.condition else ""
+        if self.is_standard:
+            return f"WARNING: the standard ({self.level}) is {self._distance}{where}: some participants may not feel it"
+        if self.sensation_db is None:
+            return f"WARNING: even the strongest level ({self.level}) is not felt at all{where}"
+        return f"WARNING: even the strongest level ({self.level}) is {self._distance}{where}"
+
+    @property
+    def _distance(self) -> str:
+        if self.sensation_db is None:
+            return "not felt at all"
+        side = "below" if self.sensation_db < 0 else "above"
+        return f"{abs(self.sensation_db):.1f} dB {side} the predicted threshold"
+
+
+def unfelt(experiment: Experiment, *, simulated: bool = False) -> Iterator[Unfelt]:
+    """Yield the conditions of a study whose strongest level, or whose standard, is too weak.
+
+    The physics predicts it; of `simulated` participants the thresholds that their observer states.
+    """
+    middle = experiment.people.middle
+    for cell in experiment.cells.values():
+        if isinstance(cell.sensation, Unseen):  # its code may not run
+            continue
+        factors = cell.condition.factors
+        feeling = middle.stated(factors) if simulated and isinstance(middle, Stated) else Feeling()
+        for level, lowest_db, is_standard in _levels(experiment, cell):
+            felt = feeling.felt_db(level, partial(felt_db, cell, level, contact_of(cell)))
+            if felt < lowest_db:
+                text = f"{level:g} {cell.stimulus.level_unit}"
+                yield Unfelt(_name(cell), text, None if felt == -inf else felt, is_standard)
+                break
+
+
+def _levels(experiment: Experiment, cell: WiredCell) -> Iterator[tuple[float, float, bool]]:
+    """Yield the strongest level and the standard, each with the lowest sensation level that needs no warning."""
+    yield cell.procedure.rule.bounds[1], -TOLERATED_DB, False
+    if isinstance(experiment.task, AgainstStandard):
+        yield experiment.task.standard_level, NEAR_DB, True
+
+
+@dataclass(frozen=True)
+class PredictedJnd:
+    """The JND of one condition, in the unit of the level; None if it is larger than the levels allow.
+
+    Lapses are left out, and where the skin `feels_touch` the force and speed that vary from touch to touch.
+    """
+
+    condition: str
+    standard: str
+    jnd: float | None
+    feels_touch: bool = True
+
+    @property
+    def line(self) -> str:
+        """State it in words.
+
+        >>> PredictedJnd("force_n 1", "40 dB re 1 V", 1.234).line
+        'predicted JND at the standard of 40 dB re 1 V: 1.23 dB at force_n 1 (steady touch; varying ones add to it)'
+        """
+        where = f" at {self.condition}" if self.condition else ""
+        unit = self.standard.partition(" ")[2].partition(" re ")[0]
+        size = "above the highest level" if self.jnd is None else f"{self.jnd:.2f} {unit}".rstrip()
+        steady = " (steady touch; varying ones add to it)" if self.feels_touch else ""
+        return f"predicted JND at the standard of {self.standard}: {size}{where}{steady}"
+
+
+def predicted_jnds(experiment: Experiment) -> Iterator[PredictedJnd]:
+    """Yield the JND of each condition of a comparison, where the observer is one of ours."""
+    if not isinstance(experiment.task, Comparison):
+        return
+    standard, people = experiment.task.standard_level, experiment.people.middle
+    for cell in experiment.cells.values():
+        if isinstance(people, PsychometricObserver):
+            stretch = people.stated(cell.condition.factors).stretch
+            jnd: float | None = JND_PER_SD * people.width / OF_WIDTH / stretch
+        elif isinstance(people, SignalDetectionObserver) and not isinstance(cell.sensation, Unseen):
+            jnd = _of_signal(cell, people, standard)
+        else:
+            continue
+        feels_touch = isinstance(people, SignalDetectionObserver)
+        yield PredictedJnd(_name(cell), f"{standard:g} {cell.stimulus.level_unit}", jnd, feels_touch)
+
+
+def _of_signal(cell: WiredCell, people: SignalDetectionObserver, standard: float) -> float | None:
+    """Return how far above the standard a level is called stronger in 75 % of comparisons, each with two noises."""
+    from scipy.optimize import brentq  # slow to load
+
+    def excess(level: float) -> float:
+        felt, of_standard = (people.d_prime(felt_db(cell, each, contact_of(cell))) for each in (level, standard))
+        return felt - of_standard - sqrt(2) * JND_PER_SD
+
+    highest = cell.procedure.rule.bounds[1]
+    if highest <= standard or excess(highest) < 0:
+        return None
+    return float(brentq(excess, standard, highest, xtol=1e-6)) - standard
+
+
+def _name(cell: WiredCell) -> str:
+    return ", ".join(f"{factor} {cell_text(value)}" for factor, value in cell.condition.factors.items())
