@@ -1,21 +1,16 @@
-"""Peaks between samples: the error against an exact reference, and the time of the guard over the signal's duration.
+"""Peaks between samples: error against an exact reference, and time of the guard over the duration of the signal.
 
-Two ladders and a table:
-
-- error over the number of points per sample, each doubling by itself, against a dense interpolation;
-- error over the reach of the filter, for white noise, against the FFT of all samples with zeros around them;
-- processor time of the checks of a guard over the duration of the signal, for signals at and below the limit.
-
-Run: python benchmarks/filtered_peaks.py
+- error by the number of points per sample, against a dense interpolation;
+- error by the reach of the filter, for white noise, against the FFT of all samples with zeros around them;
+- processor time of the checks of a guard over the duration of the signal.
 """
 
 import math
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
-from measured import tell
 
+from tactometry.experiments.harness import interleaved, tell
 from tactometry.safety import reconstruction
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
@@ -27,9 +22,8 @@ LOAD = Load("electrode", 1e-9, 1e7)
 FORMATS = {"1 channel at 48 kHz": (1, 48e3), "8 channels at 192 kHz": (8, 192e3)}
 
 
-def exact(samples: FloatArray, n_points: int = 64) -> float:
-    """Peak of the ideal course: zeros around the samples so far that the periods of an FFT do not matter, then more
-    points."""
+def exact(samples: FloatArray, n_points: int) -> float:
+    """Return the peak of the ideal course, by zeros around the samples and an FFT with more points."""
     n = 1 << (64 * len(samples) - 1).bit_length()
     spectrum = np.zeros(n * n_points // 2 + 1, complex)
     spectrum[: n // 2 + 1] = np.fft.rfft(samples, n)
@@ -37,52 +31,38 @@ def exact(samples: FloatArray, n_points: int = 64) -> float:
     return float(np.max(np.abs(np.fft.irfft(spectrum, n * n_points)))) * n_points
 
 
-def noises(n: int) -> Iterator[FloatArray]:
-    for seed in range(N_NOISES):
-        yield np.random.default_rng(seed).uniform(-1.0, 1.0, n)
+def largest_error(n_samples: int, n_points: int) -> Callable[[], float]:
+    """Return a function that computes the largest error (%) of the peaks of noises with the present constants."""
+    noises = [np.random.default_rng(seed).uniform(-1.0, 1.0, n_samples) for seed in range(N_NOISES)]
+    peaks = [exact(noise, n_points) for noise in noises]
+
+    def error() -> float:
+        reconstruction._kernels.cache_clear()
+        return 100 * max(abs(1 - course_peak(noise, 0.0) / peak) for noise, peak in zip(noises, peaks, strict=True))
+
+    return error
 
 
-def points_ladder() -> None:
-    """Largest error of the peak of noise for each number of points per sample."""
-    peaks = [exact(noise) for noise in noises(250)]
-    kept = reconstruction.N_PHASES
+def points() -> None:
+    error, kept = largest_error(250, 64), reconstruction.N_PHASES
     for n_phases in (2, 4, 8, 16, 32, 64):
         reconstruction.N_PHASES = n_phases  # type: ignore[misc]
-        reconstruction._kernels.cache_clear()
-        errors = [1 - course_peak(noise, 0.0) / peak for noise, peak in zip(noises(250), peaks, strict=True)]
-        at_most = 1 / math.cos(math.pi / 2 / kept) - 1 if n_phases == kept else None
-        tell(
-            f"{n_phases} points per sample: largest error of 20 peaks",
-            100 * max(errors),
-            "%",
-            at_most=_percent(at_most),
-        )
+        limit = 100 * (1 / math.cos(math.pi / 2 / kept) - 1) if n_phases == kept else None
+        tell(f"{n_phases} points per sample: largest error of 20 peaks", error(), "%", at_most=limit)
     reconstruction.N_PHASES = kept  # type: ignore[misc]
-    reconstruction._kernels.cache_clear()
 
 
-def _percent(part: float | None) -> float | None:
-    return None if part is None else 100 * part
-
-
-def reach_ladder() -> None:
-    """Largest error of the peak of white noise, longer than the filter, for each reach."""
-    peaks = [exact(noise, 32) for noise in noises(8000)]
-    kept = reconstruction.REACH, reconstruction._INNER, reconstruction._HOP
+def reaches() -> None:
+    error, kept = largest_error(8000, 32), reconstruction.REACH
     for reach in (16, 32, 64, 128, 256, 512, 1024):
-        _set_reach(reach)
-        errors = [abs(1 - course_peak(noise, 0.0) / peak) for noise, peak in zip(noises(8000), peaks, strict=True)]
-        at_most = 1.5 if reach == kept[0] else None
-        tell(
-            f"filter of {reach} samples to either side: largest error of 20 peaks",
-            100 * max(errors),
-            "%",
-            at_most=at_most,
-        )
-    _set_reach(kept[0])
+        set_reach(reach)
+        limit = 1.5 if reach == kept else None
+        name = f"filter of {reach} samples to either side: largest error of 20 peaks"
+        tell(name, error(), "%", at_most=limit)
+    set_reach(kept)
 
 
-def _set_reach(reach: int) -> None:
+def set_reach(reach: int) -> None:
     reconstruction.REACH = reach  # type: ignore[misc]
     reconstruction._INNER = slice(reach, reconstruction.BLOCK - reach)  # type: ignore[misc]
     reconstruction._HOP = reconstruction.BLOCK - 2 * reach - 1  # type: ignore[misc]
@@ -105,38 +85,25 @@ SIGNALS: dict[str, Callable[[FloatArray], FloatArray]] = {
 }
 
 
-def took_s(limits: Limits, signal: Signal, *, filtered: bool) -> float:
-    """Processor time of all checks of a signal, the least of some."""
-    least_s = math.inf
-    for _ in range(N_RUNS):
-        begin_s = time.process_time()
-        limits.check(signal)
-        limits.check_load(signal, LOAD)
-        if filtered:
-            limits.check_filtered(signal, LOAD)
-        least_s = min(least_s, time.process_time() - begin_s)
-    return least_s
-
-
 def times() -> None:
-    """A limit of current is 1.5 times what straight lines between the samples draw."""
+    """Time the checks; a limit of current is 1.5 times the current of straight lines between the samples."""
     for format_name, (n_channels, rate_hz) in FORMATS.items():
         at_s = np.arange(round(rate_hz)) / rate_hz
         for name, course in SIGNALS.items():
             signal = Signal(LIMIT_V * np.tile(course(at_s), (n_channels, 1)), rate_hz, "V")
             most_a = (4.0 if "bits" in name else 1.5) * LOAD.current_peak_a(signal)
             limits = Limits(LIMIT_V, 60.0, current_peak_a=most_a, duty=1.0, session_s=1e9)
-            before, after = (100 * took_s(limits, signal, filtered=on) for on in (False, True))
+            checks = {
+                "samples": lambda: (limits.check(signal), limits.check_load(signal, LOAD)),  # noqa: B023
+                "peaks": lambda: limits.check_filtered(signal, LOAD),  # noqa: B023
+            }
+            samples_s, peaks_s = (min(each) for each in interleaved(checks, N_RUNS).values())
             what = f"{format_name}, {name}: time of the checks over the signal's"
-            tell(f"{what}, peaks between samples alone", after - before, "%", at_most=5.0)
-            tell(what, after, "%")
-
-
-def main() -> None:
-    points_ladder()
-    reach_ladder()
-    times()
+            tell(f"{what}, peaks between samples alone", 100 * peaks_s, "%", at_most=5.0)
+            tell(what, 100 * (samples_s + peaks_s), "%")
 
 
 if __name__ == "__main__":
-    main()
+    points()
+    reaches()
+    times()

@@ -1,8 +1,7 @@
-"""What an install brings, in MB on the disk: `python benchmarks/install_size.py [PAGE]`, which writes the tables of the
-page (docs/how_to/install.md) anew.
+"""Sizes of an installation on the disk: `python benchmarks/install_size.py [PAGE]` also updates docs/how_to/install.md.
 
-The core goes into an empty virtual environment, under the constraints, then one extra after the other. A package counts
-with what it alone brings; pip and setuptools are not counted. What is downloaded comes in wheels, a third of the size.
+The core is installed into an empty virtual environment under the constraints, then one extra after the other. The size
+of a package includes packages that only it requires; pip and setuptools are not counted.
 """
 
 import json
@@ -14,6 +13,8 @@ from pathlib import Path
 
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+
+from tactometry.experiments.harness import table
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -58,11 +59,13 @@ def size(file):
 print(json.dumps({d.name: [sum(map(size, d.files or [])), d.requires or []] for d in distributions()}))
 """
 OURS = "tactometry"
-NOT_COUNTED = {"pip", "setuptools", OURS}
+BEGIN, END = "<!-- sizes: begin -->", "<!-- sizes: end -->"
+Packages = dict[str, tuple[float, set[str]]]
+"""Each package with its MB and its requirements."""
 
 
 class Environment:
-    """An empty virtual environment that takes our packages."""
+    """An empty virtual environment for our packages."""
 
     def __init__(self, place: Path) -> None:
         subprocess.run([sys.executable, "-m", "venv", place], check=True)
@@ -73,30 +76,30 @@ class Environment:
         subprocess.run([self.python, "-m", "pip", *command, *pinned], check=True, capture_output=True, cwd=ROOT)
 
     def downloaded_mb(self) -> float:
-        """The wheels of the core."""
+        """Return the size of the wheels of the core."""
         with tempfile.TemporaryDirectory() as folder:
             self.pip("download", "--dest", folder, ".")
             return sum(file.stat().st_size for file in Path(folder).iterdir() if OURS not in file.name) / 1e6
 
-    def packages(self) -> dict[str, tuple[float, set[str]]]:
-        """Each package with its MB and the names of what it needs."""
+    def packages(self) -> Packages:
         said = subprocess.run([self.python, "-c", INSTALLED], check=True, capture_output=True, text=True).stdout
-        found = {
-            canonicalize_name(name): (size / 1e6, needs(wanted)) for name, (size, wanted) in json.loads(said).items()
-        }
-        return {name: of for name, of in found.items() if name not in NOT_COUNTED}
+        found = json.loads(said).items()
+        sizes = {canonicalize_name(name): (size / 1e6, needs(wanted)) for name, (size, wanted) in found}
+        return {name: of for name, of in sizes.items() if name not in {"pip", "setuptools", OURS}}
+
+    def total_mb(self) -> float:
+        return sum(size for size, _ in self.packages().values())
 
 
 def needs(requirements: list[str]) -> set[str]:
-    """The names of requirements that hold here, without extras."""
+    """Return the names of requirements that apply here, without extras."""
     wanted = map(Requirement, requirements)
     return {canonicalize_name(one.name) for one in wanted if not one.marker or one.marker.evaluate({"extra": ""})}
 
 
-def brought(packages: dict[str, tuple[float, set[str]]], direct: list[str]) -> dict[str, list[str]]:
-    """Of each package that is asked for, those that come with it and with none before it."""
-    left = packages.keys() - set(direct)
-    found: dict[str, list[str]] = {}
+def brought(packages: Packages, direct: list[str]) -> dict[str, list[str]]:
+    """Return the packages that come with each direct one, and with none before it."""
+    left, found = packages.keys() - set(direct), {}
     for name in direct:
         waiting, mine = list(packages[name][1]), set()
         while waiting:
@@ -108,41 +111,34 @@ def brought(packages: dict[str, tuple[float, set[str]]], direct: list[str]) -> d
     return found
 
 
-def core_table(packages: dict[str, tuple[float, set[str]]]) -> str:
+def core_table(packages: Packages) -> str:
     direct = [canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]]
     comes = brought(packages, direct)
     size = {name: packages[name][0] + sum(packages[other][0] for other in comes[name]) for name in direct}
-    rows = [
-        f"| {name} | {megabytes(size[name])} | {', '.join(comes[name])} | {REASONS[name]} |"
-        for name in sorted(direct, key=lambda name: -size[name])
-    ]
-    return "\n".join(["| package | MB | with | what for |", "|---|---|---|---|", *rows])
+    names = sorted(direct, key=lambda name: -size[name])
+    rows = [(name, megabytes(size[name]), ", ".join(comes[name]), REASONS[name]) for name in names]
+    return table(("package", "MB", "with", "what for"), rows)
 
 
 def extras_table(environment: Environment) -> str:
-    """Each extra, with what it brings beside those above it."""
-    rows, before = [], total(environment)
+    """Return each extra with its size in addition to those above it."""
+    rows, before = [], environment.total_mb()
     for extra, reason in EXTRAS.items():
         environment.pip("install", f".[{extra}]")
-        now = total(environment)
-        rows.append(f"| `{extra}` | {megabytes(now - before)} | {reason} |")
+        now = environment.total_mb()
+        rows.append((f"`{extra}`", megabytes(now - before), reason))
         before = now
-    return "\n".join(["| extra | MB more | what for |", "|---|---|---|", *rows])
+    return table(("extra", "MB more", "what for"), rows)
 
 
 def megabytes(size: float) -> str:
     return f"{size:.0f}" if size >= 0.5 else "under 1"
 
 
-def total(environment: Environment) -> float:
-    return sum(size for size, _ in environment.packages().values())
-
-
 def page_text(text: str, tables: str) -> str:
-    """With the tables between the marks of a page."""
-    begin, end = "<!-- sizes: begin -->", "<!-- sizes: end -->"
-    head, _, rest = text.partition(begin)
-    return f"{head}{begin}\n\n{tables}\n\n{end}{rest.partition(end)[2]}"
+    """Return a page with the tables between its marks."""
+    head, _, rest = text.partition(BEGIN)
+    return f"{head}{BEGIN}\n\n{tables}\n\n{END}{rest.partition(END)[2]}"
 
 
 def main() -> None:
@@ -151,9 +147,8 @@ def main() -> None:
         downloaded = environment.downloaded_mb()
         environment.pip("install", ".")
         python = f"Python {sys.version_info.major}.{sys.version_info.minor}, {sys.platform}"
-        whole = f"The core: {total(environment):.0f} MB on the disk, {downloaded:.0f} MB to download ({python})."
-        core = core_table(environment.packages())
-        tables = "\n\n".join([whole, core, extras_table(environment)])
+        whole = f"The core: {environment.total_mb():.0f} MB on the disk, {downloaded:.0f} MB to download ({python})."
+        tables = "\n\n".join([whole, core_table(environment.packages()), extras_table(environment)])
     print(tables)
     for page in map(Path, sys.argv[1:]):
         page.write_text(page_text(page.read_text(encoding="utf-8"), tables), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""A mutation run over limits, loads, guard and ledger: one change of the code at a time, which a test must notice.
+"""Mutation run over limits, loads, guard and ledger: each single change of the code must fail a test.
 
 Run: python benchmarks/limits_mutation.py
 """
@@ -15,14 +15,16 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
-from measured import tell
+from tactometry.experiments.harness import tell
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments", "tests")
-LIMITS, LOAD, EXPOSURE = (f"tests/kernel/test_{name}.py" for name in ("limits", "load", "exposure"))
-FILTERED = "tests/kernel/test_filtered_limits.py"
-LEDGER, GUARD, OUTPUTS = (f"tests/devices/test_{name}.py" for name in ("ledger", "guarded", "outputs"))
-PLAYED = "tests/devices/test_filtered_outputs.py"
+LIMITS, LOAD, EXPOSURE, FILTERED = (
+    f"tests/kernel/test_{name}.py" for name in ("limits", "load", "exposure", "filtered_limits")
+)
+LEDGER, GUARD, OUTPUTS, PLAYED = (
+    f"tests/devices/test_{name}.py" for name in ("ledger", "guarded", "outputs", "filtered_outputs")
+)
 STOP = "tests/experiments/test_stop_delay.py"
 TESTS = {
     "tactometry/safety/limits.py": (LIMITS, FILTERED, EXPOSURE),
@@ -30,19 +32,22 @@ TESTS = {
     "tactometry/devices/outputs/guarded.py": (GUARD, PLAYED, EXPOSURE, LEDGER, OUTPUTS, STOP),
     "tactometry/devices/outputs/emission_ledger.py": (LEDGER, GUARD),
 }
-"""The tests of each module; those that need a display are left out."""
+"""Tests of each module, without those that need a display."""
 PREPENDED = "signed, absolute = (np.diff(course, axis=1, prepend=0.0) for course in (self.passed_c, self.absolute_c))"
 INSIDE = "inside = (slope != 0) & ((turning_v - before) * (turning_v - after) < 0)"
+SEARCHED = "_check(name, what, peak(limit * (1 + TOLERANCE)), limit, unit, cure, TOLERANCE)"
 EQUAL = {
-    f"{PREPENDED}: 0.0 -> 1.0": "what is prepended to both cancels",
+    f"{PREPENDED}: 0.0 -> 1.0": "the prepended value cancels",
     f"{INSIDE}: 0 -> 1": "a level piece does not cross another voltage",
-    "self._final = functools.lru_cache(maxsize=1)(self._keep_to_limits): 1 -> 2": "what is kept is the same",
-    "LONGEST_WAIT_S: Final = 1.0: 1.0 -> 2.0": "how long is waited for another process",
-    "self._last = (added.lastrowid or 0, now, duration_s): 0 -> 1": "a row that was added has a number",
+    "self._final = functools.lru_cache(maxsize=1)(self._keep_to_limits): 1 -> 2": "the cached value is the same",
+    f"{SEARCHED}: limit * (1 + TOLERANCE) -> limit / (1 + TOLERANCE)": "a lower bound only makes the search longer",
+    f"{SEARCHED}: 1 + TOLERANCE -> 1 - TOLERANCE": "a lower bound only makes the search longer",
+    "LONGEST_WAIT_S: Final = 1.0: 1.0 -> 2.0": "time to wait for another process",
+    "self._last = (added.lastrowid or 0, now, duration_s): 0 -> 1": "an added row has a number",
     "database.execute(\"PRAGMA synchronous = OFF\"): database.execute('PRAGMA synchronous = OFF') -> pass": "speed",
-    "if self.driver.n_gaps(0.0):: 0.0 -> 1.0": "how long is waited for an answer",
+    "if self.driver.n_gaps(0.0):: 0.0 -> 1.0": "time to wait for an answer",
 }
-"""Changes that nobody can observe, with the reason."""
+"""Changes without an observable effect, and why."""
 SWAPS: dict[type[ast.AST], Any] = {
     ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
     ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In,
@@ -74,39 +79,32 @@ def changed(node: ast.AST) -> Iterator[ast.AST]:
             yield from (ast.Tuple(elements[:n] + elements[n + 1 :], context) for n in range(len(elements)))
 
 
-def fields(node: ast.AST) -> Iterator[tuple[ast.AST, str, int | None, ast.AST]]:
-    """Yield each node below one, with its place there; words of errors and types are left out."""
+def fields(node: ast.AST) -> Iterator[tuple[Any, Any, ast.AST]]:
+    """Yield container, place and child of each node below one, without error texts and types."""
     for name, value in ast.iter_fields(node):
         if name in {"annotation", "returns", "decorator_list"} or isinstance(node, ast.Raise | ast.JoinedStr):
             continue
-        for n, child in enumerate(value) if isinstance(value, list) else [(None, value)]:
+        children = enumerate(value) if isinstance(value, list) else [(name, value)]
+        for place, child in children:
             if isinstance(child, ast.AST):
-                yield node, name, n, child
+                yield value if isinstance(value, list) else vars(node), place, child
                 yield from fields(child)
 
 
 def mutants(source: str) -> list[tuple[str, str]]:
-    """What was changed in which line, and the source with that change."""
+    """Return each change with its line, and the changed source."""
     tree, lines, found = ast.parse(source), source.splitlines(), []
-    for parent, name, n, node in fields(tree):
+    for container, place, node in fields(tree):
         for form in changed(node):
-            before = ast.unparse(node)
-            _put(parent, name, n, form)
-            line = lines[getattr(node, "lineno", 0) - 1].strip()
-            found.append((f"{line}: {before} -> {ast.unparse(form)}", ast.unparse(tree)))
-            _put(parent, name, n, node)
+            container[place] = form
+            change = f"{lines[getattr(node, 'lineno', 0) - 1].strip()}: {ast.unparse(node)} -> {ast.unparse(form)}"
+            found.append((change, ast.unparse(tree)))
+            container[place] = node
     return found
 
 
-def _put(parent: ast.AST, name: str, n: int | None, node: ast.AST) -> None:
-    if n is None:
-        setattr(parent, name, node)
-    else:
-        getattr(parent, name)[n] = node
-
-
 def is_killed(tree: Path, module: str, source: str) -> bool:
-    """Whether a test of a module fails in a copy of the project, in which it has this source."""
+    """Return True if a test of a module fails with this source in a copy of the project."""
     kept = (tree / module).read_text(encoding="utf-8")
     (tree / module).write_text(source, encoding="utf-8")
     options = ("-q", "-x", "-p", "no:cacheprovider", "--hypothesis-profile", "once", "--timeout", "60")
@@ -136,19 +134,15 @@ def survivors(module: str, trees: "SimpleQueue[Path]") -> tuple[int, list[str]]:
     return len(made), [what for (what, _), is_noticed in zip(made, killed, strict=True) if not is_noticed]
 
 
-def copied(folder: Path) -> Path:
-    shutil.copy(ROOT / "pyproject.toml", folder)
-    for name in FOLDERS:
-        shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
-    return folder
-
-
 def main(modules: list[str]) -> None:
     trees: SimpleQueue[Path] = SimpleQueue()
     with tempfile.TemporaryDirectory() as folder:
         for n in range(os.cpu_count() or 1):
-            (Path(folder) / str(n)).mkdir()
-            trees.put(copied(Path(folder) / str(n)))
+            tree = Path(folder) / str(n)
+            for name in FOLDERS:
+                shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copy(ROOT / "pyproject.toml", tree)
+            trees.put(tree)
         for module in modules:
             n_made, left = survivors(module, trees)
             for what in left:

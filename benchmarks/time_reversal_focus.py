@@ -2,80 +2,73 @@
 
     OMP_NUM_THREADS=1 python benchmarks/time_reversal_focus.py
 
-A pulse of 10 kHz, 32 transducers, T = 15 ms, tau = 10 ms. Finite differences focus well in their own wrong medium, so
-two more columns judge them: the error of the drive waveforms, and what their drives reach on the exact plate.
-The time at 1 % and 0.1 % focus error is interpolated between grids. The finest takes minutes; TACTOMETRY_BENCH_QUICK=1
-leaves it out, and 0.1 % is then extrapolated by error ~ h^2 and work ~ h^-4, which its row says.
+A pulse of 10 kHz, 32 transducers, T = 15 ms, tau = 10 ms. The time at 1 % and 0.1 % error of the focus is interpolated
+between grids. TACTOMETRY_BENCH_QUICK=1 leaves out the finest, which takes minutes; 0.1 % is then extrapolated by
+error ~ h^2 and work ~ h^-4.
 """
 
 import math
 import os
-import time
+from functools import partial
+from statistics import median
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from time_reversal_rounds import interleaved, machine, row
+from scipy.signal import fftconvolve
+from threadpoolctl import threadpool_limits
 
+from tactometry.experiments.harness import interleaved, run_once, tell
 from tactometry.stimuli.time_reversal import Plate
-from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce
 
 Array = NDArray[np.float64]
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "SSSS")
-TAU_S, T_S, PULSE_HZ = 10e-3, 15e-3, 10e3
+TAU_S, T_S, PULSE_HZ, RATE_HZ = 10e-3, 15e-3, 10e3, 100e3
 FOCUS = (0.120, 0.090)
-QUICK = os.environ.get("TACTOMETRY_BENCH_QUICK") == "1"
-STEPS_M = (3e-3, 1.5e-3, 1e-3) if QUICK else (3e-3, 1.5e-3, 1e-3, 0.5e-3)
-RATE_HZ = 100e3
+STEPS_M = (3e-3, 1.5e-3, 1e-3) if os.environ.get("TACTOMETRY_BENCH_QUICK") == "1" else (3e-3, 1.5e-3, 1e-3, 0.5e-3)
+MODES = ((18e3, 50e3), (21e3, 50e3), (31e3, 100e3))
+"""Ends of the modes and sampling rates (Hz)."""
 
 
 def places() -> list[tuple[float, float]]:
-    """32 points on nodes of every grid, multiples of 3 mm, near the edges."""
+    """Return 32 points near the edges, on nodes of every grid (multiples of 3 mm)."""
     x = [0.003 * round(i) for i in np.linspace(6, 93, 10)]
     y = [0.003 * round(i) for i in np.linspace(10, 60, 6)]
     return [(a, b) for b in (0.012, 0.198) for a in x] + [(a, b) for a in (0.012, 0.285) for b in y]
 
 
 def pulse(t: Array) -> Array:
-    """Ricker's pulse, its middle at 0.15 ms."""
+    """Return Ricker's pulse with its middle at 0.15 ms."""
     s = (np.pi * PULSE_HZ * (t - 1.5 / PULSE_HZ)) ** 2
     return np.asarray((1 - 2 * s) * np.exp(-s))
 
 
 def modal(f_max_hz: float, rate_hz: float) -> Array:
-    """(32, n): responses to the pulse, by modes and one fast convolution."""
+    """Return responses (32, n) to the pulse by modes."""
     screen = Screen(PLATE, tuple(PointForce(*p) for p in places()), Attenuation(TAU_S))
     h = impulse_responses(screen, [FOCUS], rate_hz=rate_hz, duration_s=T_S, f_max_hz=f_max_hz)
-    return convolved(h, rate_hz)
-
-
-def convolved(h: Responses, rate_hz: float) -> Array:
-    from scipy.fft import irfft, next_fast_len, rfft
-
-    n = h.n_samples
     shape = pulse(np.arange(round(4 / PULSE_HZ * rate_hz)) / rate_hz)
-    n_fft = next_fast_len(n + len(shape), real=True)
-    return np.asarray(irfft(rfft(h.samples[0], n_fft) * rfft(shape, n_fft), n_fft)[:, :n])
+    return np.asarray(fftconvolve(h.samples[0], shape[None], axes=1)[:, : h.n_samples])
 
 
-def finite_differences(step_m: float) -> tuple[Array, float]:
-    """(32, n) responses at the focus and their rate: explicit, second order, at 0.99 of the limit of stability.
+def finite_differences(step_m: float) -> Array:
+    """Return responses (32, n) at the focus: explicit, second order, at 0.99 of the limit of stability.
 
-    By reciprocity one run with the pulse at the focus gives all 32 responses: kind to this contender.
+    By reciprocity one run with the pulse at the focus gives all 32 responses, which favours this method.
     """
     n_x, n_y = round(PLATE.length_m / step_m), round(PLATE.width_m / step_m)
     limit_s = step_m**2 / (4 * PLATE.wave_constant_m2_per_s)
     per_sample = math.ceil(1 / (0.99 * limit_s * RATE_HZ))
-    dt = 1 / (RATE_HZ * per_sample)
-    n = round(T_S * RATE_HZ)
+    dt, n = 1 / (RATE_HZ * per_sample), round(T_S * RATE_HZ)
     source = pulse(np.arange(n * per_sample) * dt) * dt**2 / (PLATE.area_density_kg_per_m2 * step_m**2)
     at = np.array([[round(x / step_m), round(y / step_m)] for x, y in places()])
     focus = (round(FOCUS[0] / step_m), round(FOCUS[1] / step_m))
     courant = (PLATE.wave_constant_m2_per_s * dt / step_m**2) ** 2
-    return _march(n_x, n_y, courant, dt / TAU_S, source, focus, at, n, per_sample), RATE_HZ
+    return _march(n_x, n_y, courant, dt / TAU_S, source, focus, at, n, per_sample)
 
 
 @njit(cache=True)
@@ -108,47 +101,28 @@ def main() -> None:
     exact = modal(60e3, 2 * RATE_HZ)[:, ::2]
     energy = float(np.sum(exact**2))
 
-    def judged(found: Array) -> tuple[float, float, float]:
-        same = exact[:, :: exact.shape[1] // found.shape[1]]
-        sparse = float(np.sum(same**2))
-        focus = abs(float(np.sum(found**2)) * (exact.shape[1] // found.shape[1]) / energy - 1)
-        waveform = float(np.sqrt(np.sum((found - same) ** 2) / sparse))
-        played = float(np.sum(found * same) / np.sqrt(np.sum(found**2) * sparse))
-        return focus, waveform, played
+    def error(found: Array) -> float:
+        return abs(float(np.sum(found**2)) * (exact.shape[1] // found.shape[1]) / energy - 1)
 
-    settings = {f"modes to {f / 1e3:g} kHz": (f, r) for f, r in ((18e3, 50e3), (21e3, 50e3), (31e3, 100e3))}
-    times = interleaved({name: (lambda f=f, r=r: modal(f, r)) for name, (f, r) in settings.items()}, 15)
-    print(f"{'':<24}{'time (ms)':>10}{'focus error':>13}{'waveform':>10}{'cross-played':>14}")
-    modal_at = {}
-    for name, (f, r) in settings.items():
-        focus, waveform, played = judged(modal(f, r))
-        modal_at[name] = (times[name], focus)
-        print(f"{name:<24}{times[name] * 1e3:>10.2f}{focus:>13.2e}{waveform:>10.2g}{played:>14.4f}")
-    points = []
-    for step in STEPS_M:
-        finite_differences(6e-3 if step == STEPS_M[0] else step)
-        start = time.process_time()
-        found, _ = finite_differences(step)
-        spent = time.process_time() - start
-        focus, waveform, played = judged(found)
-        points.append((spent, focus))
-        print(
-            f"{f'differences {step * 1e3:g} mm':<24}{spent * 1e3:>10.1f}{focus:>13.2e}{waveform:>10.2g}{played:>14.4f}"
-        )
+    times = interleaved({str(pair): partial(modal, *pair) for pair in MODES}, 15, turn_s=5e-3)
+    ours = [(median(times[str(pair)]), error(modal(*pair))) for pair in MODES]
+    finite_differences(6e-3)
+    theirs = []
+    for step_m in STEPS_M:
+        spent_s, found = run_once(partial(finite_differences, step_m))
+        theirs.append((spent_s, error(found)))
+        print(f"differences {step_m * 1e3:g} mm: {spent_s:.3g} s, error of the focus {theirs[-1][1]:.2e}")
     for wanted, goal in ((1e-2, 200), (1e-3, 2000)):
-        ours = min(t for t, e in modal_at.values() if e <= wanted)
-        beyond = " EXTRAPOLATED beyond the finest grid" if wanted < points[-1][1] else ""
-        detail = f"ours {ours * 1e3:.2f} ms; differences {time_at(points, wanted):.3g} s{beyond}"
-        row(
+        ours_s = min(spent_s for spent_s, reached in ours if reached <= wanted)
+        tell(
             f"focus at {wanted:.1%} error, compiled differences over ours",
-            time_at(points, wanted) / ours,
-            detail,
+            time_at(theirs, wanted) / ours_s,
             at_least=goal,
         )
 
 
 def time_at(points: list[tuple[float, float]], wanted: float) -> float:
-    """Time for an error: log-log between grids, beyond them error ~ time^(-1/2) (work h^-4, error h^2)."""
+    """Return the time for an error: log-log between grids, beyond them error ~ time^(-1/2)."""
     spent, error = np.log([p[0] for p in points]), np.log([p[1] for p in points])
     if math.log(wanted) < error[-1]:
         return float(np.exp(spent[-1] + 2 * (error[-1] - math.log(wanted))))
@@ -156,5 +130,5 @@ def time_at(points: list[tuple[float, float]], wanted: float) -> float:
 
 
 if __name__ == "__main__":
-    print(machine())
-    main()
+    with threadpool_limits(1):
+        main()

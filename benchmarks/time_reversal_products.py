@@ -3,12 +3,13 @@
 OMP_NUM_THREADS=1 python benchmarks/time_reversal_products.py
 """
 
-import time
+from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
-from time_reversal_rounds import interleaved, machine, row
+from threadpoolctl import threadpool_limits
 
+from tactometry.experiments.harness import interleaved, run_once, tell
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal
@@ -23,13 +24,13 @@ Array = NDArray[np.float64]
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "SSSS")
 F_MAX_HZ, RATE_HZ, T_S = 31.25e3, 200e3, 15e-3
 N_X, N_Y = 300, 210
-GLASS = tuple(GLASSES.values())
+GLASS, TURN_S = tuple(GLASSES.values()), 5e-3
 
 
 def peak_flops() -> float:
-    """Rate of one dense product of 1500."""
+    """Return the rate of one dense product of 1500."""
     a = np.random.default_rng(0).normal(size=(1500, 1500))
-    return 2 * 1500**3 / interleaved({"product": lambda: a @ a}, 5)["product"]
+    return 2 * 1500**3 / median(interleaved({"product": lambda: a @ a}, 5)["product"])
 
 
 def field_frame(peak: float) -> None:
@@ -46,26 +47,19 @@ def field_frame(peak: float) -> None:
         return total
 
     assert np.allclose(draw(amplitude), loop(), atol=1e-9)
-    times = interleaved({"ours": lambda: draw(amplitude), "loop": loop}, 15)
-    n_m, n_n = int(modes.m.max()), int(modes.n.max())
+    times = interleaved({"ours": lambda: draw(amplitude), "loop": loop}, 15, turn_s=TURN_S)
+    ours_s, n_m, n_n = median(times["ours"]), int(modes.m.max()), int(modes.n.max())
     flops = 2 * min(n_m * n_n * N_Y + N_X * n_m * N_Y, N_X * n_m * n_n + N_X * n_n * N_Y)
-    row(
-        "field frame 300 x 210 against a loop over modes",
-        times["loop"] / times["ours"],
-        f"{times['ours'] * 1e3:.3g} ms",
-        at_least=300,
-    )
-    row("field frame: share of the peak of BLAS", flops / times["ours"] / peak, unit="", at_least=0.5)
+    tell("field frame 300 x 210 against a loop over modes", median(times["loop"]) / ours_s, at_least=300)
+    tell("field frame: share of the peak of BLAS", flops / ours_s / peak, "", at_least=0.5)
 
 
 def responses(peak: float) -> None:
-    rng = np.random.default_rng(0)
+    rng, n = np.random.default_rng(0), round(T_S * RATE_HZ)
     places = [(float(a), float(b)) for a, b in rng.uniform((0.01, 0.01), (0.287, 0.2), (64, 2))]
     screen = Screen(PLATE, tuple(PointForce(*p) for p in places[:32]), Attenuation(10e-3))
-    modes, oscillators = screen.modes(F_MAX_HZ), screen.oscillators(F_MAX_HZ)
-    n = round(T_S * RATE_HZ)
-    basis = oscillators.impulse(RATE_HZ, 0, n)
-    push, at = screen.modal_forces(F_MAX_HZ), values(modes, *np.array(places[32:]).T)
+    basis = screen.oscillators(F_MAX_HZ).impulse(RATE_HZ, 0, n)
+    push, at = screen.modal_forces(F_MAX_HZ), values(screen.modes(F_MAX_HZ), *np.array(places[32:]).T)
 
     def ours() -> Array:
         return impulse_responses(screen, places[32:], rate_hz=RATE_HZ, duration_s=T_S, f_max_hz=F_MAX_HZ).samples
@@ -77,29 +71,22 @@ def responses(peak: float) -> None:
                 out[p, q] = ((at[:, p] * push[:, q])[:, None] * basis).sum(axis=0)
         return out / (PLATE.mass_kg * RATE_HZ)
 
-    error = float(np.abs(ours() - loop()).max() / np.abs(ours()).max())
-    times = interleaved({"ours": ours, "loop": loop}, 5)
-    flops = 2 * 32 * 32 * len(basis) * n
-    row(
-        "32 x 32 impulse responses: the plain product at the peak of BLAS, over ours",
-        flops / times["ours"] / peak,
-        f"{times['ours'] * 1e3:.4g} ms, error {error:.1g}",
-        unit="",
-        at_least=0.7,
-    )
-    row("32 x 32 impulse responses against a loop over pairs", times["loop"] / times["ours"], at_least=30)
+    assert np.allclose(ours(), loop(), atol=1e-9 * np.abs(ours()).max())
+    times = interleaved({"ours": ours, "loop": loop}, 5, turn_s=TURN_S)
+    share = 2 * 32 * 32 * len(basis) * n / median(times["ours"]) / peak
+    tell("32 x 32 impulse responses: the plain product at the peak of BLAS, over ours", share, "", at_least=0.7)
+    ratio = median(times["loop"]) / median(times["ours"])
+    tell("32 x 32 impulse responses against a loop over pairs", ratio, at_least=30)
 
 
 def static_residual() -> None:
-    """Error below 10 kHz against all modes to 190 kHz: which number of modes reaches it, with and without."""
+    """Compare numbers of modes with and without the residual at the same error below 10 kHz."""
     patches = Screen(PLATE, tuple(border(PLATE, 4)), Attenuation(3.5e-3))
-    points, band = [(0.1, 0.08), (0.2, 0.15)], Band(0.0, 10e3)
+    points, timing = [(0.1, 0.08), (0.2, 0.15)], {"rate_hz": 400e3, "duration_s": 25e-3}
 
     def found(f_max_hz: float, static_to_hz: float | None = None) -> Array:
-        h = impulse_responses(
-            patches, points, rate_hz=400e3, duration_s=25e-3, f_max_hz=f_max_hz, static_to_hz=static_to_hz
-        )
-        return band_limited(h, band).samples
+        h = impulse_responses(patches, points, f_max_hz=f_max_hz, static_to_hz=static_to_hz, **timing)
+        return band_limited(h, Band(0.0, 10e3)).samples
 
     whole = found(190e3)
 
@@ -109,37 +96,32 @@ def static_residual() -> None:
     with_it = error(found(20e3, 190e3))
     enough = next(f for f in np.arange(20e3, 190e3, 10e3) if error(found(float(f))) <= with_it)
     n_few, n_many = (len(PLATE.frequencies_hz(float(f))) for f in (20e3, enough))
-    detail = f"{n_few} modes: error {with_it:.2g}, {error(found(20e3)):.2g} without it"
-    row("static residual: modes saved at the same error", n_many / n_few, detail, at_least=1)
+    tell("static residual: modes saved at the same error", n_many / n_few, at_least=1)
 
 
 def designs() -> None:
-    """Each design is another plate: size, aspect, thickness, glass, tau, T, band, 32 sources, focus and field."""
+    """Time designs of random plates, and layouts on one plate."""
     rng = np.random.default_rng(0)
     design(rng)
-    start = time.process_time()
-    found = [design(rng) for _ in range(10_000)]
-    spent_s = time.process_time() - start
-    n_modes = np.array([n for n, _ in found])
-    detail = f"modes in the band: {n_modes.min()} to {n_modes.max()}, mean {n_modes.mean():.0f}"
-    row("10 000 plates (32 transducers, focus, field)", spent_s, detail, unit="s", at_most=10)
-    plain = time_of_layouts(rng)
-    row("10 000 layouts on one plate of 425 modes", plain, "as above without a new plate", unit="s")
+    plates_s, _ = run_once(lambda: [design(rng) for _ in range(10_000)])
+    tell("10 000 plates (32 transducers, focus, field)", plates_s, "s", at_most=10)
+    kernel = ClosedReversal.of(PLATE, Attenuation(10e-3), 25e3, T_S)
+    every = np.ones(len(kernel.overlap), bool)
+    layouts_s, _ = run_once(lambda: [played(kernel, rng, every) for _ in range(1000)])
+    tell("10 000 layouts on one plate of 425 modes", 10 * layouts_s, "s")
 
 
-def design(rng: np.random.Generator) -> tuple[int, float]:
-    """Modes in the band, and the largest displacement of the field, of a plate drawn at random."""
+def design(rng: np.random.Generator) -> float:
+    """Return the largest displacement of the field of a random plate, attenuation, time and band."""
     length, aspect, thickness = rng.uniform(0.20, 0.30), rng.uniform(1, 2), 10 ** rng.uniform(-3.3, -2.7)
     plate = GLASS[int(rng.integers(len(GLASS)))].plate(length, length / aspect, thickness, "SSSS")
     attenuation, reversal_s = Attenuation(rng.uniform(8e-3, 15e-3)), rng.uniform(2e-3, 15e-3)
     kernel = ClosedReversal.of(plate, attenuation, rng.uniform(10e3, 25e3), reversal_s)
-    passed = kernel.modes.frequency_hz >= rng.uniform(0, 5e3)
-    u = played(kernel, rng, passed)
-    return int(np.count_nonzero(passed)), float(u.max())
+    return float(played(kernel, rng, kernel.modes.frequency_hz >= rng.uniform(0, 5e3)).max())
 
 
 def played(kernel: ClosedReversal, rng: np.random.Generator, passed: NDArray[np.bool_]) -> Array:
-    """The field of a focus at random from 32 sources at random, by the modes in the band."""
+    """Return the field of a random focus from 32 random sources, by the modes in the band."""
     sides = np.array([kernel.modes.plate.length_m, kernel.modes.plate.width_m])
     places, focus = rng.uniform(0.05, 0.95, (32, 2)) * sides, rng.uniform(0.1, 0.9, 2) * sides
     sources = values(kernel.modes, *places.T) * passed[:, None]
@@ -148,20 +130,10 @@ def played(kernel: ClosedReversal, rng: np.random.Generator, passed: NDArray[np.
     return np.asarray(kernel.modes.field(amplitude, x, y))
 
 
-def time_of_layouts(rng: np.random.Generator) -> float:
-    kernel = ClosedReversal.of(PLATE, Attenuation(10e-3), 25e3, T_S)
-    every = np.ones(len(kernel.overlap), bool)
-    start = time.process_time()
-    for _ in range(1000):
-        played(kernel, rng, every)
-    return 10 * (time.process_time() - start)
-
-
 if __name__ == "__main__":
-    print(machine())
-    rate = peak_flops()
-    print(f"peak: {rate / 1e9:.0f} GFLOP/s in one product of 1500")
-    field_frame(rate)
-    responses(rate)
-    static_residual()
-    designs()
+    with threadpool_limits(1):
+        rate = peak_flops()
+        field_frame(rate)
+        responses(rate)
+        static_residual()
+        designs()

@@ -1,13 +1,8 @@
-"""From the loss of a force to silence: a real sound server hears how long a stimulus goes on, in a real window.
+"""From the loss of a force to silence: a real sound server hears how long a stimulus continues, in a real window.
 
-Printed for a sensor that falls silent and for a finger that leaves, in one run (median, largest, of `N_TOUCHES`):
-
-- decision: from the stamp of the last sample of a held force to the order to stop;
-- zero: from the same stamp to the first zero that leaves the card, by the card's own time of the first frame and the
-  number of frames that the sink heard.
-
-The sensor is lost after 100 ms; the output's block and latency come on top. Needs a display or Xvfb, PulseAudio, and
-the extras window and audio.
+*decided* is the time from the last sample of a held force to the order to stop, *silent* that to the first zero that
+leaves the card. A silent sensor is lost after 100 ms. Needs a display or Xvfb, PulseAudio, and the extras window and
+audio.
 """
 
 import math
@@ -16,38 +11,39 @@ import sys
 import tempfile
 import threading
 from pathlib import Path
+from typing import Any
 
-import numpy as np
-from measured import tell
+from force_loop import with_display
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests" / "support"), str(Path(__file__).resolve().parent)]
+from tactometry.devices.sensors.reader import now_s
+from tactometry.experiments.harness import tell
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests" / "support")]
 
 N_TOUCHES = 10
 CAUSES = {"the sensor falls silent": None, "its samples are lost": math.nan, "the finger leaves": 0.05}
 
 
 class Kept:
-    """A window for many benches."""
+    """A window for several benches."""
 
-    def __init__(self, window):
+    def __init__(self, window: Any) -> None:
         self._window = window
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         return getattr(self._window, name)
 
-    def close(self):
+    def close(self) -> None:
         pass
 
 
-def touched(window, sink, force_n):
-    """(decision, zero) of one touch whose force becomes this, s."""
+def touched_s(window: Any, sink: Any, force_n: float | None) -> tuple[float, float]:
+    """Return the times to decision and silence of a touch whose force changes to this."""
     import player
     from zero_scene import PRESS, RATE_HZ, Noting, Scene
 
-    from tactometry.devices.sensors.reader import now_s
-
     class Timed(Scene):
-        def felt(self, time_s):
+        def felt(self, time_s: float) -> float | None:
             if self.force_n == 1.0:
                 self.held_s = self.source.zero_s + time_s
             return self.force_n
@@ -55,7 +51,7 @@ def touched(window, sink, force_n):
     class Told(Noting):
         told_s = None
 
-        def stop(self):
+        def stop(self) -> None:
             self.told_s = self.told_s or now_s()
             super().stop()
 
@@ -71,25 +67,21 @@ def touched(window, sink, force_n):
     return driver.told_s - scene.held_s, onset_s + n_heard / RATE_HZ - scene.held_s
 
 
-def main():
-    from force_loop import with_display
+def main() -> None:
+    with_display()
     from sound_server import Sink, alsa_in
 
     from tactometry.rigs.window import Window
 
-    with_display()
     with tempfile.TemporaryDirectory() as folder:
         sink = Sink(Path(folder), alsa_in(Path(folder)))
         os.environ.update(sink.env)
         try:
             window = Window(fullscreen=False, size=(1280, 800))
-            print(f"{'ms (median, largest)':<26}{'decision':>18}{'zero':>18}")
             for name, force_n in CAUSES.items():
-                took_s = np.array([touched(window, sink, force_n) for _ in range(N_TOUCHES)])
-                for what, each in zip(("decided", "silent"), took_s.T, strict=True):
-                    tell(f"{name}: {what}, by the clock", [1e3 * one for one in each], "ms")
-                columns = (f"{1e3 * np.median(each):9.1f}{1e3 * max(each):9.1f}" for each in took_s.T)
-                print(f"{name:<26}" + "".join(columns))
+                touches = [touched_s(window, sink, force_n) for _ in range(N_TOUCHES)]
+                for what, times_s in zip(("decided", "silent"), zip(*touches, strict=True), strict=True):
+                    tell(f"{name}: {what}, by the clock", [1e3 * one for one in times_s], "ms")
         finally:
             sink.close()
 

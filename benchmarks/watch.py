@@ -1,29 +1,27 @@
-"""What a page costs that follows a session of three hours: `python benchmarks/watch.py`.
+"""Cost of a page that follows a session of three hours: `python benchmarks/watch.py`.
 
-A journal of more than 2 000 trials (one in 5 s) with the events and the traces of a bench (three seconds of force and
-place of each touch, at 1 kHz) is written; its last trials one by one, at the pace of a session, while the page is
-served and a browser's connection is open. Prints the processor time of the server's process until the whole journal is
-seen, and from then on as a share of one core. `--n-live` and `--pace-s` choose fewer or faster trials at the end; the
-share is that of one trial in 5 s.
+A journal of more than 2 000 trials with events and traces of a bench is written; its last trials one by one, at the
+pace of a session (5 s), while the page is served to a browser's connection. `--n-live` and `--pace-s` change the number
+and the pace of these trials; shares of a core are those of one trial in 5 s.
 """
 
 import argparse
 import os
-import platform
 import subprocess
 import sys
 import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from http.client import HTTPConnection
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import numpy as np
-from measured import tell
 
+from tactometry.experiments.harness import tell
 from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
@@ -36,11 +34,13 @@ from tactometry.session.answer import Touched
 from tactometry.session.event import Event
 from tactometry.session.request import Record
 
-TRIAL_S = 5.0
+TRIAL_S, BEGAN = 5.0, "2026-01-01T00:00:00.000+00:00"
+FACTS = {"n_frames": 300, "n_dropped_frames": 0}
+FACTS_S = {"frame_interval_max_s": 0.017, "gate_delay_s": 0.004, "key_to_record_s": 0.012}
 
 
 def long_session(root: Path, n_trials: int) -> tuple[Line, ...]:
-    """The lines of a session of the staircase study whose tracks have so many trials each."""
+    """Simulate the staircase study with so many trials per track."""
     text = load("electrovibration-threshold")[1].decode()
     content = text.replace("n_trials = 40", f"n_trials = {n_trials}").replace("n_reversals = 14", "n_reversals = 999")
     experiment, who = wire(parse(content.encode(), "the study"), "the study"), Who("P01", seed=1)
@@ -49,7 +49,7 @@ def long_session(root: Path, n_trials: int) -> tuple[Line, ...]:
 
 
 def traced(answer: object, traces: TraceFiles) -> object:
-    """An answer with samples of a touch of three seconds."""
+    """Add samples of three seconds to the answer of a touch."""
     if not isinstance(answer, Touched):
         return answer
     times_s = answer.onset_s + np.linspace(-2.0, 1.0, 3000)
@@ -58,27 +58,25 @@ def traced(answer: object, traces: TraceFiles) -> object:
 
 
 def write(journal: Journal, lines: Sequence[Line], traces: TraceFiles) -> Iterator[None]:
-    """Write lines as a bench does, with its events; yields behind each trial."""
+    """Write lines with the events of a bench; yield after each trial."""
     for line in lines:
         if isinstance(line, Entry):
             journal.append(line.request, traced(line.answer, traces))
             if isinstance(line.request, Record):
                 trial, at_s = line.request.trial, line.answer.at_s
-                facts = {"block": trial.block, "trial": trial.trial, "n_frames": 300, "n_dropped_frames": 0}
-                times_s = {"frame_interval_max_s": 0.017, "gate_delay_s": 0.004, "key_to_record_s": 0.012}
-                journal.note(Event("trial", at_s, "2026-01-01T00:00:00.000+00:00", {**facts, **times_s}))
-                journal.note(Event("stimulus", at_s, "2026-01-01T00:00:00.000+00:00", {"charge_c": 1e-7}, 1.0))
+                facts = {"block": trial.block, "trial": trial.trial, **FACTS, **FACTS_S}
+                journal.note(Event("trial", at_s, BEGAN, facts))
+                journal.note(Event("stimulus", at_s, BEGAN, {"charge_c": 1e-7}, 1.0))
                 yield
 
 
 def cpu_s(pid: int) -> float:
-    """Processor time of a process so far."""
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def listen(url: str, seen: list[int]) -> None:
-    """As a browser does: the page, then what changes."""
+    """Request the page, then its changes, as a browser does."""
     parts = urlsplit(url)
     connection = HTTPConnection(str(parts.hostname), parts.port)
     connection.request("GET", parts.path)
@@ -89,41 +87,35 @@ def listen(url: str, seen: list[int]) -> None:
         seen.append(len(line))
 
 
-def measure(
-    root: Path, journal: Journal, live: Sequence[Line], traces: TraceFiles, pace_s: float
-) -> tuple[float, float, int]:
-    """Processor time until all is seen, processor time of each live trial, and how many bytes were sent for it."""
+@contextmanager
+def served(root: Path) -> Iterator[tuple[int, str]]:
+    """Yield process number and address of `tactometry watch`."""
     command = [sys.executable, "-m", "tactometry", "watch", str(root)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True) as watch:
+        try:
+            assert watch.stdout is not None
+            yield watch.pid, watch.stdout.readline().strip()
+        finally:
+            watch.terminate()
+
+
+def measure(root: Path, journal: Journal, live: Sequence[Line], traces: TraceFiles, pace_s: float) -> None:
     seen: list[int] = []
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True) as watch:
-        try:
-            assert watch.stdout is not None
-            threading.Thread(target=listen, args=(watch.stdout.readline().strip(), seen), daemon=True).start()
-            while not seen:
-                time.sleep(0.1)
-            time.sleep(3.0)
-            before_s, n_sent, n_trials = cpu_s(watch.pid), sum(seen), 0
-            for _ in write(journal, live, traces):
-                n_trials += 1
-                time.sleep(pace_s)
-            return before_s, (cpu_s(watch.pid) - before_s) / n_trials, (sum(seen) - n_sent) // n_trials
-        finally:
-            watch.terminate()
-
-
-def idle_share(root: Path, lasting_s: float) -> float:
-    """What it takes of a core with nobody who looks."""
-    command = [sys.executable, "-m", "tactometry", "watch", str(root)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True) as watch:
-        try:
-            assert watch.stdout is not None
-            watch.stdout.readline()
-            time.sleep(2.0)
-            before_s = cpu_s(watch.pid)
-            time.sleep(lasting_s)
-            return (cpu_s(watch.pid) - before_s) / lasting_s
-        finally:
-            watch.terminate()
+    with served(root) as (pid, url):
+        threading.Thread(target=listen, args=(url, seen), daemon=True).start()
+        while not seen:
+            time.sleep(0.1)
+        time.sleep(3.0)
+        before_s = cpu_s(pid)
+        n_trials = sum(time.sleep(pace_s) or 1 for _ in write(journal, live, traces))
+        share = (cpu_s(pid) - before_s) / n_trials / TRIAL_S
+    tell("start and the whole journal of three hours, once", before_s, "s")
+    tell("of a core, a page open and a trial in 5 s", 100 * share, "%", at_most=2)
+    with served(root) as (pid, _):
+        time.sleep(2.0)
+        before_s = cpu_s(pid)
+        time.sleep(10.0)
+        tell("of a core, without a page open", 100 * (cpu_s(pid) - before_s) / 10.0, "%")
 
 
 def main() -> None:
@@ -133,28 +125,17 @@ def main() -> None:
     parser.add_argument("--pace-s", type=float, default=TRIAL_S)
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        lines = long_session(Path(folder) / "simulated", asked.n_trials)
-        asked_at = [n for n, line in enumerate(lines) if isinstance(line, Entry) and isinstance(line.request, Record)]
-        begin = asked_at[-asked.n_live - 1] + 1
-        root = Path(folder) / "watched"
+        whole, root = Path(folder) / "simulated", Path(folder) / "watched"
+        lines = long_session(whole, asked.n_trials)
+        records = [n for n, line in enumerate(lines) if isinstance(line, Entry) and isinstance(line.request, Record)]
+        begin = records[-asked.n_live - 1] + 1
         make_folder(root / "journals")
-        (root / "study.toml").write_bytes((Path(folder) / "simulated" / "study.toml").read_bytes())
-        path = root / "journals" / sessions(Path(folder) / "simulated")[0].name
-        journal = Journal(path, resume=False, syncs_trials=False)
+        (root / "study.toml").write_bytes((whole / "study.toml").read_bytes())
+        journal = Journal(root / "journals" / sessions(whole)[0].name, resume=False, syncs_trials=False)
         journal.begin(lines[0])  # type: ignore[arg-type]
         traces = TraceFiles(root, Session("P01", 1, "electrovibration-threshold"))
-        n_before = sum(1 for _ in write(journal, lines[1:begin], traces))
-        whole_s, trial_s, n_bytes = measure(root, journal, lines[begin:], traces, asked.pace_s)
-        share = trial_s / TRIAL_S
-        print(
-            f"Python {platform.python_version()}, {platform.machine()}; {n_before} trials, {path.stat().st_size} bytes"
-        )
-        tell("start and the whole journal of three hours, once", whole_s, "s")
-        tell("of a core, a page open and a trial in 5 s", 100 * share, "%", at_most=2)
-        print(
-            f"each trial with a page open: {1e3 * trial_s:.1f} ms, {n_bytes} bytes sent: {100 * share:.2f} % of a core"
-        )
-        tell("of a core, without a page open", 100 * idle_share(root, 10.0), "%")
+        list(write(journal, lines[1:begin], traces))
+        measure(root, journal, lines[begin:], traces, asked.pace_s)
         traces.close()
         journal.close()
 

@@ -60,17 +60,13 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     FollowedTexture,
     Grating,
-    PlayedTexture,
     Sampled,
-    SensorModel,
     Sine,
     Square,
     Step,
     Trapezoid,
-    Velvet,
     WithOffset,
 )
-from tactometry.stimuli.electrovibration.textures.played_texture import straight_path_m
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.stimuli.electrovibration.waveforms.wav_file import WavFile
 from tactometry.stimuli.hybrid import Hybrid
@@ -97,10 +93,6 @@ STIMULI = {
     "trapezoid": Trapezoid(rise_s=0.002, high_s=0.003, fall_s=0.004, low_s=0.001, duration_s=0.2, ramp_s=0.05),
     "step": Step(onset_s=0.01, rise_s=0.01, fall_s=0.01, duration_s=0.2),
     "sampled": Sampled((0.0, 1.0, -2.0, 0.5, 0.0), rate_hz=100.0, ramp_s=0.0),
-    "played_grating": PlayedTexture(Grating(1e-3, "sinusoidal"), straight_path_m(0.1, 0.2, 20e3), ramp_s=0.05),
-    "played_velvet": PlayedTexture(
-        Velvet(), straight_path_m(-0.1, 0.2, 20e3), sensor=SensorModel(latency_s=0.01), ramp_s=0.05
-    ),
     "texture": FollowedTexture(Grating(1e-3, "sinusoidal"), duration_s=0.2),
     "wav": WavFile(
         str(BUZZ), rate_hz=8e3, duration_s=0.2, sha256=sha256(BUZZ.read_bytes()), level_unit="dB re 1 V", ramp_s=0.01

@@ -16,8 +16,8 @@ FIT: Mapping[str, Any] = {
 """Both asymptotes are free: where levels are not felt, a part of them is called "more" however low they are. A tighter
 prior than Beta(1, 3) draws the point of subjective equality of such answers down.
 The width, a scale, has a prior flat in its logarithm, from one spacing of the levels
-on: psignifit's, which falls below two, holds small differences up. The census
-compares both (`benchmarks/census_comparisons.py`); unverified defaults."""
+on: psignifit's, which falls below two, holds small differences up. The bias study
+compares both (`benchmarks/bias_study.py`); unverified defaults."""
 
 ANALYSIS = TaskAnalysis(
     "Participants told which of a standard and a level was stronger",

@@ -65,7 +65,7 @@ class Status(StatusWithNote):
 
 CEILING_WEIGHT, GUESSES_WEIGHT, CONSTANT_WEIGHT = 0.3, 3.5, 0.05
 """Before the data, of a threshold so far below, or above, the levels that they tell nothing, and of no rise at all,
-beside 1 for the curves of the fit. Unverified defaults: with them the census (docs/reference/analysis.md) keeps the
+beside 1 for the curves of the fit. Unverified defaults: with them the bias study (docs/reference/analysis.md) keeps the
 shares of wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers at a
 ceiling do."""
 

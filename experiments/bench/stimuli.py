@@ -217,5 +217,5 @@ def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices) -
         expect(is_live, "position.sensor", recording, "a sensor; nothing was played")
         expect_following(driver)
         sensor = f"sensors.{bench.position.sensor}"
-        with rewording(lambda words, sensor=sensor: words.replace("SensorModel", sensor, 1)):  # type: ignore[misc]
+        with rewording(lambda words, sensor=sensor: words.replace("sensor", sensor, 1)):  # type: ignore[misc]
             stimulus.check_motion(cell.condition.speed_m_per_s or 0.0, devices.position.reader.source.rate_hz)

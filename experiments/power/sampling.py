@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from ..census.shares import share_interval
+from ..harness import share_interval
 from ..workers import Spread
 from .design import Case, PowerDesign
 from .replicate import Row, replicate

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from ..census.shares import share_interval
+from ..harness import share_interval
 from ..study.study_file import parse
 from .design import PowerDesign
 from .effect import OF_EXPONENT, OF_JND

@@ -78,7 +78,7 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
     """
     kind: ProcedureKind = kind_of(table, "procedure", PROCEDURES)
     reader, of_tracks = resolve(kind.table), fields_of(TracksTable)
-    check_keys(table, ("kind", *fields_of(reader), *of_tracks), "procedure", read_by=reader)
+    check_keys(table, (*fields_of(reader), *of_tracks, "kind"), "procedure", read_by=reader)
     built: Any = build(reader, without(table, "kind", *of_tracks), "procedure")
     with rewording(lambda words: f"procedure: {words}"):
         rule = kind.rule_of(built)

@@ -1,12 +1,10 @@
-"""A table, figure or finding of the thesis made anew: its numbers, each with how it came about."""
+"""A reproduced table, figure or finding: its numbers, and how each was obtained."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final, Literal, get_args
 
 from tactometry.arguments.require import one_of
-from tactometry.files.rows import write_records
 
 Origin = Literal["derived", "calibrated", "assumed"]
 ORIGINS: Final[tuple[Origin, ...]] = get_args(Origin)
@@ -14,21 +12,21 @@ ORIGINS: Final[tuple[Origin, ...]] = get_args(Origin)
 
 @dataclass(frozen=True)
 class Number:
-    """One number, and what our sources of the thesis state of it.
+    """One number, and what our sources of the thesis state.
 
     Parameters
     ----------
     quantity, condition : str
-        Of what, and under which condition; together they are one number of the table.
+        Together they are unique in a table.
     value, unit
     origin : {"derived", "calibrated", "assumed"}
-        Whether it comes out of the physics, a constant was set to it, or the input says so.
+        Result of the physics, of a constant that was set to it, or of the input.
     stated : str
-        What the thesis states, in words; empty where our sources hold nothing.
+        The statement of the thesis, or empty.
     holds : bool or None
-        Whether the number agrees with it; None where nothing is stated that could be compared.
+        Whether the number agrees with the statement, or None without one.
     is_variant : bool
-        Whether the input was changed on purpose, to see what the number hangs on: shown, but not counted.
+        The input was changed to see its effect: shown, but not counted.
     """
 
     quantity: str
@@ -44,32 +42,36 @@ class Number:
         one_of("Number.origin", self.origin, ORIGINS)
 
     @property
-    def is_reproduced(self) -> bool:
-        """Only what is derived and agrees counts."""
-        return self.origin == "derived" and self.holds is True
+    def verdict(self) -> str:
+        """Agreement with the statement; only a derived number that agrees is reproduced."""
+        if self.holds is None:
+            return "not compared"
+        if not self.holds:
+            return "does not agree"
+        return "**reproduced**" if self.origin == "derived" else f"agrees, as {self.origin}"
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What a name of `tactometry reproduce` makes.
+    """An item of `tactometry reproduce`.
 
     Parameters
     ----------
     title : str
     stated : str
-        What our sources say of it, with the page of the source.
+        Statement of our sources, with the page.
     assumes : str
-        What no source gives and was chosen here.
+        Choices that no source gives.
     numbers : callable, optional
-        Gives the numbers of a table or a finding.
+        Yields the numbers of a table or finding.
     drawing : callable, optional
-        Gives a matplotlib figure, whose curves are the numbers of a figure.
+        Returns a matplotlib figure, whose curves are the numbers of a figure.
     origin : {"derived", "calibrated", "assumed"}
-        How the curves of the drawing came about.
+        Origin of the curves of the drawing.
     outcome : str
-        For a finding: what comes out, and why, or why not.
+        Result of a finding, and its reason.
     name : str
-        That of the table `REPRODUCTIONS`.
+        Key in `REPRODUCTIONS`.
     """
 
     title: str
@@ -84,28 +86,17 @@ class Reproduction:
 
 @dataclass(frozen=True)
 class Reproduced:
-    """A reproduction and the numbers that it gave."""
+    """A reproduction and its numbers."""
 
     item: Reproduction
     numbers: tuple[Number, ...]
 
     @property
     def compared(self) -> tuple[Number, ...]:
-        """The numbers of which the thesis states something, of inputs as they are."""
+        """Numbers with a statement, without variants."""
         return tuple(number for number in self.numbers if number.stated and not number.is_variant)
 
 
 def reproduce(item: Reproduction) -> Reproduced:
     """Compute the numbers of an item."""
     return Reproduced(item, tuple(item.numbers()) if item.numbers else ())
-
-
-def write_numbers(made: Reproduced, path: Path) -> None:
-    """The numbers as a CSV, a row each, `holds` empty where nothing is stated.
-
-    Raises
-    ------
-    DeviceFailed
-        If the file cannot be written.
-    """
-    write_records(Number, made.numbers, path)

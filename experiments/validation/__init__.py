@@ -1,1 +1,1 @@
-"""Our own methods put to participants whose truth is known: are they as they say?"""
+"""Procedures, fits and tests, validated with simulated participants whose truth is known."""

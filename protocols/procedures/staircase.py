@@ -108,11 +108,6 @@ class UpDown(SteppingRule["StaircaseRun"]):
     """Base of both staircases, which differ in the sizes of their steps."""
 
     start: float
-    n_up: int
-    n_down: int
-    n_reversals: int
-    n_at_bound: int
-    initial_rule: bool
 
     transition = Transition(_level, _ending, _start, _after, _threshold)
     named = StaircaseNumbers

@@ -18,10 +18,6 @@ if TYPE_CHECKING:
         LAWS as LAWS,
         ForceForm as ForceForm,
         Law as Law,
-        charge_c as charge_c,
-        charge_c_at as charge_c_at,
-        current_a as current_a,
-        current_a_at as current_a_at,
         electrostatic_force_n as electrostatic_force_n,
         electrostatic_force_n_at as electrostatic_force_n_at,
         force_form as force_form,
@@ -49,15 +45,9 @@ if TYPE_CHECKING:
     )
     from .textures.followed_texture import FollowedTexture as FollowedTexture
     from .textures.maps import GreyImage as GreyImage, HeightMap as HeightMap
-    from .textures.played_texture import (
-        PlayedTexture as PlayedTexture,
-        SensorModel as SensorModel,
-        straight_path_m as straight_path_m,
-    )
     from .textures.texture import (
         Bump as Bump,
         Grating as Grating,
-        Image as Image,
         Noise as Noise,
         Region as Region,
         Texture as Texture,

@@ -7,54 +7,51 @@ from pathlib import Path
 
 import click
 
-from tactometry.experiments.cost.measure import Climb, climb
-from tactometry.experiments.cost.report import answers, machine, table, write_csv
-from tactometry.experiments.ladders import LADDERS, problem_of
-from tactometry.experiments.ladders.cold import cold_s
+from tactometry.experiments.accuracy import PROBLEMS, problem_of
+from tactometry.experiments.accuracy.measure import AccuracyCurve, Point, cold_s, measure, peers_of
+from tactometry.experiments.accuracy.page import answers, table, write_page
+from tactometry.experiments.harness import machine
 
 from ..arguments.require import one_of
+from ..files.rows import write_records
 from .output import path_option, progress, say, subcommand
 
 
 @subcommand("cost skin-propagator --out cost")
-@click.argument("ladder", metavar="LADDER|all")
-@path_option("--out", help="Write a CSV of all points and a figure per ladder.")
+@click.argument("problem", metavar="PROBLEM|all")
+@path_option("--out", help="Write a CSV of all points and a figure per problem.")
 @path_option("--page", help="Write a page (Markdown) with tables and figures.")
-@click.option("--rounds", default=5, show_default=True, type=click.IntRange(1), help="Warm calls of each rung.")
-def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int) -> None:
+@click.option("--rounds", default=5, show_default=True, type=click.IntRange(1), help="Warm calls of each setting.")
+def command(*, problem: str, out: Path | None, page: Path | None, rounds: int) -> None:
     """What accuracy costs: error, time and memory of each setting, and the cheapest one for an error.
 
     Errors are the same in every run; times are those of this machine, now.
     """
-    one_of("LADDER", ladder, ("all", *LADDERS))
-    names = list(LADDERS) if ladder == "all" else [ladder]
-    climbs = [climb(problem_of(name), rounds, partial(cold_s, name)) for name in progress(names, len(names), "ladders")]
+    one_of("PROBLEM", problem, ("all", *PROBLEMS))
+    names = list(PROBLEMS) if problem == "all" else [problem]
+    curves = [measure(problem_of(name), rounds, partial(cold_s, name)) for name in progress(names, len(names), "cost")]
     if out is not None:
-        _write(climbs, out)
+        _write(curves, out)
     if page is not None:
-        from tactometry.experiments.cost.page import write_page
-
-        write_page(climbs, page, datetime.now(UTC).date())
-    say("\n\n".join([*map(table, climbs), machine()]), _record(climbs))
+        write_page(curves, page, datetime.now(UTC).date())
+    say("\n\n".join([*map(table, curves), machine()]), _record(curves))
 
 
-def _write(climbs: list[Climb], out: Path) -> None:
-    from tactometry.experiments.cost.figures import error_against_price
-    from tactometry.experiments.cost.peers import peers_of
+def _write(curves: list[AccuracyCurve], out: Path) -> None:
+    from tactometry.experiments.accuracy.figures import error_against_price
 
-    write_csv(climbs, out / "cost.csv")
-    for rungs in climbs:
-        figure = error_against_price(rungs, peers_of(rungs))
-        figure.savefig(out / f"{rungs.problem.name}.png", dpi=150)
+    write_records(Point, (point for curve in curves for point in curve.points), out / "cost.csv")
+    for curve in curves:
+        error_against_price(curve, peers_of(curve)).savefig(out / f"{curve.problem.name}.png", dpi=150)
 
 
-def _record(climbs: list[Climb]) -> dict[str, object]:
-    ladders = {
-        climb.problem.name: {
-            "points": [asdict(point) | ({"error": None} if point.unstable else {}) for point in climb.points],
-            "reference_error": climb.floor,
-            "cheapest": answers(climb),
+def _record(curves: list[AccuracyCurve]) -> dict[str, object]:
+    problems = {
+        curve.problem.name: {
+            "points": [asdict(point) | ({"error": None} if point.unstable else {}) for point in curve.points],
+            "reference_error": curve.floor,
+            "cheapest": answers(curve),
         }
-        for climb in climbs
+        for curve in curves
     }
-    return {"machine": machine(), "ladders": ladders}
+    return {"machine": machine(), "problems": problems}

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import click
 
-from tactometry.experiments.thesis.captions import item_of, reason_for
-from tactometry.experiments.thesis.items import REPRODUCTIONS, reproduction_of
-from tactometry.experiments.thesis.page import count_verdicts, page as page_of, show, verdict
-from tactometry.experiments.thesis.reproduction import Reproduced, reproduce, write_numbers
+from tactometry.experiments.thesis import REPRODUCTIONS, reproduction_of
+from tactometry.experiments.thesis.page import count_verdicts, item_of, page as page_of, reason_for, show
+from tactometry.experiments.thesis.reproduction import Number, Reproduced, reproduce
 
 from ..arguments.require import expect, one_of
+from ..files.rows import write_records
 from .output import path_option, progress, say, subcommand, writing
 
 
@@ -29,46 +29,45 @@ def command(*, name: str, out: Path | None, page: Path | None) -> None:
     made = [reproduce(item) for item in progress(items, len(items), "reproducing")]
     if out is not None:
         for reproduced in progress(made, len(made), "writing"):
-            if reproduced.numbers:
-                write_numbers(reproduced, out / f"{reproduced.item.name}.csv")
-            if reproduced.item.drawing is not None:
-                from tactometry.experiments.thesis.figures.writing import write_drawing
-
-                write_drawing(reproduced.item.drawing(), out, reproduced.item.name)
+            _write(reproduced, out)
     if page is not None:
         with writing(page):
             page.write_text(page_of(made), encoding="utf-8")
-    say(_text(made), _record(made))
+    say(_text(made), {reproduced.item.name: _record(reproduced) for reproduced in made})
 
 
 def _item_of(name: str) -> str:
-    """Return the item of a name or caption, or refuse it with the reason."""
+    """Return the item of a name or caption; a caption without one is an error with the reason."""
     reason = reason_for(name)
     expect(reason is None, "NAME", name, f"what can be made anew: this is {reason}")
     one_of("NAME", item_of(name), ("all", *REPRODUCTIONS))
     return item_of(name)
 
 
+def _write(reproduced: Reproduced, out: Path) -> None:
+    item = reproduced.item
+    if reproduced.numbers:
+        write_records(Number, reproduced.numbers, out / f"{item.name}.csv")
+    if item.drawing is not None:
+        from tactometry.experiments.thesis.figures.writing import write_drawing
+
+        write_drawing(item.drawing(), out, item.name)
+
+
 def _text(made: list[Reproduced]) -> str:
+    """Return statements and results; a single item with all of its numbers."""
     lines = []
     for reproduced in made:
         numbers = reproduced.numbers if len(made) == 1 else reproduced.compared
         lines += [f"{reproduced.item.name}: {reproduced.item.title}"] if numbers else []
         for number in numbers:
-            said = f"; stated: {number.stated}: {verdict(number).strip('*')}" if number.stated else ""
+            said = f"; stated: {number.stated}: {number.verdict.strip('*')}" if number.stated else ""
             value = f"{show(number.value)} {number.unit}".strip()
             lines.append(f"  {number.quantity}, {number.condition}: {value} ({number.origin}{said})")
     counts = ", ".join(f"{words.strip('*')}: {n}" for words, n in sorted(count_verdicts(made).items()))
     return "\n".join([*lines, counts or "the thesis's numbers are not in our sources: nothing to compare with"])
 
 
-def _record(made: list[Reproduced]) -> dict[str, object]:
-    return {
-        reproduced.item.name: {
-            "title": reproduced.item.title,
-            "stated": reproduced.item.stated,
-            "assumes": reproduced.item.assumes,
-            "numbers": [asdict(number) for number in reproduced.numbers],
-        }
-        for reproduced in made
-    }
+def _record(reproduced: Reproduced) -> dict[str, object]:
+    item, numbers = reproduced.item, [asdict(number) for number in reproduced.numbers]
+    return {"title": item.title, "stated": item.stated, "assumes": item.assumes, "numbers": numbers}

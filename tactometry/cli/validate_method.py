@@ -41,8 +41,7 @@ def command(
         one_of("--check", check, tuple(CHECKS))
     validation = Validation(checks=tuple(dict.fromkeys(checks)) or tuple(CHECKS), **options)
     with workers(n_jobs, scheduler) as spread:
-        bar = partial(progress, what="validating")
-        found = validate(validation, out, resume=resume, spread=spread, tell=bar)
+        found = validate(validation, out, resume=resume, spread=spread, tell=partial(progress, what="validating"))
     _write(found, out / PAGE, as_pixels=True)
     if page is not None:
         _write(found, page, as_pixels=False)

@@ -18,7 +18,15 @@ from tactometry.analysis.threshold.mode import climb, find_mode
 from tactometry.analysis.threshold.posterior import marginals
 from tactometry.analysis.threshold.shared_grid import batched_marginals
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.census.comparisons import LEVELS, PEOPLE, WITHOUT_LAPSES, Person, answers, census, summary
+from tactometry.experiments.bias_study.comparisons import (
+    LEVELS,
+    PEOPLE,
+    WITHOUT_LAPSES,
+    Person,
+    answers,
+    outcomes_of,
+    summary,
+)
 from tactometry.psychometric import shape_named
 
 LEAST, MOST = 0.935, 0.97
@@ -30,35 +38,28 @@ EQUAL = {**FIT, "equal_asymptotes": True, "lapse_beta": 80.0}
 @pytest.fixture(scope="module")
 def found() -> pd.DataFrame:
     n_sets = 2000 if SOAK else 150
-    return summary(pd.concat(census(PEOPLE, n_sets, np.random.default_rng())))
+    return summary(pd.concat(outcomes_of(PEOPLE, n_sets, np.random.default_rng()))).set_index("quantity")
 
 
 @pytest.mark.slow
-def test_intervals_of_differences_hold_the_truth_neither_too_seldom_nor_too_often(found) -> None:
-    """Each person, and all together: the band, with the tolerance of the number of data sets."""
-    covered, n = found["jnd_covered"] * found["n"], found["n"]
-    assert (covered >= binom.ppf(1e-4, n, LEAST)).all()
-    assert (covered <= binom.ppf(1 - 1e-4, n, MOST)).all()
+@pytest.mark.parametrize(("quantity", "least", "most"), [("difference", LEAST, MOST), ("equality", 0.93, 1.0)])
+def test_intervals_contain_the_truth_as_often_as_stated(found, quantity, least, most) -> None:
+    """For each person and for all, within the tolerance of the number of data sets."""
+    covered, n = (found["covered"] * found["n"])[quantity], found["n"][quantity]
+    assert (covered >= binom.ppf(1e-4, n, least)).all()
+    assert (covered <= binom.ppf(1 - 1e-4, n, most)).all()
     assert binom.ppf(1e-4, n.sum(), LEAST) <= covered.sum() <= binom.ppf(1 - 1e-4, n.sum(), MOST)
 
 
-def test_without_a_rate_of_lapses_three_percent_are_seen() -> None:
-    """What this census is for: asymptotes held at 0 and 1 fail it."""
-    person = Person(2.5, 40, 0.03)
-    held = summary(pd.concat(census([person], 300, np.random.default_rng(), WITHOUT_LAPSES))).iloc[0]
-    assert held["jnd_covered"] * held["n"] < binom.ppf(1e-4, held["n"], LEAST)
+def test_fit_without_lapses_fails_at_three_percent() -> None:
+    outcomes = pd.concat(outcomes_of([Person(2.5, 40, 0.03)], 300, np.random.default_rng(), WITHOUT_LAPSES))
+    difference = summary(outcomes).set_index("quantity").loc["difference"]
+    assert difference["covered"] * difference["n"] < binom.ppf(1e-4, difference["n"], LEAST)
 
 
 @pytest.mark.slow
-def test_intervals_of_points_of_equality_hold_the_truth(found) -> None:
-    covered, n = found["pse_covered"] * found["n"], found["n"]
-    assert (covered >= binom.ppf(1e-4, n, 0.93)).all()
-    assert binom.ppf(1e-4, n.sum(), LEAST) <= covered.sum() <= binom.ppf(1 - 1e-4, n.sum(), MOST)
-
-
-@pytest.mark.slow
-def test_five_percent_of_lapses_widen_a_difference_by_less_than_a_fifth(found) -> None:
-    assert found["jnd_over_truth"].between(0.8, 1.2).all()
+def test_five_percent_of_lapses_change_differences_by_less_than_a_fifth(found) -> None:
+    assert found["over_truth"]["difference"].between(0.8, 1.2).all()
 
 
 @pytest.fixture(scope="module")

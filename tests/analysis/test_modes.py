@@ -6,7 +6,7 @@ import pytest
 from tactometry.analysis.threshold.fitting import Status, fit_many
 from tactometry.analysis.threshold.track_modes import fit_modes
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.census.batches import BATCH, Respondents, fitted_tracks
+from tactometry.experiments.bias_study.batches import BATCH, Respondents, fitted_tracks
 from tactometry.protocols import ConstantStimuli, Quest, Staircase
 from tactometry.protocols.batch.answers import LevelTable, criteria
 from tactometry.protocols.batch.tracks import tracks

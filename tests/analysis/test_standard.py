@@ -15,7 +15,7 @@ from tactometry.analysis.tasks.comparison import FIT
 from tactometry.analysis.tasks.standard import floor_warnings, lowest_levels, standard_sentences, standard_tests
 from tactometry.analysis.threshold.equality import equalities, fit_comparisons
 from tactometry.analysis.threshold.fitting import fitting
-from tactometry.experiments.census.comparisons import N_AT_STANDARD, STANDARD, STANDARD_LEVELS, answers_to_standard
+from tactometry.experiments.bias_study.comparisons import N_AT_STANDARD, STANDARD, STANDARD_LEVELS, answers_to_standard
 
 STUDY = "texture-discrimination"
 

@@ -1,5 +1,5 @@
 """What a status promises: a criterion that spares tracks that aim at one part of the function, the same verdict in
-every analysis, and no number that its own interval does not hold. The census has the shares (test_census.py)."""
+every analysis, and no number outside its own interval. The bias study has the shares (test_bias_study.py)."""
 
 import math
 from dataclasses import asdict

@@ -6,8 +6,7 @@ import pytest
 from pyarrow import parquet
 
 from tactometry.errors import InvalidFile
-from tactometry.experiments.census.batches import Respondents, fitted_tracks
-from tactometry.experiments.census.chunks import TrackRun, write_tracks
+from tactometry.experiments.bias_study.batches import Respondents, TrackRun, fitted_tracks, write_tracks
 from tactometry.protocols import Staircase
 
 RULE = Staircase(36.0, (8.0, 4.0, 2.0), 0.0, 40.0, n_trials=30, n_reversals=30)

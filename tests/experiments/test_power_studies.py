@@ -11,7 +11,7 @@ from soak import SOAK
 from study_texts import TUTORIAL
 
 from tactometry.analysis.outcomes.outcome import outcome
-from tactometry.experiments.census.shares import share_interval
+from tactometry.experiments.harness import share_interval
 from tactometry.experiments.power.design import Case, PowerDesign, participants_of
 from tactometry.experiments.power.effect import parse_effect
 from tactometry.experiments.power.replicate import Row, codes, mean_minutes, p_of, replicate, seed_of

@@ -1,4 +1,4 @@
-"""What `tactometry reproduce` makes of the thesis, and that docs/explanation/reproduced.md is what it makes."""
+"""Items of `tactometry reproduce`, and docs/explanation/reproduced.md."""
 
 import csv
 import json
@@ -12,14 +12,13 @@ from matplotlib.figure import Figure
 from places import DOCS
 
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.thesis.captions import captions, reason_for
+from tactometry.experiments.thesis import REPRODUCTIONS, reproduction_of
 from tactometry.experiments.thesis.figures.electrovibration import force_against_area
 from tactometry.experiments.thesis.figures.writing import points, write_drawing
-from tactometry.experiments.thesis.items import REPRODUCTIONS, reproduction_of
-from tactometry.experiments.thesis.items.finding_1 import opened_contact
-from tactometry.experiments.thesis.items.studies import experiment
-from tactometry.experiments.thesis.page import page, verdict
+from tactometry.experiments.thesis.findings import opened_contact
+from tactometry.experiments.thesis.page import captions, page, reason_for
 from tactometry.experiments.thesis.reproduction import Number, reproduce
+from tactometry.experiments.thesis.studies import experiment
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.session.request import Press
 from tactometry.stimuli.electrovibration import LAWS
@@ -50,11 +49,11 @@ def number(**changes):
         ({}, "not compared"),
     ],
 )
-def test_only_what_is_derived_and_agrees_is_reproduced(changes, expected):
-    assert verdict(number(**changes)) == expected
+def test_only_derived_numbers_that_agree_are_reproduced(changes, expected):
+    assert number(**changes).verdict == expected
 
 
-def test_unknown_label_is_refused():
+def test_unknown_origin_is_refused():
     with pytest.raises(InvalidParameter, match=r"Number.origin: found 'guessed', expected one of derived"):
         number(origin="guessed")
 
@@ -63,10 +62,10 @@ def test_unknown_label_is_refused():
 
 
 @pytest.mark.parametrize("name", REPRODUCTIONS)
-def test_an_item_says_what_the_thesis_states_and_what_is_assumed(name):
+def test_item_states_source_and_assumptions(name):
     item = reproduction_of(name)
     assert item.title
-    assert item.stated.endswith(".")
+    assert item.stated.endswith(".") or (not item.stated and name.startswith("figure"))
     assert item.assumes.endswith(".")
     assert (item.numbers is None) != (item.drawing is None)
     assert item.outcome or not name.startswith("finding")
@@ -80,7 +79,7 @@ def made(request):
     return reproduce(reproduction_of(request.param))
 
 
-def test_each_quantity_is_listed_once(made):
+def test_numbers_are_unique_and_compared_with_statements(made):
     places = [(each.quantity, each.condition) for each in made.numbers]
     assert len(set(places)) == len(places)
     assert all((each.holds is not None) == bool(each.stated) for each in made.numbers)
@@ -91,8 +90,8 @@ def test_disagreement_has_a_reason(made):
     assert made.item.outcome or all(each.holds is not False for each in made.compared)
 
 
-def test_the_page_has_what_the_command_makes(made):
-    """Word by word, numbers within their digits."""
+def test_page_is_that_of_the_command(made):
+    """Equal words, and numbers equal within their digits."""
     name = made.item.name
     now, then = (words_of(text, name) for text in (page([made]), PAGE.read_text(encoding="utf-8")))
     assert [word for word in now if not is_number(word)] == [word for word in then if not is_number(word)], "make pages"
@@ -103,9 +102,9 @@ def test_the_page_has_what_the_command_makes(made):
 
 
 def words_of(text, name):
-    """Those of the section of an item, and of its rows of the score."""
+    """Return the words of an item's section and of its rows in tables."""
     section = text.partition(f"\n## {name}\n")[2].partition("\n## ")[0]
-    rows = [line for line in text.splitlines() if line.startswith(f"| [{name}]")]
+    rows = [line for line in text.splitlines() if line.startswith(f"| {name} |")]
     return " ".join([*rows, section]).split()
 
 
@@ -113,16 +112,19 @@ def is_number(word):
     return re.fullmatch(r"-?[\d.]+(e[+-]?\d+)?", word) is not None
 
 
-def test_the_page_has_each_item_once_and_in_order():
+def test_page_has_each_item_once_and_in_order():
     text = PAGE.read_text(encoding="utf-8")
-    assert re.findall(r"^## (\w+-[\w.]+)$", text, re.MULTILINE) == list(REPRODUCTIONS)
+    sections = re.findall(r"^## (\w+-[\w.]+)$", text, re.MULTILINE)
+    assert sections == [name for name in REPRODUCTIONS if not name.startswith("figure")]
+    figures = re.findall(r"^\| (figure-[\w.]+) \|", text.partition("\n## Figures\n")[2], re.MULTILINE)
+    assert sorted(figures) == sorted(name for name in REPRODUCTIONS if name.startswith("figure"))
 
 
 N_FIGURES = {"2": 37, "3": 22, "4": 34, "5": 13, "6": 15, "A": 7, "B": 2}
 N_TABLES = {"2": 2, "3": 5, "4": 5, "5": 1, "6": 3}
 
 
-def test_each_thesis_figure_is_made_or_explained():
+def test_each_caption_is_made_or_has_a_reason():
     kinds = {"figure": N_FIGURES, "table": N_TABLES}
     listed = [f"{kind}-{part}.{n + 1}" for kind, of in kinds.items() for part, last in of.items() for n in range(last)]
     assert sorted(captions()) == sorted(listed)
@@ -134,12 +136,12 @@ def test_each_thesis_figure_is_made_or_explained():
 @pytest.mark.parametrize(
     ("name", "origin"), [("figure-6.15", "assumed"), ("figure-4.11", "assumed"), ("figure-3.20", "calibrated")]
 )
-def test_calibrated_figure_is_not_derived(name, origin):
+def test_figure_of_a_chosen_input_is_not_derived(name, origin):
     """The input of 6.15 was chosen for its 240 Hz, the tau of 4.11 is put in, the um of 3.20 go with a set constant."""
     assert reproduction_of(name).origin == origin
 
 
-def test_resistivity_calibration_is_not_derived():
+def test_corner_of_the_chosen_resistivity_is_calibrated():
     origins = {each.quantity: each.origin for each in reproduce(reproduction_of("table-6.1")).numbers}
     assert origins["time constant"] == origins["corner of the high-pass"] == "calibrated"
 
@@ -152,7 +154,7 @@ def of_variants(name):
 
 
 @pytest.mark.slow
-def test_finding_3_states_its_rows():
+def test_outcome_of_finding_3_follows_from_its_rows():
     rows = of_variants("finding-3")
     falls = {name: [row[f"from 0.5 to 3 N, {f} Hz"].value for f in (60, 120, 240, 480)] for name, row in rows.items()}
     by_area = -10 / 3 * math.log10(3.0 / 0.5)
@@ -169,7 +171,7 @@ def test_finding_3_states_its_rows():
     assert not any(all(each.holds is not False for each in row.values()) for row in rows.values())
 
 
-def test_open_contact_costs_as_much_as_closed():
+def test_contact_that_opens_loses_as_much_as_one_that_holds():
     """Finding 1: under the finger the focus falls with force either way."""
     opened_m = np.abs(opened_contact(3.0).displacement_m).max()
     stimulus = next(iter(experiment("time-reversal-threshold").cells.values())).stimulus
@@ -179,7 +181,7 @@ def test_open_contact_costs_as_much_as_closed():
     assert opened_m == pytest.approx(np.abs(held_m).max(), rel=5e-3)
 
 
-def test_table_6_2_forces_lie_in_the_gate():
+def test_forces_of_table_6_2_are_those_in_the_band():
     """A lognormal spread of 15 % of which what is outside of 20 % is drawn anew: mean and spread by quadrature."""
     finger, rng = SimulatedFinger(waver_cv=0.0), np.random.default_rng(6)
     request = Press("s", 1.0, target_n=1.0, tolerance=0.2, hold_s=0.5, duration_s=0.02, timeout_s=1.0)
@@ -191,7 +193,7 @@ def test_table_6_2_forces_lie_in_the_gate():
     assert touched.mean() == pytest.approx(mean, abs=3.9 * sd / math.sqrt(touched.size))  # 1e-4
 
 
-def test_the_circuit_of_table_6_1_has_the_published_closed_forms():
+def test_table_6_1_has_the_published_closed_forms():
     found = {each.quantity: each.value for each in reproduce(reproduction_of("table-6.1")).numbers}
     assert found["capacitance of the insulator"] == pytest.approx(3.4531332)
     assert found["capacitance of the corneum"] == pytest.approx(4.4270939)
@@ -204,7 +206,7 @@ def test_the_circuit_of_table_6_1_has_the_published_closed_forms():
 # --- the command
 
 
-def test_an_item_is_written_with_its_labels(capsys, tmp_path):
+def test_item_is_written_with_its_origins(capsys, tmp_path):
     said = output(capsys, "reproduce", "table-6.1", "--out", tmp_path)
     with (tmp_path / "table-6.1.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -212,20 +214,20 @@ def test_an_item_is_written_with_its_labels(capsys, tmp_path):
     assert all(f"{row['quantity']}, {row['condition']}: " in said for row in rows)
 
 
-def test_the_page_is_made_by_the_command(capsys, tmp_path):
+def test_command_writes_the_page(capsys, tmp_path):
     made = tmp_path / "page.md"
     output(capsys, "reproduce", "table-2.1", "--page", made)
     assert made.read_text(encoding="utf-8") == page([reproduce(reproduction_of("table-2.1"))])
 
 
-def test_json_has_the_numbers(capsys):
+def test_command_prints_json(capsys):
     told = json.loads(output(capsys, "reproduce", "table-6.1", "--json"))
     assert [each["origin"] for each in told["table-6.1"]["numbers"]] == ["assumed"] * 6 + ["derived"] * 3 + [
         "calibrated"
     ] * 3
 
 
-def test_an_unknown_item_is_one_sentence(capsys):
+def test_unknown_item_is_refused(capsys):
     code, said, _ = call(capsys, "reproduce", "table-4.33")
     assert code == 2
     assert said.startswith("tactometry: NAME: found 'table-4.33', expected one of all, ")
@@ -233,7 +235,7 @@ def test_an_unknown_item_is_one_sentence(capsys):
 
 
 @pytest.mark.parametrize("caption", ["figure-6.7", "table-3.4"])
-def test_omitted_figure_is_refused_with_the_reason(caption, capsys):
+def test_caption_without_item_is_refused_with_the_reason(caption, capsys):
     code, said, _ = call(capsys, "reproduce", caption)
     assert code == 2
     assert (
@@ -242,12 +244,12 @@ def test_omitted_figure_is_refused_with_the_reason(caption, capsys):
     )
 
 
-def test_a_caption_beside_another_is_made_with_it(capsys, tmp_path):
+def test_caption_is_made_with_the_item_that_includes_it(capsys, tmp_path):
     output(capsys, "reproduce", "figure-6.10", "--out", tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {"figure-6.8.csv", "figure-6.8.png"}
 
 
-def test_unwritable_path_is_reported_in_one_sentence(capsys, tmp_path):
+def test_command_reports_a_place_it_cannot_write(capsys, tmp_path):
     (tmp_path / "taken").write_text("", encoding="utf-8")
     code, said, _ = call(capsys, "reproduce", "table-6.1", "--out", tmp_path / "taken")
     assert code == 3
@@ -257,7 +259,7 @@ def test_unwritable_path_is_reported_in_one_sentence(capsys, tmp_path):
 # --- curves of a drawing
 
 
-def test_a_drawing_is_a_picture_and_its_curves(tmp_path):
+def test_drawing_is_written_as_picture_and_curves(tmp_path):
     figure = force_against_area()
     write_drawing(figure, tmp_path, "area")
     assert (tmp_path / "area.png").stat().st_size > 5_000
@@ -269,7 +271,7 @@ def test_a_drawing_is_a_picture_and_its_curves(tmp_path):
     ]
 
 
-def test_plotted_points_keep_tick_and_curve_names():
+def test_points_have_names_of_ticks_and_error_bars():
     figure = Figure()
     axes = figure.add_subplot()
     axes.errorbar([0.5, 1.5], [0, 1], xerr=0.1, label="P0")
@@ -282,7 +284,7 @@ def test_plotted_points_keep_tick_and_curve_names():
     "name",
     [pytest.param(n, marks=[] if n in DRAWN_AT_ONCE else pytest.mark.slow) for n in REPRODUCTIONS if "figure" in n],
 )
-def test_a_figure_has_curves_with_labels_and_units(name):
+def test_figure_has_finite_curves(name):
     rows = list(points(reproduction_of(name).drawing()))
     assert rows
     assert all(math.isfinite(x) and math.isfinite(y) for _, _, _, x, _, y, _ in rows)

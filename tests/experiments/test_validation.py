@@ -1,5 +1,4 @@
-"""`tactometry validate-method`: what departs is seen, nothing depends on where it is computed, nor on interruptions,
-and docs/explanation/validated.md is what it makes."""
+"""`tactometry validate-method`: departures, repeatability, resuming, and docs/explanation/validated.md."""
 
 import copy
 import json
@@ -13,12 +12,12 @@ from places import DOCS
 from scipy.stats import norm
 
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
-from tactometry.experiments.census.comparisons import PEOPLE
+from tactometry.experiments.bias_study.comparisons import PEOPLE
+from tactometry.experiments.validation.check import ESTIMATES, RANKS, TESTS, summary
 from tactometry.experiments.validation.checks import CHECKS, check_of
 from tactometry.experiments.validation.checks.calibration import rank
-from tactometry.experiments.validation.kinds import ESTIMATES, RANKS, TESTS, summary
-from tactometry.experiments.validation.page import departures, page
-from tactometry.experiments.validation.run import Chunk, Validated, Validation, path_of, validate
+from tactometry.experiments.validation.page import departures, page, shown
+from tactometry.experiments.validation.run import Chunk, Validated, Validation, validate
 
 SMALL = Validation(seed=3, n_rounds=2, checks=("comparisons",))
 PAGE, PAGE_SEED, PAGE_ROUNDS = DOCS / "explanation" / "validated.md", 1, 20
@@ -45,13 +44,13 @@ def of_estimates(estimate, reach, n=2000):
 
 
 @pytest.mark.parametrize(("part", "verdict"), [(0.8, "too few"), (1.0, ""), (1.2, "too many")])
-def test_intervals_that_are_too_short_or_too_long_are_told(part, verdict):
+def test_intervals_of_wrong_length_depart(part, verdict):
     row = of_estimates(2.0, part * 2.0 * norm.ppf(0.975))
     assert row["verdict"] == verdict
     assert row["width"] == pytest.approx(2 * part * 2.0 * norm.ppf(0.975))
 
 
-def test_bias_uses_sets_with_a_value():
+def test_bias_is_that_of_sets_with_a_value():
     table = pd.DataFrame(
         {"truth": [0.0, 0, 0, 0], "estimate": [1.0, 2, 3, None], "low": [0.0, 0, 0, 1], "high": [4.0, 4, 4, None]}
     )
@@ -61,19 +60,19 @@ def test_bias_uses_sets_with_a_value():
 
 
 @pytest.mark.parametrize(("power", "verdict"), [(1.0, ""), (0.5, "too many"), (2.0, "too few")])
-def test_test_with_wrong_error_rate_is_reported(power, verdict):
+def test_tests_with_wrong_error_rate_depart(power, verdict):
     p = np.random.default_rng(5).random(4000) ** (1 / power)
     row = summary(TESTS, pd.DataFrame({"effect": 0.0, "p": p, "test": "t"}), ("test",)).iloc[0]
     assert row["verdict"] == verdict
 
 
-def test_test_of_a_true_effect_is_not_judged():
+def test_power_has_no_verdict():
     row = summary(TESTS, pd.DataFrame({"effect": [1.0] * 100, "p": 0.0, "test": "t"}), ("test",)).iloc[0]
     assert (row["share"], row["verdict"]) == (1.0, "")
 
 
 @pytest.mark.parametrize(("posterior_sd", "shift", "verdict"), [(1, 0, ""), (0.7, 0, "not"), (1, 0.3, "not")])
-def test_ranks_in_a_posterior_are_uniform_where_it_is_the_right_one(posterior_sd, shift, verdict):
+def test_ranks_are_uniform_in_the_right_posterior(posterior_sd, shift, verdict):
     """A truth and a datum with errors of variance 1; the posterior is normal, as wide as it is said to be."""
     rng = np.random.default_rng(11)
     truth = rng.standard_normal(4000)
@@ -90,14 +89,13 @@ def test_ranks_in_a_posterior_are_uniform_where_it_is_the_right_one(posterior_sd
 
 
 @pytest.mark.parametrize("name", CHECKS)
-def test_outcome_columns_replace_no_key(name):
-    """The column of the errors' SD was once called as the key of the comparisons, and stood in its place."""
+def test_columns_of_outcomes_replace_no_key(name):
     check = check_of(name)
     outcome = dict.fromkeys(("truth", "estimate", "low", "high", "effect", "p", "rank"), 0.5)
     assert not set(check.keys) & set(check.kind.row(pd.DataFrame([outcome] * 2)))
 
 
-def test_rows_of_comparisons_are_named_by_the_functions_of_the_people(whole):
+def test_rows_of_comparisons_name_their_people(whole):
     check, (_, found) = check_of("comparisons"), whole
     rows = found.tables["comparisons"]
     assert len(rows[["sd", "n_trials", "lapse_rate"]].drop_duplicates()) == len(check.settings)
@@ -107,7 +105,7 @@ def test_rows_of_comparisons_are_named_by_the_functions_of_the_people(whole):
 # --- a run
 
 
-def test_an_interrupted_command_says_how_it_goes_on(tmp_path, capsys, monkeypatch):
+def test_interrupted_command_states_how_to_resume(tmp_path, capsys, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
@@ -116,7 +114,7 @@ def test_an_interrupted_command_says_how_it_goes_on(tmp_path, capsys, monkeypatc
     assert (code, said.strip()) == (130, "tactometry: interrupted; what was recorded is safe: go on with --resume")
 
 
-def test_any_process_makes_the_same_tables(whole, tmp_path):
+def test_tables_do_not_depend_on_processes(whole, tmp_path):
     root, _ = whole
     assert status("validate-method", "--out", tmp_path / "v", "--check", "comparisons", "--rounds", "2", "--seed", "3",
                   "--jobs", "2") == 0  # fmt: skip
@@ -124,7 +122,7 @@ def test_any_process_makes_the_same_tables(whole, tmp_path):
     assert {path.suffix for path in (tmp_path / "v" / "validated").iterdir()} == {".png", ".svg"}
 
 
-def test_stopped_run_makes_no_chunk_twice(whole, tmp_path):
+def test_interrupted_run_resumes_with_more_rounds(whole, tmp_path):
     root, _ = whole
     chunks = SMALL.chunks
 
@@ -135,14 +133,14 @@ def test_stopped_run_makes_no_chunk_twice(whole, tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         validate(replace(SMALL, n_rounds=1), tmp_path / "v", spread=dies)
-    assert [path_of(tmp_path / "v", chunk).exists() for chunk in chunks[:4]] == [True, True, True, False]
+    assert [chunk.path(tmp_path / "v").exists() for chunk in chunks[:4]] == [True, True, True, False]
     made = []
     validate(SMALL, tmp_path / "v", resume=True, tell=lambda found, n: (made.append(each) or each for each in found))
-    assert made == chunks[3:]
+    assert made == [chunk.path(tmp_path / "v") for chunk in chunks[3:]]
     assert tables(tmp_path / "v") == tables(root)
 
 
-def test_the_outcomes_of_a_chunk_are_its_own():
+def test_chunks_have_separate_random_numbers():
     other = [
         Chunk("comparisons", setting, number)
         for setting in list(check_of("comparisons").settings)[:2]
@@ -163,7 +161,7 @@ REFUSALS = {
 
 
 @pytest.mark.parametrize("case", REFUSALS)
-def test_impossible_question_is_refused_in_one_sentence(case, capsys, tmp_path):
+def test_invalid_options_are_refused(case, capsys, tmp_path):
     more, expected = REFUSALS[case]
     code, said, _ = call(capsys, "validate-method", "--out", tmp_path / "v", *more)
     assert (code, said.count("\n")) == (2, 0)
@@ -175,7 +173,7 @@ def test_impossible_question_is_refused_in_one_sentence(case, capsys, tmp_path):
     ("more", "expected"),
     [([], "found this validation, expected none; go on with --resume"), (["--resume"], "found seed 3, expected 1")],
 )
-def test_a_folder_of_another_run_is_not_written_to(more, expected, whole, capsys):
+def test_folder_of_another_run_is_unchanged(more, expected, whole, capsys):
     root, _ = whole
     before = tables(root)
     asked = ["--check", "comparisons", *(["--seed", "3"] if not more else [])]
@@ -185,8 +183,7 @@ def test_a_folder_of_another_run_is_not_written_to(more, expected, whole, capsys
     assert tables(root) == before
 
 
-def test_an_error_of_a_worker_is_an_error_of_the_command():
-    """As it is made again there, by what `copy` asks for too: it was told as a broken pool of processes."""
+def test_errors_can_be_copied_from_workers():
     error = copy.copy(UndefinedStatistic("a sentence", DesignStatus.NO_DATA))
     assert (str(error), error.status) == ("a sentence", DesignStatus.NO_DATA)
 
@@ -204,26 +201,26 @@ def test_every_setting_has_outcomes_of_its_kind(name):
         assert np.isfinite(outcomes[list(check.kind.columns)].to_numpy(float)).any()
 
 
-def test_unexplained_departure_is_reported(whole):
+def test_departures_are_listed_with_their_reason(whole):
     _, found = whole
     table = found.tables["comparisons"].copy()
     assert departures(table).empty
     assert "No share departs from what is stated." in page(found)
     table.loc[0, "verdict"] = "too few"
     wrong = page(Validated(SMALL, {"comparisons": table}, found.seconds))
-    assert "- *equality*, too few in 1 of the rows: as that of the difference." in wrong
+    assert "- *equality*, too few in 1 of the rows: as for the difference." in wrong
 
 
-def test_departure_over_all_rows_is_reported(whole):
+def test_departure_of_all_rows_together_is_listed(whole):
     """Each of sixteen rows of 1000 at 94 %: chance explains any of them, and not all."""
     _, found = whole
     table = found.tables["comparisons"].assign(n=1000, share=0.94, stated=0.95, verdict="")
     said = page(Validated(SMALL, {"comparisons": table}, found.seconds))
-    assert "- *equality*: 94.0 % over all rows together, 95 % stated: as that of the difference." in said
+    assert "- *equality*: 94.0 % over all rows together, 95 % stated: as for the difference." in said
     assert "over all rows" not in page(Validated(SMALL, {"comparisons": table.assign(share=0.95)}, found.seconds))
 
 
-def test_the_page_of_the_docs_is_what_the_command_makes():
+def test_page_of_the_docs_is_that_of_the_command():
     """One setting in all its rounds; with `make validated` all are made anew."""
     text = PAGE.read_text("utf-8")
     assert f"--rounds {PAGE_ROUNDS} --seed {PAGE_SEED}" in text
@@ -231,18 +228,15 @@ def test_the_page_of_the_docs_is_what_the_command_makes():
     check, setting = check_of("comparisons"), next(iter(check_of("comparisons").settings))
     chunks = [Chunk("comparisons", setting, number).simulated(PAGE_SEED) for number in range(PAGE_ROUNDS)]
     table = summary(check.kind, pd.concat(chunks, ignore_index=True), check.keys)
-    made = page(
-        Validated(Validation(PAGE_SEED, PAGE_ROUNDS, ("comparisons",)), {"comparisons": table}, {"comparisons": 0.0})
-    )
-    rows = [line for line in made.splitlines() if line.startswith(("| equality", "| difference"))]
-    assert len(rows) == 2
-    assert [row in text for row in rows] == [True, True]
+    for row in table.to_dict("records"):
+        cells = [row["quantity"], *(f" {shown(name, row)} |" for name in ("bias", "error_sd", "share", "width"))]
+        assert any(all(cell in line for cell in cells) for line in text.splitlines())
     for figure in (check_of(name).figure for name in CHECKS):
         assert not figure or (PAGE.parent / "validated" / f"{figure}.svg").exists()
 
 
 @pytest.mark.parametrize("form", ["text", "json"])
-def test_the_command_says_what_departs(form, whole, capsys):
+def test_command_lists_departures(form, whole, capsys):
     root, found = whole
     asked = ["--out", root, "--check", "comparisons", "--seed", "3", "--rounds", "2", "--resume"]
     said = output(capsys, "validate-method", *asked, *(["--json"] if form == "json" else []))

@@ -1,8 +1,7 @@
 """Trials that the rule needs which puts the threshold first; benchmarks/procedures.py has it in full.
 
 A cumulative normal observer with 2 % lapses; slope (log-normal, factor 1.5) and lapse rate unknown; everything in units
-of the observer's standard deviation. Many observers are simulated at once by the benchmark, whose estimates are held
-against those of the rule itself.
+of the observer's standard deviation.
 """
 
 import math
@@ -33,14 +32,8 @@ def benchmark():
 def errors_after_160(benchmark, guess, name):
     rng, task = np.random.default_rng(), benchmark.Task("", guess)
     truths_db = rng.uniform(-benchmark.SPAN_DB, benchmark.SPAN_DB, N_TOGETHER)
-    found_db = benchmark.together(benchmark.rules(task)[name], n_max=160)(task, truths_db, rng)[:, -1]
+    found_db = benchmark.estimates_db(benchmark.rules(task)[name], task, truths_db, rng, n_max=160)[:, -1]
     return (found_db - truths_db) / benchmark.SD_DB
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("task", TASKS)
-def test_observers_together_are_estimated_as_by_the_rule_itself(benchmark, task):
-    benchmark.check(benchmark.Task(task, TASKS[task][0]), np.random.default_rng(), n_max=160 if SOAK else 60)
 
 
 @pytest.mark.slow

@@ -26,6 +26,10 @@ declined            | thank nothing call             | danke nichts rufen       
 agree               | want part                      | möchten teilnehmen                 | voulez participer
 questions_first     | before questions open          | bevor fragen offen                 | avant questions réponse
 practice            | practice not count             | übung nicht zählen                 | entraînement pas comptent
+practice_missed     | practice over call             | übung ende rufen                   | entraînement fini appelez
+again               | again                          | nochmals                           | encore
+go_on               | go on                          | weiter                             | continuer
+end_session         | end                            | beenden                            | finir
 rest                | rest lift ready                | pause heben bereit                 | pause levez voulez
 pause               | pause lift moment              | pause heben gleich                 | pause levez instant
 resting             | rest lift {left_s}             | pause heben {left_s}               | pause levez {left_s}

@@ -1,7 +1,7 @@
-"""Hard cases say what they are: their reference, their bound and the error they saw make docs/explanation/stability.md.
+"""Hard cases of the tests, and docs/explanation/stability.md, which lists them.
 
-A test calls `hard_case` or `exact_case`; names, references and bounds are literals, so that they can be read without a
-run. `make stability` writes the page from a run of the tests that hold hard cases.
+A test calls `hard_case` or `exact_case`. Names, references and bounds are literals, which are read from the sources.
+`make stability` writes the page from a run of these tests.
 """
 
 import ast
@@ -32,13 +32,13 @@ ROOMS = {
     "kernel/test_limits": "Devices",
     "": "Sessions and data",
 }
-"""The first that the path of a test's file, from the folder of tests, opens with."""
+"""Sections by the first matching beginning of a test file's path."""
 HEAD = """# Hard cases
 
-Every hard case of the tests with its reference, the worst error that the run which wrote this page has seen, and the
-bound that every run asserts. An error is relative to the size of what is expected, unless the case says otherwise;
-0 is equality. The page is written from the tests' own data by `make stability`; a test fails when it names a case that
-is gone or lacks one, or when an error has grown a hundredfold (and passes a thousandth of its bound).
+Hard cases of the tests with their reference, the largest error of the run that wrote this page, and the bound that
+every run asserts. Errors are relative to the expected size unless the case states otherwise; 0 is equality. `make
+stability` writes the page; a test fails if a case is missing, or if an error has grown a hundredfold (and exceeds a
+thousandth of its bound). The name of a case is in the source of its test.
 """
 DRIFT, MARGIN, ROUNDING = 100.0, 1e-3, 1e-14
 """An error may grow by the first factor, or up to the second part of its bound: other processors round otherwise."""
@@ -59,8 +59,8 @@ class Case:
         return next(room for prefix, room in ROOMS.items() if self.file.startswith(prefix))
 
     def row(self, error: str) -> str:
-        bound = "see there" if self.bound is None else f"{self.bound:.2g}"
-        return f"| {self.name} | {self.against} | {error} | {bound} | `{self.file}::{self.test}` |"
+        bound = "computed" if self.bound is None else f"{self.bound:.2g}"
+        return f"| {self.name} | {self.against} | {error} | {bound} |"
 
 
 def hard_case(case, found, expected, bound, *, against, floor=0.0):
@@ -118,15 +118,15 @@ def _number(bound: ast.expr) -> float | None:
 def rows() -> dict[str, str]:
     """The error that the page states for each case."""
     lines = PAGE.read_text(encoding="utf-8").splitlines() if PAGE.exists() else []
-    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.endswith("` |")]
-    return {cell[0]: cell[2] for cell in cells}
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
+    return {cell[0]: cell[2] for cell in cells if cell[0] != "case"}
 
 
 def page(seen: dict[str, float]) -> str:
     """The page from the errors of the cases; one that was never seen has none."""
     lines = [HEAD]
     for room, part in groupby(cases(), key=lambda case: case.room):
-        lines += [f"## {room}", "", "| case | reference | worst error seen | bound | test |", "|---|---|---|---|---|"]
+        lines += [f"## {room}", "", "| case | reference | largest error | bound |", "|---|---|---|---|"]
         lines += [*(case.row(_stated(seen.get(case.name))) for case in part), ""]
     return "\n".join(lines).rstrip() + "\n"
 

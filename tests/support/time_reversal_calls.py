@@ -61,7 +61,6 @@ from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.filters import Butterworth
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.responses.load import SprungMass
-from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
 from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place, PlacedFoci
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
@@ -124,12 +123,9 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             },
         },
         "responses.plate_constants": {
-            "rigidity_ratio_from_modes": {"measured_hz": [93.0, 186.0], "guess": PLATE},
-            "youngs_modulus_pa": {"rigidity_ratio": MeasuredConstant(3.0, 2.9, 3.1), "plate": PLATE},
             "schroeder_db": {"response": CLICK},
             "tau_s": {"response": DECAYING[0, 0], "rate_hz": 2e3},
             "decay_of": {"energy": np.exp(-np.arange(32.0) / 5)},
-            "mean_estimate": {"values": LINE, "confidence": 0.95},
         },
         "design.guide": {
             "recommend": {

@@ -1,6 +1,4 @@
-"""Every benchmark finds what it measures, and the table tells what they measured, failures and misses with it.
-
-No test runs one whole, so that a move could leave one behind unseen."""
+"""Benchmarks can be imported, and their page lists results, failures and misses."""
 
 import json
 import re
@@ -11,13 +9,15 @@ from pathlib import Path
 import pytest
 from benchmark_modules import benchmark_module
 
+from tactometry.experiments.harness import MeasuredItem
+
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 IMPORT = "import runpy, sys; runpy.run_path(sys.argv[1], run_name='imported')"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("benchmark", sorted(path.name for path in BENCHMARKS.glob("*.py")))
-def test_a_benchmark_is_imported(benchmark: str) -> None:
+def test_benchmark_can_be_imported(benchmark: str) -> None:
     done = subprocess.run(
         [sys.executable, "-c", IMPORT, benchmark], cwd=BENCHMARKS, capture_output=True, text=True, check=False
     )
@@ -32,10 +32,10 @@ def test_mutation_run_removes_every_check_of_limits() -> None:
 
 
 table = benchmark_module("table")
-measured = sys.modules["measured"]
+SELECTED = [name for name in table.programs() if name not in table.ELSEWHERE]
 TELLS = """\
 import sys
-from measured import tell
+from tactometry.experiments.harness import tell
 
 if __name__ == "__main__":
     tell("ours over theirs", [1.0, 2.0, 9.0], at_most=1.5)
@@ -46,24 +46,25 @@ if __name__ == "__main__":
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder of two benchmarks: one that gives results, and one that fails behind its first."""
-    (tmp_path / "measured.py").write_text((BENCHMARKS / "measured.py").read_text("utf-8"), "utf-8")
+    """A folder of two benchmarks, of which one fails after its results."""
     (tmp_path / "whole.py").write_text(TELLS.format(status=0), "utf-8")
     (tmp_path / "torn.py").write_text(TELLS.format(status="'no display'"), "utf-8")
     return tmp_path
 
 
-@pytest.mark.parametrize("name", [name for name in table.programs() if name not in table.ELSEWHERE])
-def test_each_benchmark_tells_results(name: str) -> None:
-    text = (BENCHMARKS / f"{name}.py").read_text("utf-8")
-    assert re.search(r"\b(tell|row)\(", text)
+@pytest.mark.parametrize("name", SELECTED)
+def test_benchmark_tells_results_and_names_its_code(name: str) -> None:
+    program = BENCHMARKS / f"{name}.py"
+    assert "tell(" in program.read_text("utf-8")
+    assert len(table.sources_of(program)) > 1
 
 
-def test_pages_that_hold_the_results_of_others_stand() -> None:
-    assert all((BENCHMARKS.parent / page.partition(",")[0]).is_file() for page in table.ELSEWHERE.values())
+def test_pages_with_the_results_of_others_exist() -> None:
+    pages = [page for text in table.ELSEWHERE.values() for page in text.split(" and ")]
+    assert all((BENCHMARKS.parent / page).is_file() for page in pages)
 
 
-def test_the_page_is_that_of_the_results_that_are_kept() -> None:
+def test_page_is_that_of_the_kept_results() -> None:
     kept = table.read(BENCHMARKS / "results.json")
     assert kept
     assert (BENCHMARKS / "README.md").read_text("utf-8") == table.page(kept, table.programs())
@@ -80,53 +81,56 @@ def test_the_page_is_that_of_the_results_that_are_kept() -> None:
         ((5.0,), {}, None),
     ],
 )
-def test_the_median_is_held_against_what_was_asked(
+def test_median_is_compared_with_the_required_value(
     values: tuple[float, ...], limits: dict[str, float], holds: bool | None
 ) -> None:
-    assert measured.Measured("a", values, **limits).holds is holds
+    assert MeasuredItem("a", values, **limits).holds is holds
 
 
-def test_a_miss_and_a_failure_are_told_and_results_before_stay(folder: Path) -> None:
+MISSED = "| ours over theirs | 2 x | 1 to 9 | at most 1.5 x: **MISSED** |"
+
+
+def test_page_lists_misses_and_failures_with_earlier_results(folder: Path) -> None:
     table.renew([], 2, folder)
     page = (folder / "README.md").read_text("utf-8")
-    assert "0 of 1 that were asked for are reached, 1 missed" in page
-    assert "| whole | ours over theirs | at most 1.5 x | 2 x | 1 to 9 | 6 | **MISSED** |" in page
-    assert re.search(r"\*\*torn FAILED\*\* \(.*exit status 1: no display\); there is no run before", page)
+    assert "0 of 1 required values are reached, 1 missed" in page
+    assert MISSED in page
+    failed = page.partition("## torn")[2]
+    assert re.search(r"\*\*FAILED\*\* \(.*exit status 1: no display\); there is no run before", failed)
     (folder / "whole.py").write_text(TELLS.format(status=3), "utf-8")
     table.renew(["whole"], 1, folder)
-    page = (folder / "README.md").read_text("utf-8")
-    assert "| whole | ours over theirs | at most 1.5 x | 2 x | 1 to 9 | 6 | **MISSED** |" in page
-    assert re.search(r"\*\*whole FAILED\*\* .* its rows are of the run before", page)
+    section = (folder / "README.md").read_text("utf-8").partition("## whole")[2]
+    assert MISSED in section
+    assert re.search(r"\*\*FAILED\*\* .* the rows are of the run before", section)
 
 
-def test_explained_miss_has_a_reason(folder: Path, monkeypatch) -> None:
+@pytest.mark.parametrize(("value", "is_missed"), [(2.0, True), (1.0, False)])
+def test_known_reason_follows_only_a_miss(folder: Path, monkeypatch, value: float, is_missed: bool) -> None:
     monkeypatch.setitem(table.WHY_MISSED, "whole", "theirs became quicker")
-    reason = "- whole, missed: theirs became quicker."
-    for value, told in ((2.0, True), (1.0, False)):
-        outcome = table.Outcome((measured.Measured("ours over theirs", (value,), at_most=1.5),), machine="one")
-        assert (reason in table.page({"whole": outcome}, table.programs(folder), folder)) is told
+    outcome = table.Outcome((MeasuredItem("ours over theirs", (value,), at_most=1.5),), machine="one")
+    page = table.page({"whole": outcome}, table.programs(folder), folder)
+    assert ("Missed: theirs became quicker." in page) is is_missed
 
 
-def test_one_that_is_renewed_leaves_the_others_with_their_dates(folder: Path) -> None:
-    before = table.Outcome((measured.Measured("older", (1.0,)),), "2026-01-02", 0.5, "a machine", 1, 2.0)
+def test_renewed_benchmark_leaves_the_others(folder: Path) -> None:
+    before = table.Outcome((MeasuredItem("older", (1.0,)),), "2026-01-02", 0.5, "a machine", 1, 2.0)
     table.write({"torn": before}, folder)
     table.renew(["whole"], 1, folder)
-    kept = json.loads((folder / "results.json").read_text("utf-8"))
-    assert kept["torn"]["date"] == "2026-01-02"
-    assert "| torn | older | | 1 x | | 1 | | 2026-01-02, *code changed since* | 0.5 |" in re.sub(
-        " +", " ", (folder / "README.md").read_text()
-    )
+    assert json.loads((folder / "results.json").read_text("utf-8"))["torn"]["date"] == "2026-01-02"
+    section = (folder / "README.md").read_text().partition("## torn")[2]
+    assert "2026-01-02, *code changed since*, runs: 1, load 0.5, machine 1." in section
+    assert "| older | 1 x |  |  |" in section
 
 
 def test_page_marks_rows_older_than_their_code(folder: Path) -> None:
     table.renew(["whole"], 1, folder)
-    assert "changed since* |" not in (folder / "README.md").read_text("utf-8")
-    with (folder / "whole.py").open("a", encoding="utf-8") as program:
-        program.write("# changed\n")
-    table.write(table.read(folder / "results.json"), folder)
-    rows = [line for line in (folder / "README.md").read_text("utf-8").splitlines() if line.startswith("| whole")]
-    assert len(rows) == 2
-    assert all("*code changed since* |" in row for row in rows)
+    sections = []
+    for _ in range(2):
+        sections.append((folder / "README.md").read_text("utf-8").partition("## whole")[2])
+        with (folder / "whole.py").open("a", encoding="utf-8") as program:
+            program.write("# changed\n")
+        table.write(table.read(folder / "results.json"), folder)
+    assert ["*code changed since*" in section for section in sections] == [False, True]
 
 
 def test_changed_neighbour_of_a_measured_module_changes_digest(tmp_path: Path) -> None:
@@ -148,20 +152,15 @@ def test_changed_neighbour_of_a_measured_module_changes_digest(tmp_path: Path) -
     assert table.digest(program, tmp_path) != before
 
 
-@pytest.mark.parametrize("name", [name for name in table.programs() if name not in table.ELSEWHERE])
-def test_each_benchmark_names_the_code_it_measures(name: str) -> None:
-    assert len(table.sources_of(BENCHMARKS / f"{name}.py")) > 1
-
-
-def test_one_that_says_nothing_has_failed(folder: Path) -> None:
+def test_benchmark_without_results_has_failed(folder: Path) -> None:
     (folder / "whole.py").write_text('if __name__ == "__main__":\n    pass\n', "utf-8")
     assert table.once(folder / "whole.py") == ([], "ended without a result")
 
 
-def test_one_that_takes_too_long_is_ended(folder: Path) -> None:
+def test_benchmark_that_takes_too_long_is_ended(folder: Path) -> None:
     (folder / "whole.py").write_text("import time\n\ntime.sleep(60)\n", "utf-8")
     assert table.once(folder / "whole.py", longest_s=0.2) == ([], "took more than 0.2 s")
 
 
-def test_benchmark_never_run_is_listed(folder: Path) -> None:
-    assert "| torn | not run yet |" in table.page({}, table.programs(folder), folder)
+def test_page_names_benchmarks_that_never_ran(folder: Path) -> None:
+    assert "## torn\n\nNot run yet." in table.page({}, table.programs(folder), folder)

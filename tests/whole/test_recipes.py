@@ -62,7 +62,7 @@ LINES = (
         '    "simulated": ',
     ),
     (
-        "experiments/ladders/__init__.py",
+        "experiments/accuracy/__init__.py",
         '    "series": f"{_HERE}.series:problem",\n',
         '    "spectral-sensitivity": ',
     ),
@@ -311,10 +311,10 @@ def test_the_keys_of_a_procedure_follow_from_its_line(tree: Path, folder: Path) 
     assert "did you mean 'step'" in done.stderr
 
 
-def test_a_ladder_is_a_file_and_a_line(folder: Path) -> None:
+def test_accuracy_problem_is_a_file_and_a_line(folder: Path) -> None:
     points = rows_of(folder / "cost" / "cost.csv")
     assert [point["setting"] for point in points] == ["1 terms", "10 terms", "100 terms", "1000 terms"]
-    assert {point["ladder"] for point in points} == {"series"}
+    assert {point["problem"] for point in points} == {"series"}
     errors = [float(point["error"]) for point in points]
     assert errors == sorted(errors, reverse=True)
     assert (folder / "cost" / "series.png").stat().st_size > 10_000

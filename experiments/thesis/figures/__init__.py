@@ -1,1 +1,1 @@
-"""Figures of the thesis that no room draws by itself, and how a drawing is written."""
+"""Figures of the thesis, and how they are written."""

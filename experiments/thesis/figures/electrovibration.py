@@ -11,7 +11,7 @@ from tactometry.stimuli.electrovibration.attraction.contact_area import UNVERIFI
 from tactometry.stimuli.electrovibration.attraction.force import LAWS, Law, electrostatic_force_n_at, force_form
 from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.electrovibration.skin.stack import DEEPER_TISSUE, STRATUM_CORNEUM
-from tactometry.stimuli.electrovibration.textures.played_texture import share_along
+from tactometry.stimuli.electrovibration.textures.followed_texture import share_along
 from tactometry.stimuli.electrovibration.textures.texture import Texture, Velvet
 from tactometry.stimuli.electrovibration.waveforms.periodic import Trapezoid
 from tactometry.stimuli.electrovibration.waveforms.sine import Sine

@@ -1,11 +1,9 @@
-"""The checks, each in a file of its own; none is imported unless it is asked for."""
+"""The checks, each imported when it is requested."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Final
 
-from tactometry.loading import resolve
-
+from ...harness import item
 from ..check import Check
 
 _HERE: Final = "tactometry.experiments.validation.checks"
@@ -20,10 +18,10 @@ CHECKS: Final[Mapping[str, str]] = {
     "false-alarms-of-ratings": f"{_HERE}.ratings:FALSE_ALARMS",
     "effects-of-ratings": f"{_HERE}.ratings:EFFECTS",
 }
-"""The name of each check, and where it is."""
+"""The target of each check."""
 
 
 def check_of(name: str) -> Check:
-    """A check by its name."""
-    check: Check = resolve(CHECKS[name])
-    return replace(check, name=name)
+    """Return a check by its name."""
+    check: Check = item(CHECKS, name)
+    return check

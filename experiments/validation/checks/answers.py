@@ -1,14 +1,13 @@
-"""Tests and intervals of a group, from answers: the analysis of fitted thresholds, and the
-hierarchical model."""
+"""Tests and intervals of a group from answers, by fitted thresholds and by the hierarchical model."""
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.hierarchical.fitting import fit_hierarchical
@@ -19,8 +18,7 @@ from tactometry.analysis.tasks.cells import estimate_table, estimates
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import PsychometricFunction
 
-from ..check import Check, Simulate
-from ..kinds import ESTIMATES, NO_ANSWER, TESTS, Estimate
+from ..check import ESTIMATES, NO_ANSWER, TESTS, Check, Estimate, Simulate
 
 N_PARTICIPANTS, N_CONDITIONS, N_TRIALS = 10, 3, 14
 LEVELS: Final = np.linspace(8.0, 32.0, 7)
@@ -33,7 +31,7 @@ FIRST, LAST = 0.0, float(N_CONDITIONS - 1)
 
 
 def study(cell_sd_db: float, effect_db: float, rng: np.random.Generator) -> list[Cell]:
-    """Cells of people whose thresholds rise by so much from the first condition to the last, in equal steps."""
+    """Simulate cells of people whose thresholds rise from the first condition to the last in equal steps."""
     people = MEAN_DB + PARTICIPANT_SD_DB * rng.standard_normal((N_PARTICIPANTS, 1))
     own = cell_sd_db * rng.standard_normal((N_PARTICIPANTS, N_CONDITIONS))
     at = people + own + effect_db * (np.arange(N_CONDITIONS) / LAST - 0.5)
@@ -59,77 +57,45 @@ def study(cell_sd_db: float, effect_db: float, rng: np.random.Generator) -> list
     ]
 
 
-Columns = Mapping[str, NDArray[Any]]
-
-
-def columns(cells: list[Cell]) -> Columns:
-    """A row for each cell and level."""
-    n_levels = len(LEVELS)
-    return {
-        "levels": np.tile(LEVELS, len(cells)),
-        "n_yes": np.concatenate([cell.n_yes for cell in cells]),
-        "participants": np.repeat([cell.participant for cell in cells], n_levels),
-        FACTOR: np.repeat([cell.condition[0] for cell in cells], n_levels),
-    }
-
-
-def hierarchical(rows: Columns) -> HierarchicalFit:
-    """As `analyse` asks for it."""
-    names, condition = rows["participants"].tolist(), {FACTOR: rows[FACTOR].tolist()}
-    options: dict[str, Any] = {"shape": "normal", "guess_rate": GUESS_RATE}
-    return fit_hierarchical(rows["levels"], rows["n_yes"], N_TRIALS, names, condition, **options)
+def hierarchical(cells: list[Cell]) -> HierarchicalFit:
+    """Fit all participants as `analyse` does."""
+    levels, n_yes = np.tile(LEVELS, len(cells)), np.concatenate([cell.n_yes for cell in cells])
+    names = np.repeat([cell.participant for cell in cells], len(LEVELS)).tolist()
+    condition = {FACTOR: np.repeat([cell.condition[0] for cell in cells], len(LEVELS)).tolist()}
+    return fit_hierarchical(levels, n_yes, N_TRIALS, names, condition, shape="normal", guess_rate=GUESS_RATE)
 
 
 def _fitted(cells: list[Cell]) -> pd.DataFrame:
     return estimate_table(estimates(cells), [FACTOR], "")
 
 
-def _p_of_hierarchical(found: HierarchicalFit) -> float:
-    try:
-        return found.effect(FACTOR).p
-    except InvalidParameter:
-        return math.nan
-
-
-def _of_pairs(fitted: pd.DataFrame) -> Estimate:
-    """None where a cell has no threshold."""
-    try:
-        compared = pairs(fitted, dependent="threshold", factor=FACTOR, subject="participant")
-    except InvalidParameter:
-        return NO_ANSWER
-    pair = compared[(compared["a"] == FIRST) & (compared["b"] == LAST)].iloc[0]
-    return pair["difference"], pair["difference_low"], pair["difference_high"]
-
-
-def _of_contrast(found: HierarchicalFit) -> Estimate:
-    try:
-        contrast = found.contrast({(LAST,): 1.0, (FIRST,): -1.0})
-    except InvalidParameter:
-        return NO_ANSWER
-    return contrast.estimate, contrast.interval_low, contrast.interval_high
-
-
 def tested(cells: list[Cell]) -> dict[str, float]:
-    """p of each test of the factor."""
+    """Return p of each test of the factor, NaN without an answer."""
     anova = outcome(_fitted(cells), [FACTOR], "forced_choice", "threshold").anova
-    rows = columns(cells)
+    p_of_group = math.nan
+    with suppress(InvalidParameter):
+        p_of_group = hierarchical(cells).effect(FACTOR).p
     return {
         "ANOVA of fitted thresholds": math.nan if anova is None else float(anova["p_CM_corr"].iloc[0]),
-        "hierarchical": _p_of_hierarchical(hierarchical(rows)),
+        "hierarchical": p_of_group,
     }
 
 
 def estimated(cells: list[Cell]) -> dict[str, Estimate]:
-    """The last condition less the first, with its interval, by each method."""
-    rows = columns(cells)
-    return {
-        "fitted thresholds, pairs": _of_pairs(_fitted(cells)),
-        "hierarchical": _of_contrast(hierarchical(rows)),
-    }
+    """Return the last condition minus the first, with its interval, by each method."""
+    of_pairs = of_group = NO_ANSWER
+    with suppress(InvalidParameter):  # a cell without a threshold
+        compared = pairs(_fitted(cells), dependent="threshold", factor=FACTOR, subject="participant")
+        pair = compared[(compared["a"] == FIRST) & (compared["b"] == LAST)].iloc[0]
+        of_pairs = pair["difference"], pair["difference_low"], pair["difference_high"]
+    with suppress(InvalidParameter):
+        contrast = hierarchical(cells).contrast({(LAST,): 1.0, (FIRST,): -1.0})
+        of_group = contrast.estimate, contrast.interval_low, contrast.interval_high
+    return {"fitted thresholds, pairs": of_pairs, "hierarchical": of_group}
 
 
 def false_alarms(cell_sd_db: float, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Of studies without an effect, and of others with one."""
+    """Test studies without an effect, and others with one."""
     rows = [
         (effect, test, p)
         for effect in (0.0, EFFECT_DB)
@@ -140,7 +106,7 @@ def false_alarms(cell_sd_db: float, n_sets: int, rng: np.random.Generator) -> pd
 
 
 def effects(cell_sd_db: float, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Of studies with an effect."""
+    """Estimate the effect of studies that have one."""
     rows = [
         (method, EFFECT_DB, *found)
         for _ in range(n_sets)
@@ -156,35 +122,31 @@ def _settings(simulate: Any) -> Mapping[str, Simulate]:
 
 _PEOPLE: Final = f"""\
 {N_PARTICIPANTS} participants answer {N_TRIALS} two-alternative trials at each of {len(LEVELS)} levels in
-{N_CONDITIONS} conditions: thresholds of {MEAN_DB:g} dB that differ by {PARTICIPANT_SD_DB:g} dB between people, and
-by an own deviation in each condition (`own_sd_db`); normal functions, widths of {WIDTH_DB:g} dB that differ by
-{WIDTH_LOG_SD:.0%}, {LAPSE_RATE:.0%} lapses."""
+{N_CONDITIONS} conditions: thresholds of {MEAN_DB:g} dB with an SD of {PARTICIPANT_SD_DB:g} dB between people and of
+`own_sd_db` between their conditions; normal functions, widths of {WIDTH_DB:g} dB that differ by {WIDTH_LOG_SD:.0%},
+{LAPSE_RATE:.0%} lapses."""
+REASONS: Final = {
+    "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
+}
 FALSE_ALARMS: Final = Check(
     title="Tests of a group, from answers",
     words=f"""\
-{_PEOPLE} Without an effect 5 % of tests ought to have p < 5 %; with {EFFECT_DB:g} dB from the first condition to the
-last the share is the power.""",
+{_PEOPLE} Without an effect 5 % of tests should have p < 5 %; with {EFFECT_DB:g} dB from the first condition to the last
+the share is the power.""",
     kind=TESTS,
     keys=("own_sd_db", "effect", "test"),
     settings=_settings(false_alarms),
     n_sets=5,
-    reasons={
-        "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
-    },
-    reason_key="test",
+    reasons=REASONS,
     figure="tests-of-answers",
 )
 EFFECTS: Final = Check(
     title="Effects in a group, from answers",
-    words=f"""\
-{_PEOPLE} The last condition is {EFFECT_DB:g} dB above the first: its estimate, less the truth, and its interval.""",
+    words=f"{_PEOPLE} The last condition is {EFFECT_DB:g} dB above the first.",
     kind=ESTIMATES,
     keys=("own_sd_db", "method"),
     settings=_settings(effects),
     n_sets=5,
-    reasons={
-        "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
-    },
-    reason_key="method",
+    reasons=REASONS,
     figure="effects-of-answers",
 )

@@ -1,4 +1,4 @@
-"""Simulation-based calibration: truths drawn from the prior of a fit rank anywhere in its posterior with equal chance.
+"""Simulation-based calibration: the rank of a truth from the prior is uniform in its posterior.
 
 Talts, Betancourt, Simpson, Vehtari and Gelman (2018), arXiv 1804.06788.
 """
@@ -31,20 +31,19 @@ from tactometry.protocols.batch.tracks import tracks
 from tactometry.protocols.bayesian.weighing import normalised
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
-from ..check import Check
-from ..kinds import RANKS
+from ..check import RANKS, Check
 
 Array = NDArray[np.float64]
 LEVELS: Final = np.linspace(-0.5, 0.5, 7)
-"""On the scale on which the priors are stated: the range of the levels is 1."""
+"""Levels on the scale of the priors, with a range of 1."""
 SHARES: Final = np.arange(0.1, 0.95, 0.1)
-"""Coverage of the central intervals whose ends, with the median, part the posterior into twentieths."""
+"""Coverage of central intervals whose ends and the median divide the posterior into twentieths."""
 FINE: Final = 4001
 
 
 @dataclass(frozen=True)
 class FitModel:
-    """A fit: shape, guess rate (None: free), trials at each level, catch trials, and what else its prior is told."""
+    """A fit: shape, guess rate (None: free), trials at each level, catch trials, and other options of its prior."""
 
     shape: str
     guess_rate: float | None
@@ -66,7 +65,7 @@ MODELS: Final[Mapping[str, FitModel]] = {
 
 
 def of_fit(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Ranks of threshold and width in the posterior of the fit."""
+    """Return ranks of threshold and width in the posterior of a fit."""
     model = MODELS[name]
     truth = from_prior(model, n_sets, rng)
     chances = [PsychometricFunction(model.shape, *each).probability(LEVELS) for each in truth[:, [0, 1, 3, 2]]]
@@ -86,7 +85,7 @@ def of_fit(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
-    """Threshold, width, lapse rate and guess rate (n, 4), by the inverse of each distribution function."""
+    """Draw threshold, width, lapse rate and guess rate (n, 4) by inverse distribution functions."""
     none = np.zeros(1)
     prior = model.prior(np.array([LEVELS[1] - LEVELS[0]]), none, none)
     narrowest = prior.narrowest
@@ -113,7 +112,7 @@ def _log_rate(x: Array, beta: float) -> Array:
 
 
 def inverse(log_density: Callable[[Array], Array], ends: tuple[float, float], uniform: Array) -> Array:
-    """Of uniform numbers draws from a density between two ends."""
+    """Draw from a density between two ends, for uniform numbers."""
     x = np.linspace(ends[0], ends[1], FINE)
     with np.errstate(divide="ignore"):
         density = np.exp(log_density(x))
@@ -122,21 +121,22 @@ def inverse(log_density: Callable[[Array], Array], ends: tuple[float, float], un
 
 
 def rank(truth: Array, quantiles: Array, rng: np.random.Generator) -> Array:
-    """Where truths (n_sets,) lie among quantiles (n_sets, 3, n_shares) of central intervals and the median: anywhere in
-    the twentieth that holds them."""
+    """Rank truths (n_sets,) among quantiles (n_sets, 3, n_shares): uniform in the twentieth that contains them."""
     places = np.concatenate([quantiles[:, 0], quantiles[:, 1, :1], quantiles[:, 2]], axis=1)
     below = (np.sort(places, axis=1) < truth[:, None]).sum(axis=1)
     return np.asarray((below + rng.random(len(truth))) / (places.shape[1] + 1))
 
 
 def of_quest_plus(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Ranks of the threshold in the weights of QUEST+ after an adaptive track, anywhere in the node that holds it."""
+    """Rank the threshold in the weights of QUEST+ after an adaptive track, uniform in the node that contains it."""
     guess_rate, n_trials = QUEST_PLUS[name]
     levels = tuple(np.arange(0.0, 41.0, 2.0).tolist())
     grid = ParameterGrid(levels, (4.0, 8.0, 16.0), (guess_rate,), (0.0, 0.02, 0.05))
     rule = QuestPlus(levels, grid, n_trials)
     cells = rng.integers(rule.prior_state.weights.size, size=n_sets)
-    threshold, width, _, lapse = (np.asarray(axis)[place] for axis, place in _at(grid, cells))
+    axes = [np.asarray(axis) for axis in grid.parameters.values()]
+    places = np.unravel_index(cells, [len(axis) for axis in axes])
+    threshold, width, _, lapse = (axis[place] for axis, place in zip(axes, places, strict=True))
     columns = (each[:, None] for each in (threshold, width, np.full(n_sets, guess_rate), lapse))
     made = tracks(rule, criteria(rng.random((n_sets, n_trials)), "gumbel", *columns))
     logs = np.tile(rule.prior_state.log_weights, (n_sets, 1))
@@ -150,12 +150,6 @@ def of_quest_plus(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFr
     return pd.DataFrame({"posterior": name, "quantity": "threshold", "rank": np.clip(ranks, 0.0, 1.0)})
 
 
-def _at(grid: ParameterGrid, cells: NDArray[np.int64]) -> list[tuple[tuple[float, ...], NDArray[np.intp]]]:
-    """The axes of the grid, each with the place along it of some cells."""
-    axes = list(grid.parameters.values())
-    return list(zip(axes, np.unravel_index(cells, [len(axis) for axis in axes]), strict=True))
-
-
 QUEST_PLUS: Final[Mapping[str, tuple[float, int]]] = {
     "QUEST+, 2AFC, 60 trials": (0.5, 60),
     "QUEST+, yes/no, 30 trials": (0.03, 30),
@@ -163,19 +157,16 @@ QUEST_PLUS: Final[Mapping[str, tuple[float, int]]] = {
 CHECK: Final = Check(
     title="Simulation-based calibration",
     words=f"""\
-Truths are drawn from the prior of a posterior, answers from the truths; the rank of a truth in its posterior is then
-uniform (Talts et al. 2018). Of the fits (seven levels, {
+Truths are drawn from the prior, answers from the truths; the rank of a truth in its posterior is then uniform (Talts
+et al. 2018). Fits have seven constant levels ({
         ", ".join(f"{each.n_trials} trials at each for {name}" for name, each in MODELS.items())
-    }) the ends of nine central intervals and the median part the posterior of threshold and of width into
-twentieths: they are what `fit` tells. Levels that a track chooses change the prior of the fit, so that its ranks are
-of constant levels. Of QUEST+ the weights of its own grid are taken, of tracks that it placed. p is that of
-Kolmogorov and Smirnov's exact test.""",
+    }), since adaptive levels change their prior; the ends of nine central intervals and the median divide the posterior
+into twentieths. QUEST+ has the weights of its grid after its own tracks. p is Kolmogorov and Smirnov's exact test.""",
     kind=RANKS,
     keys=("posterior", "quantity"),
     settings={name: partial(of_fit, name) for name in MODELS}
     | {name: partial(of_quest_plus, name) for name in QUEST_PLUS},
     n_sets=40,
-    reasons={},
-    reason_key="posterior",
+    method="posterior",
     figure="ranks",
 )

@@ -1,4 +1,4 @@
-"""Tests and intervals of questionnaires, of people who rate patterns of focused pulses."""
+"""Tests and intervals of questionnaires, for people who rate patterns of focused pulses."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -16,15 +16,14 @@ from tactometry.rigs.simulated import value_of
 
 from ...study.session_plan import stream
 from ...study.task_table import dimensions_of
-from ..check import Check, Simulate
-from ..kinds import ESTIMATES, TESTS
+from ..check import ESTIMATES, TESTS, Check
 
 FORM: Final = load("attrakdiff")
 DIMENSION: Final = "PQ"
 PATTERNS: Final = ("P0", *THESIS)
 N_PARTICIPANTS: Final = 12
 ATTITUDE: Final = 0.2
-"""Of everybody to patterns of the high frequency, from -1 to 1 (0.6 points of the scale, less what is clipped)."""
+"""Attitude to patterns of the high frequency, from -1 to 1 (0.6 points of the scale before clipping)."""
 RATERS: Final[Mapping[float, Raters]] = {
     effect: Raters(
         noise=0.35,
@@ -35,11 +34,11 @@ RATERS: Final[Mapping[float, Raters]] = {
     )
     for effect in (0.0, ATTITUDE)
 }
-"""As those of the study time-reversal-patterns, with no effects but this one."""
+"""Raters of the study time-reversal-patterns with this effect alone."""
 
 
 def study(effect: float, seed: int) -> pd.DataFrame:
-    """A row for each answer, of whole steps of the scale, as a session asks and keeps them."""
+    """Simulate a row for each answer, in whole steps of the scale as in a session."""
     rows = []
     for code in (f"P{number:02d}" for number in range(N_PARTICIPANTS)):
         rater = Rater(
@@ -81,7 +80,7 @@ TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
 
 
 def false_alarms(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Of studies without an effect, and of others with one."""
+    """Test studies without an effect, and others with one."""
     rows = []
     for effect in RATERS:
         for table in (scored(effect, rng) for _ in range(n_sets)):
@@ -90,7 +89,7 @@ def false_alarms(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def effects(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Patterns that nobody rates otherwise: their means and differences are 0, as the scale is symmetric."""
+    """Estimate means and differences of patterns that are rated alike: 0, as the scale is symmetric."""
     rows = []
     for table in (scored(0.0, rng) for _ in range(n_sets)):
         pair = _against(table).iloc[0]
@@ -103,24 +102,21 @@ def effects(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 _PEOPLE: Final = f"""\
 {N_PARTICIPANTS} simulated people ([observer.raters](../reference/people.md)) rate seven patterns by AttrakDiff's 28
-word pairs, in whole steps: attitudes by person, dimension and pattern, loadings, noise, extremity and acquiescence as
-in the study `time-reversal-patterns`. Pragmatic quality is looked at."""
-_SETTINGS: Final[Mapping[str, Simulate]] = {"patterns": false_alarms}
+word pairs, in whole steps, as in the study `time-reversal-patterns`. Pragmatic quality is tested."""
 FALSE_ALARMS: Final = Check(
     title="Tests of questionnaires",
     words=f"""\
-{_PEOPLE} Without an effect 5 % of tests ought to have p < 5 %; with an attitude of {ATTITUDE:g} more to the three
-patterns of the high frequency the share is the power of *frequency* and *against P0*; *envelope* and the
-interaction have no effect then either.""",
+{_PEOPLE} Without an effect 5 % of tests should have p < 5 %; with an attitude of {ATTITUDE:g} more to the three
+patterns of the high frequency the share is the power of *frequency* and *against P0*; *envelope* and the interaction
+never have an effect.""",
     kind=TESTS,
     keys=("effect", "test"),
     settings={"patterns": false_alarms},
     n_sets=10,
     reasons={
-        "against P0, Holm: any of six": "Holm's correction holds 5 % for any dependence and is below where "
+        "against P0, Holm: any of six": "Holm's correction ensures 5 % for any dependence, and is below it where "
         "comparisons share the reference",
     },
-    reason_key="test",
     figure="tests-of-ratings",
 )
 EFFECTS: Final = Check(
@@ -130,6 +126,4 @@ EFFECTS: Final = Check(
     keys=("method",),
     settings={"patterns": effects},
     n_sets=10,
-    reasons={},
-    reason_key="method",
 )

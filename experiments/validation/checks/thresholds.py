@@ -14,8 +14,8 @@ from tactometry.protocols import MethodOfLimits, PsiSettings
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction
 
-from ...census import thresholds as census
-from ...census.thresholds import (
+from ...bias_study import participants as simulated
+from ...bias_study.participants import (
     AT_CHANCE,
     FALSE_ALARM_RATE,
     HIGH_DB,
@@ -27,8 +27,7 @@ from ...census.thresholds import (
     SimulatedTask,
     Tracks,
 )
-from ..check import Check
-from ..kinds import ESTIMATES
+from ..check import ESTIMATES, Check
 
 N_TRIALS: Final = 60
 N_GROUP: Final = 10
@@ -39,22 +38,22 @@ POSTERIOR: Final = ("mode", "median", "mean")
 
 
 def method_of_limits(guess_rate: float) -> MethodOfLimits:
-    """Series that alternate and begin anywhere in the outer quarter; the track ends with its last trial."""
+    """Return alternating series that begin in the outer quarter; the track ends with its last trial."""
     del guess_rate
     return MethodOfLimits(LOW_DB, HIGH_DB, 4.0, n_series=1000, n_start_steps=2)
 
 
 def psi(guess_rate: float) -> Rule[Any]:
-    """Of a cumulative normal, told the lapse rate that participants have."""
+    """Return psi for a cumulative normal with the lapse rate of the participants."""
     table = PsiSettings(
         LOW_DB, HIGH_DB, 41, 1.0, 6.0, 6, guess_rate=guess_rate, lapse_rate=LAPSE_RATE, n_trials=N_TRIALS
     )
     return table.procedure()
 
 
-PROCEDURES: Final = {**census.PROCEDURES, "psi": psi, "method of limits": method_of_limits}
+PROCEDURES: Final = {**simulated.PROCEDURES, "psi": psi, "method of limits": method_of_limits}
 LEFT_OUT: Final = (AT_CHANCE, ("method of limits", "2AFC"))
-"""Rules that go down as long as the answer is 1, which guesses are as well."""
+"""Rules that go down while the answer is 1, which guesses are as well."""
 TARGETS: Final[Mapping[str, float]] = {
     "1 up 1 down": 0.5,
     "1 up 2 down": 0.5 ** (1 / 2),
@@ -62,13 +61,13 @@ TARGETS: Final[Mapping[str, float]] = {
     "weighted, 0.75": 0.75,
     "method of limits": 0.5,
 }
-"""The chance of the answer 1 at the level that a rule aims at (Levitt 1971, J. Acoust. Soc. Am. 49, 467; Kaernbach
-1991, Percept. Psychophys. 49, 227); of the others the threshold."""
+"""Chance of the answer 1 at the target of a rule (Levitt 1971, J. Acoust. Soc. Am. 49, 467; Kaernbach 1991, Percept.
+Psychophys. 49, 227); others estimate the threshold."""
 
 
 def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Each participant's track with all fits."""
-    made = census.tracks(procedure, task, INSIDE, n_sets, rng, n_trials=N_TRIALS, procedures=PROCEDURES)
+    """Simulate a track of each participant, with all fits."""
+    made = simulated.tracks(procedure, task, INSIDE, n_sets, rng, n_trials=N_TRIALS, procedures=PROCEDURES)
     n_catch = round(task.catch * N_TRIALS)
     catch = {"n_false_alarms": rng.binomial(n_catch, task.guess_rate, n_sets), "n_catch": np.full(n_sets, n_catch)}
     told: dict[str, Any] = {"shape": SHAPE, "guess_rate": task.told}
@@ -79,7 +78,7 @@ def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Ge
 
 
 def _of_rule(procedure: str, task: SimulatedTask, made: Tracks) -> pd.DataFrame:
-    """Against the level that the rule aims at."""
+    """Return the rule's own estimates, with its target as truth."""
     targets = {**TARGETS, "QUEST": 1 - (1 - task.guess_rate) / np.e}
     people = zip(made.thresholds_db, made.widths_db, strict=True)
     functions = [PsychometricFunction(SHAPE, at, width, task.guess_rate, LAPSE_RATE) for at, width in people]
@@ -100,13 +99,13 @@ def _of_fits(made: Tracks, told: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
 
 
 def _counts(made: Tracks) -> tuple[NDArray[np.float64], ...]:
-    """Levels, answers and trials (n_sets, n_trials), none after the end of a track."""
+    """Return levels, answers and trials (n_sets, n_trials), with no trials after the end of a track."""
     asked = ~np.isnan(made.levels_db)
     return np.where(asked, made.levels_db, 0.0), np.where(asked, made.answers, 0.0), asked.astype(np.float64)
 
 
 def _table(made: Tracks, fits: Iterable[ThresholdFit], estimates: Iterable[float | None]) -> pd.DataFrame:
-    """Of fits that have a threshold the estimate; of the others the bounds alone."""
+    """Return estimates and intervals; fits without a threshold have only bounds."""
     rows = [
         (None if fit.threshold is None else estimate, fit.interval_low, fit.interval_high)
         for fit, estimate in zip(fits, estimates, strict=True)
@@ -116,7 +115,7 @@ def _table(made: Tracks, fits: Iterable[ThresholdFit], estimates: Iterable[float
 
 
 def _of_groups(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray[Any]]) -> pd.DataFrame:
-    """Shrunken thresholds of groups of participants in one condition."""
+    """Fit groups of participants in one condition hierarchically."""
     groups = [slice(first, first + N_GROUP) for first in range(0, len(made.answers), N_GROUP)]
     return pd.concat([_of_group(made, told, catch, members) for members in groups])
 
@@ -163,6 +162,5 @@ the rule aims, and a hierarchical fit has {N_GROUP} participants.""",
         "posterior, median": "as that of the mode, whose interval it shares",
         "posterior, mean": "as that of the mode, whose interval it shares",
     },
-    reason_key="fit",
     figure="thresholds",
 )

@@ -1,4 +1,4 @@
-"""Tests and intervals of values that participants have in conditions, by the errors of the values."""
+"""Tests and intervals of values of participants in conditions, by their errors."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -15,12 +15,11 @@ from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
 
-from ..check import Check, Simulate
-from ..kinds import ESTIMATES, NO_ANSWER, TESTS, Estimate
+from ..check import ESTIMATES, NO_ANSWER, TESTS, Check, Estimate, Simulate
 
 N_CONDITIONS: Final = 4
 EFFECT: Final = 1.1
-"""Of the last condition, in standard deviations of the errors."""
+"""Effect of the last condition, in standard deviations of the errors."""
 PARTICIPANTS_SD: Final = 2.0
 SHARE_OF_BOUNDS: Final = 0.15
 ERRORS: Final = ("spherical", "AR(1), 0.7", "noisy")
@@ -29,21 +28,25 @@ OF: Final[dict[str, Any]] = {"dependent": "y", "subject": "participant"}
 FIRST, LAST = 0, N_CONDITIONS - 1
 
 
-def studies(errors: str, n_participants: int, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Values (n, n_participants, N_CONDITIONS) without effects: participants who differ, and errors of variance 1 that
-    are independent, correlated by 0.7 a step, or three times as large in the first condition."""
-    places = np.arange(N_CONDITIONS)
+def studies(
+    errors: str, n_participants: int, n: int, rng: np.random.Generator, n_conditions: int = N_CONDITIONS
+) -> NDArray[np.float64]:
+    """Draw values (n, n_participants, n_conditions) without effects.
+
+    Errors of variance 1 are independent, correlated by 0.7 a step, or three times as large in the first condition.
+    """
+    places = np.arange(n_conditions)
     covariance = {
-        "spherical": np.eye(N_CONDITIONS),
+        "spherical": np.eye(n_conditions),
         "AR(1), 0.7": 0.7 ** np.abs(np.subtract.outer(places, places)),
         "noisy": np.diag(np.where(places == 0, 9.0, 1.0)),
     }[errors]
-    drawn = rng.standard_normal((n, n_participants, N_CONDITIONS))
+    drawn = rng.standard_normal((n, n_participants, n_conditions))
     return np.asarray(drawn @ np.linalg.cholesky(covariance + PARTICIPANTS_SD**2).T)
 
 
 def long_table(values: NDArray[np.float64]) -> pd.DataFrame:
-    """Of one study a row for each participant and condition; `cut` has a bound in place of low values."""
+    """Return a row for each participant and condition of a study; `cut` has bounds in place of low values."""
     shape = [range(length) for length in values.shape]
     table = pd.MultiIndex.from_product(shape, names=["participant", "condition"]).to_frame(index=False)
     y = values.ravel()
@@ -68,11 +71,11 @@ TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
     "mixed model": lambda table: mixed_model(table, factors=["condition"], **OF).terms["p"].iloc[0],
     "pairs, Holm: any of six": lambda table: pairs(table, factor="condition", **OF)["p_corr"].min(),
 }
-"""p of each test of a study."""
+"""The p of each test of a study."""
 
 
 def p_of(test: str, table: pd.DataFrame) -> float:
-    """NaN where it has no answer."""
+    """Return p, or NaN without an answer."""
     try:
         return float(TESTED[test](table))
     except UndefinedStatistic:
@@ -80,7 +83,7 @@ def p_of(test: str, table: pd.DataFrame) -> float:
 
 
 def false_alarms(errors: str, n_participants: int, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Each study without an effect, and with one."""
+    """Test each study without an effect, and with one."""
     rows = []
     for values in studies(errors, n_participants, n_sets, rng):
         for effect in (0.0, EFFECT):
@@ -91,12 +94,12 @@ def false_alarms(errors: str, n_participants: int, n_sets: int, rng: np.random.G
 
 
 def with_effect(values: NDArray[np.float64], effect: float) -> NDArray[np.float64]:
-    """The last condition is so much higher."""
-    return np.asarray(values + effect * (np.arange(values.shape[-1]) == LAST))
+    """Raise the last condition by an effect."""
+    return np.asarray(values + effect * (np.arange(values.shape[-1]) == values.shape[-1] - 1))
 
 
 def effects(errors: str, n_participants: int, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """The last condition less the first, and its mean."""
+    """Estimate the last condition minus the first, and its mean."""
     rows = []
     for values in studies(errors, n_participants, n_sets, rng):
         table = long_table(with_effect(values, EFFECT))
@@ -106,7 +109,7 @@ def effects(errors: str, n_participants: int, n_sets: int, rng: np.random.Genera
 
 
 def estimates(table: pd.DataFrame) -> dict[str, Estimate]:
-    """Estimate and ends of the interval by each method."""
+    """Return the estimate with its interval by each method."""
     compared = pairs(table, factor="condition", **OF)
     pair = compared[(compared["a"] == FIRST) & (compared["b"] == LAST)].iloc[0]
     model = mixed_model(table, factors=["condition"], **OF).coefficients.iloc[LAST]
@@ -128,47 +131,43 @@ def _settings(simulate: Callable[..., pd.DataFrame]) -> Mapping[str, Simulate]:
 
 
 _PEOPLE: Final = f"""\
-Participants have normal values in {N_CONDITIONS} conditions: they differ by {PARTICIPANTS_SD:g} standard deviations
-of the errors, which are independent and alike (*spherical*), correlated by 0.7 a step (*AR(1)*), or three times as
-large in the first condition (*noisy*)."""
+Participants have normal values in {N_CONDITIONS} conditions and differ by {PARTICIPANTS_SD:g} standard deviations of
+the errors, which are independent and equal (*spherical*), correlated by 0.7 a step (*AR(1)*), or three times as large
+in the first condition (*noisy*)."""
 FALSE_ALARMS: Final = Check(
     title="Tests of values",
     words=f"""\
-{_PEOPLE} Without an effect 5 % of tests ought to have p < 5 %; with {EFFECT:g} standard deviations more in the last
-condition the share is the power. For the analysis of values and bounds the lowest {SHARE_OF_BOUNDS:.0%} are upper
-bounds. `analyse` reports Chi and Muller's p, or that of values and bounds.""",
+{_PEOPLE} Without an effect 5 % of tests should have p < 5 %; with {EFFECT:g} standard deviations more in the last
+condition the share is the power. For *values and bounds* the lowest {SHARE_OF_BOUNDS:.0%} are upper bounds.
+`analyse` reports Chi and Muller's p, or that of values and bounds.""",
     kind=TESTS,
     keys=("errors", "participants", "effect", "test"),
     settings=_settings(false_alarms),
     n_sets=20,
     reasons={
-        "ANOVA, uncorrected": "it takes the contrasts to be spherical; it is printed beside the corrected p, not "
-        "reported",
-        "ANOVA, Greenhouse-Geisser": "Greenhouse and Geisser's epsilon is too small with few participants, so "
-        "that the test errs on the side of no effect; `analyse` reports Chi and Muller's",
-        "mixed model": "a random intercept takes the differences of all conditions to vary alike",
-        "pairs, Holm: any of six": "Holm's correction holds 5 % for any dependence and is below where pairs "
+        "ANOVA, uncorrected": "assumes spherical contrasts; printed next to the corrected p, not reported",
+        "ANOVA, Greenhouse-Geisser": "the epsilon is too small with few participants, so that effects are missed; "
+        "`analyse` reports Chi and Muller's",
+        "mixed model": "a random intercept assumes that the differences of all conditions vary alike",
+        "pairs, Holm: any of six": "Holm's correction ensures 5 % for any dependence, and is below it where pairs "
         "share conditions",
-        "permutation test": "it asks for symmetric errors alone, and 2 to the number of participants changes of "
-        "signs make a p of steps",
+        "permutation test": "it requires only symmetric errors, and its p has steps of 2 to the minus number of "
+        "participants",
     },
-    reason_key="test",
     figure="tests-of-values",
 )
 EFFECTS: Final = Check(
     title="Effects of values",
     words=f"""\
-{_PEOPLE} The last condition is {EFFECT:g} higher: the difference to the first, and its mean (of which the truth is
-{EFFECT:g} too); for *values and bounds* the lowest {SHARE_OF_BOUNDS:.0%} are upper bounds.""",
+{_PEOPLE} The last condition is {EFFECT:g} higher: its difference to the first, and its mean (also {EFFECT:g}); for
+*values and bounds* the lowest {SHARE_OF_BOUNDS:.0%} are upper bounds.""",
     kind=ESTIMATES,
     keys=("errors", "participants", "method"),
     settings=_settings(effects),
     n_sets=20,
     reasons={
-        "difference, mixed model": "a random intercept has one variance for the differences of all conditions: "
-        "where they do not "
-        "vary alike its interval is too short for some and too long for others"
+        "difference, mixed model": "a random intercept has one variance for the differences of all conditions: where "
+        "they vary differently, its interval is too short for some and too long for others"
     },
-    reason_key="method",
     figure="effects-of-values",
 )

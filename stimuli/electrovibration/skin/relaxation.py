@@ -174,15 +174,6 @@ class Solution:
             total += gain * self.state_at(order, t)
         return np.asarray(total, dtype=np.float64)
 
-    def slope_at(self, t_s: ArrayLike) -> FloatArray:
-        """The time derivative of the output inside of the pieces, of the shape of `t_s`."""
-        t = self._times(t_s)
-        slope = voltage_slope(self.pieces, t)
-        total = np.asarray(self.relaxations.dc_gain * slope)
-        for order, (gain, rate) in enumerate(zip(self.relaxations.gains, self._rates, strict=True)):
-            total += gain * (slope - rate * self.state_at(order, t))
-        return np.asarray(total, dtype=np.float64)
-
     def state_at(self, order: int, t_s: FloatArray) -> FloatArray:
         """Relaxation number `order`, of gain 1, at the times."""
         rate = self._rates[order]
@@ -229,10 +220,3 @@ class Solution:
         line = self.pieces.slopes_v_per_s[piece] * elapsed * phi1(rate * elapsed)
         response = Relaxations((1.0,), (rate,)).response(self.pieces.frequencies_hz)
         return line + self.pieces.sinusoids(t_s, response * self.pieces.harmonics_v[piece])
-
-
-def voltage_slope(pieces: Pieces, t_s: FloatArray) -> FloatArray:
-    """``dv/dt`` inside of the pieces, of the shape of `t_s`."""
-    piece = pieces.index(t_s)
-    omega = 2j * np.pi * pieces.frequencies_hz
-    return np.asarray(pieces.slopes_v_per_s[piece] + pieces.sinusoids(t_s, omega * pieces.harmonics_v[piece]))

@@ -16,9 +16,8 @@ from ...arrays import FloatArray
 from ..waveforms.pieces import Pieces
 from ..waveforms.sine import Sine
 from ..waveforms.waveform import LevelUnit, Ramped, check_nyquist
-from .maps import HeightMap
-from .played_texture import SensorModel, check_carrier, finest_period_m
-from .texture import Bump, Texture, Velvet
+from .maps import HeightMap, Mapped
+from .texture import Bump, Grating, Noise, Region, Texture, Velvet
 from .way import Way, directions_along, without_jitter
 
 
@@ -133,13 +132,64 @@ class FollowedTexture(Ramped):
         Traceback (most recent call last):
         tactometry.errors.InvalidParameter: FollowedTexture.carrier_hz: found 2000 Hz, expected at least twice the \
 frequency of the texture under the finger (4000 Hz); raise the carrier, slow down or widen the texture
+        >>> FollowedTexture(Grating(1e-3)).check_motion(0.1, positions_hz=100.0)
+        Traceback (most recent call last):
+        tactometry.errors.InvalidParameter: sensor.rate_hz: found 100.0 reports per second, expected \
+more than 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: widen it, slow down or report faster
         """
         period_m = finest_period_m(self.texture)
         if period_m is None:
             return
-        check_carrier("FollowedTexture", self.carrier_hz, speed_m_per_s / period_m)
-        if positions_hz is not None:
-            SensorModel(positions_hz).check(period_m, speed_m_per_s)
+        needed_hz = 2 * speed_m_per_s / period_m
+        require.expect(
+            self.carrier_hz >= needed_hz * (1 - 1e-9),
+            "FollowedTexture.carrier_hz",
+            f"{self.carrier_hz:g} Hz",
+            f"at least twice the frequency of the texture under the finger ({needed_hz:.6g} Hz); raise the carrier, "
+            "slow down or widen the texture",
+        )
+        require.expect(
+            positions_hz is None or positions_hz > needed_hz * (1 + 1e-9),
+            "sensor.rate_hz",
+            f"{positions_hz} reports per second",
+            f"more than {needed_hz:.6g} for a period of {period_m:.6g} m at {speed_m_per_s:.6g} m/s; else the texture "
+            "aliases: widen it, slow down or report faster",
+        )
+
+
+def share_along(texture: Texture | Velvet, path_m: FloatArray) -> FloatArray:
+    """Share of the force along positions (n_times,) in the order in which a finger reaches them.
+
+    >>> share_along(Grating(2e-3), np.array([0.5e-3, 1.5e-3])).tolist()
+    [1.0, 0.0]
+    """
+    return texture.force_share_along(path_m) if isinstance(texture, Velvet) else texture.force_share(path_m)
+
+
+def finest_period_m(texture: Texture | Velvet) -> float | None:
+    """The shortest period (m) that positions must resolve; None if there is none.
+
+    Of a sinusoidal or sawtooth grating, tufts or a band of noise it is the shortest one itself; else twice the
+    narrowest part: of a square grating the part that is on or off, of a region its width, of a bump its `width_m`, of
+    an image or heights a pixel. Positions closer than half of it miss no part.
+
+    >>> finest_period_m(Grating(2e-3)), finest_period_m(Grating(2e-3, duty=0.25))
+    (0.002, 0.001)
+    """
+    match texture:
+        case Grating(shape="square"):
+            return 2 * min(texture.duty, 1 - texture.duty) * texture.period_m or None
+        case Grating(period_m=period_m):
+            return period_m
+        case Velvet(tuft_period_m=period_m, tuft_depth=depth):
+            return period_m if depth else None
+        case Noise(high_per_m=high_per_m):
+            return 1 / high_per_m
+        case Mapped(pixel_m=width_m) | Bump(width_m=width_m):
+            return 2 * width_m
+        case Region(left_m=left_m, right_m=right_m):
+            return 2 * (right_m - left_m)
+    return None
 
 
 def _filled(x_m: FloatArray, known: NDArray[np.bool_], way: Way | None) -> FloatArray:

@@ -18,7 +18,7 @@ from tactometry.files.samples import table_of_numbers
 from tactometry.provenance import sha256
 
 from ...arrays import FloatArray
-from .texture import SIGNS, Image
+from .texture import SIGNS
 
 LARGEST_MAP: Final = 2**26
 
@@ -94,7 +94,7 @@ def _grey_of_picture(content: bytes) -> FloatArray:
 @checked
 @dataclass(frozen=True)
 class GreyImage(Mapped):
-    """A row of grey levels, 0 (black, no friction) to 1, as `Image`; in a CSV file numbers from 0 to 1 too.
+    """A row of grey levels, 0 (black, no friction) to 1, straight lines between them.
 
     Parameters
     ----------
@@ -121,7 +121,8 @@ class GreyImage(Mapped):
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:
         """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
-        return Image(self._line, self.pixel_m).force_share(x_m)
+        at = np.asarray(x_m, dtype=np.float64) / self.pixel_m - 0.5
+        return np.asarray(np.interp(at, np.arange(self._line.size), self._line))
 
 
 @checked

@@ -222,66 +222,6 @@ def _lines(low_per_m: float, high_per_m: float, length_m: float) -> FloatArray:
     return np.arange(max(first, 1), last + 1) / length_m
 
 
-@dataclass(frozen=True, eq=False)
-class Image:
-    """A row of grey levels (0 black, no friction; 1 or 255 white), straight lines between the pixels' centres.
-
-    Parameters
-    ----------
-    grey : (n_pixels,) or (n_rows, n_pixels) array
-        Whole numbers 0..255, or numbers 0..1. Colour channels are refused, and whole numbers of which 1 is the
-        largest, which may be meant either way.
-    pixel_m : float
-        Width of a pixel.
-    row : int
-        The row that the finger follows, of a picture.
-
-    >>> Image(np.array([[0, 255, 51]], dtype=np.uint8), pixel_m=1e-3).force_share([0.5e-3, 1e-3, 9.0]).tolist()
-    [0.0, 0.5, 0.2]
-    """
-
-    grey: NDArray[np.generic]
-    pixel_m: float
-    row: int = 0
-
-    def __post_init__(self) -> None:
-        require.positive("Image", pixel_m=self.pixel_m)
-        shape = np.shape(self.grey)
-        if len(shape) not in (1, 2) or 0 in shape:
-            raise InvalidParameter(
-                f"Image.grey: found shape {shape}, expected (n_pixels,) or (n_rows, n_pixels): a grey image without "
-                "colour channels; convert it to grey first"
-            )
-        whole = isinstance(self.row, int | np.integer) and not isinstance(self.row, bool)
-        inside = whole and 0 <= self.row < (shape[0] if len(shape) == 2 else 1)
-        require.expect(inside, "Image.row", repr(self.row), f"a row of the image (shape {shape})")
-        object.__setattr__(self, "grey", _grey(self.grey))
-
-    @checked
-    def force_share(self, x_m: ArrayLike) -> FloatArray:
-        line = np.atleast_2d(np.asarray(self.grey, dtype=np.float64))[self.row]
-        at = np.asarray(x_m, dtype=np.float64) / self.pixel_m - 0.5
-        return np.asarray(np.interp(at, np.arange(line.size), line), dtype=np.float64)
-
-
-def _grey(values: NDArray[np.generic]) -> FloatArray:
-    array = np.asarray(values)
-    if array.dtype.kind not in "uif":
-        raise InvalidParameter(f"Image.grey: found values of type {array.dtype}, expected numbers")
-    if array.dtype.kind in "ui" and array.max() == 1:
-        raise InvalidParameter(
-            "Image.grey: found whole numbers of at most 1, expected 0 to 255, where 1 is all but black; give numbers "
-            "0.0 to 1.0, or scale them to 255"
-        )
-    scaled = array / 255.0 if array.dtype.kind in "ui" else np.asarray(array, dtype=np.float64)
-    if not (np.isfinite(scaled) & (scaled >= 0) & (scaled <= 1)).all():
-        raise InvalidParameter(
-            f"Image.grey: found values from {array.min()} to {array.max()}, expected whole numbers 0 to 255 or "
-            "numbers 0 to 1"
-        )
-    return np.asarray(scaled)
-
-
 @checked
 @dataclass(frozen=True)
 class Velvet:

@@ -22,9 +22,6 @@ class FocusDetection(Effect):
     ----------
     reference_m : float
         Peak displacement of a single focus at the detection threshold.
-
-    >>> FocusDetection().reference_m
-    1e-05
     """
 
     kind = "focus_detection"

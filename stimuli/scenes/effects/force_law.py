@@ -25,9 +25,6 @@ class ForceLaw(Effect):
     ----------
     law : str
         Name of the force law, as in `tactometry.stimuli.electrovibration.electrostatic_force_n`.
-
-    >>> ForceLaw("sc_layer").law
-    'sc_layer'
     """
 
     kind = "force_law"

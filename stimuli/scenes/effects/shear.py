@@ -17,9 +17,6 @@ class Shear(Alteration):
     ----------
     shear_factor : float
         Shear correction factor of the plate's cross-section.
-
-    >>> Shear().shear_factor
-    0.8333333333333334
     """
 
     kind = "shear"

@@ -15,9 +15,6 @@ class SkinLeakage(Alteration):
     ----------
     corneum_resistivity_ohm_m : float
         Resistivity through which the charge leaks, above 0; 20 kohm m is an unverified default.
-
-    >>> SkinLeakage().corneum_resistivity_ohm_m
-    20000.0
     """
 
     kind = "skin_leakage"

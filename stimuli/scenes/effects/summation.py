@@ -17,9 +17,6 @@ class Summation(Effect):
     ----------
     reference_m2 : float
         Area from which the threshold falls: that of the contactor of the published thresholds.
-
-    >>> Summation().reference_m2
-    0.00029
     """
 
     kind = "summation"

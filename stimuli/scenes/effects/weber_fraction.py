@@ -21,9 +21,6 @@ class WeberFraction(Effect):
     ----------
     reference_n : float
         Normal force at which the threshold was measured.
-
-    >>> WeberFraction().reference_n
-    1.0
     """
 
     kind = "weber_fraction"

@@ -1,6 +1,6 @@
-"""Constants of a plate from what was measured on it (thesis 3.4.2), each with a 95 % interval.
+"""Attenuation constant of a plate from measured responses (thesis 3.4.2).
 
-The attenuation constant comes from impulse responses: a decay above a floor, fitted to the log energy of blocks.
+It comes from impulse responses: a decay above a floor, fitted to the log energy of blocks.
 The backward integral of Schroeder bends down at the end of a record and flattens on its noise, which biases a slope
 read from it; the model E(t) = A (exp(-2 t / tau) + N) holds in a cut record and above a floor.
 """
@@ -10,15 +10,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from tactometry.arguments.annotations import Positive, Unbounded, Vector
+from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import between, expect, positive_array
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IndexArray
-from ..plate.plate import Plate
 
 N_BLOCKS: Final = 32
 LEAST_FALL_DB: Final = 10.0
@@ -26,17 +24,6 @@ FAINTEST: Final = 1e-7
 """A record ends with its last sample above this part of its peak (140 dB below)."""
 LOWEST_LOG_FLOOR: Final = -69.0
 """Energies below this part (its logarithm) of the loudest block are taken as a floor: 300 dB."""
-CONFIDENCE: Final = 0.95
-
-
-@checked
-@dataclass(frozen=True)
-class MeasuredConstant:
-    """A constant with the ends of its 95 % interval."""
-
-    value: float
-    low: Unbounded
-    high: Unbounded
 
 
 @checked
@@ -136,75 +123,3 @@ def _clear_decay(energy: FloatArray) -> Decay:
             f"{LEAST_FALL_DB:.0f} dB; learn longer responses, or average more of them"
         )
     return decay
-
-
-@checked
-def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> MeasuredConstant:
-    """The mean with its interval from Student's t; infinite with fewer than two values."""
-    from scipy.stats import t
-
-    between("mean_estimate", 0, 1, confidence=confidence)
-    mean = float(np.mean(values))
-    if len(values) < 2:
-        return MeasuredConstant(mean, -np.inf, np.inf)
-    half = float(t.ppf((1 + confidence) / 2, len(values) - 1) * np.std(values, ddof=1) / np.sqrt(len(values)))
-    return MeasuredConstant(mean, mean - half, mean + half)
-
-
-@checked
-def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> MeasuredConstant:
-    """D / rho_s from measured modal frequencies, assigned to the modes of a plate that is known but for its glass.
-
-    Each measured frequency, in ascending order, goes to the nearest mode of `guess` on a logarithmic scale, times
-    the common factor of those before it; the first goes to the first mode. Frequencies depend on D / rho_s by
-    its square root, and through the edges weakly on Poisson's ratio, which is taken from `guess`.
-
-    Parameters
-    ----------
-    measured_hz : sequence of float
-        Ascending, above 0, from the first elastic mode on; later modes may be missing.
-    guess : Plate
-        Size, edges and Poisson's ratio as measured; modulus and density of the right order.
-    """
-    measured = np.asarray(measured_hz, float)
-    positive_array("rigidity_ratio_from_modes.measured_hz", measured)
-    if measured.ndim != 1 or len(measured) == 0 or not (np.diff(measured) >= 0).all():
-        raise InvalidParameter(f"measured_hz: found {measured.tolist()}, expected ascending frequencies above 0")
-    factor = measured[0] / _elastic(guess, 4.0)[0]
-    model = _elastic(guess, 1.2 * measured[-1] / factor)
-    if len(model) < len(measured):
-        raise InvalidParameter(
-            f"measured_hz: found {len(measured)} modes up to {measured[-1]} Hz, the plate has {len(model)} there"
-        )
-    return _geometric(2 * np.log(guess.wave_constant_m2_per_s * measured / _nearest(measured, model)))
-
-
-@checked
-def youngs_modulus_pa(rigidity_ratio: MeasuredConstant, plate: Plate) -> MeasuredConstant:
-    """Y = 12 (1 - nu^2) rho_s (D / rho_s) / h^3 with the density, thickness and Poisson's ratio of `plate`."""
-    factor = 12 * (1 - plate.poisson_ratio**2) * plate.area_density_kg_per_m2 / plate.thickness_m**3
-    ratios = rigidity_ratio.value, rigidity_ratio.low, rigidity_ratio.high
-    return MeasuredConstant(*(factor * ratio for ratio in ratios))
-
-
-def _elastic(plate: Plate, f_max_hz: float) -> FloatArray:
-    """Frequencies above 0, at least one: the range doubles until it holds a mode."""
-    frequencies = plate.frequencies_hz(f_max_hz)
-    elastic = frequencies[frequencies > 0]
-    return elastic if len(elastic) else _elastic(plate, 2 * f_max_hz)
-
-
-def _nearest(measured: FloatArray, model: FloatArray) -> FloatArray:
-    """(n_measured,): the mode that each belongs to, by the mean factor of those before it."""
-    # in logarithms a wrong rigidity shifts all modes alike
-    heard, modes = np.log(measured), np.log(model)
-    paired = modes[:1]
-    for i in range(1, len(heard)):
-        expected = modes + np.mean(heard[:i] - paired)
-        paired = np.append(paired, modes[np.argmin(np.abs(heard[i] - expected))])
-    return np.asarray(np.exp(paired))
-
-
-def _geometric(logarithms: FloatArray) -> MeasuredConstant:
-    inside = mean_estimate(logarithms)
-    return MeasuredConstant(*(float(np.exp(logarithm)) for logarithm in (inside.value, inside.low, inside.high)))

@@ -13,15 +13,12 @@ from tactometry.stimuli.electrovibration import (
     PulseTrain,
     Region,
     Sampled,
-    SensorModel,
     Sine,
     Skin,
     Step,
     TableArea,
     Travel,
     Velvet,
-    charge_c,
-    current_a,
     sliding,
     stick_slip,
 )
@@ -43,15 +40,6 @@ def test_share_and_time_constant_of_a_skin_with_a_gap_are_those_of_its_stack(gap
 
 def test_an_infinite_rate_passes_nothing_not_even_the_first_sample() -> None:
     assert not Relaxations((1.0,), (np.inf,)).sampled(np.array([5.0, 1.0, -3.0]), 1e3).any()
-
-
-def test_the_currents_of_stacked_voltages_are_those_of_each() -> None:
-    voltages_v = np.array([[0.0, 1.0, 4.0], [2.0, 2.0, -1.0]])
-    together = current_a(voltages_v, rate_hz=1e4, skin=Skin(), area_m2=AREA_M2)
-    for row, voltage_v in zip(together, voltages_v, strict=True):
-        np.testing.assert_array_equal(row, current_a(voltage_v, rate_hz=1e4, skin=Skin(), area_m2=AREA_M2))
-        charge = charge_c(voltage_v, rate_hz=1e4, skin=Skin(), area_m2=AREA_M2)
-        assert row.sum() / 1e4 == pytest.approx(charge[-1], rel=1e-13)
 
 
 def test_the_skin_of_a_stuck_finger_accelerates_as_the_finger_does() -> None:
@@ -96,12 +84,6 @@ def test_a_wait_on_the_way_does_not_turn_the_pile() -> None:
 
 def test_noise_has_no_line_at_0() -> None:
     assert Noise.drawn(1e-9, 100.0, 0.1, rng=np.random.default_rng(1)).lines_per_m[0] == pytest.approx(10.0)
-
-
-def test_a_sensor_knows_nothing_of_the_future() -> None:
-    known_m = SensorModel(rate_hz=130.0, latency_s=0.003).reported_m(np.arange(1000.0), 1000.0)
-    assert (known_m <= np.maximum(np.arange(1000.0) - 3, 0) + 1e-9).all()
-    assert (np.arange(1000.0) - known_m).max() <= 3 + 1000 / 130 + 1
 
 
 @pytest.mark.parametrize("n", [8, 9, 400, 401])

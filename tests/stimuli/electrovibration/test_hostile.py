@@ -34,7 +34,6 @@ T_S = [0.0, 0.01, 0.05]
 V = [0.0, 1.0, -2.0]
 PRINTS = [ev.Print(1.0, 0.012, 0.01), ev.Print(2.0, 0.014, 0.011)]
 MOVING = {"t_s": T_S, "form": FORM, "finger": ev.Finger(), "friction": ev.CoulombFriction(), "force_n": 0.5}
-PATH_M = ev.straight_path_m(0.05, 0.02, 20e3)
 
 Call = tuple[Callable[..., Any], dict[str, Any]]
 
@@ -64,7 +63,6 @@ CONSTRUCTORS: dict[str, Call] = {
         "pixel_m": 1e-3, "values": (0.0, 0.5, 1.0), "path": None, "sha256": None, "row": 0}),
     "HeightMap": (ev.HeightMap, {
         "pixel_m": 1e-3, "values": (0.0, 1e-4, 0.0), "path": None, "sha256": None, "row": 0, "direction": 1}),
-    "Image": (ev.Image, {"grey": np.array([0.0, 0.5]), "pixel_m": 1e-3, "row": 0}),
     "Layer": (ev.Layer, {"thickness_m": 1e-6, "permittivity": 2.0, "resistivity_ohm_m": 1e6}),
     "Noise": (ev.Noise, {
         "low_per_m": 100.0, "high_per_m": 120.0, "length_m": 0.1, "phases_rad": (1.0, 2.0, 3.0), "exponent": -1.0,
@@ -72,13 +70,9 @@ CONSTRUCTORS: dict[str, Call] = {
     "Pieces": (ev.Pieces, {
         "starts_s": np.array([0.0, 1.0]), "end_s": 2.0, "offsets_v": np.ones(2), "slopes_v_per_s": np.ones(2),
         "frequencies_hz": np.array([1.0]), "amplitudes_v": np.ones((2, 1))}),
-    "PlayedTexture": (ev.PlayedTexture, {
-        "texture": ev.Grating(1e-3), "path_m": PATH_M, "rate_hz": 2e4, "carrier_hz": 2e3,
-        "sensor": ev.SensorModel(), "aliasing": "refuse", "ramp_s": 0.0, "level_unit": "V"}),
     "Polarity": (ev.Polarity, {"positive_share": 0.5}),
     "SkinMobility": (ev.SkinMobility, {
         "stiffness_n_per_m": 1000.0, "damping_n_s_per_m": 1.5, "mass_kg": 1e-4, "stiffness_exponent": 0.3}),
-    "SensorModel": (ev.SensorModel, {"rate_hz": 1e3, "resolution_m": 1e-5, "latency_s": 0.01}),
     "PowerLawArea": (ev.PowerLawArea, {"area_at_1n_m2": 1e-4, "exponent": 0.3}),
     "Print": (ev.Print, {"force_n": 1.0, "length_m": 0.01, "width_m": 0.01}),
     "PulseTrain": (ev.PulseTrain, {
@@ -120,10 +114,6 @@ FUNCTIONS: dict[str, Call] = {
     "area_of_prints": (ev.area_of_prints, {"prints": PRINTS}),
     "power_law_of_prints": (ev.power_law_of_prints, {"prints": PRINTS}),
     "ellipse_area_m2": (ev.ellipse_area_m2, {"length_m": 0.01, "width_m": [0.01]}),
-    "charge_c": (ev.charge_c, SAMPLED),
-    "current_a": (ev.current_a, SAMPLED),
-    "charge_c_at": (ev.charge_c_at, AT),
-    "current_a_at": (ev.current_a_at, AT),
     "electrostatic_force_n": (ev.electrostatic_force_n, {
         **SAMPLED, "law": "sc_layer", "polarity": ev.Polarity(0.5)}),
     "electrostatic_force_n_at": (ev.electrostatic_force_n_at, {
@@ -138,8 +128,6 @@ FUNCTIONS: dict[str, Call] = {
     "stick_slip": (ev.stick_slip, {
         "pieces": PIECES, **MOVING, "friction": ev.DryFriction(), "travel": ev.Travel(), "n_events_max": 1000}),
     "straight": (ev.straight, {"times_s": [0.0, 1.0, 1.0], "values_v": [0.0, 1.0, 2.0]}),
-    "straight_path_m": (ev.straight_path_m, {
-        "speed_m_per_s": 0.1, "duration_s": 0.1, "rate_hz": 1e3, "start_m": 0.1}),
     "step_voltage_v": (closed_form.step_voltage_v, {"t_s": T_S, "voltage_v": 100.0, "skin": SKIN}),
     "step_impulse_n_s": (closed_form.step_impulse_n_s, {"voltage_v": 100.0, "skin": SKIN, "area_m2": AREA_M2}),
     "rise_peak_v": (closed_form.rise_peak_v, {"rise_s": T_S, "voltage_v": 100.0, "skin": SKIN}),
@@ -187,7 +175,6 @@ METHODS: dict[str, Call] = {
     "Noise.height": (ev.Noise(100.0, 110.0, 0.1, (1.0, 2.0)).height, {"x_m": [0.1]}),
     "Noise.drawn": (ev.Noise.drawn, {
         "low_per_m": 100.0, "high_per_m": 120.0, "length_m": 0.1, "rng": np.random.default_rng(0), "exponent": 1.0}),
-    "Image.force_share": (ev.Image(np.ones(3), 1e-3).force_share, {"x_m": [0.1]}),
     "Velvet.force_share_along": (ev.Velvet().force_share_along, {"x_m": [0.0, 0.1]}),
     "Pieces.index": (PIECES.index, {"t_s": T_S}),
     "Pieces.at": (PIECES.at, {"t_s": T_S}),
@@ -195,10 +182,7 @@ METHODS: dict[str, Call] = {
     "Pieces.sinusoids": (PIECES.sinusoids, {"t_s": np.array([0.1]), "amplitudes": PIECES.harmonics_v[:1]}),
     "Pieces.scaled": (PIECES.scaled, {"factor": 2.0}),
     "Pieces.split_at": (PIECES.split_at, {"times_s": [0.01]}),
-    "PlayedTexture.at": (ev.PlayedTexture(ev.Grating(1e-3), PATH_M).at, {"level": 20.0}),
     "Polarity.weighted": (ev.Polarity(0.5).weighted, {"force_n": np.array([1.0]), "layer_v": np.array([1.0])}),
-    "SensorModel.reported_m": (ev.SensorModel().reported_m, {"x_m": np.array([0.0, 0.1]), "rate_hz": 1e3}),
-    "SensorModel.check": (ev.SensorModel().check, {"period_m": 1e-3, "speed_m_per_s": 0.1}),
     "PowerLawArea.area_m2": (ev.PowerLawArea().area_m2, {"force_n": [1.0]}),
     "TableArea.area_m2": (ev.TableArea((1.0,), (1e-4,)).area_m2, {"force_n": [1.0]}),
     "Relaxations.response": (FORM.relaxations.response, {"frequency_hz": [60.0]}),
@@ -210,7 +194,6 @@ METHODS: dict[str, Call] = {
     "Skin.gain": (SKIN.gain, {"frequency_hz": [60.0], "area_m2": AREA_M2}),
     "Skin.relaxations": (SKIN.relaxations, {"area_m2": AREA_M2}),
     "Solution.at": (ev.Solution(PIECES, FORM.relaxations).at, {"t_s": T_S}),
-    "Solution.slope_at": (ev.Solution(PIECES, FORM.relaxations).slope_at, {"t_s": T_S}),
     "Solution.state_at": (ev.Solution(PIECES, FORM.relaxations).state_at, {"order": 0, "t_s": np.array(T_S)}),
     "Stack.relaxations": (STACK.relaxations, {"index": 0, "area_m2": AREA_M2}),
     "Stack.response": (STACK.response, {"frequency_hz": [60.0], "index": 0, "area_m2": AREA_M2}),

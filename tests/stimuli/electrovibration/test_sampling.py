@@ -7,9 +7,8 @@ from hypothesis import example, given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Sine, Square, Step, Trapezoid
-from tactometry.stimuli.electrovibration.textures.maps import GreyImage, HeightMap
-from tactometry.stimuli.electrovibration.textures.played_texture import PlayedTexture, finest_period_m, straight_path_m
-from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
+from tactometry.stimuli.electrovibration.textures.followed_texture import finest_period_m
+from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Noise, Region, Texture, Velvet
 
 RATE_HZ = 1000.0
 LINE_S = st.one_of(st.just(0.0), st.floats(1e-12, 4e-3))
@@ -79,15 +78,6 @@ def test_positions_within_the_guard_miss_no_part_of_a_texture(texture: Texture, 
     assert found.min() < 0.15
 
 
-PATH = straight_path_m(0.1, 0.1, 20_000.0)
-
-
-def test_aliasing_may_be_allowed_and_a_finger_at_rest_meets_any_texture() -> None:
-    grating = Grating(10e-6, "sinusoidal")
-    assert np.ptp(PlayedTexture(grating, PATH, aliasing="allow").force_share) < 1e-9
-    assert PlayedTexture(grating, (0.0,) * 100).force_frequency_hz == 0.0
-
-
 @pytest.mark.parametrize("n_rms", [10.0, 40.0])
 def test_a_noise_texture_has_the_rms_it_was_asked_for(n_rms: float) -> None:
     drawn = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(5))
@@ -129,31 +119,6 @@ def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> 
             "s); lengthen it, raise rate_hz or set band_limited",
         ),
         (
-            lambda: PlayedTexture(Grating(10e-6, "sinusoidal"), PATH),
-            "PlayedTexture.path_m: found a step of 5e-06 m, expected less than half of the texture's period (5e-06 "
-            "m); else the texture aliases: widen it, slow down or raise rate_hz",
-        ),
-        (
-            lambda: PlayedTexture(HeightMap(pixel_m=5e-6, values=(0.0, 1.0)), PATH),
-            "PlayedTexture.path_m: found a step of 5e-06 m, expected less than half of the texture's period (5e-06 "
-            "m); else the texture aliases: widen it, slow down or raise rate_hz",
-        ),
-        (
-            lambda: PlayedTexture(GreyImage(pixel_m=40e-6, values=(0.0, 1.0)), PATH),
-            "PlayedTexture.carrier_hz: found 2000 Hz, expected at least twice the frequency of the texture under "
-            "the finger (2500 Hz); raise the carrier, slow down or widen the texture",
-        ),
-        (
-            lambda: PlayedTexture(Grating(80e-6, "sinusoidal"), PATH),
-            "PlayedTexture.carrier_hz: found 2000 Hz, expected at least twice the frequency of the texture under "
-            "the finger (2500 Hz); raise the carrier, slow down or widen the texture",
-        ),
-        (
-            lambda: PlayedTexture(Grating(0.1e-3, "sinusoidal"), PATH, carrier_hz=9500.0),
-            "PlayedTexture.carrier_hz + that of the texture: found 10500.0 Hz, expected less than half of rate_hz "
-            "(10000.0 Hz); lower the frequency or raise rate_hz",
-        ),
-        (
             lambda: Square(frequency_hz=60.0, duty="a"),
             "Square.duty: found 'a', expected a number above 0 and below 1",
         ),
@@ -164,10 +129,6 @@ def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> 
         (
             lambda: Trapezoid(rise_s=1e-3, high_s=1e-3, fall_s=1e-3, low_s=1e-3, low_ratio=None),
             "Trapezoid.low_ratio: found None, expected a finite number",
-        ),
-        (
-            lambda: Image(np.zeros((4, 4)), 1e-3, row=1.5),
-            "Image.row: found 1.5, expected a row of the image (shape (4, 4))",
         ),
         (
             lambda: Velvet().force_share_along([]),
@@ -182,11 +143,6 @@ def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> 
             lambda: Square(frequency_hz=0.01, rate_hz=192_000.0, band_limited=True),
             "Square.band_limited: found 9.6e+06 harmonics below half of rate_hz, expected at most 1048576; raise "
             "frequency_hz or lower rate_hz",
-        ),
-        (
-            lambda: Image(np.array([0, 1, 1]), 1e-3),
-            "Image.grey: found whole numbers of at most 1, expected 0 to 255, where 1 is all but black; give numbers "
-            "0.0 to 1.0, or scale them to 255",
         ),
     ],
 )

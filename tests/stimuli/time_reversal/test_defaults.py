@@ -20,7 +20,6 @@ TWO_QUANTITIES = {
     "modulation": "of the foci of a train, and of a carrier",
     "pattern": "a pattern, and its name in a file",
     "reference_m": "of a focus at threshold, and of the skin",
-    "thickness_m": "of glass, and of ceramics",
 }
 """Fields of one name whose defaults differ, and why."""
 

@@ -39,7 +39,6 @@ from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
 from tactometry.stimuli.time_reversal.responses.measured import read
-from tactometry.stimuli.time_reversal.responses.plate_constants import rigidity_ratio_from_modes
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
@@ -241,20 +240,6 @@ def test_outside_of_the_domain_one_sentence(call, names):
         call()
     assert "found" in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("missing", range(1, 16))
-def test_the_rigidity_ratio_holds_without_one_of_the_modes(missing):
-    modes_hz = A4_SCREEN.frequencies_hz(2000.0)[:16]
-    softer = replace(A4_SCREEN, youngs_modulus_pa=0.8 * A4_SCREEN.youngs_modulus_pa)
-    found = rigidity_ratio_from_modes(np.delete(modes_hz, missing), softer)
-    assert found.value == pytest.approx(A4_SCREEN.wave_constant_m2_per_s**2, rel=1e-9)
-
-
-@pytest.mark.parametrize("wrong", [math.nan, math.inf])
-def test_a_mode_that_is_no_number_is_refused(wrong):
-    with pytest.raises(InvalidParameter, match="measured_hz"):
-        rigidity_ratio_from_modes([100.0, wrong], A4_SCREEN)
 
 
 @pytest.mark.parametrize("level", [1e-3, 0.1, 0.5, 0.999])

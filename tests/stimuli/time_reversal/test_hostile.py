@@ -57,7 +57,6 @@ from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Raise
 from tactometry.stimuli.time_reversal.focusing.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.responses.load import SprungMass
-from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
 from tactometry.stimuli.time_reversal.screen.glass_panel import GlassPanel
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
@@ -105,7 +104,6 @@ def constructors() -> Iterator[tuple[str, object]]:
     yield from {
         "screen.attenuation": Attenuation(3e-3, 0.1),
         "design.closed_forms": ROOM, "finger": (Contactor("soft"),), "fingertip": (Fingertip(10.0),),
-        "responses.plate_constants": MeasuredConstant(1.0, 0.5, 2.0),
         "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN),
         "focusing.focusing": EMISSION,
         "stimulus.focus_train": (
@@ -187,7 +185,6 @@ INFINITE = (
     "focusing.sound.a_weighting_db",
     "focusing.sound.NoiseSpectrum",
     "focusing.sound.noise",
-    "responses.plate_constants.mean_estimate",
 )
 """What their docstrings let be infinite: silence, no weight, no loss, an unknown interval."""
 

@@ -7,7 +7,15 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.ladders.lift_off import AT, DURATION_S, IMPULSE_N_S, SMALL, TO_HZ, by_events, free_m
+from tactometry.experiments.accuracy.problems.plate_motion import (
+    AT_M as AT,
+    DURATION_S,
+    IMPULSE_N_S,
+    SMALL,
+    TO_HZ,
+    by_events,
+    free_m,
+)
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses

@@ -23,10 +23,7 @@ class Hurried(LiveRig):
     def _play(self, request: Play) -> Played:
         return Played(0.0, None, "")
 
-    def _press(self, request: Press) -> Touched:
-        return Touched(0.0, None, None)
-
-    def _slide(self, request: Slide) -> Touched:
+    def _feel(self, request: Press | Slide) -> Touched:
         return Touched(0.0, None, None)
 
     def _choose(self, request: Choose) -> Chosen:

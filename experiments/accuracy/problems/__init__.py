@@ -1,0 +1,1 @@
+"""Accuracy problems, imported by name."""

@@ -1,0 +1,1 @@
+"""Simulated participants: statuses, coverage and bias of their estimates."""

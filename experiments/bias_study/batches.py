@@ -1,0 +1,174 @@
+"""Many simulated tracks with their fits, batch by batch in bounded memory, or as Parquet files."""
+
+import hashlib
+import io
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.analysis.threshold.track_modes import TrackModes, fit_modes
+from tactometry.arguments.require import whole
+from tactometry.files.durable import make_folder
+from tactometry.files.json_file import prepare
+from tactometry.protocols.batch.answers import LevelTable, criteria
+from tactometry.protocols.batch.tracks import tracks
+from tactometry.protocols.order import stream
+from tactometry.protocols.procedures.procedure import Rule
+from tactometry.protocols.procedures.stepping import SteppingRule
+
+from ..harness import keep_chunks
+from ..parquet import arrow
+from ..workers import Spread, here
+
+BATCH = 2000
+"""Tracks at a time: about 25 MB."""
+TRACKS = "tracks"
+COLUMNS: Final = {
+    "true_threshold": "float64",
+    "ending": "int8",
+    "threshold": "float64",
+    "standard_error": "float64",
+    "width": "float64",
+    "regular": "bool_",
+}
+"""Columns of the files with their Arrow types."""
+
+
+@dataclass(frozen=True)
+class Respondents:
+    """Simulated participants: thresholds are normal, in the unit of what is felt, all else is equal."""
+
+    threshold: float
+    threshold_sd: float
+    width: float
+    guess_rate: float
+    lapse_rate: float
+    shape: str = "gumbel"
+
+
+@dataclass(frozen=True, eq=False)
+class FittedTracks:
+    """True thresholds (n_sets,), codes of the endings (`protocols.procedures.stepping`), and fits."""
+
+    thresholds: NDArray[np.float64]
+    endings: NDArray[np.int8]
+    modes: TrackModes
+
+
+def fitted_tracks(
+    rule: Rule[Any],
+    respondents: Respondents,
+    batches: Iterable[int],
+    seed: int,
+    *,
+    n_trials: int,
+    table: LevelTable | None = None,
+    size: int = BATCH,
+) -> Iterator[FittedTracks]:
+    """Yield `size` tracks for each number of a batch.
+
+    Each number has its own random numbers: any process can make any batch, in any order. With a `table` the levels of
+    the stimulus are felt as it states, and fitted as they are.
+
+    >>> from tactometry.protocols import Staircase
+    >>> people = Respondents(20.0, 3.0, 8.0, guess_rate=0.5, lapse_rate=0.02)
+    >>> rule = Staircase(36.0, (8.0, 4.0, 2.0), 0.0, 40.0, n_trials=60, n_reversals=60)
+    >>> one, two = fitted_tracks(rule, people, (0, 1), 1, n_trials=60)
+    >>> (again,) = fitted_tracks(rule, people, (1,), 1, n_trials=60)
+    >>> bool((two.modes.thresholds == again.modes.thresholds).all()), bool((one.thresholds == two.thresholds).any())
+    (True, False)
+    """
+    shape, guess_rate, lapse_rate = respondents.shape, respondents.guess_rate, respondents.lapse_rate
+    for number in batches:
+        rng = stream(seed, number)
+        thresholds = respondents.threshold + respondents.threshold_sd * rng.standard_normal(size)
+        uniform = rng.random((size, n_trials))
+        drawn = criteria(uniform, shape, thresholds[:, None], respondents.width, guess_rate, lapse_rate)
+        orders = rule.orders(size, rng) if isinstance(rule, SteppingRule) else None
+        made = tracks(rule, drawn, table, orders=orders)
+        modes = fit_modes(made.levels, made.answers, shape=shape, guess_rate=guess_rate, lapse_rate=lapse_rate)
+        yield FittedTracks(thresholds, made.endings, modes)
+
+
+@dataclass(frozen=True, eq=False)
+class TrackRun:
+    """Batches of `size` tracks of `fitted_tracks`, `n_together` of them in a file.
+
+    Raises
+    ------
+    InvalidParameter
+        If a number is below 1.
+    """
+
+    rule: Rule[Any]
+    respondents: Respondents
+    n_batches: int
+    seed: int
+    n_trials: int
+    table: LevelTable | None = None
+    size: int = BATCH
+    n_together: int = 25
+
+    def __post_init__(self) -> None:
+        whole("TrackRun", lowest=1, n_batches=self.n_batches, n_trials=self.n_trials)
+        whole("TrackRun", lowest=1, size=self.size, n_together=self.n_together)
+
+    @property
+    def chunks(self) -> list[range]:
+        """Numbers of the batches of each file."""
+        starts = range(0, self.n_batches, self.n_together)
+        return [range(first, min(first + self.n_together, self.n_batches)) for first in starts]
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """Everything that determines the results, except versions."""
+        numbers = {name: getattr(self, name) for name in ("seed", "n_trials", "n_batches", "size", "n_together")}
+        content = b"" if self.table is None else self.table.levels.tobytes() + self.table.felt.tobytes()
+        digest = hashlib.sha256(content).hexdigest() if content else None
+        return {"rule": repr(self.rule), "respondents": asdict(self.respondents), **numbers, "table": digest}
+
+
+def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spread = here) -> Iterator[Path]:
+    """Write the files of a run and yield each path; the same run gives the same bytes on any workers.
+
+    Each row is a track: its true threshold, the code of its ending, and its fit. All files together are one data set:
+    ``pandas.read_parquet(root / "tracks")``.
+
+    Parameters
+    ----------
+    root : Path
+        Folder, made if missing.
+    resume : bool
+        Continue an interrupted run: complete files are kept.
+
+    Raises
+    ------
+    InvalidFile
+        If the folder contains this run and `resume` is not given, or another run.
+    DeviceFailed
+        Without pyarrow (an extra: power).
+    """
+    arrow("tracks")
+    prepare(root, run.asked, "run of tracks", resume=resume)
+    make_folder(root / TRACKS)
+    paths = [root / TRACKS / f"{part.start:06d}-{part.stop - 1:06d}.parquet" for part in run.chunks]
+    return keep_chunks(paths, [(run, part) for part in run.chunks], chunk_content, spread)
+
+
+def chunk_content(job: tuple[TrackRun, range]) -> bytes:
+    """Return the content of a file, with one batch at a time in memory."""
+    run, part = job
+    content, pa = io.BytesIO(), arrow("tracks")
+    schema = pa.schema([(name, getattr(pa, kind)()) for name, kind in COLUMNS.items()], {"simulated": "true"})
+    options: dict[str, Any] = {"n_trials": run.n_trials, "table": run.table, "size": run.size}
+    with pa.parquet.ParquetWriter(content, schema) as file:
+        for made in fitted_tracks(run.rule, run.respondents, part, run.seed, **options):
+            modes = made.modes
+            fits = modes.thresholds, modes.standard_errors, modes.widths, modes.regular
+            columns = [pa.array(each) for each in (made.thresholds, made.endings, *fits)]
+            file.write_batch(pa.RecordBatch.from_arrays(columns, schema=schema))
+    return content.getvalue()

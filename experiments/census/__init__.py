@@ -1,1 +1,0 @@
-"""What becomes of the estimates of simulated participants: statuses, coverage, bias."""

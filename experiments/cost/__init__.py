@@ -1,1 +1,0 @@
-"""The machinery of ladders: problem, measurement, table, page."""
