@@ -1,11 +1,6 @@
-"""From trials to estimates, figures and reports.
+"""Estimates, figures and reports of trials.
 
-The whole way is `analyse` and `write_report`; what `tactometry analyse` does beside them is in
-`docs/reference/analysis.md`. The functions below are its steps, each to be had alone: read a table, fit thresholds,
-compare conditions.
-`docs/reference/analysis.md` names more of them, with their modules.
-
-A name is imported when it is first asked for.
+`analyse` does all of it; the other functions are its steps. `docs/reference/analysis.md` lists more.
 """
 
 from typing import TYPE_CHECKING
@@ -33,7 +28,6 @@ if TYPE_CHECKING:
         SensitivityIndex as SensitivityIndex,
         forced_choice_chance as forced_choice_chance,
         forced_choice_sensitivity as forced_choice_sensitivity,
-        two_interval_sensitivity as two_interval_sensitivity,
         yes_no_sensitivity as yes_no_sensitivity,
     )
     from .threshold.fitting import ThresholdFit as ThresholdFit, fit as fit, fit_many as fit_many

@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-import statsmodels.api as sm
 from scipy.special import expit, logit
 from scipy.stats import binomtest, norm, t as student
 
@@ -11,7 +10,6 @@ from tactometry.analysis.figures.preference import share_figure
 from tactometry.analysis.means import exact_interval
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.summary import summary
-from tactometry.analysis.tasks.answer_odds import logistic_fit
 from tactometry.analysis.tasks.preference import WorthStatus, bradley_terry, preference_table, share_table
 from tactometry.analysis.tasks.same_different import differencing_sensitivity, independent_sensitivity
 from tactometry.cli.analyse import summary_text
@@ -103,20 +101,6 @@ def test_worths_and_order_are_recovered_within_their_errors(n_participants) -> N
     np.testing.assert_allclose(reach, student.ppf(0.975, 11) if n_participants == 12 else norm.ppf(0.975), rtol=1e-9)
     same = np.allclose(found.worths["standard_error"], alone.worths["standard_error"], rtol=1e-9)
     assert same == (n_participants < 5)
-
-
-@pytest.mark.parametrize("n_people", [1, 5, 30])
-def test_odds_are_those_of_statsmodels_alone_and_in_groups(n_people) -> None:
-    rng = np.random.default_rng()
-    design = np.column_stack([rng.standard_normal((300, 2)), np.ones(300)])
-    answers = rng.random(300) < expit(design @ [1.5, -0.4, 0.3])
-    people = np.arange(300) % n_people
-    groups = people if n_people > 1 else None
-    kept = {"cov_type": "cluster", "cov_kwds": {"groups": people}} if n_people > 1 else {}
-    peer = sm.GLM(answers.astype(float), design, family=sm.families.Binomial()).fit(tol=1e-14, **kept)
-    beta, covariance = logistic_fit(design, answers, groups)
-    np.testing.assert_allclose(beta, peer.params, rtol=1e-8, atol=1e-10)
-    np.testing.assert_allclose(covariance, peer.cov_params(), rtol=1e-7, atol=1e-10)
 
 
 @pytest.mark.parametrize("people", [None, list("ppqqrrssttuu")])

@@ -13,7 +13,7 @@ from scipy.stats import f as fisher, ncf
 from soak import SOAK
 
 from tactometry.analysis.anova.contrasts import ContrastEffect, effects, epsilons, permutation_p
-from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic, WithinDesign
+from tactometry.analysis.anova.design import DesignStatus, WithinDesign
 from tactometry.analysis.anova.within_subjects import (
     EffectTest,
     effect_table,
@@ -270,45 +270,6 @@ def test_null_studies_with_sphericity_violated_are_seldom_significant() -> None:
 # --- hard cases, each with its status
 
 VALUES = np.random.default_rng(0).normal(size=(6, 3, 4))
-SUBJECTS = np.arange(6.0)[:, None, None]
-CONDITIONS = np.arange(12.0).reshape(1, 3, 4) ** 2
-
-
-@pytest.mark.parametrize(
-    ("table", "status"),
-    [
-        (long_table(VALUES).iloc[:0], DesignStatus.NO_DATA),
-        (long_table(np.full((6, 3, 4), 0.1)), DesignStatus.CONSTANT),
-        (long_table(np.full((6, 3, 4), -3e9)), DesignStatus.CONSTANT),
-        (long_table(SUBJECTS + 0 * VALUES), DesignStatus.NO_VARIANCE_WITHIN),
-        (long_table(CONDITIONS + 0 * VALUES), DesignStatus.ZERO_ERROR),
-        (long_table(CONDITIONS + SUBJECTS), DesignStatus.ZERO_ERROR),
-        (long_table(VALUES[:2]), DesignStatus.TOO_FEW_PARTICIPANTS),
-        (long_table(VALUES[:1]), DesignStatus.TOO_FEW_PARTICIPANTS),
-        (long_table(VALUES[:, :1]), DesignStatus.ONE_LEVEL),
-        (long_table(VALUES).drop(index=17), DesignStatus.MISSING_CELL),
-        (long_table(VALUES).query("not (subject == 2 and freq == 3)"), DesignStatus.MISSING_CELL),
-        (long_table(VALUES).query("not (subject == 2 and freq > 0)"), DesignStatus.MISSING_CELL),
-        (long_table(np.where(np.arange(72).reshape(6, 3, 4) == 5, np.nan, VALUES)), DesignStatus.NOT_FINITE),
-        (long_table(np.where(np.arange(72).reshape(6, 3, 4) == 5, -np.inf, VALUES)), DesignStatus.NOT_FINITE),
-    ],
-    ids=[
-        *("empty", "constant", "constant, large", "no variance within", "zero variance between and zero error"),
-        *("zero error", "two participants", "one participant", "one level", "a missing cell"),
-        *("a missing factor level", "all but one factor level missing", "NaN", "infinite"),
-    ],
-)
-def test_what_has_no_answer_has_a_status(table, status, recwarn) -> None:
-    with pytest.raises(UndefinedStatistic) as refusal:
-        repeated_measures(table, dependent="y", within=["force", "freq"], subject="subject")
-    assert refusal.value.status is status
-    assert not recwarn.list
-
-
-def test_a_missing_factor_level_names_participant_and_cells() -> None:
-    table = long_table(VALUES).query("not (subject == 2 and freq == 3)")
-    with pytest.raises(UndefinedStatistic, match=r"subject = 2, force = 0, freq = 3 \(3 missing cells, of 2\)"):
-        repeated_measures(table, dependent="y", within=["force", "freq"], subject="subject")
 
 
 def test_zero_variance_between_participants_has_its_f() -> None:

@@ -144,7 +144,7 @@ def test_the_report_draws_numbers_against_levels(tmp_path) -> None:
     ):
         assert text in page
     assert "<li>Moscatelli" not in page
-    assert outcome_sentences(found.outcomes[0], "V")["Pairs of force_n"][0].startswith("1 N less 0.5 N: 0.0")
+    assert outcome_sentences(found.outcomes[0], "V")["Pairs of force_n"][0].startswith("1 N − 0.5 N: 0.0")
 
 
 def test_too_few_levels_have_no_exponent_and_no_amplitude_is_refused(tmp_path) -> None:

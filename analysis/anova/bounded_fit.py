@@ -1,18 +1,13 @@
-"""The normal model under an analysis of variance, fitted by maximum likelihood to values of which some are bounds.
+"""Normal model of an analysis of variance, fitted by maximum likelihood to values of which some are bounds.
 
-A participant's values have the means of their conditions and the covariance that the analysis of variance supposes: one
-variance per stratum (participants; participants by each factor; by each interaction). Where all values are known this
-is the analysis of variance itself, F and degrees of freedom to the last digits; a value that is known by a bound, or
-not at all, counts as what is known (Tobin 1958, Econometrica 26, 24-36). Fitted by expectation and maximisation
-(Dempster, Laird and Rubin 1977), with the observed information of Louis (1982, Journal of the Royal Statistical Society
-B 44, 226-233).
+A participant's values have the means of their conditions and one variance for each stratum (participants; participants
+by each factor; by each interaction). With all values known this is the analysis of variance itself; a bound counts as
+what is known (Tobin 1958, Econometrica 26, 24-36). Fitted by expectation and maximisation (Dempster, Laird and Rubin
+1977), with the observed information of Louis (1982, Journal of the Royal Statistical Society B 44, 226-233).
 
-Normal values that are known to lie between ends only: their chance, and weighted points of what they may be.
-
-One value after the other is drawn between its ends given those before it (the simulator of Geweke, Hajivassiliou and
-Keane; Genz and Bretz 2009, Computation of Multivariate Normal and t Probabilities, section 4.1), at points that fill
-the cube evenly and are always the same. The chance of one value is exact, that of two right to five digits, a mean to a
-few thousandths of its standard deviation.
+Values between ends are drawn one after the other, given those before (Geweke, Hajivassiliou and Keane; Genz and Bretz
+2009, Computation of Multivariate Normal and t Probabilities, section 4.1), at fixed points that fill the cube evenly.
+The probability of one value is exact, that of two has five digits.
 """
 
 from collections.abc import Sequence
@@ -31,7 +26,7 @@ TOLERANCE = 1e-8
 """Of a step, in standard deviations of the values and in logarithms of the variances."""
 MAX_STEPS = 2000
 LEAST_VARIANCE = 1e-12
-"""Of the largest: below, a stratum has no error."""
+"""A stratum with a smaller part of the largest variance has no error."""
 LOG_TWO_PI = float(np.log(2 * np.pi))
 N_POINTS = 1024
 """A power of two, for which the sequence of Sobol is even."""
@@ -42,8 +37,9 @@ SMALLEST = 1e-300
 
 @dataclass(frozen=True)
 class BoundedValues:
-    """Values of shape (participant, cell), each between `low` and `high`: known where they are equal, missing where
-    both are infinite. `group` (participant,) counts from 0; `n_levels` are those of the factors, the last one fastest.
+    """Values (participant, cell) between `low` and `high`: equal ends are known, infinite ends missing.
+
+    `group` (participant,) counts from 0; `n_levels` are those of the factors, the last one fastest.
     """
 
     low: Array
@@ -57,39 +53,37 @@ class BoundedValues:
 
     @property
     def sizes(self) -> Array:
-        """Participants of each group."""
+        """Number of participants in each group."""
         return np.bincount(self.group).astype(np.float64)
 
     @cached_property
     def strata(self) -> tuple[Array, ...]:
         """Orthonormal contrasts (contrast, cell) of each stratum, participants first."""
-        of_strata = [(), *effect_places(len(self.n_levels))]
-        return tuple(contrasts(self.n_levels, places) for places in of_strata)
+        places = [(), *effect_places(len(self.n_levels))]
+        return tuple(contrasts(self.n_levels, of_stratum) for of_stratum in places)
 
     def matrix(self, variances: Array) -> Array:
-        """The covariance (cell, cell) with these variances of the strata; its inverse with their reciprocals."""
+        """Return the covariance (cell, cell) with these variances of the strata."""
         pairs = zip(variances, self.strata, strict=True)
         return np.asarray(sum(variance * stratum.T @ stratum for variance, stratum in pairs), dtype=np.float64)
 
 
 @dataclass(frozen=True)
 class Points:
-    """What the values (n, cell) of one participant may be, with weights (n,) that sum to 1, one point if all are known;
-    `log_chance` of what is known of them."""
+    """Possible values (n, cell) of a participant with weights (n,), and the log probability of what is known."""
 
     values: Array
     weights: Array
-    log_chance: float = 0.0
-
-    def mean(self) -> Array:
-        return np.asarray(self.weights @ self.values)
+    log_probability: float = 0.0
 
 
 @dataclass(frozen=True)
-class StrataFit:
-    """`means` (group, cell) and `variances` (stratum,) of the largest likelihood; `covariance` of the means, row by
-    row, and then the logarithms of the variances, 0 of one without error; `moments` (group, cell, cell), the covariance
-    of each group's values with n - 1 degrees of freedom, as far as they are known."""
+class BoundedFit:
+    """Maximum of the likelihood.
+
+    `means` (group, cell) and `variances` (stratum,); `covariance` of the means, row by row, and then of the log
+    variances (0 without error); `moments` (group, cell, cell) are the covariances of each group's values.
+    """
 
     data: BoundedValues
     means: Array
@@ -101,97 +95,86 @@ class StrataFit:
 
     @property
     def model(self) -> Array:
-        """The covariance (cell, cell) of a participant's values."""
+        """Covariance (cell, cell) of a participant's values."""
         return self.data.matrix(self.variances)
 
     @property
     def pooled(self) -> Array:
-        """The covariance (cell, cell) of the values within groups."""
+        """Covariance (cell, cell) of the values within groups."""
         return np.asarray(np.tensordot(self.data.sizes - 1, self.moments, axes=1) / self.df)
 
     @property
     def of_means(self) -> Array:
-        """The covariance of the means (group * cell), row by row."""
+        """Covariance of the means (group * cell), row by row."""
         n = self.means.size
         return self.covariance[:n, :n]
 
     @property
     def df(self) -> int:
-        """Of the participants within groups."""
+        """Degrees of freedom of participants within groups."""
         return len(self.data.low) - len(self.means)
 
     @property
     def inflation(self) -> float:
-        """From the likelihood's variances to the restricted likelihood's."""
+        """Ratio of the restricted likelihood's variances to the likelihood's."""
         return len(self.data.low) / self.df
 
     @property
     def has_error(self) -> Bools:
-        """Of each stratum: its variance is more than rounding leaves of none."""
+        """Return for each stratum True if its variance is more than rounding."""
         return _above_rounding(self.variances)
 
     def df_of(self, stratum: int) -> float:
-        """Degrees of freedom of each contrast of a stratum: `df`, less what bounds leave open about its variance
-        (Satterthwaite: twice the square of a variance over the variance of its estimate)."""
+        """Return the degrees of freedom of each contrast of a stratum, reduced for bounds (Satterthwaite)."""
         if not self.has_error[stratum]:
             return float(self.df)
         place = self.means.size + stratum
-        # The covariance is that of the logarithm of the variance, so that its square is divided out already.
+        # Twice the squared variance over the variance of its estimate; the covariance is that of the log variance.
         df = 2 / float(self.covariance[place, place]) / len(self.data.strata[stratum])
         return min(df / self.inflation, float(self.df))
 
 
-def fit_strata(data: BoundedValues) -> StrataFit:
-    """The fit of values of about unit size.
+def fit_bounded(data: BoundedValues) -> BoundedFit:
+    """Fit values of about unit size.
 
     Raises
     ------
     numpy.linalg.LinAlgError
         If the search leaves the floats.
     """
-    means, variances = _start(data)
+    ends = np.where(np.isfinite(data.low), data.low, data.high)
+    cell_means = np.nanmean(np.where(data.known, data.low, np.nan), axis=0)
+    start = np.where(np.isfinite(ends), ends, cell_means)
+    means, variances = _maximum(data, [Points(row[None], np.ones(1)) for row in start])
+    change = np.inf
     for _ in range(MAX_STEPS):
-        step = _maximisation(data, _points(data, means, variances))
-        change = _change(step, (means, variances))
-        means, variances = step
+        new_means, new_variances = _maximum(data, _points(data, means, variances))
+        change_of_means = float(np.abs(new_means - means).max() / np.sqrt(new_variances.max()))
+        change = max(change_of_means, float(np.abs(np.log(new_variances / variances)).max()))
+        means, variances = new_means, new_variances
         if change < TOLERANCE:
             break
+
     points = _points(data, means, variances)
-    second = _second_moments(data, points, means)
-    moments = second / np.maximum(data.sizes - 1, 1)[:, None, None]
+    moments = _second_moments(data, points, means) / np.maximum(data.sizes - 1, 1)[:, None, None]
     covariance = _inverse_of_free(_information(data, points, means, variances), variances)
-    log_likelihood = float(sum(of_one.log_chance for of_one in points))
-    return StrataFit(data, means, variances, covariance, moments, log_likelihood, change < TOLERANCE)
+    log_likelihood = float(sum(of_one.log_probability for of_one in points))
+    return BoundedFit(data, means, variances, covariance, moments, log_likelihood, change < TOLERANCE)
 
 
-def _change(new: tuple[Array, Array], old: tuple[Array, Array]) -> float:
-    (means, variances), (old_means, old_variances) = new, old
-    of_means = float(np.abs(means - old_means).max() / np.sqrt(variances.max()))
-    of_variances = float(np.abs(np.log(variances / old_variances)).max())
-    return max(of_means, of_variances)
-
-
-def _start(data: BoundedValues) -> tuple[Array, Array]:
-    """From the known values and, in place of the others, their bounds or the mean of the cell."""
-    ends = np.where(np.isfinite(data.low), data.low, data.high)
-    known = np.where(data.known, data.low, np.nan)
-    held = np.where(np.isfinite(ends), ends, np.nanmean(known, axis=0))
-    return _maximisation(data, [Points(row[None], np.ones(1)) for row in held])
-
-
-def _maximisation(data: BoundedValues, points: Sequence[Points]) -> tuple[Array, Array]:
-    """Means and variances of the completed values."""
-    expected = np.stack([of_one.mean() for of_one in points])
+def _maximum(data: BoundedValues, points: Sequence[Points]) -> tuple[Array, Array]:
+    """Return means and variances of the completed values."""
+    expected = np.stack([of_one.weights @ of_one.values for of_one in points])
     members = np.equal.outer(np.arange(len(data.sizes)), data.group)
     means = members @ expected / data.sizes[:, None]
     second = _second_moments(data, points, means).sum(axis=0) / len(expected)
-    # The mean variance of a stratum's contrasts: the trace of C M C', over their number.
+    # Mean variance of a stratum's contrasts: the trace of C M C', over their number.
     variances = np.array([np.sum((stratum @ second) * stratum) / len(stratum) for stratum in data.strata])
     return means, np.maximum(variances, LEAST_VARIANCE * variances.max())
 
 
 def _second_moments(data: BoundedValues, points: Sequence[Points], means: Array) -> Array:
-    """Sums over the participants of each group (group, cell, cell) of squares and products about the means."""
+    """Return sums of squares and products about the means, shape (group, cell, cell)."""
     sums = np.zeros((len(means), *[means.shape[1]] * 2))
     for of_one, place in zip(points, data.group, strict=True):
         away = of_one.values - means[place]
@@ -200,30 +183,29 @@ def _second_moments(data: BoundedValues, points: Sequence[Points], means: Array)
 
 
 def _points(data: BoundedValues, means: Array, variances: Array) -> list[Points]:
-    """Of each participant, given what is known."""
     covariance = data.matrix(variances)
     rows = zip(data.low, data.high, means[data.group], strict=True)
     return [_points_of_one(low, high, mean, covariance) for low, high, mean in rows]
 
 
 def _points_of_one(low: Array, high: Array, mean: Array, covariance: Array) -> Points:
-    """The density of the known values, then the others given them."""
+    """Return the density of the known values, and points of the others given them."""
     known = low == high
     of_known = covariance[np.ix_(known, known)]
     both = covariance[np.ix_(known, ~known)]
     away = low[known] - mean[known]
-    onto = np.linalg.solve(of_known, both).T  # regression of the others on the known values
     square = float(away @ np.linalg.solve(of_known, away))
     log_determinant = float(np.linalg.slogdet(of_known)[1])
     log_density = -0.5 * (log_determinant + square + len(of_known) * LOG_TWO_PI)
     if known.all():
         return Points(low[None], np.ones(1), log_density)
-    spread = np.asarray(covariance[np.ix_(~known, ~known)] - onto @ both, dtype=np.float64)
-    conditional_mean = mean[~known] + onto @ away
-    others = truncated_normal(conditional_mean, spread, low[~known], high[~known])
+
+    regression = np.linalg.solve(of_known, both).T
+    spread = np.asarray(covariance[np.ix_(~known, ~known)] - regression @ both, dtype=np.float64)
+    others = truncated_normal(mean[~known] + regression @ away, spread, low[~known], high[~known])
     values = np.empty((len(others.weights), len(low)))
     values[:, known], values[:, ~known] = low[known], others.values
-    return Points(values, others.weights, log_density + others.log_chance)
+    return Points(values, others.weights, log_density + others.log_probability)
 
 
 def _above_rounding(variances: Array) -> Bools:
@@ -231,8 +213,7 @@ def _above_rounding(variances: Array) -> Bools:
 
 
 def _inverse_of_free(information: Array, variances: Array) -> Array:
-    """The covariance of what was estimated. A variance without error is no estimate but the end of its range, where the
-    logarithm has no information but rounding, of either sign: it is held, with a covariance of 0."""
+    """Invert the information; a variance without error is at the end of its range, with a covariance of 0."""
     free = np.concatenate([np.full(len(information) - len(variances), True), _above_rounding(variances)])
     covariance = np.zeros(information.shape)
     covariance[np.ix_(free, free)] = np.linalg.inv(information[np.ix_(free, free)])
@@ -240,8 +221,7 @@ def _inverse_of_free(information: Array, variances: Array) -> Array:
 
 
 def _information(data: BoundedValues, points: Sequence[Points], means: Array, variances: Array) -> Array:
-    """The negative Hessian of the log-likelihood along means and log variances: that of completed values, less the
-    variance of their gradient where they are not known."""
+    """Return the negative Hessian of the log-likelihood along means and log variances."""
     n_cells = means.shape[1]
     whole = np.zeros((means.size + len(variances),) * 2)
     for of_one, place in zip(points, data.group, strict=True):
@@ -254,10 +234,10 @@ def _information(data: BoundedValues, points: Sequence[Points], means: Array, va
 
 def _information_of_one(data: BoundedValues, away: Array, weights: Array, variances: Array) -> Array:
     n, inverse = away.shape[1], data.matrix(1 / variances)
-    pairs = zip(data.strata, variances, strict=True)
-    by_stratum = [away @ stratum.T @ stratum / variance for stratum, variance in pairs]
+    strata = zip(data.strata, variances, strict=True)
+    by_stratum = [away @ stratum.T @ stratum / variance for stratum, variance in strata]
     halves = np.stack([0.5 * np.sum(pull * away, axis=1) for pull in by_stratum], axis=1)
-    # Louis: the gradient's variance over what the values may be is information that is missing.
+    # Louis: the gradient's variance over the possible values is information that is missing.
     gradient = np.hstack([away @ inverse, halves])
     gradient = gradient - weights @ gradient
     information = -(gradient * weights[:, None]).T @ gradient
@@ -270,10 +250,10 @@ def _information_of_one(data: BoundedValues, away: Array, weights: Array, varian
 
 
 def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) -> Points:
-    """Of normal values of `mean` (d,) and `covariance` (d, d), between `low` and `high` (d,), which may be infinite.
+    """Return points of normal values (d,) between `low` and `high`, which may be infinite.
 
     >>> found = truncated_normal(np.zeros(1), np.eye(1), np.array([-np.inf]), np.zeros(1))
-    >>> round(float(np.exp(found.log_chance)), 9), round(float(found.mean()[0]), 2)
+    >>> round(float(np.exp(found.log_probability)), 9), round(float(found.weights @ found.values[:, 0]), 2)
     (0.5, -0.8)
     """
     root, even = np.linalg.cholesky(covariance), _even(len(mean))
@@ -281,10 +261,10 @@ def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) ->
     for j, sd in enumerate(np.diagonal(root)):
         middle = mean[j] + steps[:, :j] @ root[j, :j]
         bottom, top = (low[j] - middle) / sd, (high[j] - middle) / sd
-        steps[:, j], log_chance = _one(even[:, j], bottom, top)
-        log_weights += log_chance
+        steps[:, j], log_probability = _standard_between(even[:, j], bottom, top)
+        log_weights += log_probability
     largest = log_weights.max()
-    weights = np.exp(log_weights - largest)  # a chance far out in a tail is below the floats
+    weights = np.exp(log_weights - largest)  # a probability far out in a tail is below the floats
     log_mean = largest + np.log(weights.mean())
     return Points(mean + steps @ root.T, weights / weights.sum(), float(log_mean))
 
@@ -298,17 +278,18 @@ def _even(n_dimensions: int) -> Array:
     return points
 
 
-def _one(even: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """Standard normal values between ends, at even parts of their chance, and the logarithm of it; in the lower tail,
-    which keeps its digits. Parts count from the low end also where the tail is flipped: else values jump as an end
-    passes 0, and a search that moves it has no rest."""
+def _standard_between(even: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """Return standard normal values at even parts of the probability between ends, and its logarithm.
+
+    Computed in the lower tail, which keeps its digits; parts count from the low end also where the tail is flipped, as
+    values would else jump when an end passes 0, and the search would not converge.
+    """
     flipped = low > 0
     low, high = np.where(flipped, -high, low), np.where(flipped, -low, high)
     even = np.where(flipped, 1 - even, even)
     bottom, top = log_ndtr(low), log_ndtr(high)
     with np.errstate(invalid="ignore"):
-        log_chance = top + log1mexp(np.maximum(top - bottom, SMALLEST))
-    log_share = np.logaddexp(bottom, log_chance + np.log(even))
-    log_share = np.minimum(log_share, 0.0)  # rounding may lead above a share of 1
+        log_probability = top + log1mexp(np.maximum(top - bottom, SMALLEST))
+    log_share = np.minimum(np.logaddexp(bottom, log_probability + np.log(even)), 0.0)
     values = np.clip(ndtri_exp(log_share), low, high)  # rounding may lead beyond an end
-    return np.where(flipped, -values, values), log_chance
+    return np.where(flipped, -values, values), log_probability
