@@ -12,8 +12,9 @@ from tactometry.arguments.require import expect
 from tactometry.config.quantity import si_unit, unit_suffix, units
 from tactometry.config.strict import read_toml
 from tactometry.errors import InvalidFile
+from tactometry.trials.row_rules import NUMBERS
 
-from .file_text import plain_text
+from .file_text import plain_text, trimmed
 from .level_scale import PLACED, SETTINGS, LevelScale
 from .rows import expect_column, holds
 from .unfolded import POSITIVE, TOTAL, counted_trials, survey_answers, with_responses
@@ -55,8 +56,8 @@ class ColumnMap:
     Raises
     ------
     InvalidParameter
-        If the decimal sign is another, the separator is not one sign, both are the same, or a unit is unknown or of
-        another dimension than the column's name.
+        If the decimal sign is another, the separator is not one sign, both are the same, a column has two sources, or
+        a unit is unknown or of another dimension than the column's name.
     """
 
     columns: dict[str, str] = field(default_factory=dict)
@@ -74,6 +75,10 @@ class ColumnMap:
         expect(self.decimal in (".", ","), "decimal", repr(self.decimal), "'.' or ','")
         is_other = len(self.separator) <= 1 and (self.decimal == "." or self.separator not in ("", ","))
         expect(is_other, "separator", repr(self.separator), "one sign, and another than the decimal sign")
+        sources = ("columns", "constants", "from_name")
+        for name in {**self.columns, **self.constants, **self.from_name}:
+            of = [source for source in sources if name in getattr(self, source)]
+            expect(len(of) == 1, name, f"it in {' and '.join(of)}", "it in one of them")
         for name, unit in self.units.items():
             symbol, _ = si_unit(unit, f"units.{name}")
             suffix = unit_suffix(name)
@@ -94,12 +99,12 @@ def read_column_map(path: str | Path) -> ColumnMap:
 
 
 def _plain(value: Any) -> Any:
-    """Return the texts of a key as `plain_text` writes those of tables."""
+    """Return the texts of a key as `text_cells` reads those of tables."""
     if isinstance(value, Mapping):
-        return {plain_text(name): _plain(held) for name, held in value.items()}
+        return {trimmed(plain_text(name)): _plain(held) for name, held in value.items()}
     if isinstance(value, tuple):
         return tuple(map(_plain, value))
-    return plain_text(value) if isinstance(value, str) else value
+    return trimmed(plain_text(value)) if isinstance(value, str) else value
 
 
 def translate(
@@ -121,6 +126,8 @@ def translate(
     # Their names and words come first: rows are kept, and cells are missing, as the file has them.
     whole = raw.assign(**dict.fromkeys(_optional(raw, column_map, elsewhere), ""))
     table = _with_our_names(_with_our_signs(_trial_rows(whole, column_map, file), column_map), column_map, file)
+    if column_map.decimal == ",":
+        _refuse_thousands(table, file)
     for name, text in {**column_map.constants, **_of_name(column_map, file)}.items():
         table[name] = _text(text)
     table = _with_our_values(survey_answers(table, file, warn), column_map, file)
@@ -196,6 +203,18 @@ def _with_our_signs(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
             # Only cells that are a number as a whole: texts keep their commas.
             table[name] = table[name].str.replace(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", regex=True)
     return table
+
+
+def _refuse_thousands(table: pd.DataFrame, file: Path) -> None:
+    """Refuse numbers such as 6.125 where the decimal sign is a comma: they may be 6125."""
+    for name in (name for name in NUMBERS if name in table.columns):
+        pointed = table[table[name].str.fullmatch(r"[+-]?\d*\.\d+")]
+        if len(pointed) and pointed[name].str.fullmatch(r"[+-]?[1-9]\d{0,2}\.\d{3}").all():
+            first = pointed.iloc[0]
+            raise InvalidFile(
+                f"{file}, row {first['row']}, column {name!r}: found {first[name]!r}, expected a decimal comma, as the "
+                'column map states; take out points that group thousands, or write decimal = "."'
+            )
 
 
 def _with_our_names(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:

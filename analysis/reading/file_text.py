@@ -74,6 +74,15 @@ def plain_text(text: str) -> str:
     return text if text.isascii() else _MINUS.sub("-", unicodedata.normalize("NFC", text))
 
 
+def trimmed(text: str) -> str:
+    """Return the text without spaces around it; a text of spaces alone, as jsPsych's space bar, stays.
+
+    >>> trimmed(" S01 "), trimmed(" ")
+    ('S01', ' ')
+    """
+    return text.strip() or text
+
+
 def is_json_list(text: str) -> bool:
     """Return True if a text begins as a JSON list of objects does.
 

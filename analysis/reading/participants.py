@@ -55,6 +55,20 @@ def with_codes(tables: Mapping[Path, pd.DataFrame], path: Path, notes: list[str]
     return {file: table.assign(participant=table["participant"].replace(short)) for file, table in tables.items()}
 
 
+def alike_values(rows: pd.DataFrame, factors: Iterable[str]) -> Iterator[str]:
+    """Warn of values of a factor that differ by case or spaces alone."""
+    for name in factors:
+        groups: dict[str, list[str]] = {}
+        for value in map(str, rows[name].unique()):
+            groups.setdefault("".join(value.casefold().split()), []).append(value)
+        alike = [" and ".join(map(repr, sorted(group))) for group in groups.values() if len(group) > 1]
+        if alike:
+            yield (
+                f"{name} has values that differ only by case or spaces: {first_named(alike)}; each was analysed as a "
+                f"condition; where they are one, map them in [values.{name}] of a column map"
+            )
+
+
 def alike_notes(codes: Iterable[str]) -> Iterator[str]:
     """Warn of codes that differ by case, separators or leading zeros alone.
 

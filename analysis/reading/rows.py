@@ -83,7 +83,7 @@ def bad_cell(row: "pd.Series[Any]", column: str, found: str, expected: str) -> I
 def expect_column(table: pd.DataFrame, name: str, file: object, why: str) -> None:
     """Refuse a table of this file without a column; `why` ends the sentence."""
     if name not in table.columns:
-        raise InvalidFile(f"{file}: {no_column(name, table)}{why}")
+        raise InvalidFile(f"{file}: found no column {name!r}{why}{nearest(name, map(str, table.columns))}")
 
 
 def no_column(name: str, table: pd.DataFrame) -> str:
