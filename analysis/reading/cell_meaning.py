@@ -5,7 +5,7 @@ import re
 
 NOT_MEASURED = frozenset(("none", "null", "nan", "na", "n/a", "-", "--", "undefined", "#n/a", "timeout"))
 """What other programs write where nothing was measured."""
-NAMED_VALUES = ("response", "target", "correct", "catch", "valid", "practice")
+NAMED_VALUES = ("response", "target", "session", "correct", "catch", "valid", "practice")
 """Columns whose values other programs write in words."""
 NEGATIVE = frozenset(("n", "no", "nein", "false", "f", "wrong", "incorrect", "miss", "not felt"))
 """Words that most likely mean 0."""

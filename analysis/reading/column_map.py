@@ -11,7 +11,7 @@ import pandas as pd
 from tactometry.arguments.require import expect
 from tactometry.config.quantity import si_unit, unit_suffix, units
 from tactometry.config.strict import read_toml
-from tactometry.errors import InvalidFile
+from tactometry.errors import InvalidFile, count_of
 from tactometry.trials.row_rules import NUMBERS
 
 from .file_text import plain_text, trimmed
@@ -123,6 +123,8 @@ def translate(
     """
     if column_map == ColumnMap():
         return raw
+    for note in _unkept_notes(raw, column_map, file):
+        warn(note)
     # Their names and words come first: rows are kept, and cells are missing, as the file has them.
     whole = raw.assign(**dict.fromkeys(_optional(raw, column_map, elsewhere), ""))
     table = _with_our_names(_with_our_signs(_trial_rows(whole, column_map, file), column_map), column_map, file)
@@ -146,6 +148,21 @@ def missing_notes(tables: Mapping[Path, pd.DataFrame], column_map: ColumnMap) ->
         lacking = [file.name for file, table in tables.items() if theirs not in table.columns]
         if lacking:
             yield f"found no column {theirs!r} in {', '.join(lacking)}: {ours} is empty there"
+
+
+def _unkept_notes(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> Iterator[str]:
+    """Warn of rows that are not kept as their value differs from a kept one by case or as a number of another form."""
+    for theirs, values in column_map.keep.items():
+        kept = {_folded(value) for value in values}
+        held = raw[theirs] if theirs in raw.columns else pd.Series(dtype=str)
+        like = held[~held.isin(values) & held.map(_folded).isin(kept)]
+        if len(like):
+            found = " and ".join(map(repr, sorted(like.unique())))
+            yield f"{file.name}: {count_of(len(like), 'row')} with {theirs} = {found} not kept; expected {values[0]!r}"
+
+
+def _folded(value: str) -> str:
+    return value.casefold().removesuffix(".0")
 
 
 def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
@@ -178,10 +195,10 @@ def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
 def _text(value: str | float | bool) -> str:
     """
-    >>> _text(True), _text(1.0), _text(0.5), _text("a")
-    ('1', '1', '0.5', 'a')
+    >>> _text(True), _text(1.0), _text(1234567.125), _text("a")
+    ('1', '1', '1234567.125', 'a')
     """
-    return value if isinstance(value, str) else f"{float(value):g}"
+    return value if isinstance(value, str) else repr(float(value)).removesuffix(".0")
 
 
 def _trial_rows(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:

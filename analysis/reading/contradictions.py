@@ -33,6 +33,7 @@ def contradictions(rows: pd.DataFrame) -> Iterator[str]:
         (_beyond_alternatives(rows), "a response or target above 'n_alternatives'; the stated number was used"),
         (_signed_amplitudes(rows), "a negative level in a unit that is not a logarithm; see 'level' and 'level_unit'"),
         (_unused_alternatives(rows), "an 'n_alternatives' above each response and target; the stated number was used"),
+        (_stated_guessing(rows), "an 'n_alternatives', which the task yes_no does not use; see 'task'"),
         (_long_latencies(rows), "a 'latency_s' above a minute; if they are milliseconds, state it in [units]"),
         (_below_chance(rows), "answers of participants who are right less often than by guessing; check 'correct'"),
         (_column(rows, "latency_s") < 0, "a negative 'latency_s': the answer came before the question"),
@@ -67,6 +68,10 @@ def _unused_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
     groups = largest.groupby(stated)
     varies = _column(rows, "target").groupby(stated).transform("nunique") > 1
     return varies & (groups.transform("count") >= FEWEST_CHOICES) & (groups.transform("max") < stated)
+
+
+def _stated_guessing(rows: pd.DataFrame) -> "pd.Series[bool]":
+    return (rows["task"] == "yes_no") & _column(rows, "n_alternatives").notna()
 
 
 def _long_latencies(rows: pd.DataFrame) -> "pd.Series[bool]":

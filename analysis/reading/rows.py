@@ -71,7 +71,7 @@ def correctness(rows: pd.DataFrame) -> "pd.Series[float]":
 
 def place_of(rows: pd.DataFrame) -> str:
     """Where rows of a table of trials stand: the first of them, and how many more there are."""
-    numbers = rows["row"].tolist()
+    numbers = rows["row"].drop_duplicates().tolist()  # a row of counts holds several trials
     return f"{rows['source'].iloc[0]}{rows_text(numbers[0], numbers[1:], len(numbers))}"
 
 

@@ -41,7 +41,15 @@ def choices(correct, targets=(1, 2)):
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("S1,", "S1 ,"), ("S1,", " S1\u00a0,"), (",a,", ",a ,"), (",a,", ", a,"), (",a,", ',"a ",'), (",1,", ", 1 ,")],
+    [
+        ("S1,", "S\u200b1\ufeff,"),
+        ("S1,", "S1 ,"),
+        ("S1,", " S1\u00a0,"),
+        (",a,", ",a ,"),
+        (",a,", ", a,"),
+        (",a,", ',"a ",'),
+        (",1,", ", 1 ,"),
+    ],
 )
 def test_spaces_around_cells_change_no_result(capsys, tmp_path, old, new):
     expected = analysed(capsys, written(tmp_path))
@@ -61,6 +69,16 @@ def test_space_bar_keeps_its_meaning_as_a_response(capsys, tmp_path):
         (replaced(",a,", ",A,", 4), YES_NO, "side has values that differ only by case or spaces: 'A' and 'a'"),
         (replaced(",0.5", ",500", 1), YES_NO, "32 rows have a 'latency_s' above a minute; if they are milliseconds"),
         (choices(False), CHOICE.format(2), "80 rows have answers of participants who are right less often"),
+        (
+            (HEAD, *ROWS),
+            YES_NO + "n_alternatives = 2\n",
+            "32 rows have an 'n_alternatives', which the task yes_no does",
+        ),
+        (
+            replaced(",a,", ",A,", 4),
+            YES_NO + '[keep]\nside = ["a", "b"]\n',
+            "8 rows with side = 'A' not kept; expected",
+        ),
         (choices(True), CHOICE.format(3), "80 rows have an 'n_alternatives' above each response and target"),
     ],
 )
@@ -111,6 +129,7 @@ def test_tables_in_subfolders_are_refused_by_folder(capsys, tmp_path):
     ("old", "new", "column_map", "message"),
     [
         (",1,", ",FALSE,", YES_NO, "below [values.response], for example: 'FALSE' = 0"),
+        ("S1,5", "S1,nan", YES_NO, "column 'level': found 'nan', expected a finite number or nothing; say in a"),
         (",1,", ",yes,", YES_NO, "below [values.response], for example: 'yes' = 1"),
         (",1,", ",#N/A,", YES_NO, "that it was not measured: missing = ['#N/A']"),
         (",0.5", ",nan", YES_NO, "column 'latency_s': found 'nan', expected a finite number or nothing; say in a"),
@@ -133,3 +152,23 @@ def test_both_letters_mu_state_micrometres(capsys, tmp_path):
         for mu in ("\u00b5", "\u03bc")
     ]
     assert units[0] == units[1]
+
+
+def test_numbers_of_a_map_keep_every_digit(capsys, tmp_path):
+    words = "".join(f"w{level} = {1234567 + level / 8}\n" for level in range(2, 10))
+    worded = [row.replace(",", ",w", 1) for row in ROWS]
+    written_out = [
+        f"S{n},{1234567 + int(row.split(',')[1]) / 8},{row.split(',', 2)[2]}" for row in ROWS for n in row[1]
+    ]
+    expected = analysed(capsys, written(tmp_path, [HEAD, *written_out]))["thresholds"]
+    assert (
+        analysed(capsys, written(tmp_path, [HEAD, *worded], f"{YES_NO}[values.level]\n{words}"))["thresholds"]
+        == expected
+    )
+
+
+def test_refused_counts_name_each_row_once(capsys, tmp_path):
+    lines = ["participant,level,n_positive,n_trials", "S1,1,2,9", "S1,Total,4,9", "S1,none of it,4,9"]
+    table = written(tmp_path, lines)
+    said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
+    assert "row 3 and 1 more (4), column 'level': found 'Total'" in said
