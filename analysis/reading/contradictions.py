@@ -1,7 +1,6 @@
 """Warnings of columns that contradict each other, and of values that cannot be."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,7 +10,7 @@ from tactometry.errors import count_of
 from tactometry.trials.tasks import tasks_with_level
 
 from .level_scale import is_logarithm
-from .rows import correctness, numbers_of
+from .rows import correctness, first_place, numbers_of
 
 CHOSEN = ("forced_choice", "localisation")
 """Tasks whose response is the number that `target` holds where it is correct."""
@@ -40,10 +39,8 @@ def contradictions(rows: pd.DataFrame) -> Iterator[str]:
     )
     for mask, what in checks:
         if mask.any():
-            first = rows[mask].iloc[0]
-            place = f"{Path(str(first['source'])).name}, row {first['row']}"
             verb = "has" if mask.sum() == 1 else "have"
-            yield f"{count_of(int(mask.sum()), 'row')} {verb} {what} (the first: {place})"
+            yield f"{count_of(int(mask.sum()), 'row')} {verb} {what} {first_place(rows[mask])}"
 
 
 def _column(rows: pd.DataFrame, name: str) -> "pd.Series[float]":

@@ -1,7 +1,7 @@
 """Codes of participants: written without separators, and compared with each other."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pandas as pd
@@ -55,13 +55,18 @@ def with_codes(tables: Mapping[Path, pd.DataFrame], path: Path, notes: list[str]
     return {file: table.assign(participant=table["participant"].replace(short)) for file, table in tables.items()}
 
 
+def _alike(words: Iterable[str], plain: Callable[[str], str]) -> list[str]:
+    """Return the groups of words that are one word in plain form."""
+    groups: dict[str, list[str]] = {}
+    for word in words:
+        groups.setdefault(plain(word), []).append(word)
+    return [" and ".join(sorted(group)) for group in groups.values() if len(group) > 1]
+
+
 def alike_values(rows: pd.DataFrame, factors: Iterable[str]) -> Iterator[str]:
     """Warn of values of a factor that differ by case or spaces alone."""
     for name in factors:
-        groups: dict[str, list[str]] = {}
-        for value in map(str, rows[name].unique()):
-            groups.setdefault("".join(value.casefold().split()), []).append(value)
-        alike = [" and ".join(map(repr, sorted(group))) for group in groups.values() if len(group) > 1]
+        alike = _alike(map(repr, map(str, rows[name].unique())), lambda value: "".join(value.casefold().split()))
         if alike:
             yield (
                 f"{name} has values that differ only by case or spaces: {first_named(alike)}; each was analysed as a "
@@ -75,10 +80,7 @@ def alike_notes(codes: Iterable[str]) -> Iterator[str]:
     >>> list(alike_notes(["01", "1", "S2"]))[0][:75]
     'participants that may be the same, as their codes differ only by case, sepa'
     """
-    groups: dict[str, list[str]] = {}
-    for code in codes:
-        groups.setdefault(_ZEROS.sub("", _SEPARATORS.sub("", code).casefold()), []).append(code)
-    alike = [" and ".join(sorted(group)) for group in groups.values() if len(group) > 1]
+    alike = _alike(codes, lambda code: _ZEROS.sub("", _SEPARATORS.sub("", code).casefold()))
     if alike:
         yield (
             "participants that may be the same, as their codes differ only by case, separators or leading zeros: "

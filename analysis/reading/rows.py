@@ -75,6 +75,12 @@ def place_of(rows: pd.DataFrame) -> str:
     return f"{rows['source'].iloc[0]}{rows_text(numbers[0], numbers[1:], len(numbers))}"
 
 
+def first_place(rows: pd.DataFrame) -> str:
+    """Return where the first of the rows is, as the end of a warning."""
+    first = rows.iloc[0]
+    return f"(the first: {Path(str(first['source'])).name}, row {first['row']})"
+
+
 def bad_cell(row: "pd.Series[Any]", column: str, found: str, expected: str) -> InvalidFile:
     """Of a row of a table of trials, which says where it stands in which file."""
     return InvalidFile(f"{row['source']}, row {row['row']}, column {column!r}: found {found}, expected {expected}")
@@ -124,9 +130,7 @@ def unanswered_notes(rows: pd.DataFrame) -> list[str]:
     if silent.empty:
         return []
     verb = "was" if len(silent) == 1 else "were"
-    first = silent.iloc[0]
-    place = f"{Path(str(first['source'])).name}, row {first['row']}"
-    return [f"{count_of(len(silent), 'row')} without an answer {verb} left out (the first: {place})"]
+    return [f"{count_of(len(silent), 'row')} without an answer {verb} left out {first_place(silent)}"]
 
 
 def routine_notes(left: Mapping[Path, pd.DataFrame]) -> list[str]:

@@ -31,6 +31,7 @@ from .rows import (
     bad_cell,
     begun_notes,
     expect_column,
+    first_place,
     holds,
     is_catch,
     numbers_of,
@@ -202,11 +203,10 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     if again.empty:
         return []
     alike = int(numbered.duplicated([name for name in rows.columns if name not in OWN]).sum())
-    first = again.iloc[0]
-    place = f"{Path(str(first['source'])).name}, row {first['row']}"
+    place = first_place(again).removesuffix(")")
     repeat = "repeats a trial that stands before it" if len(again) == 1 else "repeat trials that stand before them"
     return [
-        f"{count_of(len(again), 'row')} {repeat} (the first: {place}; {alike} of {len(again)} alike in every cell): "
+        f"{count_of(len(again), 'row')} {repeat} {place}; {alike} of {len(again)} alike in every cell): "
         "each counts as a trial of its own; take copies out, or number trials through the session"
     ]
 

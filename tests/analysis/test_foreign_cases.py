@@ -180,33 +180,6 @@ def test_files_of_one_code_by_their_names_are_named(capsys, tmp_path):
     assert said == "read as one participant, results, by from_name: results_1.csv, results_2.csv"
 
 
-# --- codes of participants
-
-
-@pytest.mark.parametrize(("code", "ours"), [("sub-01", "sub01"), ("P_01", "P01")])
-def test_code_is_written_without_separators_with_a_warning(capsys, tmp_path, code, ours):
-    table = tmp_path / "t.csv"
-    table.write_text("participant,level,response\n" + f"{code},1,n\n{code},2,y\n{code},3,y\n")
-    (tmp_path / "map.toml").write_text(MAP)
-    found = analysed(capsys, table)
-    assert found["thresholds"][0]["participant"] == ours
-    assert f"{code} as {ours}; [values.participant]" in warning(found, "separators")
-
-
-@pytest.mark.parametrize(
-    ("codes", "message"),
-    [
-        (("P_01", "P01"), "found the participants 'P01' and 'P_01'"),
-        (("Bob Smith",), "below [values.participant]: 'Bob Smith' = 'P1'"),
-    ],
-)
-def test_code_is_refused_with_the_line_to_write(capsys, tmp_path, codes, message):
-    table = tmp_path / "t.csv"
-    table.write_text("participant,level,response\n" + "".join(f"{code},1,n\n" for code in codes))
-    (tmp_path / "map.toml").write_text(MAP)
-    assert message in refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
-
-
 # --- counts, and tables of correct and wrong
 
 

@@ -172,3 +172,26 @@ def test_refused_counts_name_each_row_once(capsys, tmp_path):
     table = written(tmp_path, lines)
     said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
     assert "row 3 and 1 more (4), column 'level': found 'Total'" in said
+
+
+# --- codes of participants
+
+
+@pytest.mark.parametrize(("code", "ours"), [("sub-01", "sub01"), ("P_01", "P01")])
+def test_code_is_written_without_separators_with_a_warning(capsys, tmp_path, code, ours):
+    table = written(tmp_path, replaced("S1,", f"{code},", 1))
+    found = analysed(capsys, table)
+    assert ours in {cell["participant"] for cell in found["thresholds"]}
+    assert f"{code} as {ours}; [values.participant]" in warned(found, "separators")[0]
+
+
+@pytest.mark.parametrize(
+    ("codes", "message"),
+    [
+        (("P_01", "P01"), "found the participants 'P01' and 'P_01'"),
+        (("Bob Smith",), "below [values.participant]: 'Bob Smith' = 'P1'"),
+    ],
+)
+def test_code_is_refused_with_the_line_to_write(capsys, tmp_path, codes, message):
+    table = written(tmp_path, ["participant,level,response", *(f"{code},1,0" for code in codes)])
+    assert message in refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
