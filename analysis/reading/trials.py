@@ -21,7 +21,6 @@ from tactometry.trials.columns import ALWAYS, FIRST, FOREIGN, MAY_BE_FACTORS, OP
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
 
-from .cell_meaning import meaning
 from .column_map import ColumnMap, missing_notes, shared_name_notes, stated_codes, translate, trials_of
 from .contradictions import contradictions
 from .file_text import plain_text
@@ -34,6 +33,7 @@ from .rows import (
     first_place,
     holds,
     is_catch,
+    meaning,
     numbers_of,
     place_of,
     routine_notes,

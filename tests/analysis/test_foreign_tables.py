@@ -267,7 +267,7 @@ def test_an_answer_that_is_not_mapped_names_the_line_to_write(tmp_path, capsys, 
 def test_the_line_to_write_is_toml_that_means_the_word(word):
     import tomllib
 
-    from tactometry.analysis.reading.cell_meaning import meaning
+    from tactometry.analysis.reading.rows import meaning
 
     hint = meaning("response", word)
     if "for example: " in hint:
