@@ -44,8 +44,8 @@ _COMPOUND = {
     "kg_per_m3": ("kg/m3", {"kg/m3": 1.0, "g/cm3": 1e3}),
     "ohm_m": ("ohm m", {"ohm m": 1.0, "kohm m": 1e3}),
     "m2": ("m2", {"m2": 1.0, "cm2": 1e-4, "mm2": 1e-6}),
-    "s": ("s", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}),
-    "m": ("m", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}),
+    "s": ("s", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0}),
+    "m": ("m", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}),
 }
 _RATIOS = {"_rad": "rad", "_db": "dB"}
 """Which a file writes as plain numbers."""

@@ -235,17 +235,21 @@ def test_one_row_that_is_no_trial_is_told_in_the_singular(tmp_path):
 @pytest.mark.parametrize(
     ("task", "word", "hint"),
     [
-        ("yes_no", "y", "; say what it means in a column map (--columns), below [values.response]: 'y' = 1"),
+        (
+            "yes_no",
+            "y",
+            "; say what it means in a column map (--columns), below [values.response], for example: 'y' = 1",
+        ),
         (
             "forced_choice",
             "left",
-            "; say what it means in a column map (--columns), below [values.response]: 'left' = 1",
+            "; say what it means in a column map (--columns), below [values.response], for example: 'left' = 1",
         ),
         ("yes_no", "None", "; say in a column map (--columns) that it was not measured: missing = ['None']"),
         (
             "preference",
             "first",
-            "; say what it means in a column map (--columns), below [values.response]: 'first' = 1",
+            "; say what it means in a column map (--columns), below [values.response], for example: 'first' = 1",
         ),
         ("yes_no", "7", ""),
     ],
@@ -263,11 +267,11 @@ def test_an_answer_that_is_not_mapped_names_the_line_to_write(tmp_path, capsys, 
 def test_the_line_to_write_is_toml_that_means_the_word(word):
     import tomllib
 
-    from tactometry.analysis.reading.cell_meaning import meaning
+    from tactometry.analysis.reading.rows import meaning
 
     hint = meaning("response", word)
-    if "[values.response]: " in hint:
-        assert tomllib.loads(hint.partition("[values.response]: ")[2]) == {word: 1}
+    if "for example: " in hint:
+        assert tomllib.loads(hint.partition("for example: ")[2]).keys() == {word}
     elif hint:
         assert tomllib.loads(hint.partition(": ")[2]) == {"missing": [word]}
 
