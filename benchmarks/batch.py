@@ -26,9 +26,10 @@ from pyarrow import parquet
 from tactometry.experiments.bias_study.batches import BATCH, Respondents, TrackRun, fitted_tracks, write_tracks
 from tactometry.experiments.harness import run_once, tell
 from tactometry.experiments.workers import workers
-from tactometry.protocols import ParameterGrid, QuestPlus, Staircase
+from tactometry.protocols import QuestPlus, Staircase
 from tactometry.protocols.batch.answers import LevelTable, criteria
 from tactometry.protocols.batch.tracks import tracks
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import shape_named
 
 N_TRIALS, N_TRIALS_QUEST, ENDLESS = 140, 60, 10**6

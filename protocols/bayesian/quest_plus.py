@@ -42,7 +42,7 @@ class QuestPlus(WeighingRule):
       first parameter is the threshold.
     - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
-    >>> from tactometry.protocols import ParameterGrid
+    >>> from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
     >>> levels = tuple(range(-40, 1))
     >>> rule = QuestPlus(levels, ParameterGrid(levels, widths=(10.0,)), n_trials=2)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).ending
@@ -189,7 +189,7 @@ class SharedQuestPlus:
     ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. A track that was within `sd_stop` may go on
     again after answers on another track; `n_trials` bounds each.
 
-    >>> from tactometry.protocols import ParameterGrid
+    >>> from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
     >>> pool = SharedQuestPlus(rule, ("30 Hz", "240 Hz")).after("30 Hz", 1)
     >>> len(pool.procedure("30 Hz").responses), len(pool.procedure("240 Hz").responses)

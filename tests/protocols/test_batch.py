@@ -13,18 +13,11 @@ from hypothesis import given, strategies as st
 from scipy.stats import binomtest
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import (
-    ConstantStimuli,
-    FunctionModel,
-    MethodOfLimits,
-    ParameterGrid,
-    Quest,
-    QuestPlus,
-    Staircase,
-    WeightedStaircase,
-)
+from tactometry.protocols import ConstantStimuli, MethodOfLimits, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.batch.answers import AS_ASKED, LevelTable, criteria
 from tactometry.protocols.batch.tracks import NOT_ASKED, tracks
+from tactometry.protocols.bayesian.outcome_model import FunctionModel
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.quest import Placing
 from tactometry.protocols.bayesian.quest_plus import Aim, Criterion
 from tactometry.protocols.bayesian.weighing import WeighingRule

@@ -6,7 +6,8 @@ from catalogue import PROCEDURES
 from study_texts import refusal, tutorial_in, wired
 
 from tactometry.experiments.study.kinds import PROCEDURES as KINDS
-from tactometry.protocols import SharedQuestPlus, Staircase
+from tactometry.protocols import Staircase
+from tactometry.protocols.bayesian.quest_plus import SharedQuestPlus
 from tactometry.protocols.procedures.easy import EasyTrials, with_easy_trials
 
 ADAPTIVE = [kind for kind, known in KINDS.items() if known.takes_easy_trials]

@@ -13,10 +13,11 @@ from memory import Memory
 from wanting import Wanting
 
 from tactometry.observers.finger import SimulatedFinger
-from tactometry.protocols import Block, Inquiry, after_answer, session
+from tactometry.protocols import Block, session
 from tactometry.protocols.block import run_block
 from tactometry.protocols.block_state import BlockOptions
-from tactometry.protocols.procedures.procedure import FixedOrder
+from tactometry.protocols.procedures.procedure import FixedOrder, after_answer
+from tactometry.protocols.session import Inquiry
 from tactometry.questionnaire import load as load_form
 from tactometry.session.answer import Done
 from tactometry.session.intervention import Intervention

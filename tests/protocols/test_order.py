@@ -6,8 +6,7 @@ from collections import Counter
 import pytest
 from hypothesis import given, strategies as st
 
-from tactometry.protocols import williams_square
-from tactometry.protocols.order import Crossing, n_orders
+from tactometry.protocols.order import Crossing, n_orders, williams_square
 
 
 def counterbalanced(factors, number):

@@ -12,21 +12,16 @@ import numpy as np
 
 import tactometry.protocols as room
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import (
-    BlockOptions,
-    FunctionModel,
-    Inquiry,
-    Measurement,
-    ParameterGrid,
-    PsiSettings,
-    QuestPlus,
-    QuestPlusSettings,
-    SharedQuestPlus,
-    TableModel,
-    psi,
-    williams_square,
-)
+from tactometry.protocols import QuestPlus, QuestPlusSettings, psi
+from tactometry.protocols.bayesian.outcome_model import FunctionModel, TableModel
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
+from tactometry.protocols.bayesian.quest_plus import SharedQuestPlus
+from tactometry.protocols.bayesian.settings import PsiSettings
+from tactometry.protocols.block_state import BlockOptions
+from tactometry.protocols.order import williams_square
 from tactometry.protocols.procedures.practice import Practice
+from tactometry.protocols.session import Inquiry
+from tactometry.protocols.tasks.measurement import Measurement
 from tactometry.questionnaire import load as load_form
 
 HOSTILE = {

@@ -11,8 +11,10 @@ from hard_cases import exact_case, hard_case
 from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import FunctionModel, ParameterGrid, PsiSettings, QuestPlus, QuestPlusSettings, TableModel
-from tactometry.protocols.bayesian.settings import grid_values
+from tactometry.protocols import QuestPlus, QuestPlusSettings
+from tactometry.protocols.bayesian.outcome_model import FunctionModel, TableModel
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
+from tactometry.protocols.bayesian.settings import PsiSettings, grid_values
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = tuple(np.linspace(-5, 45, 26))

@@ -7,7 +7,8 @@ import pytest
 from scipy.stats import norm
 from soak import SOAK
 
-from tactometry.protocols import ParameterGrid, Quest, QuestPlus, psi
+from tactometry.protocols import Quest, QuestPlus, psi
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import shape_named
 
 N_RUNS = 100 if SOAK else 3

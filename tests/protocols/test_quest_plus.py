@@ -11,7 +11,8 @@ from hypothesis import given, settings, strategies as st
 from scipy.stats import norm
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import ParameterGrid, QuestPlus
+from tactometry.protocols import QuestPlus
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import shape_named
 
 WIDTH_PER_SCALE = shape_named("gumbel").z_width

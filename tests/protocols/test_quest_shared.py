@@ -10,7 +10,10 @@ from hypothesis import given, strategies as st
 from scipy.stats import norm
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import ParameterGrid, QuestPlus, SharedQuestPlus, Staircase, after_answer
+from tactometry.protocols import QuestPlus, Staircase
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
+from tactometry.protocols.bayesian.quest_plus import SharedQuestPlus
+from tactometry.protocols.procedures.procedure import after_answer
 
 GRID = ParameterGrid((0.0, 10.0, 20.0, 30.0), (4.0, 12.0), (0.5,), (0.0, 0.05))
 RULE = QuestPlus((0.0, 8.0, 16.0, 24.0, 32.0), GRID, n_trials=50)

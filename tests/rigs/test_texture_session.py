@@ -39,7 +39,9 @@ from tactometry.rigs.touch.touch import TouchRun
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration import FollowedTexture, Grating, Region
+from tactometry.stimuli.electrovibration import Grating
+from tactometry.stimuli.electrovibration.textures.followed_texture import FollowedTexture
+from tactometry.stimuli.electrovibration.textures.texture import Region
 
 
 @pytest.fixture

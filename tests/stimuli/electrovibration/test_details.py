@@ -6,25 +6,24 @@ import pytest
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import (
     CoulombFriction,
-    DryFriction,
     Finger,
     Noise,
-    PowerLawArea,
     PulseTrain,
-    Region,
-    Sampled,
     Sine,
     Skin,
     Step,
-    TableArea,
-    Travel,
     Velvet,
     sliding,
     stick_slip,
 )
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea, TableArea
 from tactometry.stimuli.electrovibration.attraction.force import force_form
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.textures.texture import Region
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 from tactometry.stimuli.scenes.stages.record import recorded
 
 AREA_M2, FINGER = 1e-4, Finger()

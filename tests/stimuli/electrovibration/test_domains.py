@@ -9,23 +9,23 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     Bump,
     CoulombFriction,
-    FrictionLag,
     Grating,
     GreyImage,
     Layer,
     Noise,
     PulseTrain,
-    Region,
     Sine,
     Skin,
-    Solution,
     Square,
     Stack,
     Step,
     electrostatic_force_n,
-    electrostatic_force_n_at,
-    ellipse_area_m2,
 )
+from tactometry.stimuli.electrovibration.attraction.contact_area import ellipse_area_m2
+from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
+from tactometry.stimuli.electrovibration.textures.texture import Region
 
 P0, AREA_M2 = Skin(), 1e-4
 PIECES = Step(duration_s=0.1).pieces(40.0)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 from numba import njit
 
-from tactometry.stimuli.electrovibration import AmplitudeModulated, Finger, Pieces, Sine, Skin, Step, Trapezoid
+from tactometry.stimuli.electrovibration import AmplitudeModulated, Finger, Sine, Skin, Step, Trapezoid
 from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.motion.compiled_loops import march, states
 from tactometry.stimuli.electrovibration.motion.driven_motion import (
@@ -20,6 +20,7 @@ from tactometry.stimuli.electrovibration.motion.driven_motion import (
 )
 from tactometry.stimuli.electrovibration.motion.phases import heights
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
 
 RATE_PER_S = 1e3
 LAG = LinearSystem(((-4335.0,),), (2167.0,))

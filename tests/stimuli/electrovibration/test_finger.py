@@ -11,20 +11,18 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     CoulombFriction,
     Finger,
-    FrictionLag,
-    Pieces,
     Sine,
     Skin,
-    Solution,
     Square,
     Step,
     Trapezoid,
     sliding,
 )
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
-from tactometry.stimuli.electrovibration.motion.friction_lag import lagged_friction_n
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag, lagged_friction_n
 from tactometry.stimuli.electrovibration.motion.skin_mobility import SkinMobility
-from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 from tactometry.stimuli.scenes.effects.finger_dynamics import FingerDynamics
 
 FINGER, FRICTION = Finger(), CoulombFriction(0.5)

@@ -20,13 +20,13 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     Bump,
     ElectrovibrationSensation,
-    FollowedTexture,
     Grating,
     GreyImage,
     HeightMap,
-    Region,
     Velvet,
 )
+from tactometry.stimuli.electrovibration.textures.followed_texture import FollowedTexture
+from tactometry.stimuli.electrovibration.textures.texture import Region
 
 SPEED_M_PER_S = 0.05
 CONTACT = Contact(1.0, SPEED_M_PER_S)

@@ -17,17 +17,15 @@ from tactometry.stimuli.electrovibration import (
     PulseTrain,
     Sine,
     Skin,
-    Solution,
     Square,
     Step,
     Trapezoid,
-    WithOffset,
     electrostatic_force_n,
-    electrostatic_force_n_at,
     sliding,
 )
-from tactometry.stimuli.electrovibration.attraction.force import force_form
-from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, high_passed
+from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at, force_form
+from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, Solution, high_passed
 
 AREA_M2 = 1e-4
 P0 = Skin()

@@ -7,19 +7,19 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     PulseTrain,
-    Sampled,
     Sine,
     Skin,
     Square,
     Step,
     Trapezoid,
     Triangle,
-    WithOffset,
     electrostatic_force_n,
 )
+from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
 from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
+from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 from tactometry.stimuli.electrovibration.waveforms.waveform import Waveform
-from tactometry.stimuli.perception import components
+from tactometry.stimuli.perception.detection import components
 
 RAMPED = [
     Sine(frequency_hz=60.0, phase_rad=0.3),

@@ -9,15 +9,9 @@ from sampled_corneum import corneum_voltage_v
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.felt_scene import FeltScene
-from tactometry.stimuli.electrovibration import (
-    ElectrovibrationSensation,
-    Polarity,
-    PulseTrain,
-    Skin,
-    electrostatic_force_n,
-    electrostatic_force_n_at,
-)
-from tactometry.stimuli.electrovibration.attraction.force import LAWS
+from tactometry.stimuli.electrovibration import ElectrovibrationSensation, PulseTrain, Skin, electrostatic_force_n
+from tactometry.stimuli.electrovibration.attraction.force import LAWS, electrostatic_force_n_at
+from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
 
 P0, AREA_M2, RATE_HZ = Skin(), 1e-4, 2e4
 TOUCH = Contact(force_n=1.5, speed_m_per_s=0.05)

@@ -12,8 +12,9 @@ from corneum_closed_form import (
     step_voltage_v,
 )
 
-from tactometry.stimuli.electrovibration import Sine, Skin, Solution, Square, Step, electrostatic_force_n
+from tactometry.stimuli.electrovibration import Sine, Skin, Square, Step, electrostatic_force_n
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
 
 P0 = Skin()
 AREA_M2 = 1e-4

@@ -7,21 +7,21 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
     Bump,
     CoulombFriction,
-    DryFriction,
     Finger,
     Noise,
-    PowerLawArea,
-    Region,
     Sine,
     Skin,
-    Travel,
-    WithOffset,
     electrostatic_force_n,
-    force_form,
-    peak_voltage_v,
     sliding,
     stick_slip,
 )
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.attraction.force import force_form
+from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
+from tactometry.stimuli.electrovibration.textures.texture import Region
+from tactometry.stimuli.electrovibration.waveforms.waveform import peak_voltage_v
 
 T_S = np.linspace(0, 0.01, 11)
 FORM = force_form("sc_layer", Skin(), 1e-4)

@@ -6,9 +6,10 @@ from hard_cases import hard_case
 from hypothesis import example, given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Sine, Square, Step, Trapezoid
+from tactometry.stimuli.electrovibration import PulseTrain, Sine, Square, Step, Trapezoid
 from tactometry.stimuli.electrovibration.textures.followed_texture import finest_period_m
 from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Noise, Region, Texture, Velvet
+from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 
 RATE_HZ = 1000.0
 LINE_S = st.one_of(st.just(0.0), st.floats(1e-12, 4e-3))

@@ -18,11 +18,11 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     CoulombFriction,
     ElectrovibrationSensation,
-    FrictionLag,
-    PowerLawArea,
     Sine,
     Skin,
 )
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 

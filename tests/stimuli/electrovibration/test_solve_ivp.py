@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tactometry.stimuli.electrovibration import PulseTrain, Sine, Skin, Solution, Square, Step, Trapezoid
+from tactometry.stimuli.electrovibration import PulseTrain, Sine, Skin, Square, Step, Trapezoid
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
 from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
 
 AREA_M2 = 1e-4

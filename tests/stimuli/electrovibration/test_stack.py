@@ -11,9 +11,10 @@ from scipy.integrate import quad
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.defaults import VACUUM_PERMITTIVITY_F_PER_M as E0
-from tactometry.stimuli.electrovibration import Layer, Pieces, Sine, Skin, Solution, Stack, Step
+from tactometry.stimuli.electrovibration import Layer, Sine, Skin, Stack, Step
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
 from tactometry.stimuli.electrovibration.skin.stack import DispersiveLayer
-from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 
 AREA_M2 = 1e-4
 GLASS = Layer(1e-6, 3.9)

@@ -8,22 +8,13 @@ from hypothesis import given, strategies as st
 from scipy.integrate import solve_ivp
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import (
-    DryFriction,
-    Finger,
-    Pieces,
-    Sine,
-    Skin,
-    Solution,
-    Square,
-    StickSlip,
-    Trapezoid,
-    Travel,
-    stick_slip,
-)
+from tactometry.stimuli.electrovibration import Finger, Sine, Skin, Square, StickSlip, Trapezoid, stick_slip
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.motion import power_series, stick_slip as sticking
-from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 
 FINGER, FRICTION = Finger(damping_n_s_per_m=0.0466), DryFriction(0.6, 0.5, gated=False)
 """A pad that rings, so that it sticks and slips again and again."""

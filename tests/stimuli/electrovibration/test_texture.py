@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import (
-    FollowedTexture,
+from tactometry.stimuli.electrovibration.attraction.contact_area import (
+    UNVERIFIED_PRINTS,
     PowerLawArea,
     Print,
     TableArea,
     area_of_prints,
     power_law_of_prints,
 )
-from tactometry.stimuli.electrovibration.attraction.contact_area import UNVERIFIED_PRINTS
+from tactometry.stimuli.electrovibration.textures.followed_texture import FollowedTexture
 from tactometry.stimuli.electrovibration.textures.maps import GreyImage
 from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Noise, Region, Texture, Velvet
 

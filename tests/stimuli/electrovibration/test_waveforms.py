@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import AmplitudeModulated, Sine
-from tactometry.stimuli.perception import components
+from tactometry.stimuli.perception.detection import components
 
 STIMULI = [
     Sine(frequency_hz=60.0),

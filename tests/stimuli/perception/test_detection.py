@@ -6,7 +6,8 @@ from hard_cases import exact_case, hard_case
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.perception import Components, components, sensation_level_db
+from tactometry.stimuli.perception import sensation_level_db
+from tactometry.stimuli.perception.detection import Components, components
 
 
 @given(frequency_hz=st.floats(20, 900), amplitude=st.floats(1e-9, 1e9), offset=st.floats(-10, 10))

@@ -27,15 +27,10 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.electrovibration import (
-    CoulombFriction,
-    ElectrovibrationSensation,
-    FrictionLag,
-    PowerLawArea,
-    Sine,
-    Skin,
-    electrostatic_force_n_at,
-)
+from tactometry.stimuli.electrovibration import CoulombFriction, ElectrovibrationSensation, Sine, Skin
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
 from tactometry.stimuli.electrovibration.motion.pad import Finger
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene

@@ -14,18 +14,11 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, FingerContact
-from tactometry.stimuli.electrovibration import (
-    AmplitudeModulated,
-    CoulombFriction,
-    FrictionLag,
-    PulseTrain,
-    Sampled,
-    Sine,
-    Skin,
-    Square,
-    force_form,
-)
+from tactometry.stimuli.electrovibration import AmplitudeModulated, CoulombFriction, PulseTrain, Sine, Skin, Square
+from tactometry.stimuli.electrovibration.attraction.force import force_form
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
 from tactometry.stimuli.electrovibration.waveforms.pieces import VoltageRecord
+from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.perception.detection import components
 from tactometry.stimuli.scenes.effects import OF_ELECTROVIBRATION

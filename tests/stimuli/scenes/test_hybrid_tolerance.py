@@ -21,7 +21,9 @@ from soak import SOAK
 
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.electrovibration import PowerLawArea, Sine, Skin, electrostatic_force_n_at
+from tactometry.stimuli.electrovibration import Sine, Skin
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen

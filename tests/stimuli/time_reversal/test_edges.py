@@ -8,33 +8,29 @@ import pytest
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import (
     A4_SCREEN,
-    Attenuation,
     Band,
-    Emission,
     Fingertip,
     FocusTrain,
     Pattern,
-    PlateLoad,
     Responses,
     Screen,
     Setup,
     TimeReversalStimulus,
-    Transducers,
-    amplitude_loss,
-    border,
-    emitted,
-    loaded_responses,
-    n_held,
 )
 from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
-from tactometry.stimuli.time_reversal.design.guide import Design, amplitudes_m
+from tactometry.stimuli.time_reversal.design.guide import Design, Transducers, amplitudes_m, n_held
+from tactometry.stimuli.time_reversal.finger import amplitude_loss
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import overlap
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted
 from tactometry.stimuli.time_reversal.focusing.pattern import Table, focus_samples
 from tactometry.stimuli.time_reversal.plate.dispersion import (
     mindlin_wavenumber_rad_per_m,
     wavenumber_rad_per_m,
 )
 from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.transducer import border
 
 SCREEN = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
 EMISSION = Emission(Band(200.0, 9e3), 4e-3, 20e3)
