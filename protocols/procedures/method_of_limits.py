@@ -130,7 +130,7 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     n_start_steps: Annotated[int, Ge(0)] = 0
 
     name = "method_of_limits"
-    named = LimitsNumbers
+    _named = LimitsNumbers
     transition = Transition(_level, _ending, _start, _after, _threshold)
     unreplayed = "the series of the method of limits are not replayed"
 

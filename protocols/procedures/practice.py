@@ -62,7 +62,7 @@ class Practice(SteppingRule[Any]):
 
     name = "practice"
     transition = Transition(_level, _ending)
-    named = PracticeNumbers
+    _named = PracticeNumbers
     unreplayed = "practice measures nothing"
 
     def __post_init__(self) -> None:

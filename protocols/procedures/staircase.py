@@ -110,7 +110,7 @@ class UpDown(SteppingRule["StaircaseRun"]):
     start: float
 
     transition = Transition(_level, _ending, _start, _after, _threshold)
-    named = StaircaseNumbers
+    _named = StaircaseNumbers
 
     @property
     @abstractmethod
