@@ -24,9 +24,7 @@ from ..study.felt_effects import predict
 from ..study.study_file import folder_of, load
 from .bench_file import BenchFile
 from .calibration import tone
-from .finding import Finding, duration, findings_of
-from .preflight_computer import computer, disk, display, existing
-from .preflight_finger import force, position
+from .preflight_checks import Finding, computer, disk, display, duration, existing, findings_of, force, position
 from .stimuli import bank_on
 
 LISTEN_S = 2.0

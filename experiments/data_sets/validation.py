@@ -26,8 +26,16 @@ from tactometry.trials.trial import tally
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
-from .positions import positions_defects
-from .session_files import OTHER_STUDY, derived_defects, has_rows, header_of, n_rows, name_defect, trials_defects
+from .session_files import (
+    OTHER_STUDY,
+    derived_defects,
+    has_rows,
+    header_of,
+    n_rows,
+    name_defect,
+    positions_defects,
+    trials_defects,
+)
 from .traces import trace_defects
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")

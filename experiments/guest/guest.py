@@ -28,8 +28,7 @@ from ..study.experiment import wire
 from ..study.session_plan import key_of
 from ..study.study_file import load
 from ..study.task_table import choices_named, form_of
-from .columns import of_reply
-from .loop import Loop
+from .loop import Loop, of_reply
 
 T = TypeVar("T")
 SHOWN_CELLS = 3

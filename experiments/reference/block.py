@@ -2,9 +2,8 @@
 
 from collections.abc import Mapping
 
-from .key_table import KeyTable, toml_value
-from .keys import Key, keys_of
-from .meanings import summary
+from .keys import Key, keys_of, summary
+from .tables import KeyTable, toml_value
 
 
 def heading(table: KeyTable) -> str:

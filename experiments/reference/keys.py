@@ -4,21 +4,22 @@ A range is what the class itself says when it is given what cannot be: nothing h
 """
 
 import dataclasses
+import inspect
 import math
 import re
 import types
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import cache
+from importlib import import_module
+from typing import Any, Final
 
 from tactometry.config.quantity import unit_in
 from tactometry.config.strict import fields_of, is_required, words_of
 from tactometry.errors import TactometryError
 
-from .key_table import KeyTable, toml_value
-from .meanings import meanings, summary
-from .tables import inner_name
+from .tables import KeyTable, inner_name, toml_value
 
 ASKED = "table"
 """The path under which a table is built to hear what it refuses."""
@@ -191,3 +192,59 @@ def _otherwise(one: dataclasses.Field[Any]) -> str:
     if value in (None, "", (), {}):
         return "none"
     return "its own" if dataclasses.is_dataclass(value) else toml_value(value)
+
+
+_SECTION: Final = re.compile(r"^Parameters\n-+\n(.*?)(?=^\w[\w ]*\n-{3,}$|^>>> |\Z)", re.MULTILINE | re.DOTALL)
+_ENTRY: Final = re.compile(r"^(\w[\w, ]*?)(?: :[^\n]*)?\n((?:[ ]{4}[^\n]*\n|\n)*)", re.MULTILINE)
+_ITEM: Final = re.compile(r"^- ((?:`\w+`(?:, )?)+): ([^\n]*\n(?:[ ]{2}[^\n]*\n)*)", re.MULTILINE)
+_AS_IN: Final = re.compile(r"^As in `(?:([\w.]+)\.)?(\w+)`")
+
+
+@cache
+def meanings(kind: type) -> Mapping[str, str]:
+    """What each key of a class means, where its docstring or that of a base says so. A class with one key says it in
+    its first paragraph.
+
+    >>> from tactometry.observers.changes import SlowLearning
+    >>> meanings(SlowLearning)["gain_db"]
+    'By how much less is felt at the first trial.'
+    """
+    of_bases: dict[str, str] = {}
+    for base in reversed(kind.__mro__):
+        own = _parameters(base)
+        of_bases |= {name: text for name, text in own.items() if name not in of_bases or not _AS_IN.match(text)}
+    said = {name: _followed(kind, name, text) for name, text in of_bases.items()}
+    names = list(fields_of(kind))
+    return {names[0]: summary(kind), **said} if len(names) == 1 else said
+
+
+def summary(kind: type) -> str:
+    """The first paragraph of its docstring, on one line.
+
+    >>> from tactometry.protocols.tasks.touch import Pressing
+    >>> summary(Pressing)
+    'A finger that rests.'
+    """
+    return " ".join(inspect.cleandoc(kind.__doc__ or "").partition("\n\n")[0].split())
+
+
+def _parameters(kind: type) -> dict[str, str]:
+    text = inspect.cleandoc(vars(kind).get("__doc__") or "") + "\n"
+    section = _SECTION.search(text)
+    entries = [*_ITEM.findall(text), *(_ENTRY.findall(section[1] + "\n") if section else ())]
+    return {name.strip(" `"): " ".join(meaning.split()) for names, meaning in entries for name in names.split(",")}
+
+
+def _followed(kind: type, name: str, text: str) -> str:
+    """A text that says ``As in `Other```: what the other class says, and the rest of the text."""
+    named = _AS_IN.match(text)
+    other = _named_by(kind, named[1], named[2]) if named else None
+    if named is None or other is None or name not in meanings(other):
+        return text
+    rest = text[named.end() :].strip(" .,;")
+    return f"{meanings(other)[name]} {rest[:1].upper()}{rest[1:]}".strip()
+
+
+def _named_by(kind: type, module: str | None, name: str) -> type | None:
+    other = getattr(import_module(module or kind.__module__), name, None)
+    return other if isinstance(other, type) else None

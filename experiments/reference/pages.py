@@ -12,10 +12,8 @@ from pathlib import Path
 from typing import Final
 
 from .block import example, holds
-from .key_table import KeyTable
-from .keys import Key, keys_of
-from .meanings import summary
-from .tables import PAGES, tables_of_page
+from .keys import Key, keys_of, summary
+from .tables import PAGES, KeyTable, tables_of_page
 
 BEGIN, END = "<!-- keys: written by `make keys` -->", "<!-- end of keys -->"
 ROOT: Final = Path(__file__).resolve().parents[2]

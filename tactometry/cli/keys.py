@@ -11,7 +11,7 @@ from ..config.strict import InvalidKey
 from .output import say, subcommand
 
 if TYPE_CHECKING:
-    from tactometry.experiments.reference.key_table import KeyTable
+    from tactometry.experiments.reference.tables import KeyTable
 
 WIDTH: Final = 80
 """Of a terminal that all of it fits."""
@@ -35,8 +35,7 @@ def command(name: str | None) -> None:
     NAME is that of a table, such as touch.slide, bench.output or map, or texts for the texts that [texts] may replace.
     Without it the names are listed.
     """
-    from tactometry.experiments.reference.key_table import toml_value
-    from tactometry.experiments.reference.tables import find, tables
+    from tactometry.experiments.reference.tables import find, tables, toml_value
 
     if name == "texts":
         shipped = _shipped_texts()
