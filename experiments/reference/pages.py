@@ -11,8 +11,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Final
 
-from .block import example, holds
-from .keys import Key, keys_of, summary
+from .keys import Key, example, holds, keys_of, summary
 from .tables import PAGES, KeyTable, tables_of_page
 
 BEGIN, END = "<!-- keys: written by `make keys` -->", "<!-- end of keys -->"

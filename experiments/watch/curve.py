@@ -25,8 +25,21 @@ from tactometry.errors import count_of
 from tactometry.session.progress import Progress
 from tactometry.trials.trial import Trial
 
-from .condition import condition_words
-from .plots import BOTTOM, LEFT, RIGHT, TOP, Mark, Plot, Ruler, Stroke, last_presented, polyline, ruler_over, success
+from .plots import (
+    BOTTOM,
+    LEFT,
+    RIGHT,
+    TOP,
+    Mark,
+    Plot,
+    Ruler,
+    Stroke,
+    condition_words,
+    last_presented,
+    polyline,
+    ruler_over,
+    success,
+)
 
 N_PLACES = 61
 FEWEST_ANSWERS = 6

@@ -11,8 +11,7 @@ from tactometry.session.request import Fact
 from tactometry.trials.tasks import TASKS, YES_OR_NO
 from tactometry.trials.trial import REASON_WORDS, Trial
 
-from .condition import condition_words
-from .plots import Plot, last_presented, levels_plot
+from .plots import Plot, condition_words, last_presented, levels_plot
 from .sight import Sight
 
 MOST_PLOTS = 4

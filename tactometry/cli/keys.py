@@ -81,8 +81,7 @@ def _names(names: list[str]) -> str:
 
 
 def _record(table: "KeyTable") -> dict[str, Any]:
-    from tactometry.experiments.reference.block import block
-    from tactometry.experiments.reference.keys import keys_of
+    from tactometry.experiments.reference.keys import block, keys_of
 
     keys = [asdict(key) | {"required": key.required} for key in keys_of(table)]
     return {"name": table.name, "table": table.header, "keys": keys, "example": block(table)}
@@ -92,8 +91,7 @@ def _text(table: "KeyTable") -> str:
     from rich.console import Console
     from rich.table import Column, Table
 
-    from tactometry.experiments.reference.block import block, heading, holds
-    from tactometry.experiments.reference.keys import keys_of
+    from tactometry.experiments.reference.keys import block, heading, holds, keys_of
 
     keys = keys_of(table)
     columns = (

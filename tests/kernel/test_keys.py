@@ -11,8 +11,7 @@ from tactometry.config.strict import build
 from tactometry.config.toml import read_table
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.bench.bench_file import parse_bench
-from tactometry.experiments.reference.block import block
-from tactometry.experiments.reference.keys import Key, keys_of, summary
+from tactometry.experiments.reference.keys import Key, block, keys_of, summary
 from tactometry.experiments.reference.pages import path_of, text_of
 from tactometry.experiments.reference.study_tables import GREY
 from tactometry.experiments.reference.tables import PAGES, KeyTable, tables
