@@ -278,7 +278,7 @@ def _speed(found_m_per_s: float | None, slides: list[Sliding]) -> Finding:
 
 
 def _band_m_per_s(slide: Sliding) -> float:
-    """Half of the width of the band of a slide's speed, or what is left below it."""
+    """Return half the width of a slide's speed band, or its lower margin."""
     tolerance = slide.speed_tolerance or 0.0
     return slide.speed_m_per_s * min(tolerance, max(1 - tolerance, 0.0))
 
@@ -299,13 +299,12 @@ def fastest_m_per_s(times_s: FloatArray, along_m: FloatArray) -> float | None:
 
 
 def _slides(experiment: Experiment | None) -> list[Sliding]:
-    """The touches of a study that slide."""
     conditions = () if experiment is None else experiment.conditions
     return [condition.touch for condition in conditions if isinstance(condition.touch, Sliding)]
 
 
 def _heard(sensor: StreamedSensor) -> tuple[FloatArray, FloatArray]:
-    """What a sensor says for a while from its first sample on: a board may begin a while after its line was opened."""
+    """Read a sensor for a while from its first sample, which may be late."""
     with closing(sensor):
         sensor.open()
         silent_s = time.perf_counter() + FIRST_WITHIN_S

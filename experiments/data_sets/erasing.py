@@ -1,7 +1,11 @@
-"""Erase one participant from a data set; others' files stay as they are, byte for byte.
+"""Erase one participant from a data set; the files of others stay byte for byte.
 
-What is to go is written down and put on the disk before the first file goes, so that one who was killed says it again
-and it finishes. Orders of other participants stand: they follow from each one's own number.
+- *Own* files are named for the participant, or are their journal under another name.
+- *Derived* files are reports, figures and exports. All of them go, as a mean contains every participant.
+- *Other* files stay unsearched, and their names are returned so that a person can look at them.
+
+The files to erase are recorded on the disk before the first one goes, so that an interrupted erasure can be finished.
+The orders of other participants stay: they follow from each one's own number.
 """
 
 import os
@@ -107,7 +111,7 @@ def _erase(root: Path, participant: str) -> Erased:
 
 
 def _there(journals: Iterable[Path]) -> set[Path]:
-    """Without links that lead to nothing: who locks one makes what it leads to."""
+    """Leave out broken links: locking one would create its target."""
     return {path for path in journals if path.exists()}
 
 

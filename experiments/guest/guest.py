@@ -188,7 +188,7 @@ class Guest:
         return Loop(name, self.procedure(**factors), self.experiment.table.options.n_attempts)
 
     def _carry_out(self, course: Course[T]) -> T:
-        """As a session does, with no record: that is the script's."""
+        """Carry out a request; the script records it."""
         answer: Any = None
         while True:
             try:

@@ -124,7 +124,7 @@ OF_A_TOUCH = (
 
 
 def _stated(values: dict[str, float | str | None]) -> Values:
-    """What is known, truths as 1 and 0: a cell that is left out stays empty."""
+    """Leave out unknown values, and write truth values as 1 and 0."""
     known = {name: value for name, value in values.items() if value is not None}
     return {name: int(value) if isinstance(value, bool) else value for name, value in known.items()}
 

@@ -125,24 +125,22 @@ def _example(table: KeyTable, one: dataclasses.Field[Any]) -> str:
 
 
 def _parts(hint: Any) -> tuple[Any, ...]:
-    """The types that a key may have."""
     several = typing.get_origin(hint) in (typing.Union, types.UnionType)
     return typing.get_args(hint) if several else (hint,)
 
 
 def _classes(hint: Any) -> tuple[type, ...]:
-    """The dataclasses that a key holds: as such, or several in a list or by name."""
+    """Return the dataclasses that a key holds, alone or in a container."""
     inner = [each for part in _parts(hint) for each in (part, *typing.get_args(part))]
     return tuple(each for each in inner if isinstance(each, type) and dataclasses.is_dataclass(each))
 
 
 def _in_python_only(hint: Any) -> bool:
-    """Whether no table of a file can be made into it."""
     return any(getattr(part, "_is_protocol", False) for part in _parts(hint))
 
 
 def _expectations(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
-    """What the class expects of a key, as it says itself when it is given something else; each said once."""
+    """Yield the class's own refusals of probe values, each once."""
     said: list[str] = []
     for probe in (probe for kind in _parts(hint) for probe in _probes(kind)):
         expected = _expectation(table, name, probe)
@@ -160,7 +158,7 @@ def _probes(part: Any) -> tuple[object, ...]:
 
 
 def _expectation(table: KeyTable, name: str, probe: object) -> str:
-    """What is expected in place of a probe, without values of the example; nothing if the probe is taken."""
+    """Return what the class expects instead of a probe; empty if accepted."""
     try:
         table.read({**table.instead.get(name, table.shown), name: probe}, ASKED)
     except TactometryError as error:

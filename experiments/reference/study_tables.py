@@ -183,7 +183,7 @@ def stimulus_gives(*names: str) -> Callable[[], Values]:
 
 
 def _textures() -> Iterator[KeyTable]:
-    """What a table within `[stimulus]` may hold; a file in place of values is read when it is played."""
+    """Yield the tables of textures within `[stimulus]`."""
     for kind, texture in TEXTURES.items():
         name, header = f"texture.{kind}", "[stimulus.texture]"
         from_file = {"pixel_m": 1e-3, "path": "grey.csv", "sha256": DIGEST_OF_GREY}

@@ -161,7 +161,7 @@ def _along(x: Ruler, y: Ruler, levels: np.ndarray, rates: np.ndarray) -> str:
 
 
 def _around(x: Ruler, y: Ruler, band: CurveBand) -> str:
-    """The outline of a band: along its lower end and back along its upper one."""
+    """Return the outline of a band."""
     return f"{_along(x, y, band.levels, band.low)} {_along(x, y, band.levels[::-1], band.high[::-1])}"
 
 

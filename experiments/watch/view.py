@@ -230,7 +230,7 @@ def _ms(lasting_s: float) -> str:
 
 
 def _clock(facts: Mapping[str, Fact]) -> str:
-    """What is known of a clock: its drift, from the second block of a sitting on."""
+    """Describe the drift of a clock, known from the second block on."""
     drift = facts.get("clock_drift")
     return f"drift {1e6 * drift:.3g} µs/s" if isinstance(drift, int | float) else "drift not known yet"
 
