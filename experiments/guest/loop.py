@@ -167,8 +167,8 @@ def of_trial(outcome: TrialOutcome) -> Values:
 def of_reply(form: Questionnaire | ChoiceForm, reply: Reply) -> dict[str, float | str | None]:
     """The row of an item of a questionnaire; of questions about a person with the category, in English if it has that.
 
-    >>> from tactometry.choice_form import load
-    >>> of_reply(load("demographics"), Reply(None, 1.0, item="handedness"))
+    >>> from tactometry.questionnaire import load_choices
+    >>> of_reply(load_choices("demographics"), Reply(None, 1.0, item="handedness"))
     {'item': 'handedness', 'response': 1.0, 'category': 'right'}
     """
     row: dict[str, float | str | None] = {"item": reply.item, "response": reply.response}
