@@ -376,7 +376,7 @@ newtons_per_count = 0.001
 
 def test_check_counts_overload_values_as_lost_samples(capsys, monkeypatch, tmp_path):
     monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
-    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.HEARD_S", 0.7)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_checks.HEARD_S", 0.7)
     counts = [9.99999999e37 if n % 500 == 499 else 1000 + n % 3 for n in range(4000)]
     (tmp_path / "force.csv").write_text(
         "time_s,counts\n" + "".join(f"{n / 1000},{count}\n" for n, count in enumerate(counts))

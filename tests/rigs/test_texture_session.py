@@ -28,8 +28,7 @@ from tactometry.devices.outputs.frame_feed import FollowingFeed
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.experiments.bench.bench_file import Devices, load_bench
-from tactometry.experiments.bench.finding import findings_of
-from tactometry.experiments.bench.preflight_finger import position
+from tactometry.experiments.bench.preflight_checks import findings_of, position
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse

@@ -42,7 +42,7 @@ NAMED = {
     "study/scene_table.py": {"played": "the surface of what is played"},
     "study/task_table.py": {"task_kind.table": "TASKS"},
     "config/strict.py": dict.fromkeys(("resolve(target)", "kind", "table_class"), "the reader itself"),
-    "reference/key_table.py": dict.fromkeys(("self.reader", "kinds"), "the tables themselves"),
+    "reference/tables.py": dict.fromkeys(("self.reader", "kinds"), "the tables themselves"),
 }
 """By the end of a file's name, what it calls a class that only a run knows, and where such classes are listed."""
 LISTED = {
