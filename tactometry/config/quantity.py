@@ -13,7 +13,6 @@ _PREFIXES = {
     "n": 1e-9,
     "u": 1e-6,
     "µ": 1e-6,
-    "μ": 1e-6,
     "m": 1e-3,
     "c": 1e-2,
     "": 1.0,
@@ -44,11 +43,13 @@ _COMPOUND = {
     "kg_per_m3": ("kg/m3", {"kg/m3": 1.0, "g/cm3": 1e3}),
     "ohm_m": ("ohm m", {"ohm m": 1.0, "kohm m": 1e3}),
     "m2": ("m2", {"m2": 1.0, "cm2": 1e-4, "mm2": 1e-6}),
-    "s": ("s", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0}),
-    "m": ("m", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}),
+    "s": ("s", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}),
+    "m": ("m", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}),
 }
 _RATIOS = {"_rad": "rad", "_db": "dB"}
 """Which a file writes as plain numbers."""
+GREEK_MU = ("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
+"""A Greek letter is read as the sign that looks the same."""
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
 
 
@@ -97,6 +98,7 @@ def si_unit(unit: str, where: str) -> tuple[str, float]:
     """
     tables = [units(suffix) for suffix in (*_SI, *_COMPOUND)]
     known = {name: (symbol, factor) for symbol, table in tables for name, factor in table.items()}
+    unit = unit.replace(*GREEK_MU)
     if unit not in known:
         raise InvalidParameter(f"{where}: found {unit!r}, expected a unit such as ms, mV or N{nearest(unit, known)}")
     return known[unit]
@@ -112,7 +114,7 @@ def si(text: str, suffix: str, where: str) -> float:
     """
     symbol, known = units(suffix)
     match = _NUMBER.fullmatch(text)
-    unit = (match[2] or "") if match else ""
+    unit = (match[2] or "").replace(*GREEK_MU) if match else ""
     if match is None or unit not in known:
         raise InvalidParameter(
             f"{where}: found {text!r}, expected a number in {symbol} or a string such as '1 {symbol}' "

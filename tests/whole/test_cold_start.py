@@ -21,6 +21,7 @@ SIMULATE = ("simulate", "tutorial", "--participants", "1", "--seed", "1", "--out
 STUDY = {"annotated-types", "click", "msgspec", "numpy"}
 RECORDS = STUDY | {"portalocker"}
 TABLES = STUDY | {"scipy", "pandas", "python-dateutil"}
+TERMINAL = TABLES | {"rich", "jinja2", "markupsafe"}
 LOADS = {
     ("--help",): {"click"},
     ("calibrate", "--help"): STUDY,
@@ -32,8 +33,8 @@ LOADS = {
     SESSION: RECORDS,
     SIMULATE: RECORDS,
     DRY_RUN: RECORDS | {"numba", "llvmlite", "scipy"},
-    ("analyse", RECORDED): TABLES | {"rich"},
-    ("analyse", ONE_PARTICIPANT): TABLES | {"rich"},
+    ("analyse", RECORDED): TERMINAL,
+    ("analyse", ONE_PARTICIPANT): TERMINAL,
 }
 """All distributions that a command loads."""
 NEVER = {
@@ -42,7 +43,7 @@ NEVER = {
     ("analyse", ONE_PARTICIPANT): {"scipy.interpolate", "scipy.optimize", "scipy.stats"},
 }
 DRAWING = {"matplotlib", "cycler", "fonttools", "kiwisolver", "packaging", "pillow", "pyparsing"}
-REPORT = TABLES | DRAWING | {"rich", "jinja2", "markupsafe"}
+REPORT = TERMINAL | DRAWING
 CORE_ONLY = Path(__file__).parents[1] / "support" / "core_only.py"
 
 
