@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binom
+from scipy.special import bdtr
 
 from tactometry.errors import count_of
 from tactometry.trials.tasks import tasks_with_level
@@ -83,7 +83,7 @@ def _below_chance(rows: pd.DataFrame) -> "pd.Series[bool]":
     right, n = correctness(known), _column(known, "n_alternatives").fillna(_chosen(known).max())
     by_code = pd.DataFrame({"right": right, "chance": 1 / n}).dropna().groupby(known["participant"])
     found = by_code.agg(n=("right", "size"), right=("right", "sum"), chance=("chance", "mean"))
-    p = binom.cdf(found["right"], found["n"], found["chance"])
+    p = bdtr(found["right"], found["n"], found["chance"])
     return rows["participant"].isin(found.index[p < BELOW_CHANCE_P]) & (rows["task"] == "forced_choice")
 
 
