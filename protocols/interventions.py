@@ -1,4 +1,4 @@
-"""Interventions of the experimenter: where a course receives them, and what they do between blocks."""
+"""Interventions of the experimenter during and between blocks."""
 
 from collections.abc import Iterable
 from typing import Any, Final, TypeVar
@@ -14,7 +14,7 @@ BETWEEN: Final = "the page that comes next waits for the participant: that is a 
 
 
 def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]:
-    """Make all requests; return what the experimenter wanted meanwhile."""
+    """Make all requests; return the experimenter's interventions."""
     wanted: list[Intervention] = []
     for request in requests:
         done: Done = yield request

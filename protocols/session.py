@@ -202,7 +202,7 @@ def session(
         if at_s is None:
             tracks += [replace(track, skipped=True) for track in part.tracks]
             continue
-        # Between parts only: a part that has begun comes to its end, or to that of its own time.
+        # Checked between parts only: a part that has begun runs until it ends or times out.
         if longest_s is not None and at_s - begun.at_s > longest_s:
             tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break

@@ -1,4 +1,4 @@
-"""Many tracks of one rule at once: in machine code, or in products of matrices."""
+"""Many tracks of one rule at once, in machine code or matrix products."""
 
 from dataclasses import dataclass
 from typing import Any, Self
@@ -55,11 +55,11 @@ class TrackBatch:
         )
 
     def rows(self, sets: slice) -> Self:
-        """Return some of the sets, as views."""
+        """Return views of some sets."""
         return type(self)(**{name: values[sets] for name, values in vars(self).items()})
 
     def ending(self, i: int) -> Ending | None:
-        """Return the ending of a track, None if it goes on."""
+        """Return the ending of a track, or None if it has not ended."""
         return ending_of(int(self.endings[i]))
 
 
@@ -139,7 +139,7 @@ def weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, deliver
 
 
 def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delivery: Delivery, made: TrackBatch) -> None:
-    """Of sets that go on together; one that has ended is left out."""
+    """Fill in sets of equal length; a set leaves when its track ends."""
     prior, going = rule.prior_state, np.arange(len(criteria))
     logs, weights = (np.tile(each, (len(criteria), 1)) for each in (prior.log_weights, prior.weights))
     n_trials = min(criteria.shape[1], rule.n_trials)

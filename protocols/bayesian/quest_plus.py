@@ -1,4 +1,4 @@
-"""QUEST+: the level whose answer is expected to tell most, on one track or several that share all but a threshold."""
+"""QUEST+ for one track, or for several that share all but a threshold."""
 
 import math
 from collections.abc import Mapping, Sequence

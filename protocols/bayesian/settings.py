@@ -43,7 +43,7 @@ def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...
 
 @dataclass(frozen=True)
 class QuestPlusSettings:
-    """QUEST+: each trial presents the level that is expected to tell most about the psychometric function.
+    """QUEST+: place each trial where its expected information is largest.
 
     - `low`: Lowest level that is presented.
     - `high`: Highest level that is presented.

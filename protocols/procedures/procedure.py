@@ -84,7 +84,7 @@ class Procedure(ABC):
 
     @property
     def is_easy(self) -> bool:
-        """Whether the next trial is an easy one, whose level the rule does not choose."""
+        """True if the next trial is an easy one at a fixed level."""
         return False
 
     @property

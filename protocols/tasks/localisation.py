@@ -16,7 +16,7 @@ from .task import Over, Places, Presentation, Task, TaskKind, TrialCourse, Trial
 
 @dataclass(frozen=True)
 class Localisation(Task):
-    """One of several alternatives (places, foci), drawn at random, then: which? An m-alternative forced choice.
+    """An m-alternative forced choice among places or foci.
 
     `target` is the number of the alternative, from 1; chance is one over their number. For alternatives with places,
     `separation_m` is the smallest distance between two of them, and `error_m` that of the answer from the target.

@@ -74,7 +74,7 @@ class TrialOutcome:
 
     @property
     def valid(self) -> bool:
-        """Whether every touch met its conditions and every answer counts."""
+        """True if all touches and answers are valid."""
         return bool(self.replies) and all(each.valid for each in self._parts)
 
     @property
@@ -91,7 +91,7 @@ class TrialOutcome:
 
     @property
     def correct(self) -> bool | None:
-        """Whether the answer is right; None if it does not count or cannot be right or wrong."""
+        """True if the answer is right; None if invalid or not scorable."""
         return self.replies[0].correct if self.valid else None
 
     @property

@@ -87,7 +87,7 @@ def test_every_public_name_is_tried():
     assert public - {function.__name__ for function, _ in cases()} == {"Ending", *RECORDS, *MOVES}
 
 
-def test_hostile_arguments_are_refused_in_one_sentence_or_do_no_harm():
+def test_hostile_arguments_raise_one_line_error_or_work():
     faults = [
         f"{function.__qualname__}({name}={word}): {fault}"
         for function, arguments in cases()

@@ -1,4 +1,4 @@
-"""QUEST+, psi and QUEST beside the package questplus and PsychoPy, choice by choice."""
+"""QUEST+, psi and QUEST compared with questplus and PsychoPy."""
 
 import warnings
 
@@ -63,7 +63,7 @@ def test_choices_equal_those_of_questplus(n_parameters):
         np.testing.assert_allclose(rule.posterior.ravel(), theirs.posterior.values.ravel(), atol=1e-10)
 
 
-def test_psi_chooses_as_psychopy_and_comes_to_the_same_posterior():
+def test_psi_choices_and_posterior_equal_psychopy():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from psychopy.contrib.psi import PsiObject

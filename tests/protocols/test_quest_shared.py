@@ -132,6 +132,6 @@ def run(procedures, truths, rng):
         ),
     ],
 )
-def test_what_makes_no_pool_is_refused(build, message):
+def test_invalid_pool_is_refused(build, message):
     with pytest.raises(InvalidParameter, match=message):
         build()
