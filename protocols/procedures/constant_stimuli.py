@@ -44,7 +44,7 @@ def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]
 @dataclass(frozen=True)
 @constrained
 class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
-    """Constant stimuli: each level `repeats` times, in a fixed order.
+    """Constant stimuli: each level `repeats` times, whatever the responses.
 
     `begin` with a generator shuffles in blocks: within each repeat every level comes once, in random order. Without one
     the levels come in their given order, repeat after repeat. Gescheider, Psychophysics: The Fundamentals, 3rd ed.

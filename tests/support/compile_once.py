@@ -1,4 +1,4 @@
-"""Of several processes that need a loop one compiles it, for up to ten seconds; the others find it on the disk."""
+"""Compilation of a cached loop by one of several test processes."""
 
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,7 +26,7 @@ def alone_with(path):
 
 
 def compile_once():
-    """Who compiles what is kept on the disk holds its source meanwhile."""
+    """Make numba lock a loop's source file while it compiles the loop."""
     compiled = Dispatcher.compile
 
     def alone(loop, signature):

@@ -35,7 +35,7 @@ def level_db(model, signal, contact):
 
 @lru_cache(maxsize=512)
 def _attraction(signal, skin, area_m2, law, polarity):
-    """Components of the force, of which those are left that touch hears, as strong as they are felt."""
+    """Return the audible force components as their 250 Hz equivalents."""
     voltage_v, rate_hz = with_room_for_the_square(signal.samples[0], signal.rate_hz)
     force_n = electrostatic_force_n(voltage_v, rate_hz=rate_hz, skin=skin, area_m2=area_m2, law=law, polarity=polarity)
     return as_at_250_hz(components(force_n, rate_hz))

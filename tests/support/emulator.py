@@ -1,15 +1,6 @@
-"""A force sensor in a process of its own: `python emulator.py serial FD | udp PORT | lsl NAME`, 1 kHz.
+"""A force sensor process of 1 kHz.
 
-Its clock may run `--clock` times as fast as ours, from `--ahead` s on; with `--twice` each datagram comes doubled.
-
-Channel 0 counts the samples; channel 1 is the time at which each was taken, in microseconds of the clock that all
-processes of a machine share, modulo 2**31; channel 2 is the force in counts: `--profile` is a list of seconds:counts
-that comes again and again, and a count of - is a gap in which nothing is sent. With `--steered` a hand is at the
-sensor: a line `COUNTS SPEED LENGTH SINCE` of the input is the force that it goes to, as fast as a hand does, and the
-path on which it goes to and fro from a moment on (um/s, um, s; a speed of 0 is a hand at rest); channel 0 is then its
-place in um.
-
-The network sensor sends from a request to begin until one to end, as often as it is asked.
+`python emulator.py serial FD | udp PORT | lsl NAME`.
 """
 
 import argparse
@@ -49,7 +40,7 @@ def samples(asked):
 
 
 class Hand:
-    """A finger that is told how to press and which dot to follow, and does so within `TAU_S`."""
+    """A finger that follows requests for force and dot within `TAU_S`."""
 
     TAU_S, CATCH_UP_PER_S, FASTER = 0.03, 2.0, 0.25
 
@@ -59,7 +50,7 @@ class Hand:
         os.set_blocking(sys.stdin.fileno(), False)
 
     def move(self):
-        """What becomes of it in a sample."""
+        """Advance the hand by one sample."""
         with contextlib.suppress(BlockingIOError):
             *lines, self._heard = (self._heard + os.read(sys.stdin.fileno(), 4096)).split(b"\n")
             for line in lines:
@@ -70,7 +61,7 @@ class Hand:
         self.place_um += self._speed / RATE_HZ
 
     def _pursuit(self):
-        """The speed with which it follows: that of the dot, a little faster or slower where it is beside it."""
+        """Return the dot's speed, corrected for the distance to the dot."""
         _, speed, length, since_s = self._wanted
         along = speed * (time.perf_counter() - since_s) % (2 * length)
         place, way = (along, speed) if along < length else (2 * length - along, -speed)

@@ -1,4 +1,4 @@
-"""Plates solved a second time, by other means than the package's: references for the hard cases of time reversal."""
+"""Reference plate solutions by other methods than the package's."""
 
 import math
 from functools import lru_cache
@@ -33,7 +33,7 @@ def swing(omega, tau_s, time, quantity="displacement"):
 
 
 def navier_response(plate, source, point, tau_s, f_max_hz, rate_hz, samples, quantity="displacement"):
-    """What `impulse_responses` gives for a point force on a simply supported plate, mode by mode in 50 digits."""
+    """Return `impulse_responses` of a simply supported plate in 50 digits."""
     modes = navier_modes(plate, f_max_hz)
     a, b = mpf(plate.length_m), mpf(plate.width_m)
     mass = mpf(plate.density_kg_per_m3) * mpf(plate.thickness_m) * a * b

@@ -45,7 +45,7 @@ class Terminal:
         os.write(self._master, line.encode() + b"\n")
 
     def sees(self, words):
-        """Whether these words stand in the terminal by now."""
+        """Return True if the terminal has shown these words."""
         while select.select([self._master], [], [], 0)[0]:
             self._seen += os.read(self._master, 4096)
         return words.encode() in self._seen

@@ -1,4 +1,4 @@
-"""What is felt of a model of `[sensation]`, through its default scene."""
+"""Sensations of a model of `[sensation]` in its default scene."""
 
 from functools import lru_cache
 

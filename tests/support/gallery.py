@@ -61,7 +61,7 @@ def _part(page: Path) -> str:
 
 
 def draw(page: Path) -> None:
-    """Run the page in a folder of its own, and keep the figures that it shows."""
+    """Run a page in a temporary folder and keep its figures."""
     not_run = "".join(block.text for block in blocks_of(page) if absent(block))
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)

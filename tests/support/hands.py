@@ -6,7 +6,7 @@ SCREEN_PX = (1280, 800)
 
 
 class Hands:
-    """Presses keys and touches the screen by real X events, from a connection of its own."""
+    """Hands that press keys and touch the screen by real X events."""
 
     def __init__(self, name):
         from Xlib import XK, X, display

@@ -67,7 +67,7 @@ def _of_the_shell(line: str) -> tuple[int, str]:
 
 
 def alike(shown: str, said: str) -> bool:
-    """Whether a command said what the page shows, of which `...` leaves out any part."""
+    """Return True if output matches the page; `...` matches any part."""
     return doctest.OutputChecker().check_output(shown.strip() + "\n", said.strip() + "\n", ALIKE)
 
 

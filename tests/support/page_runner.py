@@ -1,4 +1,4 @@
-"""A page of the docs from top to bottom: its blocks run in their order, in the folder where the test stands."""
+"""Runner of a docs page: executes its blocks in order."""
 
 import contextlib
 import doctest
@@ -50,7 +50,7 @@ def run_block(block: Block, names: dict[str, Any]) -> None:
 
 
 def absent(block: Block) -> bool:
-    """Whether it needs a program that is not installed."""
+    """Return True if a block needs a program that is not installed."""
     return block.mark == "with" and shutil.which(block.said) is None
 
 

@@ -1,4 +1,4 @@
-"""Where things stand in the repository, so that a test may stand in any folder."""
+"""Paths in the repository for tests in any folder."""
 
 from pathlib import Path
 

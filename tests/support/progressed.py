@@ -1,4 +1,4 @@
-"""Where a session stands after rows that a test states."""
+"""State of a session after given rows."""
 
 from tactometry.session.answer import Done
 from tactometry.session.request import Record

@@ -93,7 +93,7 @@ def panels(draw: st.DrawFn, outputs: tuple[str, ...]) -> tuple[Electrovibration,
 
 
 def between_events(t_s, event_s, at_s):
-    """Which times are in a step (of samples at `t_s`) that holds no beginning of slip or stick."""
+    """Return a mask of times in steps without an onset of slip or stick."""
     return ~np.isin(np.searchsorted(t_s, at_s, side="right"), np.searchsorted(t_s, event_s, side="right"))
 
 

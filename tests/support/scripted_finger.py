@@ -1,4 +1,4 @@
-"""A participant who looks at the pixels of a display and acts by keys, pointer and a finger at a force sensor.
+"""A simulated participant who reads a display and acts on real devices.
 
 It knows what a participant is told: press until the bar stays between the lines, follow the dot, lift the finger after
 a touch, answer what is asked. What it answers is drawn, and kept to be compared with what was recorded.
@@ -23,7 +23,7 @@ DIGITS = "0123456789"
 
 
 class Eye:
-    """Reads the pixels of a display, from a connection of its own."""
+    """A reader of the pixels of a display."""
 
     def __init__(self, name):
         from Xlib import X, display
@@ -225,8 +225,10 @@ class Finger:
         return True
 
     def _enter(self, seen):
-        """A number, and Return once it stands there: a busy machine may show it for a while after that, and a page with
-        another number would be taken for a new one."""
+        """Type a number, and press Return once it is visible.
+
+        A busy machine may show it for a while after that, and a page with another number would look like a new one.
+        """
         if seen.typed:
             return self._confirm_number()
         self._note("number")

@@ -1,4 +1,4 @@
-"""What a participant sees on a screen, read from its pixels alone: circle, force bar, track, boxes, rings, words."""
+"""Recognition of what a screen shows, from its pixels alone."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -90,7 +90,7 @@ class Seen:
 
     @property
     def kind(self):
-        """What kind of page it is."""
+        """Kind of page."""
         if self.marker is not None:
             return "touch"
         if self.rows:
@@ -105,7 +105,7 @@ class Seen:
 
 
 def colours(picture):
-    """What each pixel of a picture (height, width, 3) is of: `NOTHING` to `YELLOW_LIKE`."""
+    """Classify each pixel of a picture: `NOTHING` to `YELLOW_LIKE`."""
     found = np.zeros(picture.shape[:2], np.uint8)
     lit = (picture != np.array(PAPER, np.uint8)).any(axis=2)
     away = picture[lit].astype(np.float32) - np.array(PAPER, np.float32)
@@ -132,7 +132,7 @@ def bodies(mask, least_px=4, corners=1):
 
 
 def see(picture):
-    """What is on a picture (height, width, 3) of the whole screen."""
+    """Recognise the content of a whole screen (height, width, 3)."""
     pixels = colours(np.asarray(picture, np.uint8))
     height_px = len(pixels)
     blue = bodies(pixels == BLUE_LIKE)
@@ -190,7 +190,7 @@ def _bar(pixels, blue, height_px):
 
 
 def _track(pixels, blue, height_px):
-    """Where the dot of a track is, and the ring of the finger, px from the left."""
+    """Return places of the track's dot and the finger's ring, px."""
     small = [body for body in blue if 0.01 * height_px < body.height < 0.08 * height_px]
     dots = [body for body in small if body.is_square(0.035 * height_px)]
     rings = [
@@ -216,13 +216,13 @@ def _rows(pixels, height_px):
 
 
 def _of_one_size(rings):
-    """Those of a row, from the left: a round letter beside them is of another size."""
+    """Return a row's rings of equal size from the left, without letters."""
     usual_px = np.median([ring.width for ring in rings])
     return sorted((ring for ring in rings if abs(ring.width - usual_px) <= ROW_PX), key=lambda ring: ring.x0)
 
 
 def _marked(pixels, rows):
-    """Which ring of each row has its dot."""
+    """Return the index of the marked ring of each row."""
 
     def dotted(ring):
         x, y = (int(place) for place in ring.middle)
@@ -232,7 +232,7 @@ def _marked(pixels, rows):
 
 
 def _typed(pixels, boxes):
-    """Whether something stands in the widest box, that of a number."""
+    """Return True if the number's box, the widest one, contains text."""
     if not boxes:
         return False
     box = max(boxes, key=lambda body: body.width)

@@ -55,7 +55,7 @@ def alsa_in(folder):
 
 
 def played(raw, wanted):
-    """Whether the recorded bytes hold the wanted frames without a break, between silences."""
+    """Return True if a recording contains the wanted frames without gaps."""
     frames = np.frombuffer(raw[: len(raw) // (2 * wanted.shape[1]) * 2 * wanted.shape[1]], "<i2")
     frames = frames.reshape(-1, wanted.shape[1])
     heard = np.flatnonzero(frames.any(axis=1))
@@ -96,7 +96,7 @@ class Sink:
             raise
 
     def begin(self):
-        """What is heard from now on is the next record."""
+        """Begin a new record."""
         self.n_before = self.raw.stat().st_size // 4 * 4
 
     def heard(self):

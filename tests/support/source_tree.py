@@ -30,7 +30,7 @@ def name_of(path: Path) -> str:
 
 
 def copy_tree(place: Path, *files: str) -> Path:
-    """`place`, with the folders of the product and files that stand beside them."""
+    """Copy the product's folders and these files; return `place`."""
     for file in files:
         shutil.copy(ROOT / file, place)
     for folder in FOLDERS:
@@ -40,7 +40,7 @@ def copy_tree(place: Path, *files: str) -> Path:
 
 
 def contracts(tree: Path) -> "subprocess.CompletedProcess[str]":
-    """What import-linter says of a tree."""
+    """Run import-linter on a tree."""
     script = "import sys; sys.path.insert(0, '.'); from importlinter.cli import lint_imports_command; "
     command = [sys.executable, "-c", script + "lint_imports_command()", "--no-cache", "--no-logo"]
     return subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False)

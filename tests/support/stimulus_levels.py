@@ -1,6 +1,6 @@
-"""What the built-in studies and scenes gave when it was recorded; `python tests/support/stimulus_levels.py` records it.
+"""Recorded levels and outputs of the built-in studies and scenes.
 
-A change of physics records it anew, and says in its commit which number changed, and why.
+`python tests/support/stimulus_levels.py` records them.
 """
 
 import json

@@ -12,7 +12,7 @@ CONSTANT = (
 
 
 def changed(text, changes):
-    """The text with all changes, none of which may miss what it replaces."""
+    """Apply text replacements; each must match."""
     for old, new in changes.items():
         assert old in text, old
         text = text.replace(old, new)

@@ -18,5 +18,5 @@ def trial_rows(root):
 
 
 def event_rows(root):
-    """What happened in the sessions of a data set."""
+    """Return the events of a data set's sessions."""
     return rows_of(*sorted((root / "journals").glob("*_events.tsv")))

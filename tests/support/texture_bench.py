@@ -142,9 +142,10 @@ def heard_of(touched, heard):
 
 
 def check_kept_as_heard(data, frames):
-    """What was kept of a touch is what the sink heard (n_frames, n_channels), whole number for whole number.
+    """Check that a touch was recorded exactly as the sink received it.
 
-    Of one of them at least: a busy sound server drops samples of its own."""
+    One touch of a session suffices: a busy sound server drops samples.
+    """
     trials = dict.fromkeys(int(row["trial"]) for row in trial_rows(data))
     touches = [touch for trial in trials for touch in read_traces(data, trial) if touch.answer.digest]
     numbers = [np.rint(touch.emitted.samples[0] / FULL_SCALE_V * 32767) for touch in touches]
@@ -153,15 +154,17 @@ def check_kept_as_heard(data, frames):
 
 
 def numbers_of(stimulus, path):
-    """What the card should get (n_frames,) under the finger of a path, as whole numbers of 16 bits."""
+    """Return the expected 16-bit samples (n_frames,) of a finger path."""
     strongest = stimulus.at(34.0)
     k = np.trunc(strongest.samples / FULL_SCALE_V * 32767)
     return np.trunc(felt_under(stimulus, Signal(k, strongest.rate_hz, "V"), *path).samples[0])
 
 
 def alike(record, wanted):
-    """Whether both are the same from the first sample above one of some thresholds to the last: positions are kept
-    rounded, which moves an edge, a rise of 48 samples, by one of them at most."""
+    """Return True if both are equal above one of some thresholds.
+
+    Positions are recorded rounded, which moves an edge of 48 samples by at most one sample.
+    """
     return any(_alike_above(threshold, record, wanted) for threshold in (100, 150, 200))
 
 

@@ -45,7 +45,7 @@ class Served:
 
     @contextmanager
     def listening(self):
-        """What is told of changes: a function that gives the sections of the next message."""
+        """Subscribe to changes; return a function that gives the next message."""
         connection = self.connection()
         connection.request("GET", f"/{self.token}/events")
         answer = connection.getresponse()

@@ -98,7 +98,7 @@ def forms_of(study):
 
 
 def recorded_as(said, study):
-    """What a data set should hold of what a finger said: a number for each answer, in their order."""
+    """Return the expected recorded numbers of a finger's answers."""
     first = 0 if '"yes_no"' in study else 1
     scales = {form.steps: form for form in forms_of(study)}
 
