@@ -1,4 +1,4 @@
-"""Every face of the product has its page of Python names, which autodoc fills from docstrings."""
+"""Every public package has a page of Python names from docstrings."""
 
 import inspect
 import re
@@ -28,14 +28,14 @@ def test_a_module_of_public_names_has_its_page(module):
 
 
 @pytest.mark.parametrize("module", [*faces(), "tactometry.protocols"])
-def test_a_face_lists_its_public_names_alone(module):
+def test_package_dir_lists_only_public_names(module):
     face = import_module(module)
     assert dir(face) == sorted(face.__all__)
     assert [name for name in dir(face) if name.startswith("_") or inspect.ismodule(getattr(face, name))] == []
 
 
 @pytest.mark.parametrize("module", [*faces(), *PINNED])
-def test_a_public_name_says_what_it_is(module):
+def test_public_name_has_docstring(module):
     face = import_module(module)
     public = getattr(face, "__all__", [])
     named = {name: getattr(face, name) for name in public}

@@ -1,4 +1,4 @@
-"""The command line as people call it: help with examples, JSON, the same bytes wherever it is computed, Ctrl-C."""
+"""The command line: help, JSON, identical bytes and interruption."""
 
 import io
 import json
@@ -48,7 +48,7 @@ def test_every_command_has_help_with_an_example(capsys, command):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_the_list_of_commands_says_what_each_one_is(capsys, command):
+def test_help_lists_each_command_with_summary(capsys, command):
     assert re.search(rf"^  {command} +\w", output(capsys, "--help"), re.MULTILINE)
 
 
@@ -157,7 +157,7 @@ def interruptible():
 
 
 @pytest.mark.usefixtures("interruptible")
-def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, capsys):
+def test_interrupted_simulation_leaves_complete_files_and_resumes(tmp_path, capsys):
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     words = ["simulate", "electrovibration-threshold", "--participants", "2", "--seed", "5"]
     output(capsys, *words, "--out", whole)
@@ -180,7 +180,7 @@ def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, caps
     assert kept == files(whole)
 
 
-def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_path, capsys, monkeypatch):
+def test_sine_variant_reports_censored_cells_as_bounds(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     output(capsys, "new", "electrovibration-threshold", "--out", "sine.toml")
     study = Path("sine.toml").read_text("utf-8")
@@ -197,8 +197,8 @@ def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_pat
     ("study", "n_participants"),
     [("tutorial", 4), pytest.param(simulations.DEMO_STUDY, simulations.N_PARTICIPANTS, marks=pytest.mark.slow)],
 )
-def test_the_main_job_end_to_end(tmp_path, capsys, monkeypatch, study, n_participants):
-    """As people call it, and with a short study: those of the README take the long one the same way."""
+def test_demo_runs_from_simulation_to_report(tmp_path, capsys, monkeypatch, study, n_participants):
+    """The demo runs with its own study and with a short one."""
     is_long = study == simulations.DEMO_STUDY
     monkeypatch.setattr(simulations, "DEMO_STUDY", study)
     monkeypatch.setattr(simulations, "N_PARTICIPANTS", n_participants)
@@ -217,7 +217,7 @@ HALF_A_POINT = 0.5
 
 
 def points(drawing):
-    """Where the markers of a drawing lie, shape (marker, 2)."""
+    """Return the marker positions of a drawing, (marker, 2)."""
     found = re.findall(r'<use [^>]*x="([\d.]+)" y="([\d.]+)"', drawing.read_text("utf-8"))
     return np.array(found, dtype=float)
 
@@ -235,7 +235,7 @@ def test_the_command_is_on_the_path(tmp_path):
 
 
 @pytest.mark.slow
-def test_processes_that_are_kept_write_where_the_command_is(tmp_path, monkeypatch):
+def test_reused_processes_write_into_current_folder(tmp_path, monkeypatch):
     """They stay in the folder in which the first command began them."""
     for name in ("here", "there"):
         folder = tmp_path / name

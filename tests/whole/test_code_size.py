@@ -1,4 +1,4 @@
-"""Small functions, short files, one name for one class: the numbers that the project holds itself to."""
+"""Limits on functions, files and class names of the project."""
 
 import ast
 from collections import defaultdict
@@ -84,7 +84,7 @@ def test_no_function_takes_many_parameters_by_place() -> None:
     assert many == [], "give some by name alone, or make a value of them"
 
 
-def test_a_class_has_a_name_of_its_own() -> None:
+def test_class_names_are_unique() -> None:
     assert names_in_two_modules({name_of(path): parsed(path) for path in sources()}) == {}
 
 

@@ -29,7 +29,7 @@ TIME_COLUMNS = ("onset_s", "latency_s", "timestamp_utc")
 
 @pytest.fixture(scope="module")
 def start():
-    """Starts the command line in a real process of its own."""
+    """Return a function that starts the command line in a new process."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(
         [

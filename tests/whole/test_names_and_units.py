@@ -1,4 +1,4 @@
-"""A name that holds a physical quantity ends in its SI unit: `force_n`, `rate_hz`, `speed_m_per_s`."""
+"""Names of physical quantities end in their SI unit, as `force_n`."""
 
 import ast
 import re

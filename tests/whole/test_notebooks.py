@@ -1,4 +1,4 @@
-"""Every notebook of the docs runs, in seconds, and shows what it says that it shows."""
+"""Notebooks of the docs run and contain current outputs."""
 
 import shutil
 from pathlib import Path

@@ -32,7 +32,7 @@ MARKERS = [{"python_version": version, "python_full_version": f"{version}.2"} fo
 
 
 def files(folder: Path) -> set[str]:
-    """What a package folder holds, links to other rooms and what Python writes left out."""
+    """Return the files of a package folder without links and caches."""
     found = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     own = (path for path in found if not any((folder / part).is_symlink() for part in (path, *path.parents)))
     return {path.as_posix() for path in own if "__pycache__" not in path.parts and not path.name.startswith(".")}
@@ -90,12 +90,12 @@ def foreign(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_wheel_holds_every_file_of_the_tree_once(wheel: Path) -> None:
+def test_wheel_contains_every_file_once(wheel: Path) -> None:
     names = [name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name]
     assert sorted(names) == sorted(tree())
 
 
-def test_the_wheel_puts_one_name_beside_others(wheel: Path) -> None:
+def test_wheel_installs_one_top_level_package(wheel: Path) -> None:
     tops = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
     assert tops == {"tactometry", f"tactometry-{__version__}.dist-info"}
 
@@ -106,7 +106,7 @@ def test_the_wheel_carries_the_licence(wheel: Path) -> None:
     assert PROJECT["license"] == "GPL-3.0-or-later"
 
 
-def test_the_installed_rooms_are_ours_in_a_folder_that_has_its_own(environment: Path, foreign: Path) -> None:
+def test_installed_packages_take_precedence_over_local_folders(environment: Path, foreign: Path) -> None:
     names = ", ".join(f"tactometry.{room}" for room in WINGS)
     script = f"import {names}; print(*(m.__file__ for m in ({names},)), sep='\\n')"
     found = done(run(environment / "python", "-c", script, cwd=foreign)).splitlines()
@@ -115,7 +115,7 @@ def test_the_installed_rooms_are_ours_in_a_folder_that_has_its_own(environment: 
 
 
 @pytest.mark.slow
-def test_the_installed_command_runs_the_demo_in_a_foreign_folder(environment: Path, foreign: Path) -> None:
+def test_installed_command_runs_demo_in_another_folder(environment: Path, foreign: Path) -> None:
     done(run(environment / "tactometry", "demo", "--out", "out", cwd=foreign))
     assert list((foreign / "out").rglob("*_data.csv"))
     assert list((foreign / "out").rglob("*.html"))

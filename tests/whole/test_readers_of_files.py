@@ -1,4 +1,4 @@
-"""Whatever reads a file that users write has its table of keys: found by the calls of the strict reader."""
+"""Every reader of user files has a reference table of its keys."""
 
 import ast
 import typing
@@ -54,7 +54,7 @@ TARGETS = {table.reads for table in tables().values()}
 
 
 def reads_of(tree):
-    """What each call of a reader reads, as it is written, also where a call is prepared."""
+    """Yield the type argument of each reader call, also in `partial`."""
     for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
         prepared = isinstance(call.func, ast.Name) and call.func.id == "partial" and call.args
         reader = call.args[0] if prepared else call.func
@@ -117,7 +117,7 @@ PYTHON_ONLY = {"calibration", "settings"}
 """Fields of a bench's parts that are read from the keys beside them."""
 
 
-def test_a_target_of_a_table_is_where_its_class_stands():
+def test_table_target_is_the_module_of_its_class():
     """A refusal finds the table by the class."""
     for table in tables().values():
         kind = resolve(table.reads)

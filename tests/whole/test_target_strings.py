@@ -1,4 +1,4 @@
-"""Target strings point downwards: written out as the imports that they stand for, the contracts hold."""
+"""Target strings respect the import contracts."""
 
 import ast
 import re
@@ -39,7 +39,7 @@ def named(tree: ast.Module, module: str) -> dict[tuple[str, str], list[str]]:
 
 
 def has(module: str, name: str) -> bool:
-    """Whether a definition or a constant of a name stands in a module."""
+    """Return True if a module defines a name."""
     return re.search(rf"^(?:def |class |){name}\b", MODULES[module].read_text(encoding="utf-8"), re.M) is not None
 
 
@@ -62,7 +62,7 @@ def test_targets_point_downwards(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def refusal(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """What is said of a tree with targets that run back up."""
+    """Return the output of the contracts for upward and circular targets."""
     result = contracts(with_targets(tmp_path_factory.mktemp("spoilt"), UPWARDS | CIRCLE))
     assert result.returncode == 1
     return " ".join(result.stdout.split())  # long lines are broken

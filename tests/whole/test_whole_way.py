@@ -1,4 +1,4 @@
-"""Every built-in study the whole way: simulated with invalid touches, validated, replayed, analysed, exported."""
+"""Every built-in study is simulated, validated, analysed and exported."""
 
 import csv
 import json
@@ -74,23 +74,23 @@ def exported(data_set) -> Path:
     return data_set.parent
 
 
-def test_every_built_in_study_goes_the_whole_way():
+def test_every_built_in_study_is_covered():
     assert set(SMALLER) == set(builtin())
 
 
-def test_it_has_invalid_touches_and_is_sound(data_set, capsys):
+def test_data_set_with_invalid_touches_is_valid(data_set, capsys):
     rows = trial_rows(data_set)
     assert {row["valid"] for row in rows} == {"0", "1"}
     status, _, out = call(capsys, "validate", data_set)
     assert status == 0, out
 
 
-def test_it_replays(data_set, capsys):
+def test_data_set_replays(data_set, capsys):
     status, said, out = call(capsys, "replay", data_set)
     assert status == 0, said + out
 
 
-def test_it_is_analysed(data_set, capsys):
+def test_data_set_is_analysed(data_set, capsys):
     status, said, out = call(capsys, "analyse", data_set, "--json")
     assert status == 0, said
     found = json.loads(out)
@@ -111,8 +111,7 @@ def test_every_row_is_in_one_table_of_bids(data_set, exported):
     assert sum(row["valid"] == "0" for row in rows_of(*tables)) == sum(row["valid"] == "0" for row in own)
 
 
-def test_the_schema_of_psych_ds_holds(data_set, exported):
-    """Of the schema 1.5.0, whose validator no registry has."""
+def test_psych_ds_description_matches_the_schema(data_set, exported):
     for root in (data_set, exported / "psych-ds"):
         description = json.loads((root / "dataset_description.json").read_text())
         assert description["@context"] == "https://schema.org/"
