@@ -14,7 +14,7 @@ PINNED = ("tactometry.protocols", "tactometry.psychometric", "tactometry.signal"
 
 
 def faces():
-    """The packages that name what others may call."""
+    """Return the packages with public names."""
     for path in sources():
         if path.name == "__init__.py" and "exports(__name__" in path.read_text(encoding="utf-8"):
             yield f"tactometry.{'.'.join(path.parent.relative_to(ROOT).parts)}"

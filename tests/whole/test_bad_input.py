@@ -304,7 +304,7 @@ def test_corrupted_study_file_is_read_or_refused(place, byte, length):
 
 
 def refused(content):
-    """Why a study is refused; None if it is read."""
+    """Return the reason why a study is refused, or None."""
     try:
         wire(parse(content, "s.toml"), "s.toml")
     except TactometryError as error:

@@ -31,7 +31,7 @@ SIMULATED = ("simulate", "tutorial", "--participants", "4", "--seed", "5")
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
-    """The files of a study that one process simulated."""
+    """Return the files of a study that one process simulated."""
     root = tmp_path_factory.mktemp("alone")
     assert status(*SIMULATED, "--out", root / "d") == 0
     return files(root / "d")
@@ -150,7 +150,7 @@ def test_endless_nonsense_stops_a_console_session(tmp_path, capsys, monkeypatch)
 
 @pytest.fixture
 def interruptible():
-    """A job in the background ignores interrupts, and so would its children."""
+    """Enable interrupts, which a background job and its children ignore."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -236,7 +236,7 @@ def test_the_command_is_on_the_path(tmp_path):
 
 @pytest.mark.slow
 def test_reused_processes_write_into_current_folder(tmp_path, monkeypatch):
-    """They stay in the folder in which the first command began them."""
+    """Reused processes stay in the folder of the first command."""
     for name in ("here", "there"):
         folder = tmp_path / name
         folder.mkdir()

@@ -50,7 +50,7 @@ CORE_ONLY = Path(__file__).parents[1] / "support" / "core_only.py"
 
 
 def loaded(command: tuple[str, ...], folder: Path) -> tuple[set[str], set[str]]:
-    """The distributions and the modules that a command loads where the core alone is installed."""
+    """Return distributions and modules that a command loads with the core."""
     asked = [sys.executable, CORE_ONLY, json.dumps(command)]
     done = subprocess.run(asked, capture_output=True, text=True, check=False, cwd=folder)
     assert done.returncode == 0, done.stderr[-2000:]
@@ -68,7 +68,7 @@ def test_command_loads_only_expected_core_distributions(command: tuple[str, ...]
 
 @pytest.mark.slow
 def test_report_of_core_equals_that_with_extras(tmp_path: Path) -> None:
-    """pandas keeps texts in another way where pyarrow is installed."""
+    """pandas stores texts differently if pyarrow is installed."""
     distributions, _ = loaded(("analyse", RECORDED, "--report", "core.html"), tmp_path)
     assert distributions == REPORT
     analyse = [sys.executable, "-m", "tactometry", "analyse", RECORDED, "--report", "all.html"]

@@ -77,7 +77,7 @@ def test_studies_and_key_tables_are_completed(terminal):
 
 @pytest.mark.skipif(shutil.which("fish") is None, reason="no fish here")
 def test_fish_completes_studies_and_key_tables(tmp_path):
-    """It has a command that says what the tabulator would."""
+    """Fish has a command that prints its completions."""
     asked = f"{IN_FISH}; complete -C 'tactometry new tu'; complete -C 'tactometry keys procedure.st'"
     place = {"HOME": str(tmp_path), "PATH": f"{BIN}:{os.environ['PATH']}"}
     done = subprocess.run(["fish", "-c", asked], env=place, capture_output=True, text=True, check=True)

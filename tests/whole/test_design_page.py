@@ -18,7 +18,7 @@ ROOM = re.compile(r'<text x="([\d.]+)" y="([\d.]+)" font-size="12(?:\.5)?" [^>]*
 
 
 def drawn(wing: str, picture: str = PICTURE) -> set[str]:
-    """The rooms in the box whose title is that of the wing."""
+    """Return the packages in the box of a folder."""
     for left, top, width, height in (map(float, box) for box in BOX.findall(picture)):
 
         def inside(text: tuple[str, str, str], x=left, y=top, w=width, h=height) -> bool:

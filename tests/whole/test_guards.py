@@ -33,7 +33,7 @@ IMPORTED_AS = {
 
 
 def imports(tree: ast.Module) -> Iterator[str]:
-    """The top-level names of all absolute imports."""
+    """Yield the top-level names of all absolute imports."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name.split(".")[0] for alias in node.names)
@@ -51,7 +51,7 @@ def distribution(requirement: str) -> str:
 
 
 def misfits(path: Path, tree: ast.Module) -> list[str]:
-    """Imports of a file that do not say by their form how far they reach.
+    """Return the imports of a file whose form is wrong.
 
     Within a wing (kernel, stimuli, protocols, analysis, experiments) they are relative, so that a room can be moved or
     read alone; across wings absolute and by the one name, since a lab's own folder can shadow a bare `analysis`.
@@ -117,7 +117,7 @@ def test_an_import_of_the_right_form_is_taken(path: str, line: str) -> None:
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the tree that a test may spoil."""
+    """Return a copy of the tree that a test may modify."""
     return copy_tree(tmp_path_factory.mktemp("tree"), "pyproject.toml")
 
 

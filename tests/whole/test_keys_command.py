@@ -103,7 +103,7 @@ def test_refused_key_names_the_keys_command(file, capsys, tmp_path, monkeypatch)
 
 
 def test_keys_imports_only_what_a_name_needs():
-    """None of the libraries that a table of a study needs for a session, an analysis or a figure."""
+    """None of the libraries of sessions, analyses or figures is loaded."""
     code = (
         "import sys\nfrom tactometry.cli import main\ntry:\n    main(['keys', 'touch.slide'])\n"
         "except SystemExit:\n    print(sorted({'scipy', 'pandas', 'matplotlib', 'numba'} & set(sys.modules)))"

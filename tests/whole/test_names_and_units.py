@@ -68,7 +68,7 @@ def arguments(function: ast.FunctionDef) -> Iterator[str]:
 
 
 def float_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """Line and name of every public field, argument and function of numbers."""
+    """Yield line and name of each public float field, argument or function."""
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
             yield from ((node.lineno, name) for name in arguments(node))

@@ -56,7 +56,7 @@ def done(result: "subprocess.CompletedProcess[str]") -> str:
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Built from a copy, so that nothing is left in the tree and nothing that lies there comes in."""
+    """Build the wheel from a copy of the tree."""
     source = copy_tree(tmp_path_factory.mktemp("source"), "pyproject.toml", "setup.py", "README.md")
     shutil.copytree(ROOT / "LICENSES", source / "LICENSES")
     out = source / "dist"
@@ -67,7 +67,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The scripts folder of an environment with the wheel in it."""
+    """Return the scripts folder of an environment with the wheel."""
     place = tmp_path_factory.mktemp("environment")
     done(run(sys.executable, "-m", "venv", *([] if SOAK else ["--without-pip"]), place, cwd=place))
     scripts = place / ("Scripts" if os.name == "nt" else "bin")
@@ -83,7 +83,7 @@ def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def foreign(tmp_path: Path) -> Path:
-    """A lab's folder, whose own packages bear the names of our rooms."""
+    """Return a folder whose own packages have the names of ours."""
     for room in (*WINGS, "benchmarks"):
         (tmp_path / room).mkdir()
         (tmp_path / room / "__init__.py").write_text("raise RuntimeError('the lab has its own')\n", encoding="utf-8")
@@ -154,7 +154,7 @@ def test_the_constraints_hold_versions_and_no_address() -> None:
 
 
 def hashed(name: str) -> dict[str, list[str]]:
-    """The pins of a file of requirements, each with its hashes."""
+    """Return the pins of a requirements file with their hashes."""
     text = (ROOT / "requirements" / f"{name}.txt").read_text(encoding="utf-8").replace("\\\n", "")
     pins = [line.split(" --hash=") for line in map(" ".join, map(str.split, text.splitlines())) if "==" in line]
     return {pin: hashes for pin, *hashes in pins}

@@ -19,14 +19,14 @@ LONG = re.compile(r"^<!-- long: .+ -->$", re.MULTILINE)
 
 
 def page_of(path: Path) -> object:
-    """A page that says that it is long runs in `make check` alone."""
+    """Return a test parameter of a page, marked slow if the page says so."""
     marks = pytest.mark.slow if LONG.search(path.read_text(encoding="utf-8")) else ()
     return pytest.param(path, marks=marks, id=path.relative_to(ROOT).with_suffix("").as_posix())
 
 
 @pytest.fixture
 def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder to run a page in; modules that a page writes are forgotten after it."""
+    """Yield a folder for a page, and forget the modules it writes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", COLUMNS)
     known = set(sys.modules)

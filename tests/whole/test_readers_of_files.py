@@ -71,7 +71,7 @@ def readers():
 
 
 def known_in(path):
-    """The names of a module, with those that its functions import."""
+    """Return the names of a module and those its functions import."""
     parts = path.relative_to(ROOT).with_suffix("").parts
     module = import_module(".".join(parts if parts[0] == FOLDERS[0] else (FOLDERS[0], *parts)))
     lines = [line for line in ast.walk(parsed(path)) if isinstance(line, ast.ImportFrom)]
@@ -118,7 +118,7 @@ PYTHON_ONLY = {"calibration", "settings"}
 
 
 def test_table_target_is_the_module_of_its_class():
-    """A refusal finds the table by the class."""
+    """Error messages find the table by the class."""
     for table in tables().values():
         kind = resolve(table.reads)
         assert table.reads in (f"{kind.__module__}:{kind.__qualname__}", f"{table.reads.partition(':')[0]}:TASK.table")

@@ -98,7 +98,7 @@ LINES = (
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the tree, to which each thing is added: its new files, and its line."""
+    """Return a copy of the tree with the files and lines of all recipes."""
     place = copy_tree(tmp_path_factory.mktemp("tree"))
     for file in (file for file in NEW_FILES.rglob("*") if file.is_file() and "__pycache__" not in file.parts):
         new = place / file.relative_to(NEW_FILES)

@@ -94,7 +94,7 @@ KNOWN, UNKNOWN = {"name": "a", "vulns": []}, {"name": "b", "skip_reason": "not f
 
 
 def test_unknown_package_counts_as_unaudited(monkeypatch):
-    """Pip-audit itself ends well then."""
+    """pip-audit itself exits with status 0 then."""
     monkeypatch.setattr(release, "run", lambda *_: json.dumps({"dependencies": [KNOWN, UNKNOWN]}))
     with pytest.raises(release.NotDone, match="1 of 2 packages are unknown to its service, such as b"):
         release.audit()

@@ -48,7 +48,7 @@ def test_pinned_names_remain_importable(room, names):
 
 
 def handed_on(room):
-    """The names of a face: those of a lazy one by its list, those of another by what it has imported."""
+    """Return the exported names of a package, lazy or imported."""
     plain = {name for name, thing in vars(room).items() if name[0] != "_" and not inspect.ismodule(thing)}
     return set(getattr(room, "__all__", plain))
 

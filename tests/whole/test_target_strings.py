@@ -30,7 +30,7 @@ MODULES = {module_of(path.relative_to(ROOT).as_posix()): path for path in source
 
 
 def named(tree: ast.Module, module: str) -> dict[tuple[str, str], list[str]]:
-    """The targets of a module, with the modules that have what they name."""
+    """Return the targets of a module with the modules they name."""
     package = module if MODULES[module].name == "__init__.py" else module.rpartition(".")[0]
     return {
         target: [other for other in MODULES if fnmatch(other, target[0]) and has(other, target[1])]
@@ -44,7 +44,7 @@ def has(module: str, name: str) -> bool:
 
 
 def with_targets(place: Path, spoilt: dict[str, str]) -> Path:
-    """A copy of the tree with target strings as imports; more of them in some files."""
+    """Return a copy of the tree with target strings as imports."""
     copy = copy_tree(place, "pyproject.toml")
     for module, path in MODULES.items():
         file = path.relative_to(ROOT).as_posix()

@@ -56,7 +56,7 @@ KEYWORD = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
 @pytest.fixture(scope="module", params=sorted(SMALLER))
 def data_set(request, tmp_path_factory) -> Path:
-    """A simulated data set of two participants."""
+    """Return a simulated data set of two participants."""
     root = tmp_path_factory.mktemp("way")
     text = builtin()[request.param].read_text(encoding="utf-8")
     (root / "study.toml").write_text(changed(text, SMALLER[request.param]) + FINGER, encoding="utf-8")
@@ -67,7 +67,7 @@ def data_set(request, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def exported(data_set) -> Path:
-    """The data set in every form."""
+    """Return the data set in every export format."""
     for form in ("bids", "jspsych", "psych-ds", "psychopy", "r"):
         arguments = ["export", data_set, "--to", form, "--out", data_set.parent / form]
         assert status(*arguments, "--author", "Ada Lovelace", "--author", "Alan Turing") == 0
