@@ -1,6 +1,8 @@
 """A study of 10 participants, simulated and analysed.
 
 21 conditions, 60 trials each: `python benchmarks/study.py`. Measured in memory (sessions, fits, analysis of variance),
+and with a data set, figures and report; in one process, and with sessions on two, cold and warm. Times are by the
+clock.
 """
 
 import tempfile

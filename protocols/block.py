@@ -22,7 +22,7 @@ from .tasks.task import Presentation, Reply, Task, TrialOutcome
 FEEDBACK_S = 0.7
 """Duration of the feedback page (unverified default)."""
 UNTOUCHED = Touched(0.0, None, None)
-"""Touch in a row of a trial in which nothing was felt."""
+"""Touch in the row of a trial without a stimulus."""
 
 
 @dataclass(frozen=True)

@@ -214,7 +214,7 @@ class BlockState:
             then = procedure if slot.attempt > 1 else procedure.skip()  # the level was left out before
             return self._with(slot.track, procedure=then if outcome.success is None else then.take(outcome.success))
         delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
-        success = outcome.success is not False  # a task that judges nothing moves an adaptive rule as a success does
+        success = outcome.success is not False  # a task without right answers counts as a success
         procedures = after_answer([track.procedure for track in self.tracks], slot.track, success, delivered)
         pairs = zip(self.tracks, procedures, strict=True)
         return tuple(replace(track, procedure=procedure) for track, procedure in pairs)

@@ -151,10 +151,10 @@ def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delive
         made.asked[going, n], made.levels[going, n], made.answers[going, n] = asked, levels, answers
         learnt = logs + rule.log_likelihoods(levels, answers)
         possible = np.isfinite(learnt.max(axis=1))
-        learnt[~possible] = logs[~possible]  # what no cell allows leaves the weights of before
+        learnt[~possible] = logs[~possible]  # impossible answers leave the weights unchanged
         logs, weights = normalised(learnt)
         codes = np.full(len(going), GOES_ON, dtype=np.int8)
-        if rule.sd_stop is not None or n + 1 == n_trials:  # most trials need no look at the weights
+        if rule.sd_stop is not None or n + 1 == n_trials:  # most trials do not need the weights
             made.thresholds[going], _, codes = judged(rule, weights, n + 1)
         codes[~possible] = ABORTED
         made.endings[going] = codes

@@ -13,9 +13,9 @@ from tactometry.psychometric import shape_named
 from .outcome_model import Array, p_log_p, size
 
 EQUAL = 1e-13
-"""Distances that differ by less, relative to the greatest, are one."""
+"""Distances that differ by less, relative to the greatest, are equal."""
 NARROWEST = 1e-100
-"""A width below it: distances over it would overflow."""
+"""Lower bound of widths: distances divided by less would overflow."""
 BLOCK = 512
 """Combinations of the other parameters that are summed at a time: a table of them stays in a core's own cache."""
 

@@ -16,7 +16,7 @@ from .quest_plus import Aim, Criterion, QuestPlus
 
 Spacing = Literal["linear", "log"]
 MOST_VALUES = 10_000
-"""Of one grid."""
+"""Largest number of values in one grid."""
 
 
 def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:

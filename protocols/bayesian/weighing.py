@@ -19,7 +19,7 @@ from .outcome_model import Array
 HIGHEST = 1 + 1e-9
 """Factor by which the weight of an end must exceed all others to be the highest."""
 LOWEST = -1e300
-"""Stands for log 0 in a product with 0."""
+"""Replaces log 0 in a product with 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ class WeighingRun(Run[RuleT]):
             return "aborted"
         may_converge = self.rule.sd_stop is not None and self.responses
         if len(self.responses) < self.rule.n_trials and not may_converge:
-            return None  # without a look at the weights
+            return None  # without reading the weights
         return ending_of(self._judged[2])
 
     def _estimate(self) -> RuleThreshold:

@@ -16,7 +16,7 @@ from tactometry.errors import InvalidParameter
 
 Count = Annotated[int, Ge(1)]
 MOST_TRIALS = 1_000_000
-"""More make no session: at 5 s each they last 58 days."""
+"""Largest number of trials: at 5 s each they last 58 days."""
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
 
 
@@ -156,7 +156,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
     high: float
     n_trials: int
     unreplayed: ClassVar[str] = ""
-    """Why a run does not follow from answers and levels alone; empty if it does."""
+    """Reason why answers and levels do not determine a run; empty if they do."""
 
     @property
     def bounds(self) -> tuple[float, float]:

@@ -28,7 +28,7 @@ from .stepping import (
 
 UP, STAY, DOWN = 1, 0, -1
 DISCARDED = 2
-"""Reversals that the estimate leaves out: those of the large first steps."""
+"""Number of first reversals, with large steps, that the estimate leaves out."""
 
 
 class StaircaseNumbers(NamedTuple):

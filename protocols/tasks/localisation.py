@@ -40,7 +40,7 @@ class Localisation(Task):
         return outcome.score(choice, correct=choice.option == target)
 
 
-@lru_cache(maxsize=256)  # every trial of a track has the same
+@lru_cache(maxsize=256)  # equal in every trial of a track
 def _separation_m(alternatives: tuple[Places, ...]) -> float | None:
     """Return the distance between the two alternatives that are nearest to each other."""
     distances_m = [_distance_m(one, other) for one, other in combinations(alternatives, 2)]

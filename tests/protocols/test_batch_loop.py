@@ -42,7 +42,7 @@ def levels_of_source(tmp_path, monkeypatch):
     def levels(level):
         file = tmp_path / "rule_of_a_test.py"
         file.write_text(SOURCE.format(level=level))
-        os.utime(file, (level, level))  # written within one second, it would be taken for the same
+        os.utime(file, (level, level))  # files written within one second look unchanged
         sys.modules.pop("rule_of_a_test", None)
         importlib.invalidate_caches()
         own = importlib.import_module("rule_of_a_test")

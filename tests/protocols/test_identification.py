@@ -15,7 +15,7 @@ from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
 
 AT_1E_4 = 3.891
-"""Standard errors within which an estimate lies but for one in ten thousand."""
+"""Two-sided normal quantile at 1e-4, in standard errors."""
 KEEN = SignalDetectionObserver(lapse_rate=0.0)
 
 
@@ -61,7 +61,7 @@ def located(levels_db, observer=KEEN, n=1000):
 
 def test_focus_is_located_by_finger_and_not_strength():
     assert located({"left": (60.0, -inf), "right": (-inf, 60.0)})[0] == 1.0
-    share, n = located({"left": (60.0, 60.0), "right": (60.0, 60.0)})  # all of the plate moves alike
+    share, n = located({"left": (60.0, 60.0), "right": (60.0, 60.0)})  # the whole plate moves equally
     assert abs(share - 0.5) <= AT_1E_4 * sqrt(0.25 / n)
 
 

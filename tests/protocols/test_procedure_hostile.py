@@ -38,13 +38,13 @@ STATE = {
     "SharedQuestPlus": ("log_likelihoods", "runs"),
     "SharedTrack": ("pool", "track"),
 }
-"""What holds the answers so far: `after` makes it, and nobody else."""
+"""Fields with the answers so far, which only `after` sets."""
 
 
 PROTOCOLS = ("OutcomeModel",)
-"""What others write."""
+"""Abstract class that users implement."""
 RECORDS = ("Condition", "Track")
-"""What a block is handed as it is."""
+"""Records that a block receives unchecked."""
 MOVES = ("after_answer", "session")
 """What hands a course on to the rest."""
 

@@ -4,7 +4,7 @@ from datetime import date
 
 
 def gain_table(measured_with, volts_per_unit=2.0, amplifier_gain=50.0, measured_on=None, **more):
-    """The table of a gain that was measured today, unless on another day."""
+    """Return the table of a gain measured today, or on another day."""
     return {
         "volts_per_unit": volts_per_unit,
         "amplifier_gain": amplifier_gain,

@@ -112,7 +112,7 @@ def chromium(folder):
     """Yield a tab of a new browser whose files are in a folder."""
     to_browser, from_browser = os.pipe(), os.pipe()
     environment = {**os.environ, "HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
-    # the browser reads from 3 and writes to 4: bash puts the pipes there, whatever their numbers are here
+    # the browser reads from 3 and writes to 4: bash assigns the pipes to these numbers
     command = f'exec "$@" 3<&{to_browser[0]} 4>&{from_browser[1]}'
     browser = subprocess.Popen(
         ["/bin/bash", "-c", command, "bash", PROGRAM, *FLAGS, f"--user-data-dir={folder / 'profile'}"],

@@ -8,7 +8,7 @@ from numba.core.caching import NullCache
 from numba.core.dispatcher import Dispatcher
 
 HELD = set()
-"""Files that this process has locked: a loop that calls one of its own file compiles that one too."""
+"""Files that this process has locked: compiling a loop may compile another one of the same file."""
 
 
 @contextmanager
@@ -33,6 +33,6 @@ def compile_once():
         if isinstance(loop._cache, NullCache):
             return compiled(loop, signature)
         with alone_with(loop.py_func.__code__.co_filename):
-            return compiled(loop, signature)  # which looks on the disk first
+            return compiled(loop, signature)  # reads the disk cache first
 
     Dispatcher.compile = alone

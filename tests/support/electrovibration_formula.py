@@ -13,7 +13,7 @@ from tactometry.stimuli.perception.channels import as_at_250_hz
 from tactometry.stimuli.perception.detection import components
 
 HIGH_SHARE = 1e-4
-"""Of the power: below it, what aliases is 40 dB under the rest."""
+"""Share of the power below which aliases are 40 dB weaker than the rest."""
 
 
 def level_db(model, signal, contact):

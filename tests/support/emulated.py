@@ -1,4 +1,4 @@
-"""Emulated sensors in processes of their own, and the libraries that they need."""
+"""Emulated sensors in separate processes, and their libraries."""
 
 import importlib.util
 import os

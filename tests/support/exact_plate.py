@@ -12,7 +12,7 @@ DIGITS = 50
 
 
 def navier_modes(plate, f_max_hz):
-    """(m, n, omega) of the simply supported modes up to a frequency, in 50 digits."""
+    """Yield (m, n, omega) of simply supported modes in 50 digits."""
     mp.dps = DIGITS
     a, b, h, nu = (mpf(x) for x in (plate.length_m, plate.width_m, plate.thickness_m, plate.poisson_ratio))
     rigidity = mpf(plate.youngs_modulus_pa) * h**3 / (12 * (1 - nu**2))
@@ -24,7 +24,7 @@ def navier_modes(plate, f_max_hz):
 
 
 def swing(omega, tau_s, time, quantity="displacement"):
-    """The impulse response of one oscillator of unit mass in 50 digits, any damping."""
+    """Return an oscillator's impulse response in 50 digits."""
     decay = mpf(0) if math.isinf(tau_s) else 1 / mpf(tau_s)
     gap = omega**2 - decay**2
     w = sqrt(abs(gap))

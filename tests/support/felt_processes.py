@@ -1,6 +1,9 @@
 """Studies that compute sensations in fresh processes.
 
 A program of tests/experiments/test_scene_imports.py.
+
+It reads study files by name as JSON, and computes the first stimulus of each in a copy of a process that has computed
+none.
 """
 
 import gc

@@ -46,7 +46,10 @@ def told(table):
 
 
 def compared(without, with_it):
-    """A scene without an effect, the scene with it, and the first one anew, in a copy of this process."""
+    """Compare a scene without an effect with the scene that has it.
+
+    Runs both, and the first one again, in a copy of this process.
+    """
     return in_a_copy(lambda: [told(without), told(with_it), told(without)])
 
 

@@ -1,4 +1,4 @@
-"""A data set whose journal grows as a test says."""
+"""A data set whose journal grows on request."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The notebooks of the docs, executed as Jupyter does it; `make notebooks` writes what they show into them."""
+"""Execution of the docs' notebooks; `make notebooks` updates them."""
 
 import base64
 from pathlib import Path

@@ -21,7 +21,7 @@ from patience import LONGEST_PROGRAM_S
 ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 COLUMNS = "80"
 COMPLAINT = "tactometry: "
-"""Behind it stands why a command was refused, which then ends with a status that is not 0."""
+"""Prefix of the reason why a command was refused; the exit status is then not 0."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def commands_of(text: str) -> Iterator[Command]:
 def said_by(line: str) -> tuple[int, str]:
     """The status of a command, and all that it says."""
     words = shlex.split(line, comments=True)
-    # Processes for --jobs are kept by the one that began them, in the folder that it was in then.
+    # Reused processes of --jobs stay in the folder in which they were started.
     shell = words[0] != "tactometry" or {"|", ">", "&&", "--jobs"} & set(words)
     return _of_the_shell(line) if shell else _own(words[1:])
 

@@ -1,4 +1,7 @@
-"""A program that plays noise to a sound device and tells how far it came: `python player.py JSON`."""
+"""A program that plays noise and prints its progress.
+
+`python player.py JSON`.
+"""
 
 import json
 import os

@@ -100,12 +100,12 @@ class Sink:
         self.n_before = self.raw.stat().st_size // 4 * 4
 
     def heard(self):
-        """How many samples since `begin` were not zero."""
+        """Return how many samples since `begin` were not zero."""
         raw = self.raw.read_bytes()[self.n_before :]
         return np.count_nonzero(np.frombuffer(raw[: len(raw) // 4 * 4], "<i2"))
 
     def end(self):
-        """Wait until the record holds what was played; then its frames."""
+        """Wait until the record contains what was played; return its frames."""
         n_bytes = self.raw.stat().st_size
         wait_for(lambda: self.raw.stat().st_size > n_bytes + 4 * 24_000)
         raw = self.raw.read_bytes()[self.n_before :]

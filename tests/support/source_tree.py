@@ -1,4 +1,4 @@
-"""The product's own files, and copies of them that a test may spoil."""
+"""The repository's files, and copies that a test may modify."""
 
 import ast
 import shutil
@@ -10,12 +10,12 @@ from pathlib import Path
 from places import ROOT
 
 WINGS = ("stimuli", "protocols", "analysis", "experiments")
-"""Beside the kernel, where a link to each shows it to editors and type checkers."""
+"""Folders next to the kernel, which links to each for editors and type checkers."""
 FOLDERS = ("tactometry", *WINGS)
 
 
 def sources() -> list[Path]:
-    """The Python files, each once."""
+    """Return the Python files, each once."""
     paths = (path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
     return sorted(path for path in paths if not any(part.is_symlink() for part in (path, *path.parents)))
 

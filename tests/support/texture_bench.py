@@ -19,7 +19,7 @@ from tactometry.signal import Signal
 FULL_SCALE_V = 100.0
 
 METRES_PER_COUNT = 5e-5
-"""Of the emulator's count of its samples, of which it takes a thousand a second: the finger moves at 50 mm/s."""
+"""Metres per sample of the emulator at 1 kHz: the finger moves at 50 mm/s."""
 RELEASED = "0.5:30,3:100"
 
 BENCH = (
@@ -82,7 +82,7 @@ def texture_bench(folder, port, position=POSITION, more=""):
 
 
 def console_session(study, bench, out, env, n_answers=50):
-    """A session at a console, whose participant answers 1 each time: its status, output and errors."""
+    """Run a session at a console; return its status, output and errors."""
     words = ["run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", out]
     command = [sys.executable, "-m", "tactometry", *map(str, words)]
     done = subprocess.run(
@@ -98,7 +98,7 @@ def console_session(study, bench, out, env, n_answers=50):
 
 
 def paths_in(root):
-    """The paths that the textures of a data set followed, by their digests: times (s) and places (m)."""
+    """Return the texture paths of a data set by digest: times and places."""
     (file,) = (root / "journals").glob("*_positions.tsv")
     rows = [line.split("\t") for line in file.read_text().splitlines()[1:]]
     digests = dict.fromkeys(digest for digest, _, _ in rows)
@@ -106,7 +106,7 @@ def paths_in(root):
 
 
 def stretches(frames, least=4800):
-    """The parts of a record (n_frames, n_channels) between silences of at least so many frames."""
+    """Return the parts of a record between long silences."""
     heard = np.flatnonzero(frames.any(axis=1))
     cuts = np.flatnonzero(np.diff(heard) > least)
     firsts, lasts = np.r_[heard[:1], heard[cuts + 1]], np.r_[heard[cuts], heard[-1:]]

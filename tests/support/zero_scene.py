@@ -66,13 +66,13 @@ class Scene:
         return self.force_n
 
     def when_heard(self, happens, *args):
-        """Call it, unless the touch has ended before: a busy computer loses samples of the sensor by itself."""
+        """Call a function when the sink hears the touch, unless it has ended."""
         wait_for(lambda: self.ended.is_set() or self.sink.heard() > 2 * N_HEARD)
         if not self.ended.is_set():
             happens(*args)
 
     def heard(self, stimulus="noise"):
-        """How many frames the sink heard before its silence: the stimulus's, where no gap was reported."""
+        """Return how many frames the sink heard before its silence."""
         frames = self.sink.end()
         assert not frames[-4800:].any()
         heard = heard_part(frames)
@@ -93,7 +93,7 @@ LIMITS = Limits(voltage_peak_v=200.0, current_peak_a=1.0, duty=1.0, session_s=60
 
 @dataclass(frozen=True)
 class Noise:
-    """No sample of it is zero."""
+    """A noise without a zero sample."""
 
     duration_s: float
     unit = "V"

@@ -10,7 +10,7 @@ from source_tree import sources
 
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "reference" / "api").glob("*.md")}
 PINNED = ("tactometry.protocols", "tactometry.psychometric", "tactometry.signal", "tactometry.contact")
-"""Modules that are no faces, whose names are promised."""
+"""Other modules with public names."""
 
 
 def faces():

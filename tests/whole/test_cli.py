@@ -55,7 +55,7 @@ def test_help_lists_each_command_with_summary(capsys, command):
 @pytest.mark.parametrize("number", ["SIGTERM", "SIGHUP"])
 def test_session_closes_on_termination_signals(capsys, number):
     ending = getattr(signal, number)
-    # tests that were started by nohup have inherited that a closed terminal is to be outlived
+    # tests started by nohup inherit that SIGHUP is ignored
     usual = signal.signal(ending, signal.SIG_DFL)
     try:
         output(capsys, "studies")

@@ -21,7 +21,7 @@ BEGINS = {
     "bash": 'eval "$(_TACTOMETRY_COMPLETE=bash_source tactometry)"',
     "zsh": 'autoload -Uz compinit; compinit -u; eval "$(_TACTOMETRY_COMPLETE=zsh_source tactometry)"',
 }
-"""The line that a user types once, or puts where the shell begins."""
+"""Line that a user types once, or adds to the shell's start-up file."""
 IN_FISH = "_TACTOMETRY_COMPLETE=fish_source tactometry | source"
 PATIENCE_S = 60.0
 ESCAPES = re.compile(r"\x1b(?:\[[0-9;?=<>]*[A-Za-z]|\][^\x07]*\x07|[()][A-B0-2]|[=>])")

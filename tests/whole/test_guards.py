@@ -47,7 +47,7 @@ def distribution(requirement: str) -> str:
     return name.group().lower()
 
 
-# --- a dot stays in the wing, a name leaves it
+# --- relative imports within a package, absolute ones across
 
 
 def misfits(path: Path, tree: ast.Module) -> list[str]:
@@ -169,7 +169,7 @@ BACK_UP = (
     ("analysis/means.py", "from .plan import AnalysisPlan"),
     ("analysis/wording.py", "from .reading import rows"),
 )
-"""Lines that run back up the floors, each in a file that stands on one."""
+"""Upward imports, each in a file of a lower layer."""
 
 
 CIRCLES = {
@@ -177,7 +177,7 @@ CIRCLES = {
     "tactometry/files": "def late():\n    from . import one",
     "tactometry/safety": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from . import one",
 }
-"""How a file `two` that `one` imports imports it back."""
+"""Lines with which a file `two`, imported by `one`, imports it back."""
 FLOORS = [contract for contract in CONTRACTS.values() if "containers" in contract]
 WITHOUT_A_FLOOR = [
     f"{room}.on_no_floor" for contract in FLOORS if "exhaustive" in contract for room in contract["containers"]
@@ -271,7 +271,7 @@ def test_imported_packages_are_declared() -> None:
     assert used - names - set(sys.stdlib_module_names) == {"tactometry"}
 
 
-# --- what a command loads
+# --- modules that a command loads
 
 
 def loaded(*words: str) -> tuple[str, set[str]]:
@@ -299,7 +299,7 @@ def test_electrovibration_dry_run_loads_no_slow_libraries() -> None:
     assert {"scipy.signal", "scipy.stats", "scipy.optimize", "matplotlib", "statsmodels"} & modules == set()
 
 
-# --- what a commit may not hold
+# --- forbidden text in tracked files
 
 INDEX = "|".join(("py" + "pi", "python" + "hosted", "ana" + "conda", "npm" + "js", "art" + "ifactory", "nexus"))
 FORBIDDEN = {

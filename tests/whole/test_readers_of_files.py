@@ -23,7 +23,7 @@ from tactometry.stimuli.scenes.surfaces import SURFACES
 from tactometry.trials.tasks import TASKS
 
 POSITION = {"build": 0, "read_toml": 0, "build_kind": 2}
-"""Of the class, or of the classes by kind, among the arguments of a reader."""
+"""Position of the class, or of the classes by kind, among a reader's arguments."""
 NAMED = {
     "observers/kinds.py": {
         "own_class(kind, code_from, path)": "code of one's own",
@@ -65,7 +65,7 @@ def reads_of(tree):
 def readers():
     for path in sources():
         if not any(name in path.read_text(encoding="utf-8") for name in POSITION):
-            continue  # each process of the tests comes here, and to read a file costs less than to parse it
+            continue  # each test process runs this, and reading is faster than parsing
         for written in reads_of(parsed(path)):
             yield pytest.param(path, written, id=f"{path_of(path)}-{written}")
 
@@ -114,7 +114,7 @@ def test_every_table_within_a_table_has_its_own():
 
 
 PYTHON_ONLY = {"calibration", "settings"}
-"""Fields of a bench's parts that are read from the keys beside them."""
+"""Fields of a bench's parts that are read from neighbouring keys."""
 
 
 def test_table_target_is_the_module_of_its_class():

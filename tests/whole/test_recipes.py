@@ -93,7 +93,7 @@ LINES = (
         '    "force_law": ',
     ),
 )
-"""In which file, the line, and what stands behind it."""
+"""File, added line, and the text after it."""
 
 
 @pytest.fixture(scope="module")

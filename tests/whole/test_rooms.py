@@ -30,7 +30,7 @@ PINNED = {
     "stimuli.electrovibration": "Skin electrostatic_force_n Sine Square Trapezoid Step AmplitudeModulated",
     "protocols": "ConstantStimuli Staircase WeightedStaircase QuestPlus",
 }
-"""What others import from outside, whatever moves behind it."""
+"""Names that users import, which must not move."""
 FACES = ("analysis", *PINNED)
 
 

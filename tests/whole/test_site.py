@@ -10,7 +10,7 @@ import pytest
 from patience import LONGEST_PROGRAM_S
 from places import DOCS
 
-# Not imported: in a process with sphinx, pyglet takes itself to be documented, and a window ends the process.
+# Not imported: with sphinx loaded, pyglet enters its documentation mode, and a window ends the process.
 PACKAGES = ("sphinx", "myst_nb", "furo", "sphinx_design", "sphinx_copybutton")
 ABSENT = [package for package in PACKAGES if find_spec(package) is None]
 pytestmark = pytest.mark.skipif(bool(ABSENT), reason=f"not installed: {', '.join(ABSENT)} (extra docs)")

@@ -16,7 +16,7 @@ UPWARDS = {
     "stimuli/perception/detection.py": "tactometry.stimuli.scenes.effects.sensitivity:Sensitivity",
     "stimuli/electrovibration/skin/skin.py": f"{LAG}:FrictionLag",
 }
-"""Files and target strings that would run back up."""
+"""Files with target strings that point upwards."""
 CIRCLE = {"protocols/procedures/procedure.py": "tactometry.protocols.procedures.staircase:Staircase"}
 """A file on one floor with what it names, which imports it."""
 

@@ -43,9 +43,9 @@ SMALLER = {
     "time-reversal-threshold": {"repeats = 20": "repeats = 6"},
     "tutorial": {"n_trials = 28 ": "n_trials = 16 "},
 }
-"""What makes a study small; the way stays the same."""
+"""Changes that make a study smaller."""
 FINGER = "\n[finger]\nwaver_cv = 0.12\n"
-"""A finger that leaves the band of forces in many touches."""
+"""Finger that often leaves the force band."""
 BEYOND_BEHAVIOUR = (
     "TaskName TaskDescription Instructions CogAtlasID CogPOID InstitutionName InstitutionAddress "
     "InstitutionalDepartmentName"
