@@ -1,4 +1,4 @@
-"""The loop over sets and trials that a transition of plain numbers is compiled into."""
+"""The compiled loop over sets and trials for a transition."""
 
 from collections.abc import Callable
 from functools import cache

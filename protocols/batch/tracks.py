@@ -125,7 +125,10 @@ def _step(
 
 
 def _arrays(numbers: Numbers) -> tuple[Any, ...]:
-    """Return numbers with an array for each sequence: for each length of a tuple, numba would compile anew."""
+    """Convert each sequence to an array.
+
+    Otherwise numba would compile anew for each length of a tuple.
+    """
     arrays = [np.array(value, dtype=np.float64) if isinstance(value, tuple) else value for value in numbers]
     return type(numbers)(*arrays) if arrays else ()
 

@@ -113,7 +113,10 @@ def _check(name: str, values: tuple[float, ...], low: float, high: float) -> Non
 
 @dataclass(frozen=True, eq=False)
 class MixtureLikelihoods:
-    """Likelihoods of P(1) = g + (1 - g - l) S: sums over guess and lapse rates are taken before the product with S."""
+    """Likelihoods of P(1) = g + (1 - g - l) S.
+
+    Sums over guess and lapse rates are computed before the product with S.
+    """
 
     grid: ParameterGrid
     levels: tuple[float, ...]

@@ -1,4 +1,4 @@
-"""QUEST+ and the psi method from plain numbers, as a study file gives them."""
+"""QUEST+ and the psi method with plain numbers, as in a study file."""
 
 import math
 from dataclasses import dataclass

@@ -86,7 +86,10 @@ def judged(rule: "WeighingRule", weights: Array, n_answers: int) -> tuple[Array,
 
 
 class WeighingRule(Rule[Any]):
-    """Numbers of a rule that ends after `n_trials`, or at a posterior standard deviation of `sd_stop`."""
+    """Settings of a rule that weighs a grid of parameters.
+
+    It ends after `n_trials`, or at a posterior standard deviation of `sd_stop`.
+    """
 
     sd_stop: float | None
     learns_from_easy = True
@@ -124,7 +127,10 @@ RuleT = TypeVar("RuleT", bound=WeighingRule)
 
 @dataclass(frozen=True, eq=False)
 class WeighingRun(Run[RuleT]):
-    """A run with the weights of all cells (`state`); `contradicted` if no cell allows the last answer."""
+    """A run with the weights of all cells (`state`).
+
+    `contradicted` is True if no cell allows the last answer.
+    """
 
     state: Posterior = field(kw_only=True, repr=False)
     contradicted: bool = False

@@ -1,4 +1,4 @@
-"""Base classes of procedures: the numbers of a rule (`Rule`) and a run with its answers (`Run`)."""
+"""Base classes of procedures: settings (`Rule`) and runs (`Run`)."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ Ending = Literal["converged", "trials", "censored_above", "censored_below", "abo
 
 @dataclass(frozen=True)
 class RuleThreshold:
-    """A rule's estimate: level, SD, number of reversals or answers, and its kind or why it is missing."""
+    """A rule's estimate: level, SD, count, and kind or reason of absence."""
 
     level: float | None = None
     sd: float | None = None
@@ -93,17 +93,26 @@ class Procedure(ABC):
         return self.estimate.level
 
     def learning_from(self, other: "Procedure") -> Self:
-        """Return this procedure after an answer on another track; itself if the two share nothing."""
+        """Return this procedure after an answer on another track.
+
+        Returns itself if the two share nothing.
+        """
         del other
         return self
 
 
 class FixedOrder(Procedure):
-    """A procedure whose order no response changes: it can leave out a level that the block presents later."""
+    """A procedure whose order is independent of responses.
+
+    It can leave out a level that the block presents later.
+    """
 
     @abstractmethod
     def skip(self) -> "FixedOrder":
-        """Return the procedure at the next presentation; the block comes back to the present one."""
+        """Return the procedure at the next presentation.
+
+        The block repeats the present one later.
+        """
 
     @abstractmethod
     def take(self, response: int | bool) -> "FixedOrder":
@@ -172,7 +181,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
         """Return a run without answers; `rng` draws its order, if it has one."""
 
     def begin_together(self, tracks: Sequence[str]) -> "tuple[Procedure, ...]":
-        """Return a procedure for each of some tracks that learn from each other's answers; most share nothing."""
+        """Return procedures for tracks that may learn from each other."""
         return tuple(self.begin() for _ in tracks)
 
     @property
@@ -190,7 +199,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
 
 @dataclass(frozen=True)
 class Run(Procedure, Generic[RuleT]):
-    """A rule and its history: the responses, and the levels that were delivered."""
+    """A rule and its history of responses and delivered levels."""
 
     rule: RuleT
     responses: tuple[int, ...] = ()

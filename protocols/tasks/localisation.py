@@ -42,7 +42,7 @@ class Localisation(Task):
 
 @lru_cache(maxsize=256)  # equal in every trial of a track
 def _separation_m(alternatives: tuple[Places, ...]) -> float | None:
-    """Return the distance between the two alternatives that are nearest to each other."""
+    """Return the smallest distance between two alternatives."""
     distances_m = [_distance_m(one, other) for one, other in combinations(alternatives, 2)]
     return min((distance_m for distance_m in distances_m if distance_m is not None), default=None)
 

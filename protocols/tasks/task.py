@@ -22,7 +22,7 @@ Places = tuple[Place, ...]
 
 @dataclass(frozen=True)
 class Alternative:
-    """A stimulus that a trial chooses among: name, label on the page, factors, and its places, if any."""
+    """A stimulus that a trial chooses among, with label and places."""
 
     stimulus: str
     label: str
@@ -42,7 +42,10 @@ class Presentation:
 
 @dataclass(frozen=True)
 class Reply:
-    """Cells of an answer; without a response it was left open, without an answer the question was not asked."""
+    """Cells of an answer.
+
+    Without a response it was left open; without an answer the question was not asked.
+    """
 
     answer: Answer | None = None
     response: float | None = None
@@ -82,7 +85,7 @@ class TrialOutcome:
         return all(touch.valid for touch in self.touches)
 
     def score(self, choice: Chosen, *, correct: bool) -> Self:
-        """Return the outcome with a choice that is right or wrong, also for the procedure."""
+        """Return the outcome with a right or wrong choice."""
         return replace(self, replies=(Reply(choice, choice.option, correct),), success=correct)
 
     @property

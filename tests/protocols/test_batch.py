@@ -1,4 +1,4 @@
-"""Tracks in a batch: the same, trial by trial, as the rule's own run; answers as often as they should be."""
+"""Batches equal single runs, and answers have the right frequency."""
 
 import math
 from itertools import product
@@ -78,7 +78,7 @@ COIN = FunctionModel({"bias": (0.2, 0.5, 1.0)}, 2, lambda level, outcome, *, bia
 
 
 def unsure(level, outcome, *, threshold, width):
-    """Wrong, "I do not know" or right, whose borders lie 2 apart."""
+    """Return log probabilities of wrong, "I do not know" and right."""
     right, known = (1 / (1 + np.exp((threshold + at - level) / width)) for at in (1.0, -1.0))
     return log((1 - known, known - right, right)[outcome])
 
@@ -104,7 +104,7 @@ WEIGHING = {
 @given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans(), output=st.sampled_from([AS_ASKED, OUTPUT]))
 @examples(8, deadline=None)
 def test_batch_of_weighing_rule_equals_single_runs(rule, seed, through_a_table, output):
-    """Levels of QUEST lie where a sum puts them: equal but for its rounding."""
+    """Levels of QUEST are equal within the rounding of a sum."""
     rng = np.random.default_rng(seed)
     shape = (5, 30, rule.n_outcomes - 1)
     drawn = np.sort(rng.uniform(-10, 50) + rng.choice([0.0, 1.0, 10.0]) * rng.standard_normal(shape), axis=2)
@@ -145,7 +145,7 @@ def test_table_of_chances_is_interpolated_between_levels():
 
 
 def test_criteria_invert_the_psychometric_function():
-    """Answers are those that a comparison of the same number with the chance gives."""
+    """Answers equal those of comparing the uniform number with P(1)."""
     function = PsychometricFunction("gumbel", 20.0, 9.0, 0.5, 0.02)
     uniform, levels = np.random.default_rng().random((1, 10_000)), np.linspace(0, 40, 10_000)
     drawn = criteria(uniform, "gumbel", 20.0, 9.0, 0.5, 0.02)

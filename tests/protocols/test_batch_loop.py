@@ -36,7 +36,7 @@ def threshold(marks):
 
 @pytest.fixture
 def levels_of_source(tmp_path, monkeypatch):
-    """Writes a rule whose level is a constant of its source, and gives the levels of its batch."""
+    """Return a function that runs a rule with a constant level."""
     monkeypatch.syspath_prepend(str(tmp_path))
 
     def levels(level):

@@ -62,7 +62,7 @@ def test_touch_is_invalid_when_force_leaves_band():
 
 
 class Clipping:
-    """A rig that delivers 3 dB less than it is asked for, and loses the first `n_lost` touches."""
+    """A rig that delivers 3 dB less and loses the first `n_lost` touches."""
 
     def __init__(self, n_lost=0):
         self._rig, self.n_lost = rig(), n_lost

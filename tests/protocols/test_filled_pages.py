@@ -23,7 +23,7 @@ def filled(values, *, back=False):
 
 
 def answered(form, *answers):
-    """The pages that come, and the replies in the end."""
+    """Return the requested pages and the final replies."""
     course = fill_in(form, np.random.default_rng(0), shuffled=False)
     page = next(course)
     asked = [page, *(course.send(answer) for answer in answers[:-1])]

@@ -1,4 +1,4 @@
-"""A simulated participant who tells alternatives apart by what is felt at each place of the skin."""
+"""A simulated participant who identifies alternatives by sensation."""
 
 from math import inf, sqrt
 
@@ -52,7 +52,7 @@ ASKED = Choose("which_place", (1, 2), ("left", "right"), ("left", "right"))
 
 
 def located(levels_db, observer=KEEN, n=1000):
-    """The share of right answers where each finger feels these levels."""
+    """Return the share of right answers for these levels at each finger."""
     rng = np.random.default_rng()
     names = [ASKED.labels[k % 2] for k in range(n)]
     answers = [locate(observer, [Felt(name, 60.0, levels_db.get)], ASKED, rng) for name in names]

@@ -28,7 +28,7 @@ from tactometry.trials.trial import Trial, tally
 
 
 def steady():
-    """A participant whose touches are all valid."""
+    """Return a participant whose touches are all valid."""
     return replace(catalogue.simulated(1), finger=SimulatedFinger(force_cv=0.0, waver_cv=0.0))
 
 
@@ -47,7 +47,7 @@ def block_of(procedure, task="yes_no"):
 
 
 def answered(block, trials):
-    """The procedures of a block's tracks after the answers that count."""
+    """Return the procedures of a block after its valid answers."""
     procedures = [track.procedure for track in block.tracks]
     names = [track.name for track in block.tracks]
     for trial in trials:
@@ -204,7 +204,7 @@ def test_trial_of_skipped_block_is_invalidated_without_reopening():
 
 
 def asking_first():
-    """A session that asks for consent."""
+    """Return a session that asks for consent."""
     return session([catalogue.interleaved("random")], np.random.default_rng(1), consent=True)
 
 

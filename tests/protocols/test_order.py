@@ -11,7 +11,7 @@ from tactometry.protocols.order import Crossing, n_orders
 
 
 def counterbalanced(factors, number):
-    """The cells of the participant with this number, every factor by a Williams square."""
+    """Return a participant's cells with Williams squares for every factor."""
     return Crossing(factors, dict.fromkeys(factors, "williams")).cells(number - 1, None)
 
 

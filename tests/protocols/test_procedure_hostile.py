@@ -1,4 +1,4 @@
-"""Every public procedure, task and touch, one argument at a time replaced by what does not belong there.
+"""Public procedures, tasks and touches with invalid arguments.
 
 What comes back goes on with finite levels, or is refused in one sentence: no NaN, no traceback of Python's own.
 """
@@ -109,7 +109,7 @@ def harm(function, arguments):
 
 
 def gone_on(made):
-    """A procedure, or what makes one, after two answers."""
+    """Return a procedure, or one made from the argument, after two answers."""
     if hasattr(made, "procedure") and callable(made.procedure) and not hasattr(made, "tracks"):
         made = made.procedure()
     for answer in (1, 0):

@@ -60,7 +60,7 @@ def test_rule_contains_only_its_settings(kind):
 
 @per_procedure
 def test_procedure_ends_when_level_is_clipped(procedure):
-    """An amplifier that delivers half of what is asked for, at most 15, below any threshold."""
+    """An amplifier delivers half of the level, at most 15."""
     n_trials = 0
     while not procedure.finished:
         procedure = procedure.after(0, delivered=min(procedure.level / 2, 15.0))
@@ -82,7 +82,7 @@ def test_equal_answers_never_end_as_converged(procedure, answer):
 @given(answers=st.lists(st.booleans(), max_size=40))
 @examples(20, deadline=None)
 def test_one_loop_reads_the_threshold_of_any_procedure(procedure, answers):
-    """A number or None at every trial, within the levels; None of a run that only bounds it."""
+    """The threshold is None or within the levels at every trial."""
     for answer in answers:
         assert procedure.threshold is None or 0.0 <= procedure.threshold <= 40.0
         if procedure.finished:

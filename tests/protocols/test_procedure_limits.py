@@ -1,4 +1,4 @@
-"""The method of limits: series by hand, transitions at delivered levels, bounds without a change."""
+"""The method of limits: series, transitions and missing bounds."""
 
 import numpy as np
 import pytest
@@ -48,7 +48,7 @@ def test_equal_answers_end_as_censored(direction, answer, ended):
 
 
 def test_series_that_contradict_each_other_have_no_bound():
-    """Strong levels are never felt, weak ones always: neither bound holds."""
+    """Strong levels are never felt, weak ones always: no bound is valid."""
     _, rule = follow(RULE, [0, 1, 0, 1])
     assert rule.transitions == (None,) * 4
     assert (rule.ending, rule.threshold) == ("aborted", None)
@@ -67,7 +67,7 @@ def test_starts_are_drawn_inwards_by_whole_steps():
 
 
 def firsts(rule):
-    """The rule at the start of each series, when every first level is felt."""
+    """Return the rule at the start of each series, if every answer is 1."""
     while not rule.finished:
         yield rule
         rule = rule.after(1)

@@ -193,7 +193,7 @@ def chance(level):
 
 
 def bare(rule):
-    """The run without its history: what decides the next levels when steps are fixed."""
+    """Return the state of a run without its history."""
     asked = round(rule.level, 6) + 0.0
     return replace(rule, delivered=(), responses=(), marks=(), state=(asked, 0, rule.streak, 0, 0))
 
@@ -203,7 +203,7 @@ def key(rule):
 
 
 def stationary(rule):
-    """Mean level and mean chance of a correct answer over the trials of an endless run."""
+    """Return mean level and mean chance of success of an endless run."""
     first = bare(rule.after(1))
     states, open_, moves = {key(first): 0}, [first], []
     while open_:

@@ -1,4 +1,4 @@
-"""Trials that the rule needs which puts the threshold first; benchmarks/procedures.py has it in full.
+"""Efficiency of QUEST+ with the threshold first (see benchmarks).
 
 A cumulative normal observer with 2 % lapses; slope (log-normal, factor 1.5) and lapse rate unknown; everything in units
 of the observer's standard deviation.
@@ -76,7 +76,7 @@ def rule(guess, n_trials, sd_stop=None):
 
 
 def runs(start, guess, rng):
-    """The end of each observer's run, and its error."""
+    """Yield the final run of each observer and its error."""
     for truth in rng.uniform(-1.5, 1.5, N):
         at = start
         while not at.finished:

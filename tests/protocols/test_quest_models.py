@@ -1,4 +1,4 @@
-"""QUEST+ beyond two answers: any parameters and outcomes, variance, priors, exact posteriors."""
+"""QUEST+ with other models: parameters, outcomes, variance and priors."""
 
 import itertools
 import math
@@ -20,7 +20,7 @@ GRID = ParameterGrid(tuple(np.linspace(0, 40, 21)), (4.0, 8.0, 16.0), (0.5,), (0
 
 
 def as_function(grid):
-    """The same functions, one level and outcome at a time, by the kernel's psychometric function."""
+    """Return a grid as a function of one level and outcome."""
 
     def log_probability(level, outcome, *, threshold, width, guess_rate, lapse_rate):
         def one(t, w, g, lapse):
@@ -35,7 +35,7 @@ GENERAL = as_function(GRID)
 
 
 def similarity(level, outcome, *, centre, spread):
-    """Three answers, lower, same, higher, for a level against a centre."""
+    """Return log probabilities of lower, same and higher than a centre."""
     lower, higher = (1 / (1 + np.exp((side * (level - centre) + 2 * spread) / spread)) for side in (1, -1))
     return np.log(np.stack([lower, 1 - lower - higher, higher])[outcome])
 
@@ -92,7 +92,7 @@ def test_three_outcome_loss_equals_mean_posterior_loss(aim, criterion, answers):
 
 
 def loss(rule):
-    """Entropy or variance of a posterior, from the definition."""
+    """Return entropy or variance of a posterior from its definition."""
     if rule.rule.criterion == "entropy":
         weights = rule.posterior.ravel() if rule.rule.aim == "parameters" else rule.posterior.sum(axis=1)
         return float(-(weights[weights > 0] * np.log(weights[weights > 0])).sum())
@@ -177,7 +177,7 @@ def test_prior_equals_answers_with_same_likelihood():
 
 @pytest.mark.parametrize("answers", [[1, 0] * 60, [1] * 150 + [0] * 150, [0] * 150 + [1] * 150])
 def test_underflowing_posterior_equals_fifty_digit_reference(answers):
-    """In linear space the cells of these runs fall below 1e-308 on the way and come back."""
+    """In linear space, cells of these runs fall below 1e-308 temporarily."""
     grid = ParameterGrid((0.0, 15.0, 30.0), (3.0, 12.0), (0.0,), (1e-12, 0.01), shape="logistic")
     levels = [float(x) for x in np.linspace(-20, 50, len(answers))]
     rule = QuestPlus((0.0, 30.0), grid, n_trials=10**4)
@@ -229,7 +229,7 @@ def test_remark_explains_answers_impossible_on_grid():
 
 
 def test_equal_answers_on_fine_grid_end_as_censored():
-    """No single cell holds half of the posterior here; its highest is an end all the same."""
+    """No single cell has half of the posterior; the end is the highest."""
     grid = ParameterGrid(tuple(np.linspace(0, 40, 401)), (10.0,), (0.5,), (0.02,))
     rule = QuestPlus(LEVELS, grid, n_trials=15)
     while not rule.finished:

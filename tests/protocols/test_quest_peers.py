@@ -122,7 +122,7 @@ def test_quest_recovers_a_threshold(placing):
 
 
 def chance(away_db):
-    """Watson and Pelli's function, 0.82 at 0."""
+    """Return Watson and Pelli's function, 0.82 at 0."""
     unscaled = (0.82 - 0.5) / (0.5 * 0.99)
     shift = np.log10(-np.log1p(-unscaled))
     return 0.01 * 0.5 + 0.99 * (1 - 0.5 * np.exp(-(10 ** (3.5 * away_db / 20 + shift))))

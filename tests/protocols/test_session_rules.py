@@ -1,4 +1,4 @@
-"""Rules that a session rests on: whose chance is whose, what a seed gives, what is held against what."""
+"""Session rules: randomness, seeds, limits and journals."""
 
 import io
 import json
@@ -42,7 +42,7 @@ STANDARD_ERRORS = 3.9
 
 
 def asked(participant, n_session, seed):
-    """Levels and catch trials in the order of the protocol, without repetitions."""
+    """Return levels and catch trials in order, without repetitions."""
     memory = Memory()
     rig = EXPERIMENT.simulated_rig(participant, n_session, seed)
     run(EXPERIMENT.course(participant, n_session, 1, seed), rig, memory)
@@ -71,7 +71,7 @@ def test_truncated_line_is_moved_before_session_resumes(tmp_path, synced):
 
 
 def test_session_is_unlocked_when_its_files_are_unwritable(lived):
-    """Its trials file is a folder: nothing can be rebuilt there."""
+    """The trials file is a folder, so it cannot be rebuilt."""
     session = Session("P01", 1, STUDY.name)
     trials = next((lived / "data").glob("*.csv"))
     content = trials.read_bytes()
@@ -163,7 +163,7 @@ def test_described_but_absent_column_is_a_defect(lived):
 
 
 def test_replay_rejects_study_edited_after_session(lived):
-    """Replay detects the edit by digest only: the requests are unchanged."""
+    """The requests are unchanged: only the digest differs."""
     path = lived / "study.toml"
     path.write_bytes(path.read_bytes() + b"\n# another line\n")
     with pytest.raises(Diverged, match="line 1: found the digest of another study.toml"):
@@ -223,7 +223,7 @@ def test_plan_depends_on_catch_rate():
 
 
 def test_sessions_of_one_participant_have_different_random_answers():
-    """The same touch in the first trial of two sessions is held in another way."""
+    """The first touch of two sessions has different forces."""
     request = Slide("frequency_hz=60", 20.0, 0.2, 1.0, 0.2, 0.5, 5.0, 0.05)
     held = []
     for n_session in (1, 2):
