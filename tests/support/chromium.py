@@ -30,7 +30,7 @@ class Tab:
             self.call(f"{domain}.enable")
 
     def call(self, method, **params):
-        """Call a protocol method; events received meanwhile go to `told`."""
+        """Call a protocol method and keep the events received meanwhile."""
         self._n += 1
         message = {"id": self._n, "method": method, "params": params}
         if self._session is not None:

@@ -46,7 +46,7 @@ if __name__ == "__main__":
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Write two benchmarks, one of which fails after its results."""
+    """Write two benchmarks; one fails after its results."""
     (tmp_path / "whole.py").write_text(TELLS.format(status=0), "utf-8")
     (tmp_path / "torn.py").write_text(TELLS.format(status="'no display'"), "utf-8")
     return tmp_path
