@@ -135,7 +135,7 @@ def test_a_catch_trial_delivers_nothing():
     assert (touched.level_delivered, touched.digest) == (None, None)
 
 
-def test_forced_choice_row_uses_target_touch_and_first_onset():
+def test_forced_choice_row_uses_target_and_first_onset():
     memory = Memory()
     course = a_block("forced_choice")
     run(course, rig(finger=SimulatedFinger(waver_cv=0.0)), memory)

@@ -89,7 +89,7 @@ def test_moves_at_bounds_are_counted_separately():
     assert rule.after(1).after(1).after(0, delivered=40.0).ending is None
 
 
-def test_run_ending_at_bound_is_censored_despite_last_reversal():
+def test_run_ending_at_bound_stays_censored_despite_reversal():
     rule = Staircase(start=38.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=1, n_at_bound=1)
     assert rule.after(1).after(0, delivered=40.0).ending == "censored_above"
 
@@ -258,7 +258,7 @@ def test_staircase_rejects_responses_other_than_0_and_1():
 
 
 @pytest.mark.parametrize("hold_s", [20.0, 30.0])
-def test_a_hold_that_outlasts_its_timeout_is_refused(hold_s):
+def test_hold_longer_than_timeout_is_refused(hold_s):
     study = replace(STUDY, touch={**STUDY.touch, "hold_s": hold_s})
     with pytest.raises(InvalidParameter, match=r"touch\.hold_s: found .* s, expected less than timeout_s \(20 s\)"):
         wire(study, "x")
