@@ -1,4 +1,6 @@
-"""Sessions per second in batches, against loops with PsychoPy's StairHandler and questplus; and tracks with mode fits.
+"""Sessions per second in batches, compared with PsychoPy and questplus.
+
+The peers are loops with PsychoPy's StairHandler and questplus. Tracks with mode fits are timed too.
 
     OMP_NUM_THREADS=1 python benchmarks/batch.py [--sets 2000] [--peers 20] [--batches 4]
 

@@ -1,4 +1,4 @@
-"""Skin and finger: the exact motion against `solve_ivp` and a compiled RK4, error beside time.
+"""Motion of skin and finger compared with `solve_ivp` and compiled RK4.
 
     OMP_NUM_THREADS=1 python benchmarks/electrovibration.py
 

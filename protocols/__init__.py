@@ -1,4 +1,7 @@
-"""Procedures, tasks, blocks and their order. Classes refuse invalid arguments with `InvalidParameter`."""
+"""Procedures, tasks, blocks and their order.
+
+Classes raise `InvalidParameter` for invalid arguments.
+"""
 
 from tactometry.loading import named
 

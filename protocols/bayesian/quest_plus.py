@@ -1,4 +1,4 @@
-"""QUEST+: the level whose answer is expected to tell most, on one track or several that share all but a threshold."""
+"""QUEST+ for one track, or for several that share all but a threshold."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -234,7 +234,7 @@ class SharedQuestPlus:
         for track in self.tracks:
             of_others = sum((each for name, each in evidence.items() if name != track), start=shared)
             state = Posterior.of((joint[track] + of_others).ravel())
-            assert state is not None  # answers that nothing allows are not taken in
+            assert state is not None  # impossible answers are ignored
             views[track] = replace(self.runs.get(track, self.rule.begin()), state=state)
         return views
 
@@ -243,7 +243,7 @@ class SharedQuestPlus:
         with rewording(lambda words: f"SharedQuestPlus track {track!r}, {words}"):
             run = self.procedure(track).after(response, delivered)
         pool = replace(self, runs={**self.runs, track: run})
-        if run.contradicted:  # what nothing allows would leave no weight to the other tracks
+        if run.contradicted:  # an impossible answer would leave the other tracks without weights
             return pool
         log_likelihood = self.rule.grid.log_likelihood(run.delivered[-1], run.responses[-1])
         table = self.log_likelihoods.get(track, 0.0) + log_likelihood.reshape(size(self.rule.grid))

@@ -28,7 +28,7 @@ from .stepping import (
 
 Direction = Literal["ascending", "descending", "alternating"]
 N_STEPS = 10_000
-"""More make no series that anybody sits through."""
+"""Largest number of steps in the range: longer series are impractical."""
 DIRECTIONS = get_args(Direction)
 ASCENDING, ALTERNATING = 0, 2
 UNCHANGED = math.inf

@@ -38,7 +38,7 @@ OnMiss = Literal["go_on", "ask"]
 @dataclass(frozen=True)
 @constrained
 class Practice(SteppingRule[Any]):
-    """Easy levels in turn until `n_correct` of the last `n_of` answers were right, `n_trials` at most.
+    """Easy levels in turn until `n_correct` of the last `n_of` are right.
 
     It ends as ``converged`` when the criterion was met, else as ``trials``.
 

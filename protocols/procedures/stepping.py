@@ -1,4 +1,7 @@
-"""Rules whose steps are pure functions of plain numbers, which a session calls and a batch compiles (`Transition`)."""
+"""Rules whose steps are pure functions of numbers (`Transition`).
+
+A session calls these functions, and a batch compiles them.
+"""
 
 import math
 from collections.abc import Callable, Sequence

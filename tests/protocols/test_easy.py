@@ -1,4 +1,4 @@
-"""Easy trials in adaptive procedures: where they are, and what the rule learns of them."""
+"""Easy trials in adaptive procedures: places and learning."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ ADAPTIVE = [kind for kind, known in KINDS.items() if known.takes_easy_trials]
 
 
 def answered(procedure, answer):
-    """Kinds and levels of all trials, answered by the level, and the procedure at its end."""
+    """Return kinds and levels of all trials, and the procedure at its end."""
     trials = []
     while not procedure.finished:
         trials.append((procedure.is_easy, procedure.level))

@@ -1,4 +1,4 @@
-"""Small sound parts of time reversal, of which its calls are made."""
+"""Small valid arguments for functions of time reversal."""
 
 from pathlib import Path
 
