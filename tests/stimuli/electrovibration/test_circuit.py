@@ -59,7 +59,7 @@ def test_stacked_voltages_are_solved_each_on_its_own() -> None:
     np.testing.assert_array_equal(stacked_n[1, 2], sc_force_n(voltages_v[1, 2], 1e5))
 
 
-def test_a_sampled_sine_approaches_the_closed_form_with_the_square_of_the_step() -> None:
+def test_sampled_sine_error_falls_with_step_squared() -> None:
     errors_v = []
     for rate_hz in (1e5, 1e6):
         t_s = np.arange(int(0.02 * rate_hz)) / rate_hz

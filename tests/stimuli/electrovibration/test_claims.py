@@ -52,7 +52,7 @@ def force_after_a_step_n(skin: Skin, law: str, t_s) -> np.ndarray:
 
 
 @pytest.mark.parametrize("skin", SKINS)
-def test_where_an_offset_is_said_to_be_blocked_its_force_has_gone(skin: Skin) -> None:
+def test_offset_force_vanishes_when_remark_says_blocked(skin: Skin) -> None:
     remark = TONE.remark(skin, "sc_layer", AREA_M2)
     assert remark is not None
     assert "blocks" in remark
@@ -64,7 +64,7 @@ def test_where_an_offset_is_said_to_be_blocked_its_force_has_gone(skin: Skin) ->
 
 
 @pytest.mark.parametrize("skin", SKINS)
-def test_where_an_offset_is_said_to_stay_its_force_has_risen(skin: Skin) -> None:
+def test_offset_force_settles_when_remark_says_kept(skin: Skin) -> None:
     remark = TONE.remark(skin, "interface", AREA_M2)
     assert remark is not None
     assert "keeps" in remark
@@ -108,7 +108,7 @@ def test_the_friction_without_load_is_the_limit_of_a_small_load(friction: Coulom
     np.testing.assert_allclose(without_n, small_n, rtol=0, atol=1e-13)
 
 
-def test_without_load_a_finger_that_slips_has_the_same_friction_in_both_motions() -> None:
+def test_slip_friction_matches_coulomb_friction_without_load() -> None:
     stuck_or_slipping = stick_slip(
         T_S,
         PIECES,
@@ -124,7 +124,7 @@ def test_without_load_a_finger_that_slips_has_the_same_friction_in_both_motions(
     np.testing.assert_allclose(stuck_or_slipping.lateral_n[slips], expected_n[slips], rtol=1e-9, atol=1e-15)
 
 
-def test_a_coefficient_that_grows_without_limit_is_refused_without_load() -> None:
+def test_unbounded_friction_coefficient_is_refused_without_load() -> None:
     with pytest.raises(
         InvalidParameter, match=r"found -0.1 for a normal force of 0.0 N, expected a coefficient within"
     ):
@@ -176,7 +176,7 @@ CLOSED_FORMS = {
 
 
 @pytest.mark.parametrize("call", CLOSED_FORMS.values(), ids=CLOSED_FORMS)
-def test_a_closed_form_refuses_a_skin_that_it_has_no_term_for(call) -> None:
+def test_closed_form_refuses_unsupported_skin_terms(call) -> None:
     assert np.isfinite(call(Skin(gap_m=1e-6))).all()
     with pytest.raises(InvalidParameter, match=r"found a skin with Skin.body_resistance_ohm other than 0.0"):
         call(Skin(body_resistance_ohm=1.0))
@@ -203,7 +203,7 @@ def swept_n(corner_hz: float, t_s) -> np.ndarray:
 
 
 @pytest.mark.parametrize("corner_hz", [1e2, 1e4, 1e6, 1e8, 9.9e9])
-def test_a_lag_that_is_not_refused_is_exact(corner_hz: float) -> None:
+def test_accepted_friction_lag_is_exact(corner_hz: float) -> None:
     t_s = np.linspace(0, 0.1, 101)
     found_n = lagged_n(FrictionLag(0.0, 0.0, corner_hz), CoulombFriction(), 0.0, t_s=t_s)
     expected_n = swept_n(corner_hz, t_s)

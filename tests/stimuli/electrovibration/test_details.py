@@ -31,7 +31,7 @@ AREA_M2, FINGER = 1e-4, Finger()
 
 
 @pytest.mark.parametrize("gap_m", [1e-7, 5e-6])
-def test_share_and_time_constant_of_a_skin_with_a_gap_are_those_of_its_stack(gap_m: float) -> None:
+def test_gap_skin_share_and_time_constant_match_stack(gap_m: float) -> None:
     skin = Skin(gap_m=gap_m)
     found = skin.relaxations(AREA_M2)
     assert found.gains[0] == pytest.approx(skin.k, rel=1e-13)

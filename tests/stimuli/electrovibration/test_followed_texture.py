@@ -48,7 +48,7 @@ def under(texture, times_s, path_m, level=30.0, **keys):
 
 
 @pytest.mark.parametrize("frequency_hz", [25.0, 100.0, 240.0])
-def test_a_sinusoidal_grating_under_a_steady_finger_is_felt_as_a_tone_of_its_frequency(frequency_hz):
+def test_sinusoidal_grating_feels_like_tone_at_constant_speed(frequency_hz):
     texture = Grating(SPEED_M_PER_S / frequency_hz, "sinusoidal")
     signal = under(texture, [0.0, 1.0], [0.0, SPEED_M_PER_S], rise_s=5e-5)
     tone = AmplitudeModulated(frequency_hz=frequency_hz, carrier_hz=2000.0).at(30.0)
@@ -77,7 +77,7 @@ def test_parts_are_parts_and_rise_no_faster_than_they_may(texture, seed, rise_s)
 
 
 @pytest.mark.parametrize("texture", [Bump(0.02, 5e-3), HeightMap(0.01, (0.0, 1.0, 0.0))])
-def test_a_finger_that_comes_back_meets_the_other_flank(texture):
+def test_returning_finger_meets_opposite_flank(texture):
     forth_m = np.linspace(0.0, 0.04, 4001)
     path_m = np.r_[forth_m, forth_m[::-1]]
     roots, _ = FollowedTexture(texture, rise_s=5e-5, turn_m=0.0).parts(path_m)
@@ -139,7 +139,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("changes", "words"), REFUSED.values(), ids=REFUSED)
-def test_what_no_texture_can_be_is_refused_in_one_sentence(changes, words):
+def test_invalid_texture_is_refused_in_one_sentence(changes, words):
     with pytest.raises(InvalidParameter, match=words):
         wired(changed(TEXT, changes))
 
@@ -173,7 +173,7 @@ NO_MAPS = {
 
 @pytest.mark.parametrize("kind", ["image", "height_map"])
 @pytest.mark.parametrize(("name", "content", "words"), NO_MAPS.values(), ids=NO_MAPS)
-def test_a_file_that_holds_no_map_is_refused_in_one_sentence(kind, name, content, words, tmp_path, capsys):
+def test_file_without_map_is_refused_in_one_sentence(kind, name, content, words, tmp_path, capsys):
     path, digest = tmp_path / name, hashlib.sha256(content).hexdigest()
     path.write_bytes(content)
     texture = f'texture = {{ kind = "{kind}", pixel_m = "1 mm", path = "{path}", sha256 = "{digest}" }}'

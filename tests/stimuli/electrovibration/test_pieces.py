@@ -197,7 +197,7 @@ def test_a_trapezoid_with_equal_holds_and_both_signs_has_doubled_force_frequency
     assert one.force_frequency_hz == almost.force_frequency_hz == pytest.approx(100.0)
 
 
-def test_a_line_of_zero_length_is_a_jump_and_pieces_may_be_split_anywhere() -> None:
+def test_zero_length_line_is_jump_and_pieces_split() -> None:
     pieces = straight([0, 1, 1, 3], [0, 2, -1, 1])
     dense = np.linspace(0, 3, 31)
     np.testing.assert_allclose(pieces.split_at([0.3, 1.0, 2.2, 9.0]).at(dense), pieces.at(dense), atol=1e-15)

@@ -95,7 +95,7 @@ def exact_v(stimulus, t_s) -> np.ndarray:
     [(15, 0.0093699), (30, 0.0373807), (60, 0.1479612), (120, 0.5681134), (240, 1.9583526), (480, 5.0444265),
      (1920, 9.9388513)],
 )  # fmt: skip
-def test_the_exact_force_of_a_sine_is_its_mean_and_twice_the_frequency(frequency_hz: float, mean_mn: float) -> None:
+def test_exact_sine_force_is_mean_plus_second_harmonic(frequency_hz: float, mean_mn: float) -> None:
     late_s = 0.5 + np.arange(64) / 64 / frequency_hz
     lines_mn = np.fft.rfft(1e3 * B * exact_v(Sine(frequency_hz, ramp_s=0.0), late_s) ** 2) / 64
     assert lines_mn[0].real == pytest.approx(mean_mn, abs=5.1e-8)

@@ -19,7 +19,7 @@ def pulsed(**fields):
 
 
 @given(st.floats(26.0, 42.0), st.floats(20.0, 400.0), st.sampled_from(["square_root", "full", "suppressed_carrier"]))
-def test_up_to_any_zero_of_the_carrier_the_square_adds_up_to_half_a_sample(level, frequency_hz, modulation):
+def test_pulsed_carrier_energy_error_is_below_half_sample(level, frequency_hz, modulation):
     stimulus = pulsed(frequency_hz=frequency_hz, modulation=modulation)
     asked, made = stimulus.waveform.at(level).samples[0], stimulus.at(level).samples[0]
     assert set(np.unique(made)) == {-SUPPLY_V, 0.0, SUPPLY_V}

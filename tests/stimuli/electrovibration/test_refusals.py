@@ -52,7 +52,7 @@ def stuck(n_events_max):
         ),
     ],
 )
-def test_what_cannot_be_is_refused_in_one_sentence(call, sentence):
+def test_invalid_input_is_refused_in_one_sentence(call, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         call()
 

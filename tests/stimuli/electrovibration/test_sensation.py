@@ -72,7 +72,7 @@ def test_thresholds_of_carriers_are_those_of_the_displaced_skin(frequency_hz: in
 
 
 @pytest.mark.parametrize("frequency_hz", [960.0, 1920.0])
-def test_a_vibration_that_no_channel_answers_to_is_not_felt(frequency_hz: float) -> None:
+def test_vibration_outside_all_channels_is_not_felt(frequency_hz: float) -> None:
     assert MODEL.sensation_db(carrier(frequency_hz).at(46.0), TOUCH) < -60
 
 
@@ -99,7 +99,7 @@ def test_a_threshold_of_friction_is_a_fraction_of_a_millinewton() -> None:
     assert [round(1e3 * threshold_force_n(f), 2) for f in (60.0, 120.0, 480.0)] == [1.94, 0.63, 1.67]
 
 
-def test_a_threshold_of_force_of_an_older_study_file_holds_at_250_hz() -> None:
+def test_reference_force_applies_at_250_hz() -> None:
     by_force = felt_by(ElectrovibrationSensation(reference_force_n=threshold_force_n(250.0)))
     signal = carrier(120.0).at(40.0)
     assert by_force.sensation_db(signal, TOUCH) == pytest.approx(MODEL.sensation_db(signal, TOUCH), abs=1e-9)
@@ -142,7 +142,7 @@ def test_doubling_the_voltage_quadruples_the_force() -> None:
 
 
 @pytest.mark.parametrize("touch", [Contact(1.5, 0.0), Contact(0.0, 0.05), Contact(0.0, 0.0)])
-def test_nothing_is_felt_at_rest_or_without_contact(touch: Contact) -> None:
+def test_sensation_is_absent_at_rest_or_without_contact(touch: Contact) -> None:
     assert MODEL.sensation_db(sine(120.0).at(40.0), touch) == -np.inf
 
 
@@ -158,7 +158,7 @@ def test_sensation_goes_smoothly_to_nothing_at_rest(model) -> None:
 
 @pytest.mark.parametrize("speed_m_per_s", [1e-4, 0.05])
 @pytest.mark.parametrize(("frequency_hz", "ramp_s"), [(30.0, 0.02), (60.0, 0.05), (120.0, 0.05), (240.0, 0.05)])
-def test_a_tenth_of_a_second_with_ramps_feels_the_same_by_a_scene(frequency_hz, ramp_s, speed_m_per_s) -> None:
+def test_short_ramped_tone_matches_its_scene(frequency_hz, ramp_s, speed_m_per_s) -> None:
     tone = {"frequency_hz": frequency_hz, "duration_s": 0.1, "ramp_s": ramp_s, "carrier_hz": 2000.0}
     signal = AmplitudeModulated(**tone, rate_hz=64e3).at(30.0)
     carrier_effect = effect("carrier", carrier_hz=tone.pop("carrier_hz"))
@@ -171,7 +171,7 @@ def test_a_tenth_of_a_second_with_ramps_feels_the_same_by_a_scene(frequency_hz, 
 
 
 @pytest.mark.parametrize("frequency_hz", [6_000.0, 9_900.0])
-def test_the_force_of_a_fast_sine_does_not_alias_into_what_is_felt(frequency_hz: float) -> None:
+def test_fast_sine_force_does_not_alias(frequency_hz: float) -> None:
     coarse, fine = (Sine(frequency_hz=frequency_hz, rate_hz=rate_hz).at(40.0) for rate_hz in (20e3, 200e3))
     assert MODEL.sensation_db(coarse, TOUCH) < 0
     assert MODEL.sensation_db(fine, TOUCH) < 0
@@ -179,7 +179,7 @@ def test_the_force_of_a_fast_sine_does_not_alias_into_what_is_felt(frequency_hz:
 
 @pytest.mark.parametrize("n_more", [0, 1])
 @pytest.mark.parametrize("carrier_hz", [2_000.0, 7_000.0, 9_700.0])
-def test_a_carrier_feels_the_same_at_any_rate_that_can_play_it(carrier_hz: float, n_more: int) -> None:
+def test_carrier_sensation_is_independent_of_rate(carrier_hz: float, n_more: int) -> None:
     duration_s, tone = 1.0 + n_more / 20e3, AmplitudeModulated(frequency_hz=240.0, modulation="full")
     levels_db = [
         MODEL.sensation_db(replace(tone, carrier_hz=carrier_hz, rate_hz=r, duration_s=duration_s).at(20.0), TOUCH)
@@ -188,7 +188,7 @@ def test_a_carrier_feels_the_same_at_any_rate_that_can_play_it(carrier_hz: float
     assert levels_db[0] == pytest.approx(levels_db[1], abs=0.1)
 
 
-def test_a_weak_fast_tone_beside_a_strong_one_does_not_alias_into_what_is_felt() -> None:
+def test_weak_fast_tone_does_not_alias() -> None:
     t_s = [np.arange(round(rate_hz)) / rate_hz for rate_hz in (20e3, 200e3)]
     volts = [40 * np.sin(2 * np.pi * 3_000 * t) + 4 * np.sin(2 * np.pi * 9_875 * t) for t in t_s]
     coarse, fine = (Signal(v[None, :], v.size, "V") for v in volts)

@@ -304,7 +304,7 @@ def test_too_many_events_stop_with_their_time() -> None:
         run(n_events_max=3)
 
 
-def test_a_finger_so_fast_that_the_series_would_take_hours_is_refused(monkeypatch) -> None:
+def test_finger_is_refused_when_series_needs_many_steps(monkeypatch) -> None:
     monkeypatch.setattr(sticking, "N_STEPS_MAX", 20_000)  # as many as take milliseconds, for one that slips
     light = Finger(mass_kg=1e-15, stiffness_n_per_m=1e7, damping_n_s_per_m=0.0)
     with pytest.raises(InvalidParameter, match=r"more than 2e\+04 steps of the series at .* up to 1e\+11 rad/s\)"):
@@ -312,9 +312,7 @@ def test_a_finger_so_fast_that_the_series_would_take_hours_is_refused(monkeypatc
 
 
 @pytest.mark.parametrize("speed_m_per_s", [1e-12, 1e-9, 1e-7, 1e-5])
-def test_a_finger_that_hardly_moves_sticks_and_takes_no_more_steps_than_the_voltage_does(
-    monkeypatch, speed_m_per_s: float
-) -> None:
+def test_slow_finger_sticks_without_extra_steps(monkeypatch, speed_m_per_s: float) -> None:
     """Its published mass falls with its speed, and with it the time in which it would decay if it slipped."""
     monkeypatch.setattr(sticking, "N_STEPS_MAX", 20_000)
     finger = Finger.at_speed(speed_m_per_s)

@@ -74,7 +74,7 @@ def test_the_same_seed_draws_the_same_noise() -> None:
     assert Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(3)) == NOISE
 
 
-def test_a_bump_is_a_hole_for_a_finger_that_comes_from_the_other_side() -> None:
+def test_reversed_bump_is_a_hole() -> None:
     x_m = np.linspace(0, 0.04, 101)
     bump, hole = Bump(0.02, 3e-3, direction=-1), Bump(0.02, 3e-3, height_sign=-1)
     np.testing.assert_array_equal(bump.force_share(x_m), hole.force_share(x_m))
@@ -108,7 +108,7 @@ def test_velvet_tufts_beat_at_speed_over_their_distance() -> None:
     assert np.argmax(spectrum) == 100
 
 
-def test_a_finger_that_waits_keeps_the_pile_as_it_lies() -> None:
+def test_resting_finger_leaves_velvet_pile_unchanged() -> None:
     share = Velvet(tuft_depth=0.0).force_share_along(np.r_[np.linspace(0.05, 0, 101), np.zeros(50)])
     np.testing.assert_allclose(share[-50:], share[100])
 

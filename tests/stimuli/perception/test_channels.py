@@ -29,7 +29,7 @@ def test_the_best_threshold_is_that_of_pacini_at_250_hz():
     assert abs(f_hz[best.argmin()] - 250) < 5
 
 
-def test_what_no_channel_hears_is_silent():
+def test_channels_are_silent_above_their_range():
     assert channel_levels_db(Components(np.array([2000.0]), np.array([1.0])), 1.0).max() == -np.inf
     assert channel_levels_db(Components(np.zeros(0), np.zeros(0)), 1.0).max() == -np.inf
 

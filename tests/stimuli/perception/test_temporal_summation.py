@@ -40,7 +40,7 @@ def filtered_db(n, repetition_hz, beginnings):
 
 @pytest.mark.parametrize("repetition_hz", [1, 2, 5, 10, 40, 100, 200, 250, 400, 500, 800, 1000])
 @pytest.mark.parametrize("n", [2, 5, 12])
-def test_a_train_is_felt_as_its_samples_are_behind_a_filter_and_a_leaky_integrator(n, repetition_hz):
+def test_train_matches_filtered_and_integrated_samples(n, repetition_hz):
     expected_db = filtered_db(n, repetition_hz, range(1, n + 1))
     assert felt_db(n, repetition_hz) == pytest.approx(expected_db, abs=0.2)
 
@@ -62,7 +62,7 @@ def test_one_event_is_felt_as_it_is(peak):
 
 
 @given(st.floats(0.02, 100.0))
-def test_nothing_recurs(apart_s):
+def test_distant_event_adds_only_its_energy(apart_s):
     """Beyond the answer of the filter two events add their energy, and what is left of the first fades."""
     left_db = 10 * np.log10(1 + np.exp(-apart_s / TAU_S))
     assert 20 * np.log10(summed_amplitude(np.array([0.0, apart_s]), np.ones(2))) == pytest.approx(left_db, abs=0.07)
@@ -80,7 +80,7 @@ def test_a_train_is_never_weaker_than_its_beginning(train):
 
 
 @given(trains, st.floats(1e-9, 1e9))
-def test_a_train_lies_between_its_largest_event_and_their_sum_and_grows_in_proportion(train, factor):
+def test_train_is_bounded_and_proportional(train, factor):
     times_s, peaks = train
     felt = summed_amplitude(times_s, peaks)
     assert peaks.max() <= felt <= peaks.sum() * (1 + 1e-12)
@@ -88,7 +88,7 @@ def test_a_train_lies_between_its_largest_event_and_their_sum_and_grows_in_propo
 
 
 @given(trains)
-def test_events_beyond_the_answer_of_the_filter_hold_no_more_than_their_energy(train):
+def test_distant_events_add_at_most_their_energy(train):
     times_s, peaks = train
     apart_s = times_s + HORIZON_S * np.arange(peaks.size)
     assert summed_amplitude(apart_s, peaks) <= math.hypot(*peaks) * (1 + 1e-12)
@@ -102,7 +102,7 @@ def test_the_order_in_which_events_are_told_does_not_matter(train, random):
 
 
 @pytest.mark.parametrize("repetition_hz", [50.0, 100.0, 250.0])
-def test_a_train_gains_three_decibels_per_doubling_while_it_is_short_and_nothing_beyond_a_second(repetition_hz):
+def test_train_gain_with_duration_follows_leaky_integrator(repetition_hz):
     """The leaky integrator: 10 log10 (1 - exp(-d/tau)) for a duration d."""
     durations_s = np.array([0.08, 0.16, 0.32, 1.28, 5.12])
     found_db = [felt_db(round(d * repetition_hz), repetition_hz) for d in durations_s]

@@ -54,7 +54,7 @@ def error(got, true, output):
 
 
 @pytest.mark.parametrize(("name", "outputs"), CASES)
-def test_a_built_in_scene_keeps_the_accuracy_of_every_output_or_refuses_it_with_the_reason(ran, name, outputs):
+def test_built_in_scene_meets_accuracy_or_is_refused(ran, name, outputs):
     """That no error above the request is predicted makes it at most ten times the larger of a tenth of the request and
     the true error; of courses and maps it is at most ten times the true error itself."""
     found = load_scene(path_of(name))

@@ -97,7 +97,7 @@ def on_exact_modes(monkeypatch):
 
 
 @pytest.mark.parametrize("boundary", ["SFSF", "SCSC", "FFFF"])
-def test_what_exact_modes_change_is_within_the_error_of_the_stage(boundary, on_exact_modes):
+def test_edges_error_bounds_difference_to_exact_modes(boundary, on_exact_modes):
     scene = replace(held(boundary), settings={"motion": {"modes_to_hz": 12e3, "static_to_hz": 16e3}})
     predicted = next(stage.error for stage in scene.resolve().stages if stage.name == "edges")
     assert error_of(run(scene), on_exact_modes(scene), COURSE[1]) <= predicted
@@ -121,7 +121,7 @@ def held(boundary, *effects, **changes):
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_what_more_degrees_change_is_within_the_error_of_the_stage(boundary, with_degrees):
+def test_edges_error_bounds_difference_to_more_degrees(boundary, with_degrees):
     scene = replace(held(boundary), settings={"motion": {"modes_to_hz": 12e3, "static_to_hz": 16e3}})
     predicted = next(stage.error for stage in scene.resolve().stages if stage.name == "edges")
     assert predicted > 0

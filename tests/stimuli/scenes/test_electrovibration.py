@@ -61,7 +61,7 @@ def calls(plan: Plan) -> int:
 
 
 @pytest.mark.parametrize("kind", sorted(set(ELECTROVIBRATION) - {"carrier", "texture"}))
-def test_an_effect_that_no_output_needs_costs_no_call(kind):
+def test_unneeded_effect_costs_no_calls(kind):
     without = panel(outputs=("voltage_v",)).resolve()
     with_it = panel(*with_needs(kind), outputs=("voltage_v",)).resolve()
     if kind == "dc_offset":
@@ -71,7 +71,7 @@ def test_an_effect_that_no_output_needs_costs_no_call(kind):
         assert calls(with_it) == calls(without)
 
 
-def test_what_does_not_depend_on_the_level_is_computed_once():
+def test_level_independent_stages_run_once():
     plan = panel(default("skin_leakage")).resolve()
     plan.prepare()
     assert len(plan._program.steps) < len(plan.stages) / 2
@@ -88,7 +88,7 @@ def test_a_static_scene_computes_no_friction():
 
 
 @pytest.mark.parametrize("kind", sorted(ELECTROVIBRATION))
-def test_an_effect_that_is_on_changes_or_brings_its_output(kind):
+def test_active_effect_changes_or_adds_its_output(kind):
     _, needs, output = ELECTROVIBRATION[kind]
     on = run(panel(*with_needs(kind), outputs=(output,)))[output]
     assert np.all(np.isfinite(on))
@@ -127,7 +127,7 @@ def test_a_texture_is_a_share_of_the_force_along_the_path():
     np.testing.assert_allclose(got["electrostatic_force_n"], without * share, atol=2e-4 * without.max())
 
 
-def test_the_sensation_is_that_of_the_observer_up_to_its_flat_top_window():
+def test_scene_sensation_matches_observer():
     surface = Electrovibration(60.0, duration_s=1.0)
     effects = [default(k) for k in ("force_law", "skin_leakage", "contact_area", "friction", "friction_lag")]
     scene = Scene(surface, (*effects, default("sensitivity")), ("sensation_db",), 1e-3, SLIDING)
@@ -153,7 +153,7 @@ def error_of(got, reference, output: str) -> float:
 
 
 @pytest.mark.parametrize("kind", sorted(ELECTROVIBRATION))
-def test_the_accuracy_that_is_asked_for_is_kept_and_costs_less_when_loosened(kind):
+def test_accuracy_is_met_and_looser_accuracy_costs_less(kind):
     output = ELECTROVIBRATION[kind][2]
     scene = panel(*with_needs(kind), outputs=(output,) if output == "sensation_db" else ("t_s", output))
     finest = 2e-6 if output == "sensation_db" else FINEST
@@ -185,7 +185,7 @@ KINKED = (
 
 
 @pytest.mark.parametrize(("case", "accuracy"), [(JERK, 1e-3), (KINKED, 1e-4)], ids=["jerk", "kinks"])
-def test_the_end_of_a_ramp_and_kinks_beside_a_constant_keep_the_accuracy(case, accuracy):
+def test_accuracy_is_met_at_ramp_ends_and_kinks(case, accuracy):
     scene = Scene(*case, accuracy, (FingerContact(0.5, 0.05),))
     reference = run(replace(scene, settings={"sampling": {"n_samples": 100_001}}))
     assert error_of(run(scene), reference, "electrostatic_force_n") <= accuracy
@@ -205,7 +205,7 @@ def test_random_scenes_keep_their_accuracy(case):
             hard_case("random scenes, in parts of the accuracy asked for", error, 0, 1.0, against="finer", floor=1)
 
 
-def test_an_accuracy_that_takes_more_samples_than_fit_is_refused_with_the_reason():
+def test_accuracy_is_refused_when_it_needs_many_samples():
     fine = panel(default("carrier"), default("skin_leakage"), accuracy=1e-8)
     with pytest.raises(
         InvalidParameter, match=r"accuracy: .* left for 'sampling', .*\(n_samples = 4000000\); loosen the accuracy"
@@ -244,7 +244,7 @@ def test_the_voltage_does_not_hold_a_finger_that_sticks():
     assert slips_s[1] > 1.01 * slips_s[0]
 
 
-def test_an_accuracy_that_an_output_cannot_meet_is_refused_with_the_reason():
+def test_unreachable_accuracy_of_output_is_refused_with_reason():
     with pytest.raises(InvalidParameter, match=r"for 'spectrum', .*\(padding = \d+\); loosen the accuracy"):
         panel(default("friction"), default("sensitivity"), outputs=("sensation_db",), accuracy=1e-9).resolve()
 
@@ -299,7 +299,7 @@ def test_a_law_without_a_term_is_refused_with_the_cure():
 
 
 @pytest.mark.parametrize("kind", ["dc_offset", "skin_leakage", "body_resistance"])
-def test_a_sudden_onset_that_would_relax_is_refused_with_the_cure(kind):
+def test_sudden_onset_is_refused_when_effect_relaxes(kind):
     scene = replace(panel(default(kind)), surface=Electrovibration(60.0, duration_s=0.05, ramp_s=0.0))
     with pytest.raises(InvalidParameter, match=rf"{kind}: .*give the tone a ramp_s above 0"):
         scene.resolve()

@@ -72,7 +72,7 @@ def by_hand_db(frequency_hz, share, voltage_v, contact, lag):
 
 @pytest.mark.parametrize("lag", [False, True])
 @pytest.mark.parametrize("name", TONES)
-def test_a_level_is_that_of_the_closed_form(name, lag):
+def test_sensation_level_matches_closed_form(name, lag):
     stimulus, played, frequency_hz, share = TONES[name]
     tone = stimulus.frequency_hz
     scene = felt(*(["friction_lag"] if lag else []), played=played, tone=tone)
@@ -82,7 +82,7 @@ def test_a_level_is_that_of_the_closed_form(name, lag):
         assert scene.sensation(stimulus.at(level), contact) == pytest.approx(expected_db, abs=0.02)
 
 
-def test_a_lag_of_components_is_that_of_the_course():
+def test_lag_of_components_matches_time_course():
     """The steady state of the lag beside its exact solution, which a scene uses that is asked for its course."""
     scene = felt("friction_lag", "skin_leakage")
     touched = replace(scene, contacts=(FingerContact(1.5, 0.05),), accuracy=1e-3)
@@ -98,11 +98,11 @@ def test_receptors_and_masking_stand_behind_the_skin():
 
 
 @pytest.mark.parametrize("contact", [Contact(0.0), Contact(1.5), Contact(0.0, 0.05)], ids=str)
-def test_nothing_is_felt_at_rest_or_without_contact(contact):
+def test_sensation_is_absent_at_rest_or_without_contact(contact):
     assert felt().sensation(Sine(60.0, 0.5).at(40.0), contact) == -inf
 
 
-def test_nothing_is_felt_of_silence():
+def test_silence_is_not_felt():
     assert felt().sensation(Signal(np.zeros((1, 10_000)), 20_000.0, "V"), TOUCH) == -inf
 
 
@@ -143,7 +143,7 @@ def test_a_body_and_a_grating_depend_on_the_contact():
             assert scene.sensation(signal, contact) == pytest.approx(expected_db, abs=0.01)
 
 
-def test_a_finger_that_sticks_and_slips_is_felt_by_its_course():
+def test_stick_slip_sensation_follows_time_course():
     kinds = ("force_law", "dry_friction", "finger_dynamics", "sensitivity")
     scene = replace(felt(), effects=tuple(default(kind) for kind in kinds), accuracy=1e-3)
     touched = replace(scene, contacts=(FingerContact(0.5, 0.05),))
@@ -170,7 +170,7 @@ class Sweaty(PlayedElectrovibration):
 
 
 @pytest.mark.parametrize("kinds", [(), ("contact_area",), ("friction_lag",), ("body_resistance",)])
-def test_an_effect_that_acts_on_the_course_of_friction_is_felt(kinds):
+def test_custom_effect_on_friction_changes_sensation(kinds):
     scene = replace(felt(*kinds), surface=Sweaty())
     signal, touch = Sine(60.0, 0.5).at(30.0), Contact(2.0, 0.05)
     whole, half = (
@@ -182,7 +182,7 @@ def test_an_effect_that_acts_on_the_course_of_friction_is_felt(kinds):
     )  # components of a lag are in their steady state
 
 
-def test_a_signal_that_is_no_voltage_is_refused():
+def test_signal_is_refused_when_not_single_channel_voltage():
     with pytest.raises(InvalidParameter, match=r"signal: found 2 channels in 'V', expected one channel in volt"):
         felt().sensation(Signal(np.ones((2, 10_000)), 20_000.0, "V"), TOUCH)
 
@@ -213,7 +213,7 @@ PLATE = (effect("attenuation", tau_s=2e-3), effect("patches", side_m=8e-3))
 
 
 @pytest.mark.parametrize("kinds", [(), ("finger_load",)])
-def test_on_the_plate_of_a_scene_a_stimulus_is_felt_as_the_scene_feels_its_own_drive(kinds):
+def test_focus_stimulus_sensation_matches_scene_drive(kinds):
     """The scene computes its modes and its drive by itself, in a band that has no sharp end: 0.07 dB."""
     others = (effect(kind) for kind in ("one_bit", *kinds, "focus_detection"))
     scene = Scene(small_screen(), (*PLATE, *others), ("sensation_db",), 0.02, (FingerContact(1.5),))
@@ -223,7 +223,7 @@ def test_on_the_plate_of_a_scene_a_stimulus_is_felt_as_the_scene_feels_its_own_d
 
 
 @pytest.mark.parametrize("place", [{"x_m": 0.03, "y_m": 0.02}, {"y_m": 0.06}], ids=str)
-def test_a_finger_beside_the_focus_is_felt_where_it_rests_whether_it_loads_the_plate_or_not(place):
+def test_finger_off_focus_feels_its_own_place(place):
     """As under a finger of hardly any load, which is computed another way, and as on the plate of a stimulus, whose
     samples miss the top of a wave by up to a decibel; the focus is 8 dB and more above both."""
     scene = Scene(small_screen(flank_hz=500.0), (*PLATE, effect("focus_detection")), ("sensation_db",), 1e-3)
@@ -245,7 +245,7 @@ def test_a_finger_beside_the_plate_feels_nothing_of_it():
         scene.resolve()
 
 
-def test_the_plate_that_a_signal_is_felt_on_is_that_of_all_effects_that_make_it():
+def test_played_plate_includes_all_plate_effects():
     effects = (*PLATE, effect("edges", boundary="FFFF"), effect("shear"), effect("focus_detection"))
     touch = FingerContact(1.5, x_m=0.03, y_m=0.02)
     played = Scene(small_screen(), effects, ("sensation_db",), contacts=(touch,)).felt().surface
@@ -256,7 +256,7 @@ def test_the_plate_that_a_signal_is_felt_on_is_that_of_all_effects_that_make_it(
 OF_PLATE = {"tau_s": 2e-3, "side_m": 8e-3, "boundary": "FFFF", "shear_factor": 5 / 6, "modes_to_hz": 18e3}
 
 
-def test_a_built_in_screen_is_felt_without_its_sound_which_acts_on_losses_that_make_the_plate():
+def test_screen_sensation_ignores_airborne_sound():
     screen, drive = load_scene(path_of("a4-screen")).scene, FocusTrain().at(20.0)
     silent = replace(screen, effects=tuple(one for one in screen.effects if one.kind != "airborne_sound"))
     silent = replace(silent, outputs=("sensation_db",))
@@ -294,7 +294,7 @@ FELT_WRONGLY = {
 
 
 @pytest.mark.parametrize("name", FELT_WRONGLY)
-def test_what_is_no_signal_or_no_contact_is_refused(name):
+def test_sensation_refuses_invalid_signal_or_contact(name):
     arguments, sentence = FELT_WRONGLY[name]
     with pytest.raises(InvalidParameter, match=sentence):
         felt().sensation(*arguments)
@@ -316,7 +316,7 @@ def test_a_scene_of_what_is_none_is_refused(name):
         replace(felt(), **{name: value})
 
 
-def test_settings_are_chosen_once_and_a_spectrum_is_read_once_for_a_signal(monkeypatch):
+def test_sensation_resolves_once_and_caches_spectra(monkeypatch):
     """And a level that was told is not computed again."""
     scene, resolved, read, ran = felt(), [], [], []
     kept, spectrum, run = Scene.resolve, record.components_of_record, Plan.run

@@ -65,7 +65,7 @@ def test_a_wrong_file_is_one_sentence_with_the_key_path(changes, message):
         ({"n_sample": 33}, r"settings\.sampling\.n_sample: .*did you mean 'n_samples'"),
     ],
 )
-def test_a_setting_in_a_file_takes_the_place_of_the_chosen_one_or_is_refused(setting, message):
+def test_setting_in_file_overrides_or_is_refused(setting, message):
     given = {"level_db_re_1v": 40.0}
     ours = scene_of(table(settings={"sampling": {"n_samples": 33}}, given=given)).scene
     assert ours.resolve().run(given)["t_s"].size == 33
@@ -73,7 +73,7 @@ def test_a_setting_in_a_file_takes_the_place_of_the_chosen_one_or_is_refused(set
         scene_of(table(settings={"sampling": setting})).scene.resolve()
 
 
-def test_no_error_is_told_of_a_scene_with_a_setting_of_ones_own(capsys, tmp_path):
+def test_custom_setting_hides_predicted_error(capsys, tmp_path):
     """It said "predicted error inf"."""
     page = (DOCS / "reference" / "scenes.md").read_text("utf-8")
     (tmp_path / "s.toml").write_text(page.partition("```toml\n")[2].partition("```")[0])
@@ -95,7 +95,7 @@ def test_a_film_of_a_scene_without_a_plate_is_refused(capsys):
 
 
 @pytest.mark.parametrize("level", [float("nan"), float("inf")])
-def test_what_is_given_is_finite(level):
+def test_given_values_must_be_finite(level):
     found = scene_of(table(given={"level_db_re_1v": level}))
     with pytest.raises(InvalidParameter, match=r"given\.level_db_re_1v: found (nan|inf), expected a finite number"):
         found.scene.resolve().run(found.given)
@@ -108,7 +108,7 @@ def test_what_is_given_is_finite(level):
         ("skin", r"^outputs\[1\]: found 'skin', which stages hand on to each other, .*; remove it"),
     ],
 )
-def test_what_is_given_or_no_number_is_no_output(output, message):
+def test_given_and_non_numeric_quantities_are_refused_outputs(output, message):
     with pytest.raises(InvalidParameter, match=message):
         scene_of(table(outputs=["t_s", output])).scene.resolve()
 
@@ -137,7 +137,7 @@ def test_the_command_names_the_file_that_holds_what_is_wrong(tmp_path, capsys, o
         assert capsys.readouterr().err.startswith(f"tactometry: {file}, {place}: found")
 
 
-def test_a_modulator_that_overloads_is_of_the_file_and_no_failure_of_a_device(tmp_path, capsys):
+def test_modulator_overload_is_reported_as_file_error(tmp_path, capsys):
     screen = (
         "kind = 'time_reversal'\nn_transducers = 2\nf_max_hz = 5e3\nflank_hz = 500\nrate_hz = 2e4\nreversal_s = 1e-3"
     )
@@ -152,7 +152,7 @@ def test_a_modulator_that_overloads_is_of_the_file_and_no_failure_of_a_device(tm
         assert capsys.readouterr().err.startswith(f"tactometry: {file}, SigmaDelta(")
 
 
-def test_a_file_that_is_no_toml_or_is_absent_is_one_sentence(tmp_path):
+def test_invalid_or_absent_file_is_refused(tmp_path):
     bad = tmp_path / "bad.toml"
     bad.write_text("outputs = [", encoding="utf-8")
     with pytest.raises(InvalidFile, match=r"found no valid TOML"):
@@ -168,7 +168,7 @@ def roughly(name):
 
 
 @pytest.mark.parametrize("name", names())
-def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
+def test_built_in_scene_runs_with_units_and_provenance(name):
     found = roughly(name)
     result = compute(found.scene.resolve(), found.given)
     assert set(result.values) == set(found.scene.outputs)
@@ -179,7 +179,7 @@ def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
 
 
 @pytest.mark.parametrize("name", names())
-def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
+def test_explanation_is_aligned_within_100_columns(name):
     found = roughly(name)
     lines = explanation(found.scene, found.given).splitlines()
     assert max(map(len, lines)) <= 100
@@ -216,7 +216,7 @@ def test_every_effect_says_what_it_takes_for_granted(kind):
     assert effect.rests_on == effect.rests_on.strip(" .;")
 
 
-def test_a_level_is_told_with_the_constant_that_it_rests_on(capsys):
+def test_level_is_printed_with_its_calibration_constant(capsys):
     """Whoever prints a level names it; an output that does not take the constant does not."""
     from command_line import output
 
@@ -229,7 +229,7 @@ def test_a_level_is_told_with_the_constant_that_it_rests_on(capsys):
     assert replace(found.scene, effects=(), outputs=("peak_m",), contacts=()).rests_on() == ()
 
 
-def test_a_scene_that_takes_long_says_so_before(capsys, monkeypatch):
+def test_slow_scene_announces_its_duration(capsys, monkeypatch):
     from command_line import call
 
     assert "this takes about" not in call(capsys, "scene", "electrovibration-panel")[1]
@@ -259,7 +259,7 @@ def test_amplitudes_go_with_the_constant_that_they_rest_on():
     assert twice_m == pytest.approx(2 * once_m, rel=1e-12)
 
 
-def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, capsys):
+def test_lift_off_is_reported_when_linear_contact_pulls(tmp_path, capsys):
     plate = '[surface]\nkind = "time_reversal"\nlength_m = 0.12\nwidth_m = 0.09\nn_transducers = 8\nfocus_x_m = 0.05\n'
     plate += "focus_y_m = 0.04\nf_max_hz = 15e3\nflank_hz = 3e3\nrate_hz = 60e3\nreversal_s = 3e-3\nafter_s = 1e-3\n"
     rest = '[[effects]]\nkind = "one_bit"\n[[effects]]\nkind = "finger_load"\n[given]\nvoltage_v = 30.0\n'
@@ -279,7 +279,7 @@ def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, caps
     assert pulled[0.01] > 0 == pulled[20.0]
 
 
-def test_a_finger_is_told_to_lift_off_where_its_force_is_not_asked_for():
+def test_lift_off_is_reported_without_force_output():
     found = load_scene(path_of("a4-screen"))
     peak_alone = replace(found.scene, outputs=("peak_m",), accuracy=0.1)
     (pulled,) = pulled_by(peak_alone, peak_alone.resolve(), found.given)
@@ -323,14 +323,14 @@ def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
         assert kind in kinds or f"\n{kind.ljust(24)}  off" in said, kind
 
 
-def test_a_stage_is_for_those_that_run_behind_it():
+def test_explanation_names_later_stages_only():
     found = load_scene(path_of("thin-screen"))
     said = explanation(replace(found.scene, outputs=("peak_m",)), found.given)
     assert "shear                     on    for attenuation, learning" in said
     assert "attenuation               on    for learning" in said
 
 
-def test_an_effect_that_nothing_needs_says_so():
+def test_explanation_marks_unneeded_effect_off():
     sliding = {"contacts": [{"force_n": 1.0, "speed_m_per_s": 0.05}], "given": {"level_db_re_1v": 20.0}}
     found = scene_of(table(effects=[LAW, {"kind": "friction"}], **sliding))
     assert "friction                  off   no output needs it" in explanation(found.scene, found.given)

@@ -41,7 +41,7 @@ def test_each_side_of_a_hybrid_scene_is_what_it_is_alone():
     assert got["friction_force_n"].max() == pytest.approx(dragged.max(), rel=1e-2)
 
 
-def test_a_finger_that_slides_takes_some_of_the_focus_of_the_one_that_rests():
+def test_sliding_finger_weakens_focus_under_resting_finger():
     both, one = run(HYBRID), run(screen(*FOCUS))
     assert both["peak_m"] < 0.995 * one["peak_m"]
 
@@ -56,7 +56,7 @@ def test_those_at_rest_have_the_first_rows_and_feel_the_focus():
     assert run(replace(felt, contacts=(REST, SLIDE)))["sensation_db"] == got["sensation_db"]
 
 
-def test_a_side_that_no_output_needs_has_no_stage():
+def test_unneeded_hybrid_side_has_no_stages():
     dragged = replace(HYBRID, outputs=("friction_force_n",)).resolve()
     assert not any("time_reversal" in stage.target or stage.gives == "motion" for stage in dragged.stages)
     assert dragged.given == ("level_db_re_1v",)
@@ -71,7 +71,7 @@ def test_stages_of_both_sides_have_names_of_their_own():
     assert {"sampling", "sliding_sampling"} <= set(names)
 
 
-def test_a_finger_that_slides_has_a_place_on_a_hybrid_plate():
+def test_sliding_finger_without_place_is_refused():
     with pytest.raises(InvalidParameter, match=r"contacts\[0\]: .* slides without a place, .*add x_m and y_m"):
         replace(HYBRID, contacts=(FingerContact(1.0, 0.05), REST)).resolve()
 
@@ -95,7 +95,7 @@ def kept(scene, folder):
     return cached_result(plan, {name: GIVEN[name] for name in plan.given}, folder).values
 
 
-def test_a_kept_result_is_read_back_bit_for_bit_and_not_computed_again(tmp_path, monkeypatch):
+def test_cached_result_is_identical_and_not_recomputed(tmp_path, monkeypatch):
     runs = counting(monkeypatch)
     first, second = kept(HYBRID, tmp_path), kept(HYBRID, tmp_path)
     assert len(runs) == 1
@@ -135,7 +135,7 @@ def test_no_bit_of_a_kept_file_is_turned_unseen(tmp_path):
         assert cache._read(tmp_path / "b.npz") in (None, {"peak_m": 1e-6})
 
 
-def test_what_the_same_stages_give_for_other_outputs_is_kept_apart(tmp_path):
+def test_cache_separates_outputs_of_equal_stages(tmp_path):
     alone, timed = (panel(outputs=("electrostatic_force_n", *more)) for more in ((), ("t_s",)))
     assert alone.resolve().stages == timed.resolve().stages
     assert set(kept(alone, tmp_path)) == {"electrostatic_force_n"}
@@ -198,6 +198,6 @@ def test_a_film_longer_than_what_is_watched_is_refused_with_the_cure():
         screen(effect("movie", span_s=0.01), outputs=("movie_m",)).resolve()
 
 
-def test_the_built_in_hybrid_screen_has_a_finger_at_rest_and_one_that_slides():
+def test_hybrid_screen_has_resting_and_sliding_finger():
     contacts = load_scene(path_of("hybrid-screen")).scene.contacts
     assert [touch.slides for touch in contacts] == [False, True]

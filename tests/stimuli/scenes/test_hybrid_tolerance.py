@@ -101,7 +101,7 @@ def test_the_focus_under_two_fingers_is_that_of_the_physics_in_time(in_time, acc
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
-def test_the_friction_of_the_finger_that_slides_is_that_of_the_exact_circuit(accuracy):
+def test_sliding_friction_matches_exact_circuit(accuracy):
     got = run(replace(SCENE, accuracy=accuracy))
     t_s = np.linspace(0.0, 0.05, 20_001)
     pieces, area_m2 = Sine(60.0, duration_s=0.05, ramp_s=0.01).pieces(40.0), float(PowerLawArea().area_m2(1.0))

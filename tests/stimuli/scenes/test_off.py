@@ -136,7 +136,7 @@ def imported(answer) -> set[str]:
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_a_surface_without_effects_imports_none_and_nothing_that_only_effects_need(answers, side):
+def test_surface_without_effects_imports_no_effect_modules(answers, side):
     plain = answers[0][side]
     assert not imported(plain)
     assert not {f"tactometry.stimuli.{name}" for name in OWNERS} & set(plain["modules"])
@@ -146,7 +146,7 @@ def test_a_surface_without_effects_imports_none_and_nothing_that_only_effects_ne
 
 
 @pytest.mark.parametrize(("side", "kind"), EVERY)
-def test_an_effect_that_is_absent_is_not_imported_has_no_stage_and_costs_no_call(answers, side, kind):
+def test_absent_effect_costs_no_import_stage_or_call(answers, side, kind):
     never, on, lost = answers[1][side][kind]
     assert imported(never) == kinds_in(without(side, kind))
     assert imported(on) == kinds_in(with_it(side, kind)) | imported(never)
@@ -177,7 +177,7 @@ def other_side():
 
 
 @pytest.mark.parametrize("kind", OTHER)
-def test_an_effect_on_one_side_of_a_hybrid_scene_costs_the_other_side_no_call(other_side, kind):
+def test_hybrid_effect_costs_other_side_no_calls(other_side, kind):
     got, alone = told(table("hybrid", named(kind), OTHER[kind])), other_side[OTHER[kind]]
     assert got["stages"] == alone["stages"]
     assert got["calls"] == alone["calls"]

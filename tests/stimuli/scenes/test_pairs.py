@@ -97,7 +97,7 @@ def test_on_a_hybrid_screen_each_side_feels_its_own(of_plate) -> None:
         assert level_db(BOTH, on_plate, on_panel) == pytest.approx(max(plate_db, level_db(PANEL, on_panel)), abs=1e-6)
 
 
-def test_a_fraction_of_what_presses_is_detected_of_a_pad_that_moves_too() -> None:
+def test_weber_fraction_applies_with_dynamics_and_lag() -> None:
     """Weber's law beside `finger_dynamics`: of components before the pad, which nothing reads, it changed nothing."""
     for kind in ("finger_dynamics", "friction_lag"):
         once_db, twice_db = (level_db(PANEL, effect(kind), effect("weber_fraction", reference_n=n)) for n in (1.0, 2.0))

@@ -41,7 +41,7 @@ EMISSION = Emission(Band(200.0, 9e3), 4e-3, 20e3)
 FOCUS = (0.12, 0.09)
 
 
-def test_a_finger_that_does_not_press_takes_nothing():
+def test_finger_without_force_causes_no_loss():
     assert amplitude_loss(SCREEN, FOCUS, [Fingertip().load(FOCUS, 0.0)], EMISSION) == 0.0
 
 
@@ -129,7 +129,7 @@ def test_a_moving_focus_has_its_level_where_it_is_largest(modulation):
     assert moved[3] > moved[1]
 
 
-def test_what_is_heard_has_as_many_points_as_are_focused():
+def test_heard_responses_are_refused_when_shape_differs():
     with pytest.raises(InvalidParameter, match="found 1 points and 3 channels, expected 2 and 3 as in focus"):
         TimeReversalStimulus(MOVING, heard=MOVING.at_point(0))
 

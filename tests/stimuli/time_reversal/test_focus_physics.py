@@ -68,7 +68,7 @@ def mean_width_m(band, level=0.5):
 
 @pytest.mark.parametrize("level", [0.5, math.sqrt(0.5)])
 @pytest.mark.parametrize("band", [WIDE, LOW, HIGH], ids=["wide", "low", "high"])
-def test_item_7_a_simulated_focus_is_as_wide_as_the_diffuse_field_says(band, level):
+def test_focus_width_matches_diffuse_field_theory(band, level):
     assert mean_width_m(band, level) == pytest.approx(resolution_m(A4_SCREEN, band, level), rel=0.05)
 
 
@@ -97,14 +97,14 @@ def fields_around(plate, band, places, reach_m, n=61, reversal_s=6e-3):
     return at, total
 
 
-def test_the_focus_has_the_profile_of_the_diffuse_field_out_to_its_first_ring():
+def test_focus_profile_matches_diffuse_field_theory():
     at, mean = fields_around(A4_SCREEN, HIGH, FOCI, 20e-3)
     expected = focus_profile(A4_SCREEN, HIGH, np.hypot(at[:, None], at[None, :]))
     assert np.sqrt(np.mean((mean - expected) ** 2)) < 0.08
     assert np.corrcoef(mean.ravel(), expected.ravel())[0, 1] > 0.95
 
 
-def test_item_8_hudin_2015_focus_is_5_mm_wide_and_has_20_mm2():
+def test_focus_area_matches_hudin_2015():
     """148 x 210 x 0.5 mm, 20 to 70 kHz (band from memory); published 5.2 mm and 20 mm^2, theory 5.15 and 20.8."""
     plate = D263T.plate(0.210, 0.148, 0.5e-3, "SSSS")
     places = [(0.061, 0.049), (0.111, 0.083), (0.147, 0.061), (0.083, 0.101)]
@@ -152,7 +152,7 @@ def rms_contrast(on, band, reversal_s):
     return math.sqrt(np.mean(np.square(found)))
 
 
-def test_item_6_contrast_grows_with_transducers_and_with_the_root_of_the_bandwidth_as_the_closed_form_says():
+def test_contrast_grows_as_closed_form_predicts():
     """tau of 1 ms, T of 3 ms; 4 times the transducers, then 4 times the band; each within 10 %."""
     found, expected = [], []
     for n, f_max_hz in ((2, 15e3), (8, 15e3), (8, 45e3)):
@@ -212,7 +212,7 @@ def test_the_focus_lasts_as_long_as_a_pulse_of_its_bandwidth():
         assert np.mean(widths) * band.width_hz == pytest.approx(1.207, rel=0.05)
 
 
-def test_a_drive_of_another_thickness_or_emitted_the_wrong_way_round_makes_no_focus():
+def test_wrong_or_unreversed_drive_makes_no_focus():
     band = Band(500.0, 25e3)
     thick = replace(screen(), plate=replace(A4_SCREEN, thickness_m=2e-3))
     here, there = (emission(band).responses(on, FOCI[:6]) for on in (screen(), thick))
@@ -239,7 +239,7 @@ def test_a_plate_twice_as_thick_does_the_same_in_half_the_time():
     assert 8 * two == pytest.approx(one, abs=1e-12 * np.abs(one).max())
 
 
-def test_item_17_one_bit_filtered_is_nearly_as_strong_as_one_bit_and_far_quieter():
+def test_filtered_one_bit_is_quieter_and_similarly_strong():
     on = screen(tau_s=2e-3)
     raw = impulse_responses(on, [FOCI[4]], rate_hz=5e5, duration_s=4e-3, f_max_hz=60e3)
     plain, quiet = band_limited(raw, Band(1e3, 60e3)), band_limited(raw, HIGH)

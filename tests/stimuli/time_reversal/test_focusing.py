@@ -102,7 +102,7 @@ def test_two_foci_have_their_weights_and_signs(learnt):
 
 @pytest.mark.parametrize("n", [2, 8, 32])
 @pytest.mark.parametrize("f_min_hz", [1e3, 10e3])
-def test_p_foci_share_the_amplitude_as_one_over_root_p_and_a_little_more(n, f_min_hz):
+def test_foci_amplitude_falls_with_root_of_their_number(n, f_min_hz):
     """1 bit: the mean over 16 sets of foci at random is 1 to 12 % above the law."""
     rng, over = np.random.default_rng(), []
     for _ in range(16):
@@ -141,7 +141,7 @@ def test_focus_on_a_held_edge_or_corner_is_refused(boundary, place):
 
 
 @pytest.mark.parametrize(("boundary", "power"), [("SSSS", 1), ("SFSF", 1), ("CCCC", 2)])
-def test_a_focus_beside_a_held_edge_falls_with_the_distance_or_its_square(boundary, power):
+def test_focus_amplitude_falls_near_held_edge(boundary, power):
     screen = replace(A4_PROTOTYPE, plate=replace(A4_PROTOTYPE.plate, boundary=boundary))
     places = [(distance_m, 0.093) for distance_m in (1e-6, 1e-5, 1e-4)]
     h = impulse_responses(screen, places, rate_hz=20e3, duration_s=2e-3, f_max_hz=4e3)
@@ -190,7 +190,7 @@ def test_a_movie_of_the_beginning_plays_the_beginning_of_the_drive(learnt):
     assert column == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
 
 
-def test_what_is_emitted_is_the_convolution_of_drive_and_response():
+def test_emitted_signal_is_convolution_of_drive_and_response():
     rng = np.random.default_rng()
     h = Responses(rng.normal(size=(2, 3, 37)), 1e3)
     signal = Signal(rng.normal(size=(3, 21)), 1e3, "V")

@@ -48,7 +48,7 @@ def asked(task, answers):
     raise AssertionError(requests)
 
 
-def test_a_measurement_presses_then_asks_for_the_reading_and_gives_it_as_a_level():
+def test_measurement_requests_press_then_reading():
     requests, outcome = asked(Measurement(), [Touched(0.0, 20.0, "x"), Rated(6900.0, 1.0, 0.5)])
     assert [type(request) for request in requests] == [Press, Enter]
     (reply,) = outcome.replies
@@ -57,7 +57,7 @@ def test_a_measurement_presses_then_asks_for_the_reading_and_gives_it_as_a_level
     assert reply.level_measured == pytest.approx(20 * np.log10(6.9), abs=1e-6)
 
 
-def test_a_contact_that_slips_is_not_read():
+def test_measurement_is_invalid_when_contact_slips():
     requests, outcome = asked(Measurement(), [Touched(0.0, 20.0, "x", valid=False)])
     assert len(requests) == 1
     assert not outcome.valid
