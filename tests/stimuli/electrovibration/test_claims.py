@@ -1,4 +1,4 @@
-"""What electrovibration says of itself is so: each claim against the force or the motion that it speaks of."""
+"""Claims about electrovibration, checked against force and motion."""
 
 import re
 
@@ -191,7 +191,10 @@ def test_harmonics_of_a_square_are_counted_from_1(n_harmonic) -> None:
 
 
 def swept_n(corner_hz: float, t_s) -> np.ndarray:
-    """A lagging friction of a sine in `sc_layer`, written out: squares of exponentials, each lagged by itself."""
+    """Return the lagged friction of a sine in `sc_layer`.
+
+    The squared exponentials are written out, and each is lagged on its own.
+    """
     (gain,), (decay_per_s,) = FORM.relaxations.gains, FORM.relaxations.rates_per_s
     rate_per_s, omega = 2 * np.pi * corner_hz, 2 * np.pi * 60.0
     response = gain * 1j * omega / (1j * omega + decay_per_s)

@@ -1,4 +1,4 @@
-"""Details that mutations of the code showed to be held by no other test."""
+"""Details that mutation testing showed to be untested elsewhere."""
 
 import numpy as np
 import pytest

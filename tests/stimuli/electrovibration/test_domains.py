@@ -1,4 +1,4 @@
-"""Outside of its domain each thing says so, in one clear sentence; within it nothing is NaN."""
+"""Refusals of out-of-domain input, and finite results within it."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The flow of a driven system against the exponential of its equation on products of states, and states in two ways."""
+"""The flow of a driven system, against its matrix exponential."""
 
 import mpmath as mp
 import numpy as np
@@ -37,7 +37,7 @@ STATES, MARCH = njit(states), njit(march)
 
 
 def lifted(circuit: Circuit, system: LinearSystem, length_s: float) -> mp.matrix:
-    """The flow of (all products z_i z_j, x), whose equation is linear, in 40 digits."""
+    """Return the linear flow of (all products z_i z_j, x) in 40 digits."""
     z, g, n = circuit.matrix(), circuit.output(), circuit.n_states
     one = np.eye(n)
     products = np.kron(z, one) + np.kron(one, z)

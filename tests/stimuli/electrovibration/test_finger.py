@@ -1,4 +1,4 @@
-"""A sliding finger: the lifted exponential against a 50-digit sum of exponentials, friction, limits."""
+"""A sliding finger, against a 50-digit sum of exponentials."""
 
 import mpmath as mp
 import numpy as np
@@ -41,7 +41,10 @@ def form_of(tau_s: float, law: str = "sc_layer", **changes: float) -> ForceForm:
 
 
 def reference_m(pieces: Pieces, form: ForceForm, t_s: np.ndarray) -> list[float]:
-    """Deflection by the force, piece by piece, each force a sum of complex exponentials, in 50 digits."""
+    """Return the deflection by the force of each piece in 50 digits.
+
+    Each force is a sum of complex exponentials.
+    """
     with mp.workdps(50):
         m, c, k = (mp.mpf(x) for x in (FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m))
         root = mp.sqrt(mp.mpc(c**2 - 4 * m * k))
@@ -201,7 +204,7 @@ def test_published_growth_of_a_finger_with_speed() -> None:
 
 
 def test_a_pad_is_damped_as_the_skin_is() -> None:
-    """By its overshoot behind a step, exp(-pi z/sqrt(1 - z^2)) of a damping ratio z below 1."""
+    """Overshoot after a step: exp(-pi z/sqrt(1 - z^2)), damping ratio z."""
     t_s, finger = np.linspace(0, 0.1, 10_001), Finger.at_speed(0.1)
     lossless = force_form("sc_layer", Skin(corneum_resistivity_ohm_m=np.inf), AREA_M2)
     held = straight([0, 0.1], [100.0, 100.0])

@@ -1,4 +1,4 @@
-"""A texture that follows a finger: against a tone of the same envelope, piece by piece, and out of a study file."""
+"""Textures that follow a finger, and their study files."""
 
 import hashlib
 import struct
@@ -145,7 +145,7 @@ def test_invalid_texture_is_refused_in_one_sentence(changes, words):
 
 
 def png(width_px, height_px, *more):
-    """A picture with other chunks where rows are expected."""
+    """Return a PNG with other chunks where rows are expected."""
     head = (b"IHDR", struct.pack(">IIBBBBB", width_px, height_px, 8, 0, 0, 0, 0))
     chunks = [head, (b"IDAT", zlib.compress(b"")), *more, (b"IEND", b"")]
     packed = (struct.pack(">I", len(d)) + k + d + struct.pack(">I", zlib.crc32(k + d)) for k, d in chunks)

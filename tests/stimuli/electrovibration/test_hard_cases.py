@@ -1,4 +1,4 @@
-"""Hard cases, each named, each with its reference."""
+"""Named hard cases, each with its reference."""
 
 from itertools import pairwise
 
@@ -185,7 +185,10 @@ def test_voltage_0_and_1_kilovolt() -> None:
 
 
 def pulsed_v(corners: list[tuple[float, float]], period_s: mp.mpf, before_s: mp.mpf) -> float:
-    """Steady corneum voltage a time before a period ends, of lines between corners (time, voltage of 1), of 100 V."""
+    """Return the steady corneum voltage shortly before a period ends.
+
+    The 100 V drive consists of lines between corners (time, voltage per volt).
+    """
     tau_s, total = mp.mpf(P0.tau_s), mp.mpf(0)
     for (start_s, low), (end_s, high) in pairwise(corners):
         span = end_s - start_s

@@ -1,4 +1,4 @@
-"""An asymmetry between positive and negative voltages, off unless it is asked for."""
+"""Polarity asymmetry of the force, off by default."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""A carrier by the width of pulses: the mean square of each half period, and what is felt of it."""
+"""Pulse-width carrier: mean square per half period, and sensation."""
 
 import numpy as np
 import pytest

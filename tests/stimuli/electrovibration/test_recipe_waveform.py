@@ -1,4 +1,4 @@
-"""A waveform is added as CONTRIBUTING says, one file and one line: a study is felt with it, and the laws hold it."""
+"""A custom waveform, added as CONTRIBUTING describes."""
 
 import json
 import os
@@ -55,7 +55,7 @@ print(json.dumps(said), file=sys.stderr)
 
 @pytest.fixture(scope="module")
 def added(tmp_path_factory):
-    """What a fresh program does that finds the file and the line."""
+    """Return what a new process prints after loading the waveform."""
     folder = tmp_path_factory.mktemp("sawtooth")
     (folder / "sawtooth.py").write_text(FILE)
     study = TUTORIAL.replace('kind = "amplitude_modulated"', 'kind = "sawtooth"')

@@ -1,4 +1,4 @@
-"""Numbers and words that no circuit, friction or figure can take: one sentence each."""
+"""Invalid numbers and names, each refused in one sentence."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What samples can hold: no pulse, texture or line of the force is lost or folded in silence."""
+"""Sampling limits of pulses, textures and force components."""
 
 import numpy as np
 import pytest

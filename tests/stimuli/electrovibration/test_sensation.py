@@ -1,4 +1,4 @@
-"""From samples to a sensation level: thresholds of the model, contact, cache."""
+"""Sensation levels of samples: model thresholds, contact and cache."""
 
 from dataclasses import replace
 
@@ -46,7 +46,10 @@ def carrier(frequency_hz: float) -> AmplitudeModulated:
 
 
 def threshold_force_n(frequency_hz: float) -> float:
-    """Amplitude of the friction at threshold, written out: Meissner or Pacini, then the pulp as a phasor."""
+    """Return the friction amplitude at threshold.
+
+    Written out: the threshold of Meissner or Pacini, then the pulp as a phasor.
+    """
     meissner_db, pacini_db = 28 - 5 * np.log2(frequency_hz / 3), -20 + 12 * abs(np.log2(250 / frequency_hz))
     skin_m = 1e-6 * 10 ** ((min(meissner_db, pacini_db) if frequency_hz <= 100 else pacini_db) / 20)
     omega = 2 * np.pi * frequency_hz
@@ -55,7 +58,7 @@ def threshold_force_n(frequency_hz: float) -> float:
 
 @pytest.mark.parametrize("frequency_hz", OCTAVES_HZ[:5])
 def test_thresholds_of_sines_are_those_of_the_displaced_skin(frequency_hz: int) -> None:
-    """From the force of a sine at twice its frequency, which a leaky corneum lets through by w tau."""
+    """The force has twice the frequency; a leaky corneum passes w tau."""
     omega_tau = 2 * np.pi * frequency_hz * 315.209086e-6
     high_pass = omega_tau / np.hypot(1, omega_tau)
     of_one_volt_n = 0.5 * (1e-4 * 1.5 ** (1 / 3)) * 1.10677348e-1 * (0.438202247 * high_pass) ** 2 / 2
@@ -65,7 +68,7 @@ def test_thresholds_of_sines_are_those_of_the_displaced_skin(frequency_hz: int) 
 
 @pytest.mark.parametrize("frequency_hz", OCTAVES_HZ[1:6])
 def test_thresholds_of_carriers_are_those_of_the_displaced_skin(frequency_hz: int) -> None:
-    """Relative to 240 Hz: their force vibrates at their own frequency, and the carrier is far above any leak."""
+    """Relative to 240 Hz, with the carrier far above any leakage."""
     found_db = threshold_db(carrier(frequency_hz), NO_LAG) - threshold_db(carrier(240.0), NO_LAG)
     expected_db = 10 * np.log10(threshold_force_n(frequency_hz) / threshold_force_n(240.0))
     assert found_db == pytest.approx(expected_db, abs=0.05)
@@ -94,7 +97,7 @@ def test_the_sensation_of_a_sine_follows_the_closed_forms() -> None:
 
 
 def test_a_threshold_of_friction_is_a_fraction_of_a_millinewton() -> None:
-    """Not microns of the force that was calibrated to a voltage: 0.1 um of skin, by its mobility."""
+    """The threshold is 0.1 um of skin displacement, by its mobility."""
     assert threshold_force_n(250.0) == pytest.approx(2.44e-4, rel=1e-2)
     assert [round(1e3 * threshold_force_n(f), 2) for f in (60.0, 120.0, 480.0)] == [1.94, 0.63, 1.67]
 
@@ -109,7 +112,7 @@ def test_reference_force_applies_at_250_hz() -> None:
     ("law", "voltage_v"), [("parallel_plate", 1.05), ("interface", 0.89), ("total_thickness", 19.8), ("sc_layer", 30.8)]
 )
 def test_each_force_law_has_its_own_threshold_voltage(law: str, voltage_v: float) -> None:
-    """What docs/reference/electrovibration.md states: nothing is set to any of them."""
+    """The values are those in docs/reference/electrovibration.md."""
     found_db = threshold_db(AmplitudeModulated(frequency_hz=240.0), felt_by(ElectrovibrationSensation(law=law)))
     assert 10 ** (found_db / 20) == pytest.approx(voltage_v, rel=0.01)
 
@@ -148,7 +151,7 @@ def test_sensation_is_absent_at_rest_or_without_contact(touch: Contact) -> None:
 
 @pytest.mark.parametrize("model", [MODEL, NO_LAG])
 def test_sensation_goes_smoothly_to_nothing_at_rest(model) -> None:
-    """In proportion to the speed, once it is far below the speed of slip."""
+    """Sensation is proportional to speed far below the slip speed."""
     speeds_m_per_s = np.geomspace(1e-12, 1e-5, 8)
     signal = sine(120.0).at(40.0)
     levels_db = np.array([model.sensation_db(signal, Contact(1.5, speed)) for speed in speeds_m_per_s])

@@ -1,5 +1,4 @@
-"""Series of leaky layers: closed forms, an independent impedance, a 50-digit solution, `solve_ivp`,
-energy."""
+"""Series of leaky layers, against closed forms and solvers."""
 
 import mpmath as mp
 import numpy as np
@@ -95,8 +94,7 @@ def test_the_exact_voltage_of_a_trapezoid_against_50_digits(tau_s: float, body_o
 
 
 def _reference_v(skin: Skin, times_s: list[float], values_v: list[float], t_s: float) -> float:
-    """Corneum voltage as an exact sum over kinks of the response to a line, from the two poles in 50
-    digits."""
+    """Return the corneum voltage as an exact 50-digit sum over kinks."""
     with mp.workdps(50):
         c_i, c_s = mp.mpf(skin.insulator_capacitance_f(AREA_M2)), mp.mpf(skin.corneum_capacitance_f(AREA_M2))
         r_s, r_b = mp.mpf(skin.corneum_resistance_ohm(AREA_M2)), mp.mpf(skin.body_resistance_ohm)

@@ -1,4 +1,4 @@
-"""Stick and slip: closed form, an independent solver with events, laws of friction, hard speeds and loads."""
+"""Stick and slip, against a closed form and a solver with events."""
 
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ def test_period_of_stick_and_slip_in_closed_form() -> None:
 
 
 def test_whole_numbers_and_columns_are_not_compiled_anew() -> None:
-    """Each other type of an argument took seconds."""
+    """Compiling for another argument type took seconds."""
     starts_s, flat = np.array([0.0, 0.05]), np.zeros(2)
     by_columns = Pieces(starts_s, 0.1, flat, flat, np.array([60.0, 90.0]), np.ones((2, 2), np.complex128, order="F"))
     run(force_n=1.0)
@@ -67,7 +67,10 @@ def test_whole_numbers_and_columns_are_not_compiled_anew() -> None:
 
 
 def leg(pieces: Pieces, form: ForceForm, travel: Travel, force_n: float, way: int, start: list[float], stop: float):
-    """An adaptive solution in stick (way 0) or slip from (time, stretch, rate) to the next event or `stop`."""
+    """Solve stick (way 0) or slip adaptively up to the next event.
+
+    Starts at (time, stretch, rate) and ends at `stop` at the latest.
+    """
     m, c, k = FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
     solved, before_stop = Solution(pieces, form.relaxations), np.nextafter(stop, 0)
 
@@ -99,7 +102,10 @@ def leg(pieces: Pieces, form: ForceForm, travel: Travel, force_n: float, way: in
 def reference(
     pieces: Pieces, travel: Travel, force_n: float, form: ForceForm = STRONG
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Stretch at `T_S` and event times, by an adaptive solver restarted at events and starts of pieces."""
+    """Return stretch at `T_S` and event times from an adaptive solver.
+
+    The solver restarts at events and at the starts of pieces.
+    """
     c, k = FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
     time, s, rate, way = 0.0, 0.0, travel.speed_m_per_s, 0
     found_m, events_s = np.zeros(len(T_S)), []
@@ -313,7 +319,7 @@ def test_finger_is_refused_when_series_needs_many_steps(monkeypatch) -> None:
 
 @pytest.mark.parametrize("speed_m_per_s", [1e-12, 1e-9, 1e-7, 1e-5])
 def test_slow_finger_sticks_without_extra_steps(monkeypatch, speed_m_per_s: float) -> None:
-    """Its published mass falls with its speed, and with it the time in which it would decay if it slipped."""
+    """Published mass falls with speed, as does the decay time in slip."""
     monkeypatch.setattr(sticking, "N_STEPS_MAX", 20_000)
     finger = Finger.at_speed(speed_m_per_s)
     motion = run(finger=finger, travel=Travel(speed_m_per_s))

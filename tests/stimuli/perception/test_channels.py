@@ -1,4 +1,4 @@
-"""Receptor channels, spatial summation, and what they do in a scene."""
+"""Receptor channels, spatial summation, and their effect in a scene."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Components of a record, and the rule of the one furthest above threshold."""
+"""Components of a record, and the most detectable of them."""
 
 import numpy as np
 import pytest

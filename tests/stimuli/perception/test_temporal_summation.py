@@ -1,4 +1,4 @@
-"""Trains of short events, as the Pacinian channel sums them: laws, and the same through a filter on samples."""
+"""Pacinian summation over trains of short events."""
 
 import math
 
@@ -21,7 +21,7 @@ def felt_db(n, repetition_hz):
 
 
 def energy(times_s, peaks):
-    """Largest energy in a leaky integrator behind the filter of P: samples, a spectrum, a recursion."""
+    """Return the largest energy in a leaky integrator after the filter."""
     n = 2 ** int(np.ceil(np.log2((times_s[-1] + 1.0) * RATE_HZ)))
     samples = np.zeros(n)
     np.add.at(samples, np.round((times_s + 0.4) * RATE_HZ).astype(int), peaks)
@@ -33,7 +33,10 @@ def energy(times_s, peaks):
 
 
 def filtered_db(n, repetition_hz, beginnings):
-    """The strongest of some beginnings of a train, against its first event."""
+    """Return the level of the strongest start of a train.
+
+    Relative to its first event.
+    """
     times_s, one = np.arange(n) / repetition_hz, energy(np.zeros(1), np.ones(1))
     return max(10 * np.log10(energy(times_s[:k], np.ones(k)) / one) for k in beginnings)
 
@@ -63,7 +66,7 @@ def test_one_event_is_felt_as_it_is(peak):
 
 @given(st.floats(0.02, 100.0))
 def test_distant_event_adds_only_its_energy(apart_s):
-    """Beyond the answer of the filter two events add their energy, and what is left of the first fades."""
+    """Beyond the filter response, the energy of the first event decays."""
     left_db = 10 * np.log10(1 + np.exp(-apart_s / TAU_S))
     assert 20 * np.log10(summed_amplitude(np.array([0.0, apart_s]), np.ones(2))) == pytest.approx(left_db, abs=0.07)
 

@@ -1,4 +1,4 @@
-"""Edges by Rayleigh and Ritz: what their polynomials miss stands in the plan, or is refused."""
+"""Plate edges by Rayleigh-Ritz: predicted truncation errors."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -22,7 +22,7 @@ COURSE = ("t_s", "focus_displacement_m")
 
 @pytest.fixture
 def with_degrees(monkeypatch):
-    """A run whose polynomials go so many degrees beyond the shortest wave."""
+    """Run with this many polynomial degrees above the shortest wave."""
 
     def clear():
         modes._modes_of.cache_clear()
@@ -41,7 +41,7 @@ def with_degrees(monkeypatch):
 
 @dataclass(frozen=True)
 class Exact:
-    """Modes solved by other means, for the whole of a scene to run on."""
+    """Modes from another solver, for a whole scene."""
 
     plate: object
     angular_frequency_rad_per_s: np.ndarray
@@ -62,7 +62,7 @@ class Exact:
 
 
 class Itself:
-    """In the place of functions of x or y."""
+    """Stand-in for functions of x or y."""
 
     def value(self, at):
         return np.atleast_1d(at)
@@ -70,7 +70,7 @@ class Itself:
 
 @cache
 def exact(plate, f_max_hz, shear_factor):
-    """Levy's solution, or products of Legendre polynomials with one dense eigenproblem for a free plate."""
+    """Return modes of Levy's solution or of one dense eigenproblem."""
     assert shear_factor is None
     if plate.boundary == "FFFF":
         omega, shapes = dense_ritz(plate, 26)
@@ -83,7 +83,7 @@ def exact(plate, f_max_hz, shear_factor):
 
 @pytest.fixture
 def on_exact_modes(monkeypatch):
-    """A run on modes of another origin."""
+    """Return a runner that uses modes of another solver."""
 
     def run_on(scene):
         with monkeypatch.context() as patch:

@@ -1,4 +1,4 @@
-"""Electrovibration scenes: only what is called for is computed, in the one right order, as accurately as asked."""
+"""Electrovibration scenes: laziness, stage order and accuracy."""
 
 import itertools
 from dataclasses import replace
@@ -50,8 +50,9 @@ def run(scene: Scene):
 
 
 def calls(plan: Plan) -> int:
-    """Calls once everything is imported and compiled: the fewest of five, for the interpreter calls in things of its
-    own now and then.
+    """Count the calls of a warm run: the fewest of five.
+
+    The interpreter occasionally adds calls of its internals.
     """
     plan.run(LEVEL)
     return min(counted(plan, LEVEL) for _ in range(5))
@@ -141,8 +142,10 @@ def test_scene_sensation_matches_observer():
 
 
 def error_of(got, reference, output: str) -> float:
-    """Largest error of straight lines between the samples, jumps left out, over the peak; of a level, as
-    a ratio."""
+    """Return the largest error of straight lines over the peak.
+
+    Jumps are left out; the error of a level is a ratio.
+    """
     if output == "sensation_db":
         return abs(10 ** ((got[output] - reference[output]) / 20) - 1)
     if np.ndim(got[output]) == 0:
@@ -230,7 +233,7 @@ def test_stick_and_slip_is_exact_in_its_events_and_right_between_them(frequency_
 
 
 def test_the_voltage_does_not_hold_a_finger_that_sticks():
-    """The first slip comes when spring and damper of the pad bear the static friction of the load."""
+    """Slip starts when the pad bears the static friction of the load."""
     pad, force_n, speed_m_per_s = Finger.at_speed(0.05), 0.5, 0.05
     at_rest_n = 0.6 * force_n - pad.damping_n_s_per_m * speed_m_per_s
     law = effect("force_law", law="sc_layer")

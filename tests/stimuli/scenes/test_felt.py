@@ -1,4 +1,4 @@
-"""What a finger feels of a signal through a scene: closed forms, silence, and refusals of another signal."""
+"""Sensation of a signal through a scene, and refused signals."""
 
 from dataclasses import dataclass, replace
 from math import inf
@@ -55,13 +55,13 @@ def felt(*kinds, played=(), tone=60.0, **surface):
 
 
 def pulp_m_per_n(frequency_hz):
-    """Spring, damper and mass by default, as a phasor."""
+    """Return the default spring, damper and mass as a phasor."""
     omega = 2 * np.pi * frequency_hz
     return 1 / np.abs(1000.0 - 0.15e-3 * omega**2 + 1.5j * omega)
 
 
 def by_hand_db(frequency_hz, share, voltage_v, contact, lag):
-    """The level of one component of friction: divider, square, coefficient, pulp and the threshold of Pacini."""
+    """Return the level of one friction component in closed form."""
     skin = Skin(corneum_resistivity_ohm_m=inf)
     layer_v = skin.k * voltage_v
     force_n = force_form("sc_layer", skin, 1e-4).force_n(np.array([layer_v]))[0]
@@ -83,7 +83,7 @@ def test_sensation_level_matches_closed_form(name, lag):
 
 
 def test_lag_of_components_matches_time_course():
-    """The steady state of the lag beside its exact solution, which a scene uses that is asked for its course."""
+    """The steady state of the lag, against its exact solution."""
     scene = felt("friction_lag", "skin_leakage")
     touched = replace(scene, contacts=(FingerContact(1.5, 0.05),), accuracy=1e-3)
     exact_db = touched.resolve().run({"level_db_re_1v": 30.0})["sensation_db"]
@@ -117,7 +117,7 @@ WAVEFORMS = {
 
 @pytest.mark.parametrize("name", WAVEFORMS)
 def test_any_voltage_is_felt_as_its_samples_say(name):
-    """Beside the law of force at the samples of a finer record, whose square cannot alias, and the spectrum of that."""
+    """Against the force law on a finer record, which cannot alias."""
     signal = WAVEFORMS[name].at(30.0)
     (voltage_v,) = signal.samples
     finer_v = resample(voltage_v, 4 * voltage_v.size)
@@ -132,7 +132,7 @@ def test_any_voltage_is_felt_as_its_samples_say(name):
 
 
 def test_a_body_and_a_grating_depend_on_the_contact():
-    """No factor of components: beside the course of the same scene, computed for that contact alone."""
+    """Against the time course of the same scene with that contact."""
     added = effect("body_resistance", resistance_ohm=3e4), effect("texture", period_m=1e-3), default("contact_area")
     for kinds in (added[:1], added[1:2], added):
         scene = replace(felt("skin_leakage"), effects=(*felt("skin_leakage").effects, *kinds))
@@ -154,7 +154,7 @@ def test_stick_slip_sensation_follows_time_course():
 
 @dataclass(frozen=True)
 class Sweat(Effect):
-    """An effect as the recipe makes one: it changes the course of friction, and says nothing of what is felt."""
+    """A custom effect that changes the time course of friction."""
 
     kind = slot = "sweat"
     reads, gives = ("friction_force_n",), "friction_force_n"
@@ -214,7 +214,7 @@ PLATE = (effect("attenuation", tau_s=2e-3), effect("patches", side_m=8e-3))
 
 @pytest.mark.parametrize("kinds", [(), ("finger_load",)])
 def test_focus_stimulus_sensation_matches_scene_drive(kinds):
-    """The scene computes its modes and its drive by itself, in a band that has no sharp end: 0.07 dB."""
+    """The scene computes its own modes and drive: 0.07 dB difference."""
     others = (effect(kind) for kind in ("one_bit", *kinds, "focus_detection"))
     scene = Scene(small_screen(), (*PLATE, *others), ("sensation_db",), 0.02, (FingerContact(1.5),))
     drive = FocusTrain(scene.felt().surface.setup, f_max_hz=15e3).at(0.0)
@@ -224,8 +224,10 @@ def test_focus_stimulus_sensation_matches_scene_drive(kinds):
 
 @pytest.mark.parametrize("place", [{"x_m": 0.03, "y_m": 0.02}, {"y_m": 0.06}], ids=str)
 def test_finger_off_focus_feels_its_own_place(place):
-    """As under a finger of hardly any load, which is computed another way, and as on the plate of a stimulus, whose
-    samples miss the top of a wave by up to a decibel; the focus is 8 dB and more above both."""
+    """Against a finger with hardly any load and the stimulus's plate.
+
+    Samples of the stimulus miss a wave's peak by up to 1 dB; the focus is at least 8 dB stronger.
+    """
     scene = Scene(small_screen(flank_hz=500.0), (*PLATE, effect("focus_detection")), ("sensation_db",), 1e-3)
     drive = FocusTrain(scene.felt().surface.setup, drive="analogue", f_min_hz=1e-3, f_max_hz=15e3).at(0.0)
     touched = replace(scene, contacts=(FingerContact(1.5, **place),))
@@ -317,7 +319,6 @@ def test_a_scene_of_what_is_none_is_refused(name):
 
 
 def test_sensation_resolves_once_and_caches_spectra(monkeypatch):
-    """And a level that was told is not computed again."""
     scene, resolved, read, ran = felt(), [], [], []
     kept, spectrum, run = Scene.resolve, record.components_of_record, Plan.run
     monkeypatch.setattr(Scene, "resolve", lambda self: resolved.append(self) or kept(self))
@@ -331,7 +332,7 @@ def test_sensation_resolves_once_and_caches_spectra(monkeypatch):
 
 
 def test_lines_that_touch_is_deaf_to_are_not_carried_along():
-    """A carrier has hundreds of them: 60 Hz of friction are felt, 4 kHz are not."""
+    """A carrier has hundreds of lines: 60 Hz is felt, 4 kHz is not."""
     t_s = np.arange(20_000) / 20_000.0
     course = np.sin(2 * np.pi * 60 * t_s) + np.sin(2 * np.pi * 4000 * t_s)
     found = record.components_of_record(VoltageRecord(course, 20_000.0), course, 1)

@@ -1,4 +1,4 @@
-"""What the figures of scenes say: one unit for one quantity, the load of a finger, beginnings of stick and slip."""
+"""Scene figures: units, finger load, and starts of stick and slip."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Scene files and the command: strict, with key paths; the plan in words; figures that are drawn."""
+"""Scene files and the scene command: key paths, plan and figures."""
 
 import json
 import math
@@ -74,7 +74,6 @@ def test_setting_in_file_overrides_or_is_refused(setting, message):
 
 
 def test_custom_setting_hides_predicted_error(capsys, tmp_path):
-    """It said "predicted error inf"."""
     page = (DOCS / "reference" / "scenes.md").read_text("utf-8")
     (tmp_path / "s.toml").write_text(page.partition("```toml\n")[2].partition("```")[0])
     assert status("scene", tmp_path / "s.toml") == 0
@@ -217,7 +216,7 @@ def test_every_effect_says_what_it_takes_for_granted(kind):
 
 
 def test_level_is_printed_with_its_calibration_constant(capsys):
-    """Whoever prints a level names it; an output that does not take the constant does not."""
+    """Outputs that do not use the constant do not print it."""
     from command_line import output
 
     said = output(capsys, "scene", "a4-screen")
@@ -242,7 +241,7 @@ def test_slow_scene_announces_its_duration(capsys, monkeypatch):
 
 @pytest.mark.parametrize(("boundary", "times"), [("FFFF", 1.0), ("CFFF", 2.0)])
 def test_the_predicted_time_has_the_modes_of_other_edges(boundary, times):
-    """They took 11 s of processor time, and 30 s without parities along an axis, where 0.06 s were predicted."""
+    """A plan predicted 0.06 s for edges that took 11 s or more."""
     scene = load_scene(path_of("a4-screen")).scene
     effects = (resolve(EFFECTS["attenuation"])(3.5e-3), resolve(EFFECTS["edges"])(boundary))
     plan = replace(scene, effects=effects, outputs=("peak_m",), contacts=(), accuracy=0.2).resolve()

@@ -1,4 +1,4 @@
-"""Hybrid scenes: a focus and electrovibration on one plate at once; results that are kept; films."""
+"""Hybrid scenes, cached results and films."""
 
 from dataclasses import replace
 
@@ -171,7 +171,7 @@ def test_a_film_has_a_picture_for_each_frame(tmp_path):
 
 
 def test_a_film_has_the_colours_of_its_map(tmp_path):
-    """Those of each frame were chosen anew, by how often they come: twenty of a scale of a few hundred."""
+    """A palette chosen per frame had only twenty colours."""
     from matplotlib import colormaps
     from PIL import Image
 

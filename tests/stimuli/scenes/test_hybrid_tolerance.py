@@ -1,4 +1,4 @@
-"""HybridScreen scenes keep the accuracy that is asked for, on both sides, and cost less when it is loosened."""
+"""Accuracy and cost of hybrid scenes on both sides."""
 
 from dataclasses import replace
 
@@ -71,7 +71,10 @@ OF_REFERENCE = 3e-4
 
 
 def sampled(factor):
-    """(n,): the focus under both fingers from 3 ms before to 0.9 ms behind, stepped at a multiple of the clock."""
+    """Return the focus under both fingers, shape (n,).
+
+    From 3 ms before to 0.9 ms after, stepped at a multiple of the clock.
+    """
     plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
     whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
     band = Band(0.0, 15e3, 3e3)
@@ -89,7 +92,7 @@ def sampled(factor):
 
 @pytest.fixture(scope="module")
 def in_time():
-    """Two runs in time, extrapolated to steps of no length."""
+    """Extrapolate two time-domain runs to steps of zero length."""
     course = 2 * sampled(8)[::2] - sampled(4)
     return {"t_s": (np.arange(course.size) - 720) / 240e3, "focus_displacement_m": course}
 

@@ -1,4 +1,4 @@
-"""A finger of a scene that the plate throws off: beside the linear contact that it is else."""
+"""Lift-off of a finger in a scene, against the linear contact."""
 
 from dataclasses import replace
 

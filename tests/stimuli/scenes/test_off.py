@@ -1,4 +1,4 @@
-"""Off costs nothing: an effect that is absent is not imported, has no stage, and changes no call of the run."""
+"""Cost of absent effects: no import, no stage, no call."""
 
 import json
 import os
@@ -48,7 +48,7 @@ OWNERS = {
 
 @dataclass(frozen=True)
 class Side:
-    """A surface, the effects that keep it company, and what is asked of it without any effect and with those."""
+    """A surface, its effects, and its outputs with and without them."""
 
     surface: Mapping[str, object]
     effects: tuple[Mapping[str, object], ...]
@@ -88,7 +88,6 @@ def table(side: str, effects, outputs):
 
 
 def named(kind: str):
-    """The effect and what it needs."""
     return [{"kind": name, **CASES[name][0]} for name in (kind, *CASES[kind][1])]
 
 
@@ -107,7 +106,10 @@ def with_it(side: str, kind: str):
 
 @pytest.fixture(scope="module")
 def answers():
-    """Of every surface without effects, and of every effect: without it, with it, and without it again."""
+    """Return results without each effect, with it, and again without it.
+
+    Includes every surface without effects.
+    """
     if not hasattr(os, "fork"):
         pytest.skip("needs os.fork for a process per effect")
     asked = {
@@ -131,7 +133,7 @@ def kinds_in(scene) -> set[str]:
 
 
 def imported(answer) -> set[str]:
-    """Effects whose module is there."""
+    """Return the effects whose module is imported."""
     return {kind for kind in EFFECTS if module_of(kind) in answer["modules"]} - BY_DEFAULT
 
 

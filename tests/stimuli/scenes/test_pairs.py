@@ -1,4 +1,4 @@
-"""Each pair of effects that a study may state: either both act on what is felt, or one clear sentence refuses them."""
+"""Pairs of effects that a study may combine."""
 
 from collections.abc import Iterator
 from math import log10
@@ -50,7 +50,7 @@ def kinds(of_surface) -> list[str]:
 
 
 def level_db(surface, *stated: Effect) -> float:
-    """Of the least that gives a level, with these in their slots."""
+    """Return the level of the smallest scene with these effects."""
     slots = {one.slot for one in stated}
     threshold = "sensitivity" if "receptors" in slots else "receptors" if "summation" in slots else ""
     added = (effect("receptors"),) if threshold == "receptors" and "receptors" not in slots else ()
@@ -68,7 +68,7 @@ def pairs() -> Iterator[object]:
 
 
 def felt(surface, *stated: Effect) -> float | str:
-    """The level, or the sentence that refuses it."""
+    """Return the level, or the message of the refusal."""
     try:
         return level_db(surface, *stated)
     except InvalidParameter as refused:
@@ -98,7 +98,7 @@ def test_on_a_hybrid_screen_each_side_feels_its_own(of_plate) -> None:
 
 
 def test_weber_fraction_applies_with_dynamics_and_lag() -> None:
-    """Weber's law beside `finger_dynamics`: of components before the pad, which nothing reads, it changed nothing."""
+    """Weber's law had no effect when applied before the pad moved."""
     for kind in ("finger_dynamics", "friction_lag"):
         once_db, twice_db = (level_db(PANEL, effect(kind), effect("weber_fraction", reference_n=n)) for n in (1.0, 2.0))
         assert twice_db - once_db == pytest.approx(20 * log10(2), abs=1e-9)

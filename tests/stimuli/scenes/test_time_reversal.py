@@ -1,4 +1,4 @@
-"""Time-reversal scenes: only what is called for, in the one right order, as accurately as asked."""
+"""Time-reversal scenes: laziness, stage order and accuracy."""
 
 import itertools
 import tracemalloc
@@ -48,7 +48,7 @@ def test_the_peak_of_one_bit_is_the_sum_of_the_learnt_responses():
 
 @pytest.fixture(scope="module")
 def fine():
-    """A scene of the whole bandwidth of its clock, so that the physics in time has the same band, four times finer."""
+    """Return a scene over the full bandwidth and its 4x finer physics."""
     plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
     whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
     raw = impulse_responses(whole, [(0.05, 0.04)], rate_hz=60e3, duration_s=3e-3, f_max_hz=15e3)
@@ -144,7 +144,7 @@ def test_a_movie_shows_the_field_at_the_focus_instant():
 
 @pytest.mark.parametrize("f_max_hz", [15e3, 60e3])
 def test_movie_has_eight_frames_per_shortest_period(f_max_hz):
-    """61 frames of 0.5 ms were two to a period of 60 kHz, so that waves seemed to stand or to run back."""
+    """At two frames per period of 60 kHz, waves appeared to run back."""
     scene = screen(LOSSY, ONE_BIT, effect("movie"), outputs=("frames_s",), accuracy=0.1)
     surface = replace(scene.surface, f_max_hz=f_max_hz, rate_hz=4 * f_max_hz)
     frames_s = run(replace(scene, surface=surface))["frames_s"]
@@ -277,7 +277,7 @@ def test_trains_under_a_finger_on_the_a4_screen_fit(repetition_hz, envelope, dur
 
 
 def test_loaded_motion_stays_within_its_memory_limit():
-    """Of the numbers of a motion the free and the loaded one are there at once, and next to nothing beside them."""
+    """Only the free and the loaded motion are in memory at once."""
     scene = screen(effect("repetition", duration_s=0.2), effect("finger_load"), outputs=("contact_force_n",))
     found = cut(scene, scene.accuracy / 2)
     n_numbers = n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)

@@ -1,4 +1,4 @@
-"""Time-reversal scenes that cannot be: what contradicts, leaves its domain or takes too much is refused with a cure."""
+"""Refusals of contradictory, invalid or too costly scenes."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Each effect of a time-reversal scene keeps the accuracy that is asked for; quantised drives in their spectrum too."""
+"""Accuracy of each time-reversal effect and of quantised spectra."""
 
 from dataclasses import replace
 
@@ -48,7 +48,10 @@ def quantised(draw):
 
 
 def spectrum(got, n_lines):
-    """The first lines of the course at the focus, which lasts as long however finely it is sampled."""
+    """Return the first lines of the course at the focus.
+
+    Its duration does not depend on the sampling.
+    """
     course = got["focus_displacement_m"][:-1]
     return np.fft.rfft(course)[:n_lines] / course.size
 

@@ -1,4 +1,4 @@
-"""An effect that stands in a scene but that no output needs acts on nothing: plan, bytes, imports, words, refusals."""
+"""Effects that no output needs: they change no plan or result."""
 
 import json
 import os
@@ -69,7 +69,7 @@ BARE = {
 
 
 def scenes():
-    """Every surface with the least company, and every built-in scene."""
+    """Return every surface with its smallest scene, and built-in scenes."""
     for kind, scene in BARE.items():
         yield f"bare {kind}", replace(scene, effects=tuple(COMPANY[kind]))
     for name in names():
@@ -121,7 +121,10 @@ def plan_if_had(name, output, effects):
 
 
 def unneeded(name, kind):
-    """Of every output that does not need an effect: the output, the plan without the effect, the plan with it."""
+    """Yield each output that does not need an effect, and both plans.
+
+    The first plan is without the effect, the second with it.
+    """
     without, with_it = pair(SCENES[name], kind)
     for output in OUTPUTS[SCENES[name].surface.kind]:
         one = plan_if_had(name, output, without)

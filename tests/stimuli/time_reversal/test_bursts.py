@@ -17,7 +17,7 @@ SUPPLY_V = 100.0
 
 
 def moved_m(signal, setup):
-    """What the focus point does, by the definition of a response: each channel convolved, and added up."""
+    """Return the motion of the focus: the sum of convolved channels."""
     [heard] = setup.responses_at(*setup.focus_m).samples
     return sum(fftconvolve(drive, response) for drive, response in zip(signal.samples, heard, strict=True))
 

@@ -1,4 +1,4 @@
-"""Theory of the focus: its own numbers, and the simulation beside it."""
+"""Focus theory: its own numbers, and comparison with simulation."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A rigid contactor beside its equations of motion."""
+"""A rigid contactor, against its equations of motion."""
 
 from dataclasses import replace
 

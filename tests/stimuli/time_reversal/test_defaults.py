@@ -1,4 +1,4 @@
-"""What stimuli of studies, effects and surfaces of scenes, and design call alike has one default, from one place."""
+"""Defaults shared by stimuli, effects, surfaces and the design guide."""
 
 import ast
 from collections import defaultdict

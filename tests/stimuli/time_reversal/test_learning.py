@@ -1,4 +1,4 @@
-"""Impulse responses learnt from sweeps and sequences: exact without noise, and good enough to focus with it."""
+"""Impulse responses learnt from sweeps and sequences."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def plate():
 
 
 def recorded(plate, excitation, voltage_v, noise_db, rng):
-    """What a vibrometer gives while each channel of the plate is driven alone, with noise below its rms by so much."""
+    """Record each channel, with noise `noise_db` below its rms."""
     clean = np.array([np.convolve(voltage_v * excitation.samples, h) for h in plate.samples[0]])
     noise = (
         rng.standard_normal(clean.shape) * np.sqrt(np.mean(clean**2, axis=1, keepdims=True)) * 10 ** (noise_db / -20)

@@ -1,4 +1,4 @@
-"""A finger that the plate throws off, beside its equations of motion with events."""
+"""Lift-off from the plate, against equations of motion with events."""
 
 from dataclasses import replace
 

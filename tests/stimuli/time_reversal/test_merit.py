@@ -125,7 +125,7 @@ def test_square_wave_power_is_independent_of_rate(rate_hz):
 
 
 def test_dielectric_loss_is_the_integral_of_in_phase_current():
-    """Of two components and two channels, each current turned by its loss: the mean of u i over a period."""
+    """Two components and two channels: the mean of u i over a period."""
     rate_hz, tangent = 200e3, 0.05
     t = np.arange(2000) / rate_hz
     tones = [(12.0, 3e3), (7.0, 11e3)]

@@ -127,7 +127,7 @@ def test_rice_transition_rates():
 
 
 def test_bussgang_share_of_one_bit():
-    """Of the power of the sign of Gaussian noise, 2/pi is the wanted linear part."""
+    """2/pi of the power of sign(Gaussian noise) is linear."""
     x = np.random.default_rng().normal(size=400_000)
     bits = OneBit().quantise(x[None], 1.0)[0]
     share = np.mean(bits * x) ** 2 / np.mean(x**2)

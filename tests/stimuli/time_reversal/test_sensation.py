@@ -1,4 +1,4 @@
-"""What a finger feels of foci, and the stimuli of study files that make them."""
+"""Sensation of foci, and time-reversal stimuli of study files."""
 
 from dataclasses import replace
 
@@ -82,7 +82,7 @@ def test_more_force_on_a_loaded_plate_never_adds_sensation(forces_n):
 
 
 def test_a_focus_of_the_reference_amplitude_is_at_threshold_under_every_force():
-    """As the thesis found; science note 5.3 keeps an effect of force as an option."""
+    """The thesis found no effect; science note 5.3 keeps a force effect optional."""
     drive = train().at(20.0)
     felt = felt_by(TimeReversalSensation(SMALL))
     assert felt.sensation_db(drive, Contact(3.0)) == pytest.approx(0.0, abs=1e-3)
