@@ -275,7 +275,7 @@ class FocusTrain:
         return Pattern(self.repetition_hz or named.repetition_hz, self.train_s or named.duration_s, envelope)
 
     def heard(self, learnt: Responses | None = None) -> Responses:
-        """What the place of the focus does: of the model, or as it was learnt there."""
+        """Return responses at the focus: the learnt ones, or the model's."""
         return self.setup.responses_at(*self.setup.focus_m) if learnt is None else learnt
 
     @property
@@ -306,7 +306,7 @@ class FocusTrain:
 
 @checked
 def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
-    """The same foci from responses that were measured on a bench, in place of those of the model.
+    """Return the same foci from responses measured on a bench.
 
     Raises `InvalidParameter` if the responses are of more points, no displacements, too short, or sampled too slowly
     for the band.
