@@ -22,7 +22,7 @@ from .way import Way, directions_along, without_jitter
 
 
 class Followed(NamedTuple):
-    """What is remembered of a path: the way of the finger, and the last parts, before they are averaged."""
+    """State of a followed path: the way, and recent unaveraged parts."""
 
     way: Way
     recent: FloatArray

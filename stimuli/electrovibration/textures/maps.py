@@ -1,4 +1,4 @@
-"""Textures out of a study file: a row of a picture, and heights along a line, written there or in a file beside it."""
+"""Textures of a study file: picture rows, and heights along a line."""
 
 import io
 import warnings
@@ -26,7 +26,9 @@ LARGEST_MAP: Final = 2**26
 @checked
 @dataclass(frozen=True)
 class Mapped:
-    """Values along a line, or rows of them: here, or in a file, of which `sha256` says that it is still the same.
+    """Values along a line or in rows, stated here or read from a file.
+
+    `sha256` detects changes to the file.
 
     Raises `InvalidParameter` if there are neither or both, the digest is missing (it is told) or another, or the file
     holds no numbers; `InvalidFile` if it cannot be read.
