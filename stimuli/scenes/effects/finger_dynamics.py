@@ -48,7 +48,9 @@ class FingerDynamics(Effect):
 
     @property
     def natural_rad_per_s(self) -> float:
-        """Of the pad without damping, at any speed: mass and stiffness grow alike.
+        """Natural frequency of the undamped pad, equal at all speeds.
+
+        Mass and stiffness are both proportional to speed.
 
         >>> round(FingerDynamics().natural_rad_per_s)
         354
@@ -79,7 +81,10 @@ class FingerDynamics(Effect):
         return motion, *courses, felt
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """The course itself, under the true area: what moves is no factor of the attraction."""
+        """Return the stages of the time course under the true area.
+
+        A moving pad is not proportional to the attraction.
+        """
         *course, _ = (replace(stage, size=None) for stage in self.stages(scene))
         return *course, spectrum_of_record("skin_spectrum", "skin_displacement_m", "skin_components"), of_true_area()
 

@@ -1,4 +1,4 @@
-"""What a finger feels of foci: the level of the strongest above the threshold of a single one."""
+"""Sensation level of the strongest focus under a finger."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -42,7 +42,7 @@ class FocusDetection(Effect):
         return Stage("events", needs, "felt_at_1v_m", target), self.stage()
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Of the displacement under each finger, as a signal makes it."""
+        """Return the stages for displacements under fingers by a signal."""
         events = Stage("events", ("t_s", "displacement_m"), "felt_m", f"{__name__}:single_events_m")
         return events, replace(self.stage(), needs=("felt_m",))
 

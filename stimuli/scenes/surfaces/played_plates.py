@@ -52,7 +52,7 @@ class PlayedPlate(Surface):
 
     @property
     def places_m(self) -> "Places":
-        """Where the fingers are."""
+        """Places of the fingers."""
         raise NotImplementedError
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:
@@ -97,13 +97,15 @@ class PlayedTimeReversal(PlayedPlate):
 
     @property
     def places_m(self) -> "Places":
-        """Where the finger is; what is not said of it is that of the focus."""
+        """Place of the finger; by default the focus."""
         return (place_on(self.setup, self.finger_x_m, self.finger_y_m),)
 
 
 @dataclass(frozen=True)
 class PlayedFingers(PlayedPlate):
-    """A plate under fingers, of which the one that feels most decides a detection, and all of them a localisation.
+    """A played plate under several fingers.
+
+    The finger that feels most decides a detection, and all of them a localisation.
 
     Raises `InvalidParameter` if a finger rests on no place, or two are nearer to each other than a fingertip is wide.
 
