@@ -1,4 +1,7 @@
-"""What effects bring into a scene that its sampling and its modes must resolve: neutral where one brings nothing."""
+"""Content that effects add to a scene and that it must resolve.
+
+The defaults are neutral.
+"""
 
 from dataclasses import dataclass, fields
 from math import inf
@@ -6,7 +9,7 @@ from math import inf
 
 @dataclass(frozen=True)
 class VoltageContent:
-    """Of a voltage and the force that it causes.
+    """Content of a voltage and of the force that it causes.
 
     Parameters
     ----------
@@ -50,7 +53,7 @@ class VoltageContent:
 
 @dataclass(frozen=True)
 class PlateContent:
-    """Of the motion of a plate.
+    """Content of the motion of a plate.
 
     Parameters
     ----------

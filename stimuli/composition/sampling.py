@@ -75,12 +75,15 @@ def chord_error(scene: Surroundings, n: int) -> float:
 
 
 def content_of(scene: Surroundings) -> VoltageContent:
-    """What all effects bring."""
+    """Return the sum of the content of all effects."""
     return sum((effect.in_voltage(scene) for effect in scene.effects), start=VoltageContent())
 
 
 def _terms(scene: Surroundings) -> tuple[float, float]:
-    """Factors of the step squared (curvature) and of the step (kinks, of which only a lossy skin shows any)."""
+    """Return factors of the squared step (curvature) and step (kinks).
+
+    Only a lossy skin shows kinks.
+    """
     content = content_of(scene)
     skin = scene.surface
     insulator_m = skin.insulator_thickness_m / skin.insulator_permittivity + content.gap_m
