@@ -77,7 +77,7 @@ def test_offset_force_settles_when_remark_says_kept(skin: Skin) -> None:
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_without_a_remark_the_force_of_a_constant_does_not_change(law: str) -> None:
+def test_constant_force_is_unchanged_without_remark(law: str) -> None:
     skin = P0 if law in ("total_thickness", "parallel_plate") else Skin(corneum_resistivity_ohm_m=np.inf)
     assert TONE.remark(skin, law) is None
     first_n, last_n = force_after_a_step_n(skin, law, [1e-6, 50.0])
@@ -95,14 +95,14 @@ def lagged_n(lag: FrictionLag, friction: CoulombFriction, force_n: float, speed_
     )
 
 
-def test_without_load_a_constant_coefficient_leaves_the_friction_of_the_voltage() -> None:
+def test_unloaded_friction_comes_from_voltage_alone() -> None:
     motion = slid(CoulombFriction(0.5), 0.0)
     np.testing.assert_array_equal(motion.lateral_n, 0.5 * motion.electrostatic_n)
     assert motion.lateral_n.max() > 1e-5
 
 
 @pytest.mark.parametrize("friction", [CoulombFriction(0.5), CoulombFriction(0.5, load_exponent=1.0)])
-def test_the_friction_without_load_is_the_limit_of_a_small_load(friction: CoulombFriction) -> None:
+def test_unloaded_friction_is_limit_of_small_load(friction: CoulombFriction) -> None:
     np.testing.assert_allclose(slid(friction, 0.0).lateral_n, slid(friction, 1e-14).lateral_n, rtol=0, atol=1e-13)
     without_n, small_n = (lagged_n(FrictionLag(), friction, force_n) for force_n in (0.0, 1e-14))
     np.testing.assert_allclose(without_n, small_n, rtol=0, atol=1e-13)
@@ -141,14 +141,14 @@ def test_the_coefficient_depends_on_the_load_in_every_friction(force_n: float, m
     assert lagged_n(FrictionLag(), friction, force_n)[0] == pytest.approx(mu * force_n, rel=1e-13)
 
 
-def test_the_corner_of_the_lag_is_intercept_plus_slope_times_speed() -> None:
+def test_lag_corner_is_linear_in_speed() -> None:
     lag = FrictionLag(slope_hz_per_m_per_s=1000.0, intercept_hz=200.0, floor_hz=150.0)
     assert lag.cutoff_hz(0.1) == pytest.approx(300.0)
     assert lag.gain(300.0, 0.1) == pytest.approx(np.sqrt(0.5))
     assert FrictionLag(1000.0, 200.0, 250.0).cutoff_hz(0.01) == 250.0
 
 
-def test_a_stretched_finger_starts_from_its_stretch_and_breaks_away_sooner() -> None:
+def test_stretched_finger_breaks_away_sooner() -> None:
     finger, quiet = Finger(), Step(duration_s=0.1).pieces(-6000.0)
 
     def breaks_away_s(stretch_m: float) -> float:

@@ -74,7 +74,7 @@ def test_flows_over_two_lengths_make_one_over_both(first_s: float, second_s: flo
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("pieces", TONES.values(), ids=TONES)
-def test_a_state_follows_as_the_compiled_loop_lets_it(pieces: Pieces, law: str) -> None:
+def test_state_flow_matches_compiled_loop(pieces: Pieces, law: str) -> None:
     form = force_form(law, Skin(), 1e-4)
     plan = plan_of(Timing(pieces, T_S), form.relaxations, LAG)
     z = STATES(heights(pieces), plan)

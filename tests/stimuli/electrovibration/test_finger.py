@@ -133,14 +133,14 @@ def test_the_motion_obeys_newton(law: str, pieces: Pieces) -> None:
     np.testing.assert_allclose(balance_n, motion.lateral_n, rtol=1e-12)
 
 
-def test_the_form_of_a_law_drives_what_its_force_says() -> None:
+def test_force_form_matches_force_of_its_law() -> None:
     motion = sliding(T_S, SINE, form_of(3e-4), finger=FINGER, friction=FRICTION, force_n=2.0)
     force_n = form_of(3e-4).newton_per_v2 * Solution(SINE, form_of(3e-4).relaxations).at(T_S) ** 2
     np.testing.assert_allclose(motion.lateral_n, 0.5 * (2.0 + force_n), rtol=1e-14)
 
 
 @given(scale=st.floats(0.01, 100))
-def test_the_deflection_grows_with_the_square_of_the_voltage(scale: float) -> None:
+def test_deflection_is_proportional_to_squared_voltage(scale: float) -> None:
     one, other = (
         sliding(T_S[::32], p, form_of(3e-4), finger=FINGER, friction=FRICTION, force_n=1.0).speed_m_per_s
         for p in (SINE, SINE.scaled(scale))
@@ -156,7 +156,7 @@ def test_lag_of_a_step_is_an_exponential() -> None:
     np.testing.assert_allclose(found_n, expected_n, rtol=1e-12)
 
 
-def test_lag_of_a_sine_has_the_gain_of_its_formula() -> None:
+def test_sine_lag_matches_its_gain_formula() -> None:
     lag, form = FrictionLag(), form_of(1e-4)
     t_s = np.linspace(0.025, 0.05, 4001)
     found_n = lagged_friction_n(t_s, SINE, form, lag=lag, friction=FRICTION, force_n=1.0, speed_m_per_s=0.05)

@@ -58,7 +58,7 @@ def test_sinusoidal_grating_feels_like_tone_at_constant_speed(frequency_hz):
 
 @pytest.mark.parametrize("texture", TEXTURES, ids=lambda texture: type(texture).__name__)
 @given(seed=st.integers(0, 2**32 - 1), n_first=st.integers(1, 199))
-def test_a_path_in_pieces_is_the_path(texture, seed, n_first):
+def test_path_in_pieces_equals_whole_path(texture, seed, n_first):
     path_m = 0.02 + np.cumsum(np.random.default_rng(seed).normal(0.0, 2e-3, 200))
     stimulus = FollowedTexture(texture)
     first, before = stimulus.parts(path_m[:n_first])
@@ -68,7 +68,7 @@ def test_a_path_in_pieces_is_the_path(texture, seed, n_first):
 
 @pytest.mark.parametrize("texture", TEXTURES, ids=lambda texture: type(texture).__name__)
 @given(seed=st.integers(0, 2**32 - 1), rise_s=st.floats(1e-4, 5e-3))
-def test_parts_are_parts_and_rise_no_faster_than_they_may(texture, seed, rise_s):
+def test_texture_parts_have_limited_rise(texture, seed, rise_s):
     path_m = np.random.default_rng(seed).uniform(-0.01, 0.05, 500)
     stimulus = FollowedTexture(texture, rise_s=rise_s)
     parts, _ = stimulus.parts(path_m)
@@ -94,7 +94,7 @@ def test_noise_of_the_position_turns_no_finger():
     assert np.ptp(unsure) > 0.01
 
 
-def test_a_study_feels_its_texture_by_the_way_of_each_finger(tmp_path, capsys):
+def test_study_texture_follows_path_of_each_finger(tmp_path, capsys):
     text = changed(TEXT, {"repeats = 4": "repeats = 1"})
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     words = ("simulate", tmp_path / "study.toml", "--participants", 1, "--seed", 3, "--out", tmp_path / "d")
@@ -108,7 +108,7 @@ def test_a_study_feels_its_texture_by_the_way_of_each_finger(tmp_path, capsys):
     assert len(set(digests)) == len(digests) > 15  # no two fingers go the same way
 
 
-def test_maps_come_from_files_whose_digest_the_study_holds(tmp_path):
+def test_maps_load_from_files_with_stated_digest(tmp_path):
     from PIL import Image as Picture
 
     Picture.fromarray(np.array([[0, 255, 51]] * 2, dtype=np.uint8)).save(tmp_path / "map.png")

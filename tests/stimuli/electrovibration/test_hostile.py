@@ -285,7 +285,7 @@ def complaints(name: str, call: Callable[..., Any], valid: dict[str, Any], hosti
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_a_hostile_value_gives_a_finite_result_or_one_sentence(name: str) -> None:
+def test_hostile_value_gives_finite_result_or_one_sentence(name: str) -> None:
     call, valid = CALLS[name]
     check_finite(call(**valid), name)
     assert complaints(name, call, valid, HOSTILE) == []

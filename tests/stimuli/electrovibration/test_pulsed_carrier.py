@@ -37,7 +37,7 @@ def test_it_feels_as_the_carrier_does(level):
     assert made_db == pytest.approx(asked_db, abs=0.6)
 
 
-def test_levels_beyond_a_board_are_told_with_the_cure():
+def test_levels_above_supply_are_refused_with_fix():
     assert (pulsed().level_unit, pulsed().duration_s) == ("dB re 1 V", 0.2)
     with pytest.raises(
         LimitExceeded, match="found an effective voltage of 141.. V, above the 100 V of the supply; low"

@@ -76,7 +76,7 @@ def added(tmp_path_factory):
     ).stderr.splitlines()  # fmt: skip
 
 
-def test_a_study_is_simulated_validated_and_replayed_with_it(added):
+def test_custom_waveform_study_simulates_validates_and_replays(added):
     assert json.loads(added[-1])["status"] == [0, 0, 0, 2]
 
 
@@ -86,5 +86,5 @@ def test_the_page_of_keys_and_the_laws_of_all_stimuli_have_it(added):
     assert "sawtooth" in told["laws"]
 
 
-def test_a_mistyped_name_of_it_is_told(added):
+def test_mistyped_custom_waveform_name_is_reported(added):
     assert "did you mean 'sawtooth'" in " ".join(added[:-1])

@@ -80,7 +80,7 @@ def slid(finger):
         (lambda: Noise.drawn(1.0, 1e20, 1e9, rng=np.random.default_rng(0)), "expected at most 268435456 lines"),
     ],
 )
-def test_two_arguments_that_cannot_be_together_are_refused(call, sentence):
+def test_incompatible_arguments_are_refused(call, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         call()
 

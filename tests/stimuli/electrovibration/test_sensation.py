@@ -96,7 +96,7 @@ def test_the_sensation_of_a_sine_follows_the_closed_forms() -> None:
     assert MODEL.sensation_db(Sine(frequency_hz=120.0).at(20.0), TOUCH) == pytest.approx(expected_db, abs=0.02)
 
 
-def test_a_threshold_of_friction_is_a_fraction_of_a_millinewton() -> None:
+def test_friction_threshold_is_below_one_millinewton() -> None:
     """The threshold is 0.1 um of skin displacement, by its mobility."""
     assert threshold_force_n(250.0) == pytest.approx(2.44e-4, rel=1e-2)
     assert [round(1e3 * threshold_force_n(f), 2) for f in (60.0, 120.0, 480.0)] == [1.94, 0.63, 1.67]
@@ -202,7 +202,7 @@ def test_silence_is_not_felt() -> None:
     assert MODEL.sensation_db(Signal(np.zeros((1, 1000)), 20e3, "V"), TOUCH) == -np.inf
 
 
-def test_equal_samples_give_equal_sensations_in_any_order_of_calls() -> None:
+def test_sensation_is_independent_of_call_order() -> None:
     levels_db = np.linspace(0, 40, 7)
     touches = [Contact(f, v) for f in (0.5, 3.0) for v in (0.02, 0.1)]
     once = {(x, t): MODEL.sensation_db(carrier(120.0).at(x), t) for x in levels_db for t in touches}
@@ -210,7 +210,7 @@ def test_equal_samples_give_equal_sensations_in_any_order_of_calls() -> None:
     assert once == again
 
 
-def test_body_resistance_makes_the_area_more_than_a_factor() -> None:
+def test_body_resistance_makes_area_dependence_nonlinear() -> None:
     touches = [Contact(0.5, 0.05), Contact(3.0, 0.05)]
     shifts_db = [
         np.diff([model.sensation_db(carrier(240.0).at(20.0), touch) for touch in touches])[0]

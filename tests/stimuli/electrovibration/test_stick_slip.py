@@ -144,7 +144,7 @@ def test_events_and_motion_against_an_adaptive_solver(pieces: Pieces, travel: Tr
 
 @pytest.mark.parametrize("tau_s", [1e-9, 1e-5, 1.0, 1e3])
 @pytest.mark.parametrize("body_ohm", [0.0, 1e4])
-def test_any_time_constant_of_the_skin_against_an_adaptive_solver(tau_s: float, body_ohm: float) -> None:
+def test_motion_matches_adaptive_solver_at_any_time_constant(tau_s: float, body_ohm: float) -> None:
     skin = Skin(corneum_resistivity_ohm_m=2e4 * tau_s / Skin().tau_s, body_resistance_ohm=body_ohm)
     layer = force_form("sc_layer", skin, 1e-4)
     peak_v = np.abs(Solution(SINE, layer.relaxations).at(np.linspace(0, 0.1, 1000))).max()
@@ -158,7 +158,7 @@ def test_any_time_constant_of_the_skin_against_an_adaptive_solver(tau_s: float, 
 
 
 @pytest.mark.parametrize("tau_s", [1e-5, 1e-4])
-def test_the_force_of_a_slope_that_has_settled_against_an_adaptive_solver(tau_s: float) -> None:
+def test_settled_slope_force_matches_adaptive_solver(tau_s: float) -> None:
     layer = force_form("sc_layer", Skin(corneum_resistivity_ohm_m=2e4 * tau_s / Skin().tau_s), 1e-4)
     slopes = Trapezoid(rise_s=0.02, high_s=0.0, fall_s=0.03, low_s=0.0, duration_s=0.1).pieces(46.0)
     peak_v = np.abs(Solution(slopes, layer.relaxations).at(np.linspace(0, 0.1, 1000))).max()
@@ -171,7 +171,7 @@ def test_the_force_of_a_slope_that_has_settled_against_an_adaptive_solver(tau_s:
 
 
 @pytest.mark.parametrize("pieces", [SINE, SQUARE, TRAPEZOID])
-def test_the_motion_does_not_depend_on_the_times_asked_for(pieces: Pieces) -> None:
+def test_motion_is_independent_of_output_times(pieces: Pieces) -> None:
     coarse, fine = run(pieces, T_S[::40]), run(pieces, np.linspace(0, 0.1, 8001))
     np.testing.assert_allclose(fine.events_s, coarse.events_s, rtol=0, atol=1e-13)
     np.testing.assert_allclose(fine.stretch_m[::800], coarse.stretch_m, rtol=0, atol=1e-15)
@@ -182,7 +182,7 @@ def test_the_motion_does_not_depend_on_the_times_asked_for(pieces: Pieces) -> No
     gated=st.booleans(),
 )  # fmt: skip
 @examples(60)
-def test_friction_is_the_kinetic_one_in_slip_and_bearable_in_stick(
+def test_stick_slip_friction_obeys_its_limits(
     speed: float, force_n: float, mu: float, more: float, gated: bool
 ) -> None:
     friction = DryFriction(mu + more, mu, gated)
@@ -224,7 +224,7 @@ def test_normal_force_0_without_voltage_has_no_friction() -> None:
     assert np.abs(motion.lateral_n).max() == 0
 
 
-def test_normal_force_0_with_voltage_has_the_friction_of_the_voltage() -> None:
+def test_zero_normal_force_leaves_friction_of_voltage() -> None:
     motion = run(SINE, force_n=0.0)
     assert (np.abs(motion.lateral_n) <= 0.6 * motion.electrostatic_n + 1e-15).all()
     assert motion.lateral_n.any()
@@ -244,7 +244,7 @@ def test_chatter_at_a_kilohertz_stays_exact() -> None:
     hard_case("chatter at 1 kHz (m)", again.stretch_m, motion.stretch_m[::100], 1e-13, against="other times", floor=1)
 
 
-def test_equal_coefficients_agree_with_a_regularised_law_and_unequal_ones_do_not() -> None:
+def test_regularised_law_agrees_for_equal_coefficients_only() -> None:
     def smooth_n(mu_static: float) -> np.ndarray:
         width = 1e-4
         m, c, k = FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
@@ -265,7 +265,7 @@ def test_equal_coefficients_agree_with_a_regularised_law_and_unequal_ones_do_not
     assert np.abs(smooth_n(0.75) - sharp_n(0.75)).max() > 2e-2 * scale
 
 
-def test_a_gated_voltage_does_not_help_the_finger_to_stick() -> None:
+def test_gated_voltage_does_not_increase_sticking() -> None:
     constant = straight([0, 1.0], [50, 50])
     lossless = ForceForm(force_form("sc_layer", Skin(corneum_resistivity_ohm_m=np.inf), 1e-4).relaxations, 1e-3)
     breaks_s = [

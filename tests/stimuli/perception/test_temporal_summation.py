@@ -49,7 +49,7 @@ def test_train_matches_filtered_and_integrated_samples(n, repetition_hz):
 
 
 @pytest.mark.parametrize("repetition_hz", [1, 10, 100, 250, 500, 1000])
-def test_a_thousand_foci_are_felt_as_their_samples_are(repetition_hz):
+def test_thousand_foci_match_their_samples(repetition_hz):
     expected_db = filtered_db(1000, repetition_hz, (1, 2, 3, 1000))
     assert felt_db(1000, repetition_hz) == pytest.approx(expected_db, abs=0.2)
 
@@ -98,7 +98,7 @@ def test_distant_events_add_at_most_their_energy(train):
 
 
 @given(trains, st.randoms(use_true_random=False))
-def test_the_order_in_which_events_are_told_does_not_matter(train, random):
+def test_summation_is_independent_of_event_order(train, random):
     times_s, peaks = train
     order = random.sample(range(peaks.size), peaks.size)
     assert summed_amplitude(times_s[order], peaks[order]) == pytest.approx(summed_amplitude(times_s, peaks), rel=1e-12)
@@ -114,7 +114,7 @@ def test_train_gain_with_duration_follows_leaky_integrator(repetition_hz):
     assert found_db[-1] - found_db[-2] < 0.03
 
 
-def test_the_likeness_of_an_answer_is_the_integral_of_its_spectrum():
+def test_response_autocorrelation_matches_its_spectrum():
     frequency_hz = np.arange(35.0, 800.0, 0.01) + 0.005
     power = 10 ** (-channel_thresholds_db(frequency_hz)[P] / 10)
     lags_s = np.array([0.0, 0.5e-3, 2e-3, 4e-3, 0.011, 0.1, 0.2, 0.4, 1.0])

@@ -105,7 +105,7 @@ def test_edges_error_bounds_difference_to_exact_modes(boundary, on_exact_modes):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["SFSF", "SCSC"])
-def test_a_scene_between_simple_supports_keeps_its_accuracy_beside_levy(boundary, on_exact_modes):
+def test_simply_supported_scene_matches_levy_within_accuracy(boundary, on_exact_modes):
     scene = held(boundary, LOSSY)
     to_hz, accuracies = (120e3, (1e-1, 1e-2, 1e-3, 1e-4)) if SOAK else (60e3, (1e-1, 1e-2, 1e-3))
     whole = {"motion": {"modes_to_hz": to_hz, "static_to_hz": to_hz}}
@@ -138,7 +138,7 @@ def test_a_scene_with_other_edges_keeps_its_accuracy(boundary, with_degrees):
         assert error_of(run(finer), reference, COURSE[1]) <= finer.resolve().error <= accuracy
 
 
-def test_an_accuracy_finer_than_the_polynomials_is_refused_with_the_cure():
+def test_accuracy_finer_than_polynomials_is_refused():
     assert held("FFFF").resolve()
     with pytest.raises(InvalidParameter, match=r"accuracy: .*edges CFFF, expected at least .*; loosen the accuracy"):
         replace(held("CFFF"), accuracy=1e-4).resolve()

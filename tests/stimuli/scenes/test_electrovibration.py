@@ -98,7 +98,7 @@ def test_active_effect_changes_or_adds_its_output(kind):
         assert on.shape != without.shape or np.abs(on - without).max() > 1e-3 * without.max()
 
 
-def test_the_force_is_that_of_the_physics():
+def test_scene_force_matches_physics():
     scene = panel(default("skin_leakage"), default("contact_area"), outputs=("t_s", "electrostatic_force_n"))
     got = run(scene)
     pieces = Sine(60.0, duration_s=0.05, ramp_s=0.01).pieces(40.0)
@@ -117,7 +117,7 @@ def test_a_scene_without_losses_is_a_divider():
     )
 
 
-def test_a_texture_is_a_share_of_the_force_along_the_path():
+def test_texture_scales_force_along_path():
     texture, outputs = default("texture"), ("t_s", "electrostatic_force_n")
     fine = panel(texture, outputs=outputs, accuracy=1e-4)
     got = run(fine)
@@ -217,7 +217,7 @@ def test_accuracy_is_refused_when_it_needs_many_samples():
 
 
 @pytest.mark.parametrize(("frequency_hz", "ramp_s"), [(20.0, 0.0), (60.0, 0.01)])
-def test_stick_and_slip_is_exact_in_its_events_and_right_between_them(frequency_hz, ramp_s):
+def test_stick_slip_events_are_exact(frequency_hz, ramp_s):
     ringing = effect("finger_dynamics", damping_n_s_per_m=0.05)  # else it slips once, and slides on
     effects = (effect("force_law", law="sc_layer"), default("dry_friction"), ringing)
     outputs = ("t_s", "slip_events_s", "friction_force_n", "skin_displacement_m")
@@ -283,7 +283,7 @@ def test_the_order_of_the_tuple_does_not_matter():
         ),
     ],
 )
-def test_effects_that_contradict_each_other_are_refused_with_the_cure(effects, message):
+def test_contradictory_effects_are_refused_with_fix(effects, message):
     with pytest.raises(InvalidParameter, match=message):
         panel(*effects())
 
@@ -294,7 +294,7 @@ def test_a_finger_at_rest_has_no_friction():
         replace(scene, effects=(*scene.effects, default("friction")), contacts=())
 
 
-def test_a_law_without_a_term_is_refused_with_the_cure():
+def test_law_without_required_term_is_refused():
     surface = Electrovibration(60.0)
     lossy = (effect("force_law", law="total_thickness"), default("skin_leakage"))
     with pytest.raises(InvalidParameter, match=r"'total_thickness' beside 'skin_leakage', .* interface or sc_layer"):
@@ -323,7 +323,7 @@ def test_an_accuracy_outside_of_its_range_is_refused(accuracy):
         panel(accuracy=accuracy)
 
 
-def test_a_setting_of_a_person_takes_the_place_of_the_chosen_one():
+def test_custom_setting_overrides_chosen_setting():
     scene = replace(panel(outputs=("t_s",)), settings={"sampling": {"n_samples": 33}})
     assert scene.resolve().run({})["t_s"].size == 33
     for bad, message in (

@@ -90,7 +90,7 @@ def test_lag_of_components_matches_time_course():
     assert scene.sensation(Sine(60.0, 0.5).at(30.0), TOUCH) == pytest.approx(exact_db, abs=1e-3)
 
 
-def test_receptors_and_masking_stand_behind_the_skin():
+def test_receptors_and_masking_act_after_the_skin():
     scene = replace(felt(), effects=tuple(default(k) for k in ("force_law", "friction", "receptors")))
     signal = Sine(60.0, 0.5).at(40.0)
     masked = replace(scene, effects=(*scene.effects, effect("masking", level_db_re_threshold=25.0)))
@@ -240,7 +240,7 @@ def test_finger_off_focus_feels_its_own_place(place):
     assert level_db < at_focus_db - 8
 
 
-def test_a_finger_beside_the_plate_feels_nothing_of_it():
+def test_finger_outside_plate_feels_nothing():
     touched = (FingerContact(1.5, x_m=1.0),)
     scene = Scene(small_screen(), (*PLATE, effect("focus_detection")), ("sensation_db",), contacts=touched)
     with pytest.raises(InvalidParameter, match=r"^contacts\[0\]: found \(1\.0, 0\.04\) m, expected a place on the pl"):
@@ -265,7 +265,7 @@ def test_screen_sensation_ignores_airborne_sound():
     assert screen.sensation(drive, Contact(2.0)) == silent.sensation(drive, Contact(2.0))
 
 
-def test_on_a_hybrid_screen_the_stronger_side_is_felt():
+def test_hybrid_screen_sensation_is_the_stronger_side():
     screen = load_scene(path_of("hybrid-screen")).scene
     drives = Hybrid(FocusTrain(), AmplitudeModulated(120.0, duration_s=0.5, rate_hz=250e3))
     friction = Scene(
@@ -312,7 +312,7 @@ MADE_WRONGLY = {
 
 
 @pytest.mark.parametrize("name", MADE_WRONGLY)
-def test_a_scene_of_what_is_none_is_refused(name):
+def test_scene_refuses_invalid_fields(name):
     value, sentence = MADE_WRONGLY[name]
     with pytest.raises(InvalidParameter, match=sentence):
         replace(felt(), **{name: value})
@@ -331,7 +331,7 @@ def test_sensation_resolves_once_and_caches_spectra(monkeypatch):
     assert (ran.count(("signal",)), sum("contact" in given for given in ran)) == (2, 4)
 
 
-def test_lines_that_touch_is_deaf_to_are_not_carried_along():
+def test_imperceptible_lines_are_dropped():
     """A carrier has hundreds of lines: 60 Hz is felt, 4 kHz is not."""
     t_s = np.arange(20_000) / 20_000.0
     course = np.sin(2 * np.pi * 60 * t_s) + np.sin(2 * np.pi * 4000 * t_s)

@@ -50,7 +50,7 @@ def table(**changes):
         ({"outputs": []}, r"^outputs: found none"),
     ],
 )
-def test_a_wrong_file_is_one_sentence_with_the_key_path(changes, message):
+def test_invalid_file_is_refused_with_key_path(changes, message):
     with pytest.raises(InvalidParameter, match=message) as refused:
         scene_of(table(**changes))
     assert "\n" not in str(refused.value)
@@ -80,7 +80,7 @@ def test_custom_setting_hides_predicted_error(capsys, tmp_path):
     assert "predicted error not known (a setting is given)" in capsys.readouterr().out
 
 
-def test_settings_that_no_memory_holds_are_one_sentence():
+def test_settings_beyond_memory_are_refused():
     huge = scene_of(table(settings={"sampling": {"n_samples": 10**15}}, given={"level_db_re_1v": 40.0}))
     with pytest.raises(
         InvalidParameter, match=r"^scene: found more than this memory holds .*; loosen the accuracy, or"
@@ -88,7 +88,7 @@ def test_settings_that_no_memory_holds_are_one_sentence():
         compute(huge.scene.resolve(), huge.given)
 
 
-def test_a_film_of_a_scene_without_a_plate_is_refused(capsys):
+def test_movie_without_plate_is_refused(capsys):
     assert status("scene", "electrovibration-panel", "--movie", "a.gif") == 2
     assert "--movie: found a scene on 'electrovibration', which has no wave" in capsys.readouterr().err
 
@@ -124,7 +124,7 @@ def test_an_unknown_output_names_the_known_ones():
     ("outputs", "effect", "place"),
     [("t_s", "skin_leekage", "effects[0].kind"), ("nonsense_n", "skin_leakage", "outputs")],
 )
-def test_the_command_names_the_file_that_holds_what_is_wrong(tmp_path, capsys, outputs, effect, place):
+def test_command_names_the_faulty_file(tmp_path, capsys, outputs, effect, place):
     file = tmp_path / "own.toml"
     file.write_text(
         f'outputs = ["{outputs}"]\n[surface]\nkind = "electrovibration"\nfrequency_hz = 60.0\n'
@@ -192,7 +192,7 @@ def test_explanation_is_aligned_within_100_columns(name):
     assert lines[-1].startswith("one more digit")
 
 
-def test_the_plan_in_words_opens_with_what_is_taken_for_granted():
+def test_explanation_starts_with_assumptions():
     found = load_scene(path_of("a4-screen"))
     given = replace(found.scene, outputs=("peak_m",))
     said = " ".join(explanation(given, found.given).partition("\nStage")[0].split())
@@ -208,7 +208,7 @@ def test_the_plan_in_words_opens_with_what_is_taken_for_granted():
 
 
 @pytest.mark.parametrize("kind", EFFECTS)
-def test_every_effect_says_what_it_takes_for_granted(kind):
+def test_every_effect_states_its_assumptions(kind):
     effect = resolve(EFFECTS[kind])
     assert isinstance(effect.assumes, tuple)
     assert all(words and words == words.strip(" .;") for words in effect.assumes)
@@ -240,7 +240,7 @@ def test_slow_scene_announces_its_duration(capsys, monkeypatch):
 
 
 @pytest.mark.parametrize(("boundary", "times"), [("FFFF", 1.0), ("CFFF", 2.0)])
-def test_the_predicted_time_has_the_modes_of_other_edges(boundary, times):
+def test_predicted_time_includes_ritz_modes(boundary, times):
     """A plan predicted 0.06 s for edges that took 11 s or more."""
     scene = load_scene(path_of("a4-screen")).scene
     effects = (resolve(EFFECTS["attenuation"])(3.5e-3), resolve(EFFECTS["edges"])(boundary))
@@ -248,7 +248,7 @@ def test_the_predicted_time_has_the_modes_of_other_edges(boundary, times):
     assert plan.predicted_s == pytest.approx(12 * times, rel=0.3)
 
 
-def test_amplitudes_go_with_the_constant_that_they_rest_on():
+def test_amplitudes_scale_with_their_calibration_constant():
     scene = replace(load_scene(path_of("a4-screen")).scene, outputs=("peak_m",), accuracy=0.1)
     patches = next(effect for effect in scene.effects if effect.kind == "patches")
     others = tuple(effect for effect in scene.effects if effect is not patches)
@@ -296,7 +296,7 @@ def test_lift_off_is_reported_without_force_output():
     assert "contact is\n    lost from 16." in said
 
 
-def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():
+def test_next_digit_cost_comes_from_tenfold_accuracy_plan():
     found = load_scene(path_of("electrovibration-panel"))
     finer = replace(found.scene, accuracy=found.scene.accuracy / 10).resolve()
     ratio = finer.predicted_s / found.scene.resolve().predicted_s
@@ -305,7 +305,7 @@ def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():
     assert last.endswith(f", {ratio:.1f} times as long")
 
 
-def test_the_measured_columns_are_those_of_a_first_and_a_second_run(monkeypatch):
+def test_measured_times_are_first_and_second_run(monkeypatch):
     found = load_scene(path_of("electrovibration-panel"))
     n_stages, runs = len(found.scene.resolve().stages), iter((12.5, 0.25))
     monkeypatch.setattr(Plan, "timed", lambda _plan, _values: (next(runs),) * n_stages)
@@ -314,7 +314,7 @@ def test_the_measured_columns_are_those_of_a_first_and_a_second_run(monkeypatch)
     assert lines[-2].endswith(f"measured {12.5 * n_stages:.3g} s cold, {0.25 * n_stages:.3g} s warm")
 
 
-def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
+def test_explanation_lists_every_effect_of_surface():
     found = load_scene(path_of("electrovibration-panel"))
     said = explanation(found.scene, found.given)
     kinds = {stage.effect for stage in found.scene.resolve().stages} - {""}
@@ -335,7 +335,7 @@ def test_explanation_marks_unneeded_effect_off():
     assert "friction                  off   no output needs it" in explanation(found.scene, found.given)
 
 
-def test_a_run_without_what_it_takes_is_refused(tmp_path, capsys):
+def test_run_without_given_values_is_refused(tmp_path, capsys):
     file = tmp_path / "scene.toml"
     file.write_text(
         'outputs = ["peak_force_n"]\n[surface]\nkind = "electrovibration"\nfrequency_hz = 60\nduration_s = 0.05\n'
@@ -369,13 +369,13 @@ def test_the_figure_is_drawn(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("name", names())
-def test_a_built_in_file_says_what_is_unverified(name):
+def test_built_in_file_states_unverified_values(name):
     text = path_of(name).read_text(encoding="utf-8")
     assert "unverified" in text
     assert tomllib.loads(text)["title"]
 
 
-def test_json_has_null_for_a_level_that_is_not_finite():
+def test_json_writes_null_for_infinite_level():
     @subcommand("scene")
     def command():
         say("", {"silent_db": -math.inf, "courses": [(1.0, math.nan)], "n": 3})

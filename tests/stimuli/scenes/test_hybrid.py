@@ -33,7 +33,7 @@ def run(scene):
     return plan.run({name: GIVEN[name] for name in plan.given})
 
 
-def test_each_side_of_a_hybrid_scene_is_what_it_is_alone():
+def test_hybrid_sides_match_their_single_scenes():
     alone = Scene(small_screen(), FOCUS, ("peak_m",), 0.01, (REST, replace(SLIDE, speed_m_per_s=0.0)))
     got = run(HYBRID)
     assert got["peak_m"] == pytest.approx(run(alone)["peak_m"], rel=1e-3)
@@ -64,7 +64,7 @@ def test_unneeded_hybrid_side_has_no_stages():
     assert not any("electrovibration" in stage.target for stage in focused.stages)
 
 
-def test_stages_of_both_sides_have_names_of_their_own():
+def test_hybrid_stages_have_distinct_names():
     plan = replace(HYBRID, outputs=("t_s", "focus_displacement_m", "sliding_t_s", "friction_force_n")).resolve()
     names = [stage.name for stage in plan.stages]
     assert len(set(names)) == len(names)
@@ -106,7 +106,7 @@ def test_cached_result_is_identical_and_not_recomputed(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("damage", ["torn", "altered", "empty", "one bit"])
-def test_a_damaged_file_is_found_out_and_computed_again(tmp_path, monkeypatch, damage):
+def test_damaged_cache_file_is_recomputed(tmp_path, monkeypatch, damage):
     runs = counting(monkeypatch)
     first = kept(HYBRID, tmp_path)
     (file,) = tmp_path.glob("*.npz")
@@ -125,7 +125,7 @@ def test_a_damaged_file_is_found_out_and_computed_again(tmp_path, monkeypatch, d
     assert len(list(tmp_path.iterdir())) == 1
 
 
-def test_no_bit_of_a_kept_file_is_turned_unseen(tmp_path):
+def test_cache_detects_any_flipped_bit(tmp_path):
     cache._write(tmp_path / "a.npz", {"peak_m": 1e-6})
     content = (tmp_path / "a.npz").read_bytes()
     for n in range(len(content)):
@@ -183,7 +183,7 @@ def test_a_film_has_the_colours_of_its_map(tmp_path):
         assert np.abs(shown - colour).max(axis=1).min() <= 3
 
 
-def test_a_film_is_mp4_where_there_is_ffmpeg_and_refused_elsewhere(tmp_path, monkeypatch):
+def test_mp4_film_requires_ffmpeg(tmp_path, monkeypatch):
     pytest.importorskip("imageio_ffmpeg")
     write_film(film(), "a focus", tmp_path / "a.mp4")
     assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
@@ -193,7 +193,7 @@ def test_a_film_is_mp4_where_there_is_ffmpeg_and_refused_elsewhere(tmp_path, mon
     assert not (tmp_path / "b.mp4").exists()
 
 
-def test_a_film_longer_than_what_is_watched_is_refused_with_the_cure():
+def test_overlong_film_is_refused_with_fix():
     with pytest.raises(InvalidParameter, match=r"movie: found a span of 0\.01 s, .*shorten it or raise those"):
         screen(effect("movie", span_s=0.01), outputs=("movie_m",)).resolve()
 

@@ -98,7 +98,7 @@ def in_time():
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
-def test_the_focus_under_two_fingers_is_that_of_the_physics_in_time(in_time, accuracy):
+def test_focus_under_two_fingers_matches_time_domain(in_time, accuracy):
     got = run(replace(SCENE, accuracy=accuracy))
     assert error(got, in_time, "focus_displacement_m") <= accuracy + OF_REFERENCE
 
@@ -120,7 +120,7 @@ MU = 0.5 * 0.05 / np.hypot(0.05, 1e-3)
 # --- against much finer runs
 
 
-def test_the_accuracy_is_kept_on_both_sides_and_costs_less_when_loosened():
+def test_hybrid_accuracy_is_met_and_looser_costs_less():
     reference, costs = run(replace(SCENE, accuracy=2e-5)), []
     for accuracy in ACCURACIES:
         plan = replace(SCENE, accuracy=accuracy).resolve()

@@ -57,7 +57,7 @@ def test_lift_off_error_is_within_predicted_error():
             assert np.abs(got[name] - true[name]).max() <= stage.error * np.abs(true[name]).max()
 
 
-def test_two_fingers_that_stay_are_two_linear_loads():
+def test_two_fingers_in_contact_match_linear_loads():
     whole = screen(*DRIVE).surface.plate
     places, rate_hz, band = [(0.05, 0.04), (0.09, 0.06)], 400e3, 8e3
     sampling = {"rate_hz": rate_hz, "duration_s": 3e-3, "f_max_hz": band}
@@ -70,7 +70,7 @@ def test_two_fingers_that_stay_are_two_linear_loads():
     assert found.displacement_m == pytest.approx(expected, abs=5e-3 * np.abs(expected).max())
 
 
-def test_a_light_finger_is_thrown_off_beside_a_firm_one():
+def test_light_finger_lifts_off_next_to_firm_finger():
     contacts = (FingerContact(0.05), FingerContact(2.0, x_m=0.09, y_m=0.06))
     got = run(touched(effect("lift_off"), contacts=contacts))
     light_s, firm_s = got["contact_lost_s"]

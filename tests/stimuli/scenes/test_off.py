@@ -159,7 +159,7 @@ def test_absent_effect_costs_no_import_stage_or_call(answers, side, kind):
 
 
 @pytest.mark.parametrize("physics", OWNERS)
-def test_the_physics_of_an_effect_is_imported_with_it_alone(answers, physics):
+def test_effect_physics_is_imported_only_with_effect(answers, physics):
     module = f"tactometry.stimuli.{physics}"
     for side, kind in EVERY:
         never, on, _ = answers[1][side][kind]

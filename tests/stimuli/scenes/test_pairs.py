@@ -76,7 +76,7 @@ def felt(surface, *stated: Effect) -> float | str:
 
 
 @pytest.mark.parametrize(("surface", "first", "others"), [*pairs()])
-def test_two_effects_are_both_felt_or_refused_in_one_sentence(surface, first, others) -> None:
+def test_effect_pair_is_felt_or_refused(surface, first, others) -> None:
     for second in others[others.index(first) + 1 :]:
         stated = [effect(kind, **VALUES[kind]) for kind in (first, second)]
         both = felt(surface, *stated)
@@ -89,7 +89,7 @@ def test_two_effects_are_both_felt_or_refused_in_one_sentence(surface, first, ot
 
 
 @pytest.mark.parametrize("of_plate", ["finger_load", "focus_detection"])
-def test_on_a_hybrid_screen_each_side_feels_its_own(of_plate) -> None:
+def test_hybrid_sides_feel_their_own_effects(of_plate) -> None:
     on_plate = effect(of_plate, **VALUES[of_plate])
     plate_db = level_db(PLATE, on_plate)
     for kind in ("weber_fraction", "air_gap", "body_resistance", "finger_dynamics", "receptors"):

@@ -37,7 +37,7 @@ PATCHES, ONE_BIT = effect("patches", side_m=8e-3), effect("one_bit")
 # --- what it computes is what the plate does
 
 
-def test_the_peak_of_one_bit_is_the_sum_of_the_learnt_responses():
+def test_one_bit_peak_is_sum_of_learnt_responses():
     plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
     whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
     raw = impulse_responses(whole, [(0.05, 0.04)], rate_hz=60e3, duration_s=3e-3, f_max_hz=15e3)
@@ -60,7 +60,7 @@ def fine():
     return whole, Signal(16 * np.fft.irfft(spectrum, 48 * n), 960e3, "V"), 16 * (2 * n - 1)
 
 
-def test_the_focus_signal_is_that_of_the_physics_in_time(fine):
+def test_focus_signal_matches_time_domain(fine):
     whole, signal, focus = fine
     responses = impulse_responses(whole, [(0.05, 0.04)], rate_hz=960e3, duration_s=12e-3, f_max_hz=120e3)
     expected = emitted(signal, responses)[0]
@@ -70,7 +70,7 @@ def test_the_focus_signal_is_that_of_the_physics_in_time(fine):
     assert np.abs(course - expected[focus - 3000 : focus + 900]).max() < 1e-3 * np.abs(expected[focus])
 
 
-def test_the_field_and_the_energy_are_those_of_the_physics_in_time(fine):
+def test_field_and_energy_match_time_domain(fine):
     whole, signal, focus = fine
     outputs = ("x_m", "y_m", "field_m", "energy_j")
     got = run(screen(LOSSY, PATCHES, ONE_BIT, effect("drive_energy"), outputs=outputs, accuracy=1e-2))
@@ -121,14 +121,14 @@ def test_lift_off_matches_time_domain_solution(fine):
 
 
 @pytest.mark.parametrize("voltage_v", [0.0, -30.0])
-def test_no_voltage_is_silent_and_a_turned_one_is_as_strong(voltage_v):
+def test_zero_voltage_is_silent_and_sign_is_irrelevant(voltage_v):
     outputs = ("peak_m", "sensation_db", "sound_level_dba")
     plan = screen(LOSSY, effect("airborne_sound"), effect("focus_detection"), outputs=outputs, accuracy=0.1).resolve()
     silence = {"peak_m": 0.0, "sensation_db": -np.inf, "sound_level_dba": -np.inf}
     assert plan.run({"voltage_v": voltage_v}) == (plan.run({"voltage_v": 30.0}) if voltage_v else silence)
 
 
-def test_the_course_passes_through_the_peak_at_the_focus_instant():
+def test_course_passes_through_peak_at_focus_instant():
     got = run(screen(LOSSY, ONE_BIT, outputs=("peak_m", "t_s", "focus_displacement_m")))
     assert got["focus_displacement_m"][got["t_s"] == 0] == pytest.approx([got["peak_m"]], rel=1e-9)
     assert np.abs(got["focus_displacement_m"]).max() == pytest.approx(got["peak_m"], rel=1e-9)
@@ -244,7 +244,7 @@ def test_random_scenes_keep_their_accuracy(scene):
 
 @pytest.mark.parametrize("aside_m", [0.0, 2e-3, 8e-3, 25e-3])
 @pytest.mark.parametrize("n", [2, 7])
-def test_a_focus_of_few_patches_beside_one_of_them_keeps_its_accuracy(n, aside_m):
+def test_focus_near_patch_meets_accuracy(n, aside_m):
     near = border(small_screen().plate, n, 8e-3, 12e-3)[0]
     surface = small_screen(n_transducers=n, focus_x_m=near.x_m, focus_y_m=near.y_m + 4e-3 + aside_m)
     scene = Scene(surface, (LOSSY, PATCHES), ("t_s", "focus_displacement_m"), 0.01)

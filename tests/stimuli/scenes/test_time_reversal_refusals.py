@@ -40,12 +40,12 @@ def test_too_costly_accuracy_is_refused_with_reason():
         (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not know"),
     ],
 )
-def test_effects_that_contradict_each_other_are_refused_with_the_cure(effects, message):
+def test_contradictory_effects_are_refused_with_fix(effects, message):
     with pytest.raises(InvalidParameter, match=message):
         screen(*effects())
 
 
-def test_a_finger_load_without_contact_is_refused_with_the_cure():
+def test_finger_load_without_contact_is_refused():
     with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*\[\[contacts\]\]"):
         Scene(small_screen(), (effect("finger_load"),), ("peak_m",))
     with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*no speed"):

@@ -81,7 +81,7 @@ def check_laws(thickness_m, side_m, band, n=32, tau_s=TAU_S, ratio=2.0, size_m=(
         (4e-3, 5e-3, Band(36e3, 108e3)),
     ],
 )
-def test_the_laws_are_off_the_simulation_by_what_they_state(thickness_m, side_m, band):
+def test_design_laws_match_simulation_at_chosen_points(thickness_m, side_m, band):
     """The ends of their domain, and where they are worst: patches longer than the wave, and few modes."""
     check_laws(thickness_m, side_m, band)
 
@@ -136,7 +136,7 @@ def test_contrast_of_a_fast_train_meets_the_simulation():
     assert design.contrast == pytest.approx(contrast_whole_of(amplitude, u), rel=0.25)
 
 
-def test_more_patches_than_the_edges_hold_are_not_promised():
+def test_guide_limits_patches_to_available_edge_length():
     wide = recommend(A4_SCREEN, Transducers(n=8, side_m=35e-3), Band(1e3, 25e3), TAU_S, Target(contrast=15.0))
     assert wide.design.transducers.n <= 24
     assert wide.unreachable[0].startswith("contrast: ")
@@ -168,7 +168,7 @@ def test_every_wish_is_met_or_named_as_unreachable(resolution, contrast, amplitu
     assert design.repetition_s >= 2 / design.band.width_hz or "repetition" in names
 
 
-def test_contrast_beyond_the_modes_is_refused_with_the_reason():
+def test_contrast_beyond_modes_is_refused_with_reason():
     guide = recommend(A4_SCREEN, Transducers(), BAND, TAU_S, Target(contrast=40.0))
     assert len(guide.unreachable) == 1
     assert guide.unreachable[0].startswith("contrast: 40 is above sqrt(N) = 24.")

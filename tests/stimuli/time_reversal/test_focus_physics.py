@@ -73,11 +73,11 @@ def test_focus_width_matches_diffuse_field_theory(band, level):
 
 
 @pytest.mark.parametrize("band", [WIDE, LOW, HIGH], ids=["wide", "low", "high"])
-def test_item_7_a_simulated_focus_is_half_a_wavelength_wide(band):
+def test_focus_is_half_a_wavelength_wide(band):
     assert mean_width_m(band) == pytest.approx(float(half_wavelength_m(A4_SCREEN, band.mean_hz)), rel=0.05)
 
 
-def test_item_7_one_frequency_is_0_48_of_its_wavelength():
+def test_single_frequency_focus_is_048_wavelengths_wide():
     """A plate of eleven A4 sheets has 180 modes in the one kilohertz."""
     plate, band = BOROFLOAT_33.plate(0.99, 0.7, 1.1e-3, "SSSS"), Band(12e3, 13e3)
     places = [(x, y) for x in (0.31, 0.47, 0.63) for y in (0.27, 0.41)]
@@ -113,7 +113,7 @@ def test_focus_area_matches_hudin_2015():
 
 
 @pytest.mark.parametrize("reversal_s", [1e-3, 1.5e-3, 3e-3, 6e-3, 9e-3])
-def test_item_5_amplitude_grows_with_reversal_as_the_closed_forms_say(reversal_s):
+def test_amplitude_growth_with_reversal_matches_closed_forms(reversal_s):
     """Foci of drives of T against those of eight tau, within 2 %."""
     h = impulse_responses(screen(side_m=10e-3), FOCI[:4], rate_hz=150e3, duration_s=24e-3, f_max_hz=60e3)
     for quantiser, law in ((OneBit(), one_bit_amplitude_ratio), (Analogue(), analogue_amplitude_ratio)):
@@ -132,7 +132,7 @@ def test_amplitude_of_a_long_reversal_grows_with_tau():
 
 
 @pytest.mark.parametrize("band", [WIDE, HIGH], ids=["wide", "high"])
-def test_one_bit_amplitude_is_the_closed_form_of_the_design(band):
+def test_one_bit_amplitude_matches_design_closed_form(band):
     """V Q (2 / pi)^(1/2) times the decaying rms of a diffuse field, within 10 %, patches of 5 mm."""
     made = emission(band)
     on = screen(side_m=5e-3)
@@ -185,7 +185,7 @@ def test_a_wave_arrives_with_the_group_velocity(thickness_m, shear_factor):
         assert np.polyfit(away, centre_s, 1)[0] * speed == pytest.approx(1.0, rel=0.01)
 
 
-def test_waves_run_together_and_apart_again_with_the_group_velocity():
+def test_waves_converge_and_diverge_at_group_velocity():
     """A ring of radius c |t| before and after the focus, 15 to 25 kHz on a large plate."""
     plate, band, focus = BOROFLOAT_33.plate(1.2, 1.0, 1.1e-3, "SSSS"), Band(15e3, 25e3, 5e3), (0.6, 0.5)
     on, made = screen(plate, 64, tau_s=20e-3), emission(band, 8e-3)
@@ -202,7 +202,7 @@ def test_waves_run_together_and_apart_again_with_the_group_velocity():
         assert rings[np.argmax(in_ring)] == pytest.approx(speed * abs(step) / made.rate_hz, abs=0.025)
 
 
-def test_the_focus_lasts_as_long_as_a_pulse_of_its_bandwidth():
+def test_focus_duration_matches_pulse_of_its_bandwidth():
     """Envelope of a flat band: 1.207 / B at half its height, within 5 %."""
     for band in (LOW, Band(10e3, 25e3)):
         made, widths = emission(band), []
@@ -224,7 +224,7 @@ def test_wrong_or_unreversed_drive_makes_no_focus():
         assert abs(focus_amplitude(forward, here, i)) < 0.2 * own
 
 
-def test_a_plate_twice_as_thick_does_the_same_in_half_the_time():
+def test_doubled_thickness_halves_all_times():
     """Similarity: omega and mass double, so that a sample at twice the rate is an eighth."""
     one, two = (
         impulse_responses(
