@@ -25,13 +25,13 @@ Setting = float | int | str | tuple[float, ...] | tuple[str, ...]
 
 
 def note(words: str, *names: str) -> dict[str, str]:
-    """The same words for each of some names: of quantities how to have them, of kinds why they do not go together."""
+    """Return a dict that maps each name to the same words."""
     return dict.fromkeys(names, words)
 
 
 @dataclass(frozen=True)
 class Size:
-    """How finely a stage works: settings that the tolerated error chooses, the error that is left, and the work.
+    """The settings of a stage for a tolerated error, its remaining error, and its work.
 
     `n_operations` is the predicted number of floating-point operations of one run.
     """
@@ -51,7 +51,7 @@ class Stage:
         What the step is, in the words of `tactometry scene --explain`; a key of ``[settings]`` in a scene file.
     needs : tuple of str
         Names of the quantities that it reads. If `gives` is among them the stage changes that quantity; if not, it
-        takes the place of whatever gave it before.
+        replaces the stage that provided it before.
     gives : str
         Name of the quantity.
     target : str
@@ -158,7 +158,7 @@ class Effect:
 
     ============ ==================================================================================
     `kind`       name in a scene file
-    `slot`       place of which a scene may fill one; by default the kind
+    `slot`       place that one effect of a scene may fill; by default the kind
     `requires`   slots, ``contact``, ``sliding contact`` or ``resting contact`` that the scene must have
     `excludes`   kinds that contradict it, with the reason and the cure; `felt_excludes` replaces it
                  where a signal is played and no time course is computed
@@ -212,8 +212,6 @@ class Effect:
         """Return the stages of the effect; by default the value itself.
 
         Their `size` computes, predicts or refuses, and is called only if an output needs the stage.
-
-        What its stages compute, refuse or predict stands in their `size`, which is asked for if an output needs them.
         """
         return (self.stage(),)
 
@@ -347,7 +345,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class Demand:
-    """A scene as its stages see it: the effects that its outputs call for, and the error that each stage may add.
+    """The effects that the outputs of a scene need, and the error per stage.
 
     Effects that no output needs are not in it, so that no size of a stage can depend on them.
 

@@ -103,7 +103,10 @@ def _terms(scene: Surroundings) -> tuple[float, float]:
 
 
 def _ramp_end_per_s2(ramp_s: float, leak_per_s: float, leak_of_tone: float, constant: float) -> float:
-    """Curvature of the force over its peak behind a ramp, 0 without ramps or losses."""
+    """Return the curvature of the force over its peak after a ramp.
+
+    0 without ramps or losses.
+    """
     if not (ramp_s and leak_per_s):
         return 0.0
     return (pi / ramp_s) ** 2 / 2 * (hypot(1.0, leak_of_tone) * (1 + 2 * constant) + 1)

@@ -30,7 +30,7 @@ class Mapped:
 
     `sha256` detects changes to the file.
 
-    Raises `InvalidParameter` if there are neither or both, the digest is missing (it is told) or another, or the file
+    Raises `InvalidParameter` if there are neither or both, the digest is missing or differs, or the file
     holds no numbers; `InvalidFile` if it cannot be read.
 
     Parameters
@@ -107,7 +107,7 @@ class GreyImage(Mapped):
     path : str, optional
         A PNG or CSV file, relative to the study file.
     sha256 : str, optional
-        Of the file; a refusal tells it.
+        Digest of the file; the error for a missing digest states it.
     row : int
         The row of the file that the finger follows, from 0.
 
@@ -144,7 +144,7 @@ class HeightMap(Mapped):
     path : str, optional
         A PNG or CSV file, relative to the study file.
     sha256 : str, optional
-        Of the file; a refusal tells it.
+        Digest of the file; the error for a missing digest states it.
     row : int
         The row of the file that the finger follows, from 0.
     direction : int

@@ -26,7 +26,7 @@ OUTPUTS: Mapping[bool, Mapping[str, str]] = {
 class FingerDynamics(Effect):
     """Mass and stiffness as published per sliding speed; the damping, of all speeds, is an unverified default.
 
-    What is felt is the motion of this skin, in place of that of `skin_mobility`. With `friction` the finger slides
+    The motion of this skin is felt instead of that of `skin_mobility`. With `friction` the finger slides
     all the time, and its friction is what it is without; with `dry_friction` it sticks and slips.
 
     Parameters

@@ -19,7 +19,7 @@ PLATE = "tactometry.stimuli.scenes.stages.plate"
 class FingerLoad(Effect):
     """Every contact at rest as damper, mass and spring at a point, which grow with ``(F/2 N)^exponent``.
 
-    Without a place of its own a contact is at the focus. The plate has learnt without. All defaults are unverified.
+    A contact without a place is at the focus. The responses were learnt without contacts. All defaults are unverified.
 
     Parameters
     ----------

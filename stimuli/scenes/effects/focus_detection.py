@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 class FocusDetection(Effect):
     """A single focus of `reference_m` is at threshold, as in `tactometry.stimuli.time_reversal.TimeReversalSensation`.
 
-    It is what the first finger at rest feels where it rests, at the focus without a place of its own or without a
-    finger; it loads the plate with `finger_load` alone. 10 um is an unverified default.
+    The level is that at the first resting finger, by default at the focus. The finger loads the
+    plate only with `finger_load`. 10 um is an unverified default.
 
     Parameters
     ----------

@@ -214,7 +214,7 @@ def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str 
 def read_provenance(path: Path) -> dict[str, str | float | int]:
     """Return the provenance of learnt responses, or {} if none is stored.
 
-    Raises `InvalidFile` if the file is no NPZ of responses.
+    Raises `InvalidFile` if the file is not an NPZ file of responses.
     """
     content = read_file(path, "learnt responses")
     try:
