@@ -71,8 +71,10 @@ class FrictionLag(Effect):
         return (Stage("friction_lag", needs, "friction_force_n", target, dict(vars(self)), size=size),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Of each component in its steady state, as the exact course costs a hundred times as much; that course where
-        another effect acts on it."""
+        """Return a steady-state stage, or the exact one if friction is altered.
+
+        The exact course costs a hundred times as much.
+        """
         if is_changed("friction_force_n", scene):
             return tuple(replace(stage, size=None) for stage in self.stages(scene))
         return (self.stage(),)

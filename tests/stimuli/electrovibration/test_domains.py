@@ -1,4 +1,4 @@
-"""Outside of its domain each thing says so, in one clear sentence; within it nothing is NaN."""
+"""Refusals of out-of-domain input, and finite results within it."""
 
 import numpy as np
 import pytest
@@ -131,7 +131,7 @@ def test_outside_of_its_domain_it_says_so(call, message: str) -> None:
 @pytest.mark.parametrize(
     "texture", [Grating(1e-3), Region(0.0, 1.0), Bump(0.0, 1.0), NOISE, GreyImage(1e-3, (1.0, 1.0, 1.0))]
 )
-def test_a_texture_refuses_a_position_that_is_not_finite(texture) -> None:
+def test_texture_refuses_non_finite_position(texture) -> None:
     with pytest.raises(InvalidParameter, match=r"x_m: found nan, expected a finite number"):
         texture.force_share(np.nan)
 

@@ -1,4 +1,4 @@
-"""The flow of a driven system against the exponential of its equation on products of states, and states in two ways."""
+"""The flow of a driven system, against its matrix exponential."""
 
 import mpmath as mp
 import numpy as np
@@ -38,7 +38,7 @@ STATES, MARCH = njit(states), njit(march)
 
 
 def lifted(circuit: Circuit, system: LinearSystem, length_s: float) -> mp.matrix:
-    """The flow of (all products z_i z_j, x), whose equation is linear, in 40 digits."""
+    """Return the linear flow of (all products z_i z_j, x) in 40 digits."""
     z, g, n = circuit.matrix(), circuit.output(), circuit.n_states
     one = np.eye(n)
     products = np.kron(z, one) + np.kron(one, z)
@@ -75,7 +75,7 @@ def test_flows_over_two_lengths_make_one_over_both(first_s: float, second_s: flo
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("pieces", TONES.values(), ids=TONES)
-def test_a_state_follows_as_the_compiled_loop_lets_it(pieces: Pieces, law: str) -> None:
+def test_state_flow_matches_compiled_loop(pieces: Pieces, law: str) -> None:
     form = force_form(law, Skin(), 1e-4)
     plan = plan_of(Timing(pieces, T_S), form.relaxations, LAG)
     z = STATES(heights(pieces), plan)

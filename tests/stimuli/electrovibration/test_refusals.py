@@ -1,4 +1,4 @@
-"""Numbers and words that no circuit, friction or figure can take: one sentence each."""
+"""Invalid numbers and names, each refused in one sentence."""
 
 import numpy as np
 import pytest
@@ -52,7 +52,7 @@ def stuck(n_events_max):
         ),
     ],
 )
-def test_what_cannot_be_is_refused_in_one_sentence(call, sentence):
+def test_invalid_input_is_refused_in_one_sentence(call, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         call()
 
@@ -80,7 +80,7 @@ def slid(finger):
         (lambda: Noise.drawn(1.0, 1e20, 1e9, rng=np.random.default_rng(0)), "expected at most 268435456 lines"),
     ],
 )
-def test_two_arguments_that_cannot_be_together_are_refused(call, sentence):
+def test_incompatible_arguments_are_refused(call, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         call()
 

@@ -1,6 +1,6 @@
-"""Every public function and class of time reversal, one argument at a time replaced by what does not belong there.
+"""Invalid values for one argument at a time of every public callable.
 
-What comes back is finite, or one sentence: no NaN, no warning, no traceback of Python's or numpy's own.
+The result is finite or an error of one sentence, without warnings or tracebacks.
 """
 
 import importlib
