@@ -53,7 +53,7 @@ def chi_muller_p(effect: ContrastEffect) -> float:
 
 @pytest.mark.parametrize("design", DESIGNS)
 @pytest.mark.parametrize("scenario", SCENARIOS)
-def test_false_alarms_of_the_analysis_of_variance_are_4_to_6_percent(design, scenario) -> None:
+def test_anova_false_positive_rate_is_near_five_percent(design, scenario) -> None:
     """At ten participants; of Chi and Muller's p, for the highest effect of the design."""
     n_levels, part = DESIGNS[design]
     n_studies = 60_000 if SOAK else 2_000
@@ -64,7 +64,7 @@ def test_false_alarms_of_the_analysis_of_variance_are_4_to_6_percent(design, sce
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS[:3])
-def test_false_alarms_and_means_with_bounds_are_right_too(scenario) -> None:
+def test_censored_anova_has_nominal_error_and_coverage(scenario) -> None:
     """A seventh of the values are bounds. False alarms are 4 to 6 % (docs/reference/analysis.md), and the interval of
     a mean holds it in 94 to 98 %, also in the noisy condition."""
     n_studies = 3_000 if SOAK else 80
@@ -80,7 +80,7 @@ def test_false_alarms_and_means_with_bounds_are_right_too(scenario) -> None:
 
 
 @pytest.mark.parametrize("scenario", ["spherical", "noisy"])
-def test_simultaneous_intervals_hold_all_differences_in_95_percent(scenario) -> None:
+def test_simultaneous_intervals_have_joint_coverage(scenario) -> None:
     """And leave out 0 only where Holm's p is below 5 %."""
     n_studies = 3_000 if SOAK else 100
     values = drawn(scenario, 4, (n_studies, N), np.random.default_rng())
@@ -92,7 +92,7 @@ def test_simultaneous_intervals_hold_all_differences_in_95_percent(scenario) -> 
 
 
 @pytest.mark.parametrize(("scenario", "low", "high"), [("spherical", 0.935, 0.965), ("AR(1)", 0.90, 0.99)])
-def test_two_intervals_within_participants_are_that_of_a_difference(scenario, low, high) -> None:
+def test_within_intervals_overlap_as_often_as_differences(scenario, low, high) -> None:
     """Shortened by sqrt(1 / 2), they do not meet in 5 % of studies where two means are alike; with correlated errors
     less often for neighbours, which are nearer than others."""
     n_studies = 20_000 if SOAK else 2_000
