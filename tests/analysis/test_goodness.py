@@ -85,7 +85,7 @@ def most(share):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("n_each", "guess", "n_catch"), [(10, FORCED, 0), (10, FREE, 20), (3, FORCED, 0)])
-def test_p_of_a_true_function_is_below_five_percent_in_five_percent(n_each, guess, n_catch):
+def test_goodness_tests_have_nominal_error_rate(n_each, guess, n_catch):
     rng = np.random.default_rng()
     levels = constant(n_each, rng)
     if n_each == 3:
@@ -97,7 +97,7 @@ def test_p_of_a_true_function_is_below_five_percent_in_five_percent(n_each, gues
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("n_trials", "guess", "n_down"), [(40, FORCED, 3), (80, FREE, 1)])
-def test_p_is_not_too_small_where_levels_follow_the_answers(n_trials, guess, n_down):
+def test_goodness_tests_hold_error_rate_in_staircases(n_trials, guess, n_down):
     rng = np.random.default_rng()
     levels, answers = staircases(n_trials, guess, n_down, rng)
     found = shares(levels, answers, guess, rng, bound=0.05, follows=True)
@@ -128,7 +128,7 @@ def test_each_fault_is_found_by_its_test(fault, test, power):
     assert found[test] >= power, found
 
 
-def test_the_deviance_is_that_of_the_fit():
+def test_goodness_deviance_equals_deviance_of_fit():
     k, n = np.array([10, 11, 12, 15, 18, 16, 20]), 20
     found = fit(LEVELS, k, n, shape="normal", guess_rate=0.5)
     counts = normalise(LEVELS[None], k[None].astype(float), np.full((1, 7), 20.0))
@@ -138,7 +138,7 @@ def test_the_deviance_is_that_of_the_fit():
     assert values[0, 0] == pytest.approx(found.deviance, rel=1e-9)
 
 
-def test_the_trend_is_the_standardised_sum_of_residuals_times_time():
+def test_residual_order_and_dispersion_have_closed_form():
     """One level, whose chance is one half: no, no, yes, yes in four stretches of ten. Of the two parts of the
     dispersion, the one that is weighted with the rates less their mean is 0."""
     counts = normalise(np.zeros((1, 1)), np.array([[20.0]]), np.array([[40.0]]))
@@ -152,7 +152,7 @@ def test_the_trend_is_the_standardised_sum_of_residuals_times_time():
 
 
 @pytest.mark.parametrize("share", [0.02, 0.3])
-def test_the_p_of_draws_that_end_early_is_valid(share):
+def test_early_stopped_monte_carlo_p_is_valid(share):
     """Besag and Clifford (1991): the chance of a p up to a bound is at most the bound; here the p itself is known."""
     rng = np.random.default_rng()
     tally = _Tally(*(np.zeros((4000, 4), dtype=np.int64) for _ in range(2)))
@@ -181,7 +181,7 @@ def table_of(path, burst, n_participants=6):
     return path
 
 
-def test_a_participant_who_answered_the_other_way_round_for_a_while_is_told(tmp_path):
+def test_burst_of_guesses_is_reported_as_overdispersion(tmp_path):
     path, page = table_of(tmp_path / "t.csv", burst=(2,)), tmp_path / "r.html"
     found = CliRunner().invoke(command, [str(path), "--report", str(page)], catch_exceptions=False)
     assert "! 1 of 6 fitted functions have p <= 0.01 in the test of overdispersion" in " ".join(found.output.split())
@@ -192,7 +192,7 @@ def test_a_participant_who_answered_the_other_way_round_for_a_while_is_told(tmp_
     assert "Wichmann, F. A., &amp; Hill, N. J. (2001)" in page.read_text()
 
 
-def test_json_has_the_tests_and_the_same_data_the_same_p(tmp_path):
+def test_goodness_results_are_repeatable_and_in_json(tmp_path):
     path = table_of(tmp_path / "t.csv", burst=())
     one, other = (analyse(path) for _ in range(2))
     assert [row["test"] for row in summary(one)["goodness"]] == list(TESTS)
