@@ -61,13 +61,13 @@ def test_uneven_deviations_cost_degrees_of_freedom() -> None:
     assert other.p == pytest.approx(float(fisher.sf(other.f, 2 * expected, 10 * expected)), rel=1e-9)
 
 
-def test_widths_that_were_taken_to_be_the_same_have_no_test(study) -> None:
+def test_shared_widths_have_no_test(study) -> None:
     with pytest.raises(InvalidParameter, match="of: found 'log_width' over force_n, expected conditions whose widths"):
         fitted(study[0]).effect("force_n", of="log_width")
 
 
 @pytest.mark.soak
-def test_false_alarms_with_one_noisy_condition_are_near_5_percent() -> None:
+def test_false_positive_rate_is_nominal_with_noisy_condition() -> None:
     rng, n_studies = np.random.default_rng(), 400
     found = [fitted(noisy(rng), guess_rate=0.02).effect("force_n").p < 0.05 for _ in range(n_studies)]
     assert abs(np.mean(found) - 0.05) < 0.015 + 3.9 * np.sqrt(0.05 * 0.95 / n_studies)
@@ -96,6 +96,6 @@ def noisy(rng) -> pd.DataFrame:
         (lambda found: found.contrast({(0.5,): 1.0}, of="width"), "of: found 'width', expected 'threshold'"),
     ],
 )
-def test_refuses_contrasts_of_what_is_not_there(study, call, message) -> None:
+def test_contrasts_of_unknown_conditions_are_rejected(study, call, message) -> None:
     with pytest.raises(InvalidParameter, match=f"^{message}"):
         call(fitted(study[0]))
