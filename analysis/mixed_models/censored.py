@@ -136,8 +136,8 @@ def endless_direction(ends: Array, x: Array) -> Array | None:
 
     Along it no known value moves, and every bound (row, 2) is satisfied ever better.
 
-    None if there is no such direction: the likelihood then has a finite maximum at any variance. This is the separation of Albert and
-    Anderson (1984, Biometrika 71, 1-10), found by a linear programme.
+    None if there is no such direction: the likelihood then has a finite maximum at any variance. This is the separation
+    of Albert and Anderson (1984, Biometrika 71, 1-10), found by a linear programme.
 
     >>> endless_direction(np.array([[1.0, 1.0], [2.0, 2.0], [3.0, np.inf]]), np.array([[1.0, 0], [1, 0], [1, 1]]))
     array([0., 1.])
