@@ -38,7 +38,7 @@ def alike(found: pd.DataFrame, peer: pd.DataFrame) -> None:
 
 @pytest.mark.parametrize("shape", [(5, 2), (8, 4), (6, 3, 4), (5, 2, 3, 2)])
 def test_censored_anova_equals_anova_without_bounds(shape) -> None:
-    """Every column but Mauchly's test, at any scale."""
+    """Every column except Mauchly's test agrees, at any scale."""
     table = long_table(drawn(shape, np.random.default_rng()))
     within = NAMES[: len(shape) - 1]
     peer = repeated_measures(table, dependent="y", within=within, subject="subject")
@@ -70,7 +70,7 @@ def test_censored_means_equal_group_table_without_bounds() -> None:
 
 
 def test_censored_anova_with_one_factor_equals_censored_model() -> None:
-    """Whose integral is over one random effect, by quadrature."""
+    """The censored model integrates over one random effect by quadrature."""
     rng = np.random.default_rng()
     table = cut(long_table(8 + rng.normal(size=(10, 4)) + 2 * rng.normal(size=(10, 1))), 6.0)
     found = censored_anova(table, within="force", **GIVEN)
@@ -91,7 +91,7 @@ def test_censored_anova_with_one_factor_equals_censored_model() -> None:
 
 
 def test_censored_likelihood_equals_numerical_integral() -> None:
-    """Of one participant with two bounds, at the covariance of two factors."""
+    """One participant has two bounds; the covariance is that of two factors."""
     rng = np.random.default_rng()
     y = rng.normal(size=(4, 4)) + rng.normal(size=(4, 1))
     low, high = y.copy(), y.copy()
@@ -128,7 +128,10 @@ def _log_mass(low: float, high: float) -> float:
 
 
 def test_truncated_normal_points_change_continuously_with_bound() -> None:
-    """They jumped as the end of the second value passed its mean: the search found no rest (8 of 60 studies of six)."""
+    """Regression test for a search that did not converge.
+
+    Points jumped as the end of the second value passed its mean (8 of 60 studies of six).
+    """
     covariance, ends = np.array([[1.0, 0.5], [0.5, 1.0]]), (np.zeros(2), np.full(2, np.inf))
     one, other = (truncated_normal(np.full(2, x), covariance, *ends).values for x in (-1e-6, 1e-6))
     assert np.abs(one - other).max() < 1e-4
@@ -165,7 +168,10 @@ def test_missing_value_is_not_counted_as_bound() -> None:
 
 
 def test_censored_anova_recovers_means_below_bounds() -> None:
-    """Sixty participants, a third of one condition below its bound; within the standard error at 1e-4."""
+    """Errors are within the interval at 1e-4.
+
+    Sixty participants; in one condition a third of the values lie below the bound.
+    """
     rng = np.random.default_rng()
     truth = np.array([0.0, 1.0, 2.0])
     values = truth + rng.normal(0, 1.5, (60, 1)) + rng.normal(0, 0.7, (60, 3))

@@ -20,7 +20,7 @@ CUT = 22.0
 
 
 def study(rng, n=8, sd=2.0) -> pd.DataFrame:
-    """Three conditions about 19, 21 and 22.5."""
+    """Simulate three conditions with means near 19, 21 and 22.5."""
     means = {0.5: 19.0, 1.0: 21.0, 2.0: 22.5}
     own = rng.normal(0, sd, n)
     rows = [(f"P{p}", x, m + own[p] + rng.normal(0, 0.8)) for p in range(n) for x, m in means.items()]
@@ -28,7 +28,7 @@ def study(rng, n=8, sd=2.0) -> pd.DataFrame:
 
 
 def cut(table) -> pd.DataFrame:
-    """Values above `CUT` are known to lie above it, no more."""
+    """Censor values above `CUT`: they are known only to lie above it."""
     above = table["y"] > CUT
     return table.assign(y=table["y"].where(~above), low=np.where(above, CUT, np.nan))
 
@@ -121,7 +121,10 @@ def test_tail_interval_log_probability_matches_50_digits() -> None:
 
 @pytest.mark.parametrize("end", [1e5, 1e7, 1e9])
 def test_log_likelihood_curvature_is_not_positive_far_away(end) -> None:
-    """Where rounding takes all digits of the curvature: else a system that has no solution."""
+    """Regression test: rounding took all digits of the curvature.
+
+    The system of the Newton step then had no solution.
+    """
     for low, high in ((end, np.inf), (-np.inf, -end)):
         assert of_interval(np.array(low), np.array(high), np.array(0.0), np.array(0.0)).hessian[0, 0] <= 0
 
@@ -149,7 +152,7 @@ def test_narrow_interval_counts_as_its_value() -> None:
 
 
 def test_interval_counts_as_censored_above_minimum_width() -> None:
-    """One is a value from a millionth of the spread down."""
+    """An interval narrower than a millionth of the spread counts as a value."""
     for width, n in ((0.05, 1), (1.1e-6, 1), (0.9e-6, 0)):
         laid = Intervals.of(np.array([[1.0, 1.0], [2.0, 2.0 + width]]), np.ones((2, 1)), np.array([0, 0]))
         assert laid.n_censored == n
@@ -167,7 +170,10 @@ def test_censored_model_is_symmetric_and_scales_with_units() -> None:
 
 
 def test_censored_model_recovers_mean_above_bound() -> None:
-    """The mean of the third condition, of which half of the values are cut; within its standard error at 1e-4."""
+    """The mean of the third condition is within its standard error at 1e-4.
+
+    Half of the values of that condition are censored.
+    """
     table = cut(study(np.random.default_rng(), n=60))
     estimate, error = fit(table).coefficients.loc[2, ["estimate", "se"]]
     known = mixed_model(table.dropna(subset="y"), dependent="y", factors=["force_n"], subject="who")
@@ -220,7 +226,7 @@ def test_unbounded_coefficient_is_detected_before_search(ends, direction) -> Non
 
 
 def test_known_values_without_error_are_rejected_before_search() -> None:
-    """The likelihood rises without end as the variance of errors vanishes."""
+    """The likelihood rises without end as the error variance vanishes."""
     table = study(np.random.default_rng())
     known = (table["who"] == "P0") & (table["force_n"] < 2)
     with pytest.raises(InvalidParameter, match="known values that the terms and participants explain without error"):
@@ -228,7 +234,7 @@ def test_known_values_without_error_are_rejected_before_search() -> None:
 
 
 def test_censored_model_fits_or_rejects_small_tables() -> None:
-    """Searches went on for half a minute, or ended in scipy's complaint of the Hessian's inverse."""
+    """Regression test: searches took half a minute or failed within scipy."""
     rng = np.random.default_rng()
     for n, sd, share in product((2, 4), (1e-9, 1.0), (0.1, 0.5)):
         table = study(rng, n, sd)
