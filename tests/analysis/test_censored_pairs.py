@@ -1,4 +1,4 @@
-"""Pairs of conditions and groups of which some values are bounds: those of known values, and the truth is recovered."""
+"""Tests of censored pairs and equivalence against tests of known values."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""What terminal and page say of choices and questionnaires, and of answers that nobody gave."""
+"""Tests of the output for choices, questionnaires and missing answers."""
 
 import json
 import shutil
@@ -21,7 +21,7 @@ def analysis_of(path: Path) -> Analysis:
 
 
 def unanswered(name: str, root: Path, form: str, participants: tuple[str, ...]) -> Path:
-    """A recorded data set in which these participants left a questionnaire unanswered."""
+    """Copy a recorded data set with an unanswered questionnaire."""
     copy = Path(shutil.copytree(RECORDED / name, root / name))
     for file in (copy / "data").glob("*.csv"):
         rows = pd.read_csv(file, dtype=str, keep_default_na=False)
