@@ -88,7 +88,10 @@ def test_sensitivity_rejects_perfect_rate() -> None:
 
 
 def test_interval_bias_does_not_lower_sensitivity() -> None:
-    """Of an observer with d' = 1 who prefers the first interval: choices are those of a difference with sd sqrt(2)."""
+    """Simulate an observer with d' = 1 who prefers the first interval.
+
+    The choices depend on a difference with standard deviation sqrt(2).
+    """
     rng = np.random.default_rng()
     n, d_prime, bias = 200_000, 1.0, -0.5
     first = (rng.normal(size=n) * np.sqrt(2) + d_prime) / np.sqrt(2) > bias

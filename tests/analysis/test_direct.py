@@ -24,7 +24,7 @@ SD = 1.2
 
 
 def written(path: Path, rows) -> Path:
-    """Of (participant, force, level, unit, task, response, valid)."""
+    """Write rows of participant, force, level, unit, task, response, valid."""
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(HEADER)
@@ -81,7 +81,7 @@ def test_the_report_shows_settings_without_rates_or_curves(adjusted) -> None:
 
 
 def numbers(unit, n_participants=4, noise=0.0, rng=None) -> list[tuple]:
-    """Each participant with an own modulus: k A ** (0.6 + 0.1 force)."""
+    """Return magnitudes k A ** (0.6 + 0.1 force), k per participant."""
     rng = rng or np.random.default_rng()
     cells = product(range(n_participants), FORCES, LEVELS_DB, range(3))
     return [
@@ -123,7 +123,7 @@ def test_growth_ignores_modulus_when_level_is_missing(tmp_path) -> None:
 
 
 def test_exponents_are_recovered_and_their_intervals_cover_them(tmp_path) -> None:
-    """95 % of 120 intervals within 4.1 standard errors."""
+    """Coverage of 120 intervals is 95 % within 4.1 standard errors."""
     rows = numbers("dB re 1 V", n_participants=40, noise=0.3, rng=np.random.default_rng())
     table = analyse(written(tmp_path / "t.csv", rows)).tables["magnitude"]
     truth = 0.6 + 0.1 * table["force_n"].astype(float)
@@ -202,7 +202,7 @@ def test_measurements_alone_are_rejected(tmp_path) -> None:
 
 @pytest.mark.parametrize(("rows", "is_compared"), [(settings, True), (None, False)], ids=["settings", "exponents"])
 def test_equivalence_applies_to_levels_only(tmp_path, rows, is_compared) -> None:
-    """An exponent has not their unit."""
+    """An exponent has another unit."""
     rng = np.random.default_rng()
     path = written(tmp_path / "t.csv", rows(rng) if rows else numbers("dB re 1 V", noise=0.1, rng=rng))
     (outcome,) = analyse(path, plan=AnalysisPlan(equivalence={"force_n": 50.0})).outcomes

@@ -1,4 +1,7 @@
-"""Where the analysis draws its lines: how few participants, which trials are counted, what tells a threshold."""
+"""Tests of the limits of an analysis.
+
+They cover the fewest participants, the trials that count, and uninformative answers.
+"""
 
 import pandas as pd
 import pytest
@@ -63,7 +66,7 @@ def test_quality_table_counts_each_row_once(tmp_path):
 
 @pytest.mark.parametrize("n_yes", [[4, 4, 6, 6, 6, 6, 5], [6, 6, 3, 5, 7, 9, 6]])
 def test_noisy_half_yes_answers_are_flat(n_yes):
-    """Its interval, twice as long as the levels, is no narrow one."""
+    """The interval, twice as long as the levels, is not informative."""
     found = fit(list(range(7)), n_yes, [10] * 7, shape="normal", guess_rate=0.0, method="likelihood")
     assert found.status == "flat"
 
@@ -71,7 +74,7 @@ def test_noisy_half_yes_answers_are_flat(n_yes):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("n", [12, 100_000])
 def test_half_yes_answers_are_flat_for_any_size(n, method):
-    """The width's prior alone would place it at the middle, with a short interval."""
+    """The prior of the width alone would place the threshold at the middle."""
     found = fit(
         range(7),
         [n // 2] * 7,
