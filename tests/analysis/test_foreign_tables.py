@@ -98,7 +98,10 @@ def test_unnamed_column_with_content_is_rejected(tmp_path):
 
 
 def test_psychopy_sessions_with_different_columns_are_merged(tmp_path):
-    """PsychoPy writes a column only where it holds something: here one of notes, and one of answers that came late."""
+    """PsychoPy writes a column only if it contains something.
+
+    Here one session has notes and one has late answers.
+    """
     text = (FOREIGN / "psychopy_2026.2.5.csv").read_text(encoding="utf-8-sig")
     header, *rows = text.splitlines()
     (tmp_path / "7.csv").write_text(text, encoding="utf-8")
@@ -142,7 +145,7 @@ def test_folder_of_json_files_is_read_with_map(tmp_path):
 
 @pytest.mark.parametrize("between", ["\n", "", " \r\n\n"])
 def test_concatenated_json_lists_are_one_table(tmp_path, between):
-    """As JATOS keeps the results of several participants."""
+    """JATOS stores the results of several participants in this form."""
     first = (FOREIGN / "jspsych_8.3.0.json").read_text()
     (tmp_path / "results.json").write_text(first + between + first.replace('"s3"', '"s4"') + between)
     rows = read_trials(tmp_path / "results.json", within=["phase"], column_map=JSPSYCH).rows

@@ -31,12 +31,12 @@ def chance(x, guess, threshold=TRUTH):
 
 
 def constant(n_each, rng, n_sets=N_SETS):
-    """Levels (n_sets, n_trials) of constant stimuli in random order."""
+    """Draw levels (n_sets, n_trials) of constant stimuli in random order."""
     return np.stack([rng.permutation(np.repeat(LEVELS, n_each)) for _ in range(n_sets)])
 
 
 def staircases(n_trials, guess, n_down, rng):
-    """Levels and answers of staircases that go down after `n_down` correct answers."""
+    """Simulate staircases that go down after `n_down` correct answers."""
     levels, answers = np.empty((N_SETS, n_trials)), np.empty((N_SETS, n_trials))
     level, run = np.full(N_SETS, 8.0), np.zeros(N_SETS)
     for t in range(n_trials):
@@ -49,7 +49,7 @@ def staircases(n_trials, guess, n_down, rng):
 
 
 def problem(levels, answers, guess, n_catch=0, rng=None):
-    """The posterior, and answers in stretches of ten."""
+    """Return the posterior, and answers in stretches of ten."""
     n_sets, n_trials = levels.shape
     every = np.unique(levels)
     where = (
@@ -69,7 +69,7 @@ def problem(levels, answers, guess, n_catch=0, rng=None):
 
 
 def shares(levels, answers, guess, rng, *, bound, follows=False, n_catch=0):
-    """The share of data sets whose p is at most the bound, by test."""
+    """Return the share of data sets with p at most the bound, by test."""
     posterior, sequences = problem(levels, answers, guess, n_catch, rng)
     theta = find_mode(posterior).theta
     found = goodness(posterior, theta, sequences, np.full(len(levels), follows), rng)
@@ -79,7 +79,7 @@ def shares(levels, answers, guess, rng, *, bound, follows=False, n_catch=0):
 
 
 def most(share):
-    """As many data sets as chance lets have a p below its bound."""
+    """Return the most data sets whose p may be below its bound by chance."""
     return binom.ppf(1 - RARE, N_SETS, share) / N_SETS
 
 
@@ -139,8 +139,10 @@ def test_goodness_deviance_equals_deviance_of_fit():
 
 
 def test_residual_order_and_dispersion_have_closed_form():
-    """One level, whose chance is one half: no, no, yes, yes in four stretches of ten. Of the two parts of the
-    dispersion, the one that is weighted with the rates less their mean is 0."""
+    """One level with a rate of one half: no, no, yes, yes in four stretches.
+
+    Of the two parts of the dispersion, the one weighted with rates minus their mean is 0.
+    """
     counts = normalise(np.zeros((1, 1)), np.array([[20.0]]), np.array([[40.0]]))
     theta = np.array([[0.0, 0.0, 0.0, 0.0]])
     answers = Sequences(np.array([[[0.0], [0.0], [10.0], [10.0]]]), np.full((1, 4, 1), 10.0))
@@ -153,7 +155,10 @@ def test_residual_order_and_dispersion_have_closed_form():
 
 @pytest.mark.parametrize("share", [0.02, 0.3])
 def test_early_stopped_monte_carlo_p_is_valid(share):
-    """Besag and Clifford (1991): the chance of a p up to a bound is at most the bound; here the p itself is known."""
+    """The probability of a p up to a bound is at most the bound.
+
+    Besag and Clifford 1991; here p itself is known.
+    """
     rng = np.random.default_rng()
     tally = _Tally(*(np.zeros((4000, 4), dtype=np.int64) for _ in range(2)))
     for n_draws in (20, 79, 900):
@@ -167,7 +172,10 @@ def test_early_stopped_monte_carlo_p_is_valid(share):
 
 
 def table_of(path, burst, n_participants=6):
-    """Constant stimuli of six people; in those of `burst` a third of the trials in a row is guessed."""
+    """Write constant stimuli of six participants.
+
+    For those in `burst` a third of the trials in a row are guesses.
+    """
     rng = np.random.default_rng()
     rows = ["participant,session,study,block,trial,force_n,procedure,level,level_unit,task,response"]
     for who in range(n_participants):

@@ -64,14 +64,17 @@ def test_intervals_cover_means_contrasts_and_participants() -> None:
 
 
 def test_variances_are_recovered() -> None:
-    """Of 24 participants; sd known to 15 % (chi with 23 df), at 1e-4 within a factor of 1.8 either way."""
+    """With 24 participants sd is known to 15 % (chi with 23 df).
+
+    At 1e-4 it is within a factor of 1.8 either way.
+    """
     found = fitted(simulated(np.random.default_rng(), n=24)[0])
     assert SD / 1.8 < found.components["threshold"] < 1.8 * SD
     assert found.lapse_rate < 0.08
 
 
 def expected_counts(thresholds, n_trials) -> pd.DataFrame:
-    """Answers as often as they are expected."""
+    """Return answers as often as they are expected."""
     parts = [
         pd.DataFrame({"participant": f"P{p}", "force_n": 1.0, "level": LEVELS, "k": np.round(n * curve(m)), "n": n})
         for p, (m, n) in enumerate(zip(thresholds, n_trials, strict=True))
@@ -147,7 +150,7 @@ def test_a_missing_cell_stays_empty(study) -> None:
 
 
 def test_condition_without_threshold_has_no_mean(study) -> None:
-    """Its participants have theirs."""
+    """Its participants have bounds."""
     rows = study[0].copy()
     rows.loc[rows["force_n"] == 0.5, "k"] = 20
     found = fitted(rows)
@@ -206,7 +209,10 @@ def test_widths_of_steps_stay_finite(study) -> None:
 
 
 def test_interval_widens_when_lapse_rate_is_free() -> None:
-    """Four of five right wherever it was asked: thresholds of tracks came out 10 dB low, with a short interval."""
+    """Four of five answers are correct at every level.
+
+    Thresholds of such tracks were 10 dB too low, with a short interval.
+    """
     names = [f"P{person}" for person in range(6) for _ in range(5)]
     levels = [18.0 + person + step for person in range(6) for step in (0.0, 2.0, 4.0, 6.0, 8.0)]
     k = [31, 37, 41, 40, 41, 30, 38, 40, 42, 41, 32, 36, 41, 40, 40] * 2

@@ -42,7 +42,7 @@ def test_effects_of_a_factorial() -> None:
 
 
 def test_uneven_deviations_cost_degrees_of_freedom() -> None:
-    """As the covariance of the participants' thresholds says."""
+    """The correction follows the covariance of the participants' thresholds."""
     rows, _ = simulated(np.random.default_rng(), n=6, means={0.5: 18.0, 1.0: 19.0, 2.0: 19.0}, n_trials=30)
     found = fitted(rows)
     noise = np.random.default_rng().normal(0, 30, 6)
@@ -74,7 +74,10 @@ def test_false_positive_rate_is_nominal_with_noisy_condition() -> None:
 
 
 def noisy(rng) -> pd.DataFrame:
-    """Ten participants, four conditions of one mean, the first with deviations three times as large."""
+    """Simulate ten participants in four conditions with one mean.
+
+    The first condition has deviations three times as large.
+    """
     rows = []
     for p in range(10):
         own = 18.0 + 2.0 * rng.normal()

@@ -113,7 +113,7 @@ def test_each_repeated_touch_of_other_tasks_counts(tmp_path):
     "factor", [1e-5, 400.0, *(pytest.param(factor, marks=pytest.mark.slow) for factor in (0.01, 1.0))]
 )
 def test_thresholds_keep_three_digits_in_all_output(tmp_path, capsys, factor):
-    """In volts that no table of one decimal place can show."""
+    """Levels in volts need more than one decimal place."""
     rows = [
         {"participant": f"P{person}", "trial": 100 * x + n, "side": side, "procedure": "c", "level": factor * x}
         | {"level_unit": "V", "task": "comparison", "response": int(n % 10 < 2 * x - person - (side == "b"))}
