@@ -1,4 +1,4 @@
-"""Who is left out by a plan is in no table of results; what is given beside a data set reaches what it is for."""
+"""Tests of exclusion rules and of inputs given alongside a data set."""
 
 import json
 
@@ -39,7 +39,7 @@ def test_excluded_participant_is_absent_from_result_tables(name, share, code) ->
 
 
 def test_rule_estimate_includes_excluded_answers() -> None:
-    """The rule was told them."""
+    """The procedure received those answers."""
     whole, some = planned(STAIRCASES), planned(STAIRCASES, latency_max_s=0.8)
     keys = ["participant", "force_n", "frequency_hz"]
     told, kept = (each.tables["thresholds"].set_index(keys) for each in (whole, some))
@@ -84,7 +84,10 @@ def test_excluded_answers_equal_missing_answers(tmp_path) -> None:
 
 
 def test_anova_names_participant_it_leaves_out(tmp_path, capsys) -> None:
-    """In terminal, JSON and report, where the analysis of bounds answers and the analysis of variance is a check."""
+    """The primary analysis includes bounds; the ANOVA is a check.
+
+    Terminal, JSON and report agree.
+    """
     rng = np.random.default_rng(4)
     thresholds = grid_of_thresholds(5, {(0.5,): 20.0, (1.0,): 22.0, (2.0,): 24.0}, 1.0, rng)
     del thresholds["P05", (2.0,)]

@@ -70,7 +70,7 @@ def test_localisation_errors_are_counted_by_distance():
 
 @pytest.mark.parametrize("m", [2, 3, 9])
 def test_resolution_is_halfway_point_above_chance(m):
-    """Of expected counts of a Weibull function the fit gives the function's own halfway point."""
+    """Fit the expected counts of a Weibull function."""
     n, alpha, beta = 9000, 0.014, 2.0
     rates = {x: 1 / m + (1 - 1 / m) * (1 - np.exp(-((x / alpha) ** beta))) for x in DISTANCES_M}
     found = resolutions(answers({x: (round(n * rate), n) for x, rate in rates.items()}, m), FACTORS)
@@ -83,7 +83,7 @@ LAPSES, ALPHA_M, BETA = 0.04, 0.014, 2.0
 
 
 def drawn(n, rng, m=3, code="P01"):
-    """Answers of a participant with this Weibull function, n at each distance."""
+    """Draw answers of a participant with this Weibull function."""
     rise = 1 - np.exp(-((np.array(DISTANCES_M) / ALPHA_M) ** BETA))
     right = rng.binomial(n, 1 / m + (1 - 1 / m - LAPSES) * rise)
     return answers({x: (int(k), n) for x, k in zip(DISTANCES_M, right, strict=True)}, m, code)
@@ -119,7 +119,10 @@ def test_guess_rate_follows_alternatives_of_condition():
 
 
 def test_misfit_of_resolution_has_warning():
-    """A floor above the guess rate and a step, as where two places differ by strength however near they lie."""
+    """The rates have a floor above the guess rate and a step.
+
+    This occurs if two places differ in strength at any distance.
+    """
     counts = dict(
         zip(DISTANCES_M, [(186, 300), (180, 300), (189, 300), (190, 300), (288, 300), (291, 300)], strict=True)
     )
@@ -230,7 +233,10 @@ def study(repeats):
 
 
 def chances(text):
-    """Of a right answer at each distance, by Phi(D / 2) from the field at the finger."""
+    """Return the rate of correct answers by distance.
+
+    It is Phi(D / 2) from the field at the finger.
+    """
     experiment, found = wire(parse(text.encode(), "s.toml"), "s.toml"), {}
     by_distance = {}
     for cell in experiment.cells.values():
@@ -242,7 +248,10 @@ def chances(text):
 
 
 def test_resolution_of_simulated_participant_is_recovered(tmp_path):
-    """From study file to estimate, through the field of the plate: it is what the physics says, within its error."""
+    """Simulate a study file and analyse it.
+
+    The estimate equals the resolution of the plate's field within its error.
+    """
     text = study(repeats=40)
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     simulated = "simulate", tmp_path / "study.toml", "--participants", "1", "--out", tmp_path / "data"
@@ -257,7 +266,7 @@ def test_resolution_of_simulated_participant_is_recovered(tmp_path):
 
 
 def test_rates_of_participants_are_compared_between_distances(tmp_path):
-    """Beside the analysis of variance of statsmodels, without a correction."""
+    """Compare with the ANOVA of statsmodels, without a correction."""
     rng = np.random.default_rng(4)
     people = [drawn(12, rng, 2, f"P{k}").assign(task="localisation", valid=1, trial=1) for k in range(5)]
     rows = pd.concat(people, ignore_index=True)
@@ -279,7 +288,7 @@ def test_rates_of_participants_are_compared_between_distances(tmp_path):
 
 
 def test_rates_by_distance_have_no_force_model(tmp_path):
-    """The force that was applied is known by the factors alone, not by the distance between places."""
+    """Applied force is known by factor only, not by distance."""
     rng = np.random.default_rng()
     people = [
         drawn(12, rng, 2, f"P{k}").assign(force_n=force_n, force_mean_n=force_n * rng.uniform(0.9, 1.1))

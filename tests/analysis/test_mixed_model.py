@@ -104,7 +104,10 @@ def test_hard_scales_have_the_same_tests(published, scale) -> None:
 
 
 def test_each_term_is_averaged_over_the_others(published) -> None:
-    """Of a balanced design: its sum of squares over the error that all effects share."""
+    """Compare with sums of squares over the common error.
+
+    The design is balanced.
+    """
     found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject").terms.set_index("term")
     anova = repeated_measures(published, dependent="y", within=WITHIN, subject="subject").set_index("Source")
     error = (anova["MS"] / anova["F"] * anova["ddof2"]).sum() / anova["ddof2"].sum()

@@ -71,7 +71,7 @@ def test_recorded_participants_have_no_simulation_line(tmp_path):
 
 @pytest.fixture
 def mixed(tmp_path, whole):
-    """People, and a simulated participant whose files somebody copied beside them."""
+    """Recorded participants with copied files of a simulated participant."""
     sit(tmp_path / "d", SOUND)
     sit(tmp_path / "alone", SOUND)
     for folder in ("data", "journals"):
