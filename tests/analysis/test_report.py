@@ -1,4 +1,7 @@
-"""From a trials table to tables and report: recovery, censoring, real data, equal bytes."""
+"""Tests of the analysis from trials table to report.
+
+They cover recovery, censoring, real data and equal bytes.
+"""
 
 import json
 import re
@@ -292,7 +295,10 @@ def test_refuses_levels_in_two_units(tmp_path) -> None:
 
 @pytest.fixture(scope="module")
 def pressed(study, tmp_path_factory) -> Path:
-    """The study with a measured force: 10 % above the target, P02 out of the band."""
+    """Write the study with a measured force.
+
+    It is 10 % above the target; that of P02 is out of the band.
+    """
     rng = np.random.default_rng()
     table = pd.read_csv(study[0], dtype=str, keep_default_na=False)
     force = table["force_n"].astype(float) * (1.1 + 0.02 * rng.normal(size=len(table)))
@@ -340,7 +346,7 @@ def test_report_has_force_models_pairs_and_references(planned) -> None:
 
 @pytest.fixture(scope="module")
 def shown(pressed, tmp_path_factory) -> tuple[Analysis, int]:
-    """With its page and its figures, and how often one was drawn for them."""
+    """Return the analysis with page and figures, and the number of drawings."""
     from matplotlib.figure import Figure
 
     folder, drawn, draw = tmp_path_factory.mktemp("shown"), [], Figure.draw

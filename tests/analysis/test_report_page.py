@@ -296,7 +296,7 @@ def test_procedure_text_of_adjustment_omits_level_choice() -> None:
 
 
 def test_analyse_runs_when_tactometry_is_not_installed(monkeypatch, capsys) -> None:
-    """A source checkout has no metadata of its own."""
+    """A source checkout has no package metadata."""
 
     def distribution(name):
         if name == "tactometry":
