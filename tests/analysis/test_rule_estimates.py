@@ -1,4 +1,4 @@
-"""The rule's own estimate stands beside the fit: what the recorded session's procedure says at its end."""
+"""Tests of rule estimates against the recorded procedures."""
 
 import json
 import shutil
@@ -35,7 +35,7 @@ RULES = {
 
 
 def tracks_at_the_end(root):
-    """Every track of a data set's recorded sessions, with whose it was."""
+    """Yield every track of recorded sessions with its participant."""
     experiment = wire(parse((root / "study.toml").read_bytes(), "study.toml"), "study.toml", begun=True)
     for journal in sessions(root):
         recording = read(journal)

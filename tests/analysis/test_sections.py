@@ -40,7 +40,7 @@ def figure() -> Figure:
 
 @pytest.fixture
 def added(monkeypatch) -> None:
-    """As by a file in `sections` and a line in `kinds`."""
+    """Add a custom section as a file in `sections` and an entry in `kinds`."""
     kind = ResultKind(
         lambda _: [Section("Reactions < all", (Lead("Means."), Details("More", (grid(ROWS, ()), figure()))))],
         lambda _: [TextTable(ROWS, "reactions", ["no test of reactions"])],

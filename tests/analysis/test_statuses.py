@@ -1,5 +1,8 @@
-"""What a status promises: a criterion that spares tracks that aim at one part of the function, the same verdict in
-every analysis, and no number outside its own interval. The bias study has the shares (test_bias_study.py)."""
+"""Tests of statuses: verdicts, agreement and intervals.
+
+Tracks that aim at one part of the function are not penalised, every analysis has the same status, and no estimate lies
+outside of its interval. The bias study has the shares (test_bias_study.py).
+"""
 
 import math
 from dataclasses import asdict
