@@ -22,7 +22,7 @@ def ends(found: ThresholdFit) -> np.ndarray:
 
 
 def converged(monkeypatch: pytest.MonkeyPatch, *arguments, **options) -> tuple[ThresholdFit, ...]:
-    """Grids of their own with four times as many nodes in double precision."""
+    """Fit on separate grids with four times the nodes, in double precision."""
     with monkeypatch.context() as patch:
         patch.setattr(shared_grid, "WORTH_SHARING", 10**9)
         patch.setattr(posterior, "FINAL_NODES", (75, 55))
@@ -35,7 +35,10 @@ def converged(monkeypatch: pytest.MonkeyPatch, *arguments, **options) -> tuple[T
 
 
 def test_ends_after_sparse_track_are_converged(monkeypatch) -> None:
-    """A staircase of 40 trials, of which equidistant nodes put an end off by 18 % of the interval."""
+    """Equidistant nodes put an end off by 18 % of the interval.
+
+    The track is a staircase of 40 trials.
+    """
     levels = [0, 3, 4, 8, 11, 12, 16, 19, 20, 24, 26, 27, 28, 30, 35]
     n_correct, n_trials = [4, 1, 0, 0, 1, 1, 0, 1, 0, 0, 1, 1, 14, 3, 1], [5, 1, 1, 1, 1, 2, 1, 1, 1, 1, 5, 1, 15, 3, 1]
     track = log_posterior(levels, n_correct, n_trials, shape="gumbel", guess_rate=0.5, scale_free_width=True)
