@@ -39,7 +39,7 @@ TOLERATED = 1.0
 class StepFit:
     """Best step function, with its place on the scale of `Counts.u`.
 
-    `is_best`: no curve fits better. `is_between`: the step also lies between two levels, or a step between levels has
+    `is_best`: no curve fits better. `is_between`: the step also lies between two levels, or moving it there costs
     a likelihood ratio below e^1, so that no level shows an intermediate rate.
     """
 
@@ -272,8 +272,7 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
     any_chance = _log_beta(k + 1, n - k + 1) + _logarithm(share)
     catch = np.zeros(len(counts))
     if prior.guess_rate is None:
-        # Answers to catch trials are guesses: beside a lower asymptote they share its rate, else they have one of
-        # their own.
+        # Answers to catch trials are guesses: they share the rate of a lower asymptote, else they have a separate one.
         catch = _log_mean_chance(None, prior.guess_beta, alarms, correct)
         guesses = _log_mean_chance(None, prior.guess_beta, k + alarms, n - k + correct)
     else:
