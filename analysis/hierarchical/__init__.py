@@ -1,4 +1,4 @@
-"""All participants at once: the hierarchical psychometric model."""
+"""Hierarchical psychometric model of all participants."""
 
 from typing import TYPE_CHECKING
 

@@ -1,11 +1,11 @@
-"""Thresholds of all participants and conditions at once: a hierarchical psychometric model.
+"""Hierarchical fit of thresholds over participants and conditions.
 
-Means and effects (`model`) are integrated over by Laplace's approximation, all else by importance sampling
-(`posterior`). A participant with few or extreme answers is drawn to the group; no value replaces a threshold outside of
-the levels.
+Means and effects (`model`) are integrated out by Laplace's approximation, all other parameters by importance sampling
+(`posterior`). Estimates of participants with few or extreme answers shrink to the group mean. A threshold out of range
+of the levels is reported as a bound, never as a value.
 """
 
-from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
+from __future__ import annotations  # `help` then shows ArrayLike instead of its expansion
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -59,30 +59,30 @@ def fit_hierarchical(
     Parameters
     ----------
     levels, n_correct, n_trials, participants : (n_rows,)
-        One row a participant, condition and level. Rows without trials are ignored; cells may be missing.
+        One row per participant, condition and level. Rows without trials are ignored; cells may be missing.
     conditions : mapping of factor to (n_rows,)
         The values of each factor.
     shape, guess_rate, lapse_rate, lapse_beta, guess_beta, scale_free_width
-        As for `threshold.fit`: a free lapse rate is one of each participant, a free guess rate one for all. The last
-        is for the fits of single cells, on which the verdicts rest.
+        As for `threshold.fit`. A free lapse rate differs between participants, a free guess rate is shared. The last
+        option applies to the fits of single cells, which determine the statuses.
     n_false_alarms, n_catch : int or (n_rows,)
-        "Yes" answers to catch trials, and catch trials: of all participants together, or (better) of each row's cell.
+        "Yes" answers to catch trials, and number of catch trials: over all participants, or (better) per row's cell.
     width_by : sequence of str
         The factors on which the mean log width depends; by default one mean for all.
     known : mapping of (participant, values of the factors) to ThresholdFit, optional
-        Fits of single cells with the same options, that need not be made again; not for the shape ``weibull``.
+        Existing fits of single cells with the same options, which are reused; not for the shape ``weibull``.
     n_points : int
-        Points of a round of the integral over the hyperparameters; the first round has half as many.
+        Points per round of the integral over the hyperparameters; the first round uses half as many.
 
     Raises
     ------
     InvalidParameter
-        For what is no number, an impossible count (naming the row), an unknown name.
+        For a value that is not a number, an impossible count (naming the row), or an unknown name.
 
     Notes
     -----
-    The posterior of variances, correlation, mean width and rates is integrated over by importance sampling at fixed
-    quasi-random points: the same answers give the same result. Priors, in ranges of the levels (of logarithms for
+    The posterior of variances, correlation, mean width and rates is integrated by importance sampling at fixed
+    quasi-random points, so the same answers give the same result. Priors, in ranges of the levels (of logarithms for
     widths): mean thresholds normal about the middle of their levels, mean log widths normal about half of the range,
     standard deviations half-normal, the correlation LKJ(2), lapse rates of participants normal on the logit scale.
 
@@ -110,7 +110,7 @@ def fit_hierarchical(
         {name: np.asarray(values)[used] for name, values in conditions.items()},
         width_by,
         (x[used], k[used], n[used]),
-        catch if np.ndim(n_catch) else None,  # one number is that of all participants together
+        catch if np.ndim(n_catch) else None,  # a single number is the total of all participants
         **dict(zip(("n_false_alarms", "n_catch"), catch.max(axis=1), strict=True)),
         **prior,
         shape=curve,
@@ -193,7 +193,7 @@ def _mean_hyperparameters(model: GroupModel, found: Integrated) -> dict[str, Any
 
 
 def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iterator[str]:
-    """Yield notes on parameters that the responses leave open."""
+    """Yield notes on parameters that the responses do not determine."""
     low, high, _ = study.ranges()
     if np.any((high > low) & ~(group.threshold_se <= high - low)):
         yield OPEN_MEAN
@@ -202,13 +202,16 @@ def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iter
 
 
 def _means_of_all(single: SingleFits, model: GroupModel, found: Integrated) -> tuple[Array, Array, tuple[int, ...]]:
-    """Return means and covariances in the unit of the levels; zeros for conditions without a threshold."""
+    """Return means and covariances in the unit of the levels.
+
+    Conditions without a threshold have zeros.
+    """
     study, kept, n_points = single.study, model.study, len(found.weights)
     group = np.zeros(study.n_conditions, dtype=np.int64)
     group[single.with_threshold] = kept.width_group
     places = np.concatenate([single.with_threshold, study.n_conditions + np.arange(kept.n_groups)])
     n = study.n_conditions + kept.n_groups
-    # Thresholds are stretched to the unit of the levels; logarithms of widths are shifted to it.
+    # Convert to the unit of the levels: scale thresholds, shift logarithms of widths.
     is_threshold = np.arange(n) < study.n_conditions
     scale = np.where(is_threshold, study.spread, 1.0)
     offset = np.where(is_threshold, study.centre, np.log(study.spread))

@@ -1,8 +1,10 @@
-"""The hierarchical model: cells of participants by conditions, each with a threshold, a log width and a lapse rate.
+"""Hierarchical model of thresholds, log widths and lapse rates of cells.
+
+A cell is a participant in a condition.
 
 The threshold of participant p in condition c is the mean of c, plus the effect of p, plus the deviation of the cell.
-The log width is the mean of its group plus the effect of p (plus a deviation of the cell if there are several groups),
-and the logit of the lapse rate a mean plus the effect of p. All are on the scale of the whole study's levels.
+The log width is the mean of its group plus the effect of p (plus a deviation of the cell if there are several groups).
+The logit of the lapse rate is a mean plus the effect of p. All are on the scale of the whole study's levels.
 """
 
 from collections.abc import Mapping, Sequence
@@ -72,11 +74,14 @@ class StudyCounts:
         own_catch: Array | None = None,
         **known: Any,
     ) -> "StudyCounts":
-        """Lay out rows of a level each; `own_catch` (2, n_rows) are false alarms and catch trials of their cells."""
+        """Arrange rows, one per level, into a study.
+
+        `own_catch` (2, n_rows) contains false alarms and catch trials of the cell of each row.
+        """
         keys = pd.DataFrame(dict(factors))
         conditions = keys.drop_duplicates().sort_values(list(factors)).reset_index(drop=True)
         both = conditions.reset_index().merge(keys.reset_index(), on=list(factors))
-        place = both.sort_values("index_y")["index_x"]  # of each row's condition, in the order of the rows again
+        place = both.sort_values("index_y")["index_x"]  # index of each row's condition, in the original order of rows
         who, participant = np.unique(names, return_inverse=True)
         cell = participant * len(conditions) + place.to_numpy()
         n_cells = len(who) * len(conditions)
@@ -105,20 +110,20 @@ class StudyCounts:
         return int(self.width_group.max()) + 1
 
     def level(self, u: Array) -> Array:
-        """Return levels in their unit."""
+        """Return levels in their original unit."""
         with np.errstate(over="ignore"):
             level = self.centre + self.spread * u
             return np.asarray(np.exp(level) if self.shape.on_log_levels else level)
 
     def only(self, chosen: Indices) -> "StudyCounts":
-        """Return the study of some conditions."""
+        """Return the study restricted to some conditions."""
         u, k, n = (counts[:, chosen] for counts in (self.u, self.n_yes, self.n_trials))
         group = np.unique(self.width_group[chosen], return_inverse=True)[1].astype(np.int64)
         conditions, catch = self.conditions.iloc[chosen], self.own_catch[..., chosen]
         return replace(self, u=u, n_yes=k, n_trials=n, own_catch=catch, width_group=group, conditions=conditions)
 
     def ranges(self) -> tuple[Array, Array, Array]:
-        """Return lowest and highest level and smallest spacing of each condition (n_conditions,)."""
+        """Lowest and highest level and smallest spacing of each condition."""
         used = self.n_trials > 0
         low = np.where(used, self.u, np.inf).min(axis=(0, 2))
         high = np.where(used, self.u, -np.inf).max(axis=(0, 2))
@@ -132,9 +137,12 @@ def _scale(x: Array) -> tuple[float, float]:
 
 
 def _counts_of_cells(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-    """Return rows as (n_cells, n_rows of the largest cell), equal levels of a cell pooled."""
+    """Arrange rows by cell and pool equal levels of a cell.
+
+    The result has the shape (n_cells, n_rows of the largest cell).
+    """
     counts = normalise(*lay_out(cell, *columns, n_clusters=n_cells))
-    # Back from each cell's own scale to that of the study, which the means of conditions need.
+    # The means of conditions need the scale of the study, not that of each cell.
     u = counts.centre[:, None] + counts.spread[:, None] * counts.u
     u = np.where(counts.n_trials > 0, u, 0.0)
     return u, counts.n_yes, counts.n_trials
@@ -160,7 +168,10 @@ def logit_of(probability: float) -> float:
 
 
 def log_rate_prior(logit: Array, beta: float, n_yes: float = 0.0, n_no: float = 0.0) -> Array:
-    """Return the log density along the logit of a rate with a Beta(1, beta) prior and some answers."""
+    """Return the log posterior density of a rate along its logit.
+
+    The prior is Beta(1, beta); `n_yes` and `n_no` are answers that follow the rate.
+    """
     rate = rate_of(logit)[0]
     counted = n_yes * (np.log(LARGEST_RATE) + log_expit(logit)) + (beta - 1 + n_no) * np.log1p(-rate)
     return np.asarray(counted + log_expit(logit) + log_expit(-logit))
@@ -168,7 +179,7 @@ def log_rate_prior(logit: Array, beta: float, n_yes: float = 0.0, n_no: float = 
 
 @dataclass(frozen=True)
 class GroupModel:
-    """The model of a study, at many hyperparameters (n_points, n_hyper) at once.
+    """Model of a study at many hyperparameters (n_points, n_hyper) at once.
 
     `hyper` names the columns: logarithms of standard deviations, the inverse hyperbolic tangent of the correlation,
     logits of rates, and the mean log width if it is one for all.
@@ -178,7 +189,7 @@ class GroupModel:
 
     @cached_property
     def sds(self) -> list[str]:
-        """Names of the standard deviations, in the order of the effects of a participant."""
+        """Names of the standard deviations, in the order of the effects."""
         study = self.study
         if study.n_participants == 1:
             return []
@@ -203,7 +214,7 @@ class GroupModel:
 
     @cached_property
     def kept(self) -> list[int]:
-        """Parameters of a cell's function that its predictors move."""
+        """Parameters of the psychometric function that the predictors change."""
         return [THRESHOLD, LOG_WIDTH, *([LAPSE] if self.study.lapse_rate is None else [])]
 
     @cached_property
@@ -217,7 +228,10 @@ class GroupModel:
 
     @cached_property
     def random(self) -> Array:
-        """Design Z (n_conditions, n_predictors, n_random) of a participant's effects and deviations."""
+        """Design Z (n_conditions, n_predictors, n_random) of random effects.
+
+        Random effects are those of a participant and the deviations of the cells.
+        """
         c, d = self.study.n_conditions, len(self.kept)
         columns = [np.zeros((c, d, 0))]
         for name in self.sds:
@@ -239,7 +253,7 @@ class GroupModel:
         return hyper[:, self.hyper.index(name)]
 
     def offsets(self, hyper: Array) -> Array:
-        """Return what the hyperparameters add to the predictors (n_points, n_predictors)."""
+        """Return the offsets of the predictors (n_points, n_predictors)."""
         offsets = np.zeros((len(hyper), len(self.kept)))
         if self.has_one_width:
             offsets[:, 1] = self.at(hyper, "width")
@@ -248,20 +262,25 @@ class GroupModel:
         return offsets
 
     def every_mean(self, hyper: Array, means: Array) -> Array:
-        """Return thresholds of the conditions and log widths of the groups (n_points, n_conditions + n_groups)."""
+        """Return thresholds of conditions and log widths of groups.
+
+        The shape is (n_points, n_conditions + n_groups).
+        """
         widths = [self.at(hyper, "width")[:, None]] if self.has_one_width else []
         return np.concatenate([means, *widths], axis=1)
 
     def lapses(self, hyper: Array, effects: Array) -> Array:
-        """Return the lapse rates of the participants (n_points, n_participants)."""
+        """Return lapse rates (n_points, n_participants)."""
         if self.study.lapse_rate is not None:
             return np.full(effects.shape[:2], self.study.lapse_rate)
         own = effects[..., self.sds.index("lapse")] if "lapse" in self.sds else 0.0
         return rate_of(self.at(hyper, "lapse_rate")[:, None] + own)[0]
 
     def precision(self, hyper: Array) -> tuple[Array, Array]:
-        """Return the precision of a participant's effects (n_points, n_random, n_random) and half its log
-        determinant."""
+        """Return the precision of a participant's effects and half its log det.
+
+        The precision has the shape (n_points, n_random, n_random).
+        """
         size = self.random.shape[2]
         precision, half = np.zeros((len(hyper), size, size)), np.zeros(len(hyper))
         place = 0
@@ -298,7 +317,10 @@ class GroupModel:
 
     @cached_property
     def means_prior(self) -> tuple[Array, Array]:
-        """Mean and precision (n_conditions + n_groups,) of the normal priors of thresholds and log widths."""
+        """Mean and precision of the normal priors of the means.
+
+        Both have the shape (n_conditions + n_groups,): thresholds, then log widths.
+        """
         study = self.study
         low, high, _ = study.ranges()
         reach = np.where(high > low, high - low, 1.0)
@@ -308,7 +330,10 @@ class GroupModel:
         return middles, np.concatenate([reach**-2, np.full(study.n_groups, sd**-2)])
 
     def _theta(self, points: Array, hyper: Array) -> tuple[Array, Array | None]:
-        """Return the parameters of each cell's function, and the slopes of its lapse rate along the logit."""
+        """Return the parameters of each cell and slopes of its lapse rate.
+
+        The slopes are along the logit.
+        """
         theta, slope = np.empty((len(points), len(self.counts), N_PARAMETERS)), None
         theta[..., LAPSE], theta[..., GUESS] = self.study.lapse_rate or 0.0, self.study.guess_rate or 0.0
         theta[..., self.kept] = points.reshape(*theta.shape[:2], -1)
@@ -319,7 +344,10 @@ class GroupModel:
         return theta, slope
 
     def log_likelihood(self, points: Array, hyper: Array) -> Expansion:
-        """Return it for cells at predictors (n_points, n_participants, n_conditions, n_predictors)."""
+        """Return the log-likelihood of the cells at their predictors.
+
+        Predictors have the shape (n_points, n_participants, n_conditions, n_predictors).
+        """
         study, shape = self.study, points.shape
         theta, slope = self._theta(points, hyper)
         whole = expansion(study.shape, self.counts, theta)
@@ -333,7 +361,9 @@ class GroupModel:
         return Expansion(value, gradient.reshape(shape), hessian.reshape(*shape, len(self.kept)))
 
     def information(self, points: Array, hyper: Array) -> Array:
-        """Return Fisher's information of the cells (n_points, n_participants, n_conditions, d, d).
+        """Return Fisher's information of the cells.
+
+        The shape is (n_points, n_participants, n_conditions, d, d).
 
         Unlike the negative Hessian it is never negative.
         """
@@ -346,7 +376,7 @@ class GroupModel:
         return np.moveaxis(np.array(rows), (0, 1), (-2, -1)).reshape(*points.shape, len(slopes))
 
     def start(self, thresholds: Array, log_widths: Array) -> tuple[Array, Array]:
-        """Return hyperparameters and means at which a search begins."""
+        """Return start values of hyperparameters and means."""
         study = self.study
         low, high, gap = study.ranges()
         reach = 0.2 * (high - low)

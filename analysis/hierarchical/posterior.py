@@ -1,12 +1,11 @@
-"""The posterior of the hyperparameters, integrated over by importance sampling at fixed points.
+"""Importance sampling of the posterior of the hyperparameters.
 
-Means and effects are integrated over by Laplace's approximation at each point (as INLA: Rue, Martino and Chopin 2009,
-J. R. Stat. Soc. B 71, 319-392). Their log density is summed over participants who share the means alone, so that its
-negative Hessian is bordered: the effects of each participant are eliminated first (Schur's complement), then the means
-are found.
+Means and effects are integrated out by Laplace's approximation at each point, as in INLA (Rue, Martino and Chopin 2009,
+J. R. Stat. Soc. B 71, 319-392). Participants share only the means, so the negative Hessian of the log density is
+bordered: the effects of each participant are eliminated first (Schur's complement), then the means are found.
 
-The points are those of an additive recurrence (a quasi-random sequence), turned into Student's t at the mode, then into
-one with the moments found; both rounds are weighed together.
+The points are fixed and come from an additive recurrence (a quasi-random sequence). The first round transforms them to
+Student's t at the mode, the second to Student's t with the moments found. Both rounds are weighted together.
 """
 
 from dataclasses import dataclass
@@ -40,7 +39,7 @@ SMALLEST_SD = 1e-12
 
 @dataclass(frozen=True)
 class InnerMode(Rows):
-    """The mode at hyperparameters, one row for each point.
+    """Mode of means and effects, one row per point of the hyperparameters.
 
     `value` (n,) is the log density, `means` (n, n_fixed), `effects` (n, n_participants, n_random), `points` the
     predictors of all cells and `at` their log-likelihoods.
@@ -55,9 +54,12 @@ class InnerMode(Rows):
 
 @dataclass(frozen=True)
 class Bordered:
-    """The negative Hessian: `local` (n, n_participants, q, q) of effects, `cross` (n, n_participants, q, p) with the
-    means, `pulled` the inverse of the one times the other, `schur` (n, p, p) of the means at the effects that follow
-    them, and `own` the part of it that each participant adds."""
+    """Negative Hessian of means and effects, in blocks.
+
+    `local` (n, n_participants, q, q) is the block of effects, `cross` (n, n_participants, q, p) that of effects and
+    means, `pulled` the inverse of `local` times `cross`, `schur` (n, p, p) the Hessian of the means at the effects that
+    follow them, and `own` the contribution of each participant to it.
+    """
 
     local: Array
     cross: Array
@@ -67,7 +69,7 @@ class Bordered:
 
     @property
     def half_log_determinant(self) -> Array:
-        """Half of the log determinant (n,), infinite where the Hessian is not definite."""
+        """Half of the log determinant (n,), infinite if not definite."""
         signs, logs = np.linalg.slogdet(self.local)
         sign, log = np.linalg.slogdet(self.schur)
         is_definite = (signs > 0).all(axis=1) & (sign > 0)
@@ -75,7 +77,10 @@ class Bordered:
 
 
 def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) -> InnerMode:
-    """Climb from `means` and `effects` by damped Newton steps, each point with its own damping."""
+    """Climb from `means` and `effects` by damped Newton steps.
+
+    Each point has a separate damping.
+    """
     precision, n = model.precision(hyper)[0], len(hyper)
     start = np.broadcast_to(means, (n, means.shape[-1])), np.broadcast_to(effects, (n, *effects.shape[-2:]))
     found = inner_at(model, hyper, precision, *start)
@@ -117,7 +122,7 @@ def bordered(model: GroupModel, curvature: Array, precision: Array, damping: Arr
     bent_x = (curvature @ x).reshape(n, n_people, c * d, -1)
     z_all, x_all = z.reshape(c * d, q).T, x.reshape(c * d, -1).T
     more = np.broadcast_to(np.asarray(damping), (n,))[:, None, None]
-    # A damping multiplies the priors' curvature as well: effects have scales of their own.
+    # The damping multiplies the curvature of the priors too, as effects have different scales.
     local = z_all @ bent_z + (precision * (1 + more))[:, None]
     cross = z_all @ bent_x
     pulled = np.linalg.solve(local, cross)
@@ -142,8 +147,11 @@ def _step(model: GroupModel, here: InnerMode, precision: Array, damping: Array) 
 
 @dataclass(frozen=True)
 class Conditional(Rows):
-    """Laplace's approximation at hyperparameters: `log_density` (n,) of these, the `means` (n, n_fixed) with
-    covariances, and predictors (n, n_participants, n_conditions, 2) of the cells with their variances."""
+    """Laplace's approximation at hyperparameters.
+
+    `log_density` (n,) is that of the hyperparameters. The `means` (n, n_fixed) have covariances, the predictors (n,
+    n_participants, n_conditions, 2) of the cells have variances.
+    """
 
     hyper: Array
     log_density: Array
@@ -170,7 +178,10 @@ class Integrated:
 
 
 class Laplace:
-    """The log posterior of hyperparameters; each call starts at the means and effects of the best point so far."""
+    """Log posterior of hyperparameters by Laplace's approximation.
+
+    Each call starts at the means and effects of the best point so far.
+    """
 
     def __init__(self, model: GroupModel, hyper: Array, means: Array) -> None:
         n = model.study.n_participants
@@ -271,7 +282,7 @@ def _log_student(x: Array, mode: Array, covariance: Array) -> Array:
 
 
 def integrate(laplace: Laplace, hyper: Array, n_points: int = N_POINTS) -> Integrated:
-    """Return the points and weights of an integral over the hyperparameters.
+    """Return points and weights of the integral over hyperparameters.
 
     Raises
     ------
@@ -306,7 +317,10 @@ def _weights(at: Conditional, proposals: list[tuple[Array, Array]], sizes: list[
 
 
 def _moments(x: Array, weights: Array, before: Array) -> tuple[Array, Array]:
-    """Return the weighted mean and covariance, the latter drawn to that before by the few points that count."""
+    """Return the weighted mean and covariance.
+
+    With few effective points the covariance shrinks to `before`.
+    """
     mean = weights @ x
     away = x - mean
     n = 1 / np.square(weights).sum()
@@ -315,7 +329,7 @@ def _moments(x: Array, weights: Array, before: Array) -> tuple[Array, Array]:
 
 
 def quantiles(weights: Array, means: Array, sds: Array, share: float) -> Array:
-    """Return quantiles of mixtures of normals (n_points, ...), by bisection."""
+    """Return quantiles of mixtures of normals (n_points, ...) by bisection."""
     low, high = (means + side * FARTHEST * sds for side in (-1, 1))
     low, high = low.min(axis=0), high.max(axis=0)
     for _ in range(BISECTIONS):
@@ -326,5 +340,8 @@ def quantiles(weights: Array, means: Array, sds: Array, share: float) -> Array:
 
 
 def normal_chances(means: Array, sds: Array) -> Array:
-    """Return the chances that normal values lie below 0; without a spread 0 or 1."""
+    """Return the probabilities that normal values are below 0.
+
+    Without a spread they are 0 or 1.
+    """
     return np.asarray(ndtr(-means / np.maximum(sds, SMALLEST_SD)))

@@ -1,4 +1,4 @@
-"""Result of a hierarchical fit: tables, variance components, contrasts and effects of the factors."""
+"""Result of a hierarchical fit: tables, variances, contrasts and effects."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -29,9 +29,9 @@ class GroupStatus(StatusWithNote):
 
 @dataclass(frozen=True)
 class Contrast:
-    """A weighted sum of the conditions' mean thresholds (or log widths).
+    """Weighted sum of the conditions' mean thresholds (or log widths).
 
-    Posterior mean and standard deviation, interval, and `p`, twice the smaller posterior probability of either sign.
+    It has a posterior mean, standard deviation and interval. `p` is twice the smaller posterior probability of a sign.
     """
 
     estimate: float
@@ -43,7 +43,10 @@ class Contrast:
 
 @dataclass(frozen=True)
 class FactorEffect:
-    """Wald's F of an effect with its degrees of freedom and p; both degrees are multiplied by `epsilon` for it."""
+    """Wald's F of an effect with its degrees of freedom and p.
+
+    Both degrees of freedom are already multiplied by `epsilon`.
+    """
 
     f: float
     df: int
@@ -54,17 +57,17 @@ class FactorEffect:
 
 @dataclass(frozen=True, kw_only=True)
 class HierarchicalFit:
-    """What the answers of all participants say.
+    """Estimates of a hierarchical fit over all participants.
 
     Parameters
     ----------
     conditions : DataFrame
         Per condition (a column per factor) `threshold`, `standard_error`, `interval_low`, `interval_high`, `width`,
-        `width_low`, `width_high`, `status`; a threshold outside of the levels is missing, with one end of its
-        interval where the model holds it. For ``weibull`` widths and standard errors are of logarithms of the level.
+        `width_low`, `width_high`, `status`; a threshold out of range of the levels is missing, with one end of
+        its interval if the model has one. For ``weibull`` widths and standard errors are of logarithms of the level.
     participants : DataFrame
         The same per participant and condition, with `n_trials` and the participant's own `lapse_rate`: shrunken
-        estimates with intervals that count the uncertainty of the group's means, variances and rates.
+        estimates with intervals that include the uncertainty of the group's means, variances and rates.
     components : mapping
         Standard deviations between participants of ``threshold`` and ``log_width``, and of the cells' deviations from
         condition plus participant, ``threshold_cell`` and ``log_width_cell``, and of the logits of ``lapse`` rates:
@@ -100,7 +103,7 @@ class HierarchicalFit:
     width_group: tuple[int, ...] = ()
 
     def contrast(self, weights: Mapping[tuple[float | str, ...], float], *, of: str = "threshold") -> Contrast:
-        """Return a weighted sum of conditions, named by their values of the factors.
+        """Return a weighted sum of conditions, named by their factor values.
 
         Raises
         ------
@@ -120,18 +123,19 @@ class HierarchicalFit:
         return Contrast(estimate, error, low, high, 2 * min(below, 1 - below))
 
     def effect(self, *factors: str, of: str = "threshold") -> FactorEffect:
-        """Wald's test of a main effect, or of the interaction of several factors, in a complete factorial.
+        """Return Wald's test of a main effect or of an interaction.
+
+        The conditions must form a complete factorial.
 
         F is the posterior mean of Wald's statistic. The error has df (n - 1) degrees of freedom, as in the
-        repeated-measures analysis: the model has one variance for the deviations of all cells. Where participants'
-        thresholds (or widths) show that they are not alike, both degrees are corrected by Chi and Muller's epsilon
+        repeated-measures analysis: the model has one variance for the deviations of all cells. If participants'
+        thresholds (or widths) show unequal variances, Chi and Muller's epsilon corrects both degrees
         (`contrasts.epsilons`).
 
         Raises
         ------
         InvalidParameter
-            For an unknown factor, an incomplete factorial, conditions whose widths were taken to be the same, and as
-            for `contrast`.
+            For an unknown factor, an incomplete factorial, or conditions with a shared width; and as for `contrast`.
         """
         weights = self._effect_weights(factors)
         rows = self._rows(weights, of)
@@ -146,7 +150,10 @@ class HierarchicalFit:
         return FactorEffect(f, df, df_error, p, epsilon)
 
     def _epsilon(self, weights: Array, of: str) -> float:
-        """Return Chi and Muller's epsilon over participants with all conditions; the least one for fewer than three."""
+        """Return Chi and Muller's epsilon over participants with all conditions.
+
+        With fewer than three such participants it is the lower bound.
+        """
         names, column = list(self.factors), {"threshold": "threshold", "log_width": "width"}[of]
         wide = self.participants.pivot(index="participant", columns=names, values=column)
         keys = [key if len(key) > 1 else key[0] for key in self._keys()]  # pandas names one level without a tuple
@@ -162,7 +169,10 @@ class HierarchicalFit:
         return [tuple(row) for row in self.conditions[list(self.factors)].itertuples(index=False)]
 
     def _rows(self, weights: Array, of: str) -> Array:
-        """Return weights (n_rows, n_conditions) as rows over all means: thresholds, then log widths."""
+        """Return weights (n_rows, n_conditions) as weights of all means.
+
+        The means are thresholds, then log widths.
+        """
         expect(of in ("threshold", "log_width"), "of", repr(of), "'threshold' or 'log_width'")
         is_fitted = self.n_participants > 1 and len(self.means) > 0
         expect(is_fitted, "participants", self.n_participants, "two or more with a fit")
@@ -175,7 +185,7 @@ class HierarchicalFit:
         n, rows = len(self.conditions), np.zeros((len(weights), self.means.shape[1]))
         if of == "threshold":
             rows[:, :n] = weights
-        else:  # conditions that share a width add up at its place
+        else:  # weights of conditions with a shared width add up
             np.add.at(rows.T, n + np.array(self.width_group), weights.T)
         return rows
 
@@ -188,7 +198,7 @@ class HierarchicalFit:
         expect(are_known and is_complete, "factors", asked, known)
         by_factor = []
         for name, values in zip(self.factors, levels, strict=True):
-            # Differences of the levels of a factor that is asked about, the mean over those of any other.
+            # Differences between levels of a requested factor, means over the levels of the others.
             differences, mean = np.diff(np.eye(len(values)), axis=0), np.full((1, len(values)), 1 / len(values))
             by_factor.append(differences if name in factors else mean)
         weights = reduce(np.kron, by_factor)

@@ -1,4 +1,4 @@
-"""Fits of single cells, and of all answers to a condition, from which a hierarchical fit starts."""
+"""Fits of single cells and of whole conditions, as start values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -16,7 +16,10 @@ WITH_THRESHOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
 
 @dataclass(frozen=True)
 class SingleFits:
-    """Fits of each cell (a list per condition), and of each condition's answers together, in units of the study."""
+    """Fits of single cells (a list per condition) and of whole conditions.
+
+    A condition's fit pools the answers of all participants. Units are those of the study.
+    """
 
     study: StudyCounts
     cells: tuple[tuple[ThresholdFit, ...], ...]
@@ -24,12 +27,16 @@ class SingleFits:
 
     @property
     def separated(self) -> bool:
-        """True if each cell with a threshold has it by one step."""
+        """True if every cell with a threshold changes in one step."""
         statuses = [one.status for cell in self.cells for one in cell if has_threshold(one)]
         return bool(statuses) and all(status == Status.SEPARATED for status in statuses)
 
     def statuses(self) -> list[Status]:
-        """Return `ok` where a cell or all answers have a threshold, else the common status of the cells, or of all."""
+        """Return a status per condition.
+
+        It is `ok` if a cell or the pooled answers have a threshold. Otherwise it is the common status of the cells, or
+        that of the pooled answers.
+        """
         statuses = []
         for cell, together in zip(self.cells, self.together, strict=True):
             of_cells = {one.status for one in cell} - {Status.NO_DATA}
@@ -42,16 +49,22 @@ class SingleFits:
 
     @property
     def with_threshold(self) -> Indices:
-        """Places of the conditions with a threshold."""
+        """Indices of the conditions with a threshold."""
         return np.flatnonzero([status in (Status.OK, Status.SEPARATED) for status in self.statuses()])
 
     def cell_bounds(self) -> Array:
-        """Return the bounds of each cell (n_conditions, n_participants, 2), NaN for none."""
+        """Return bounds of each cell, NaN if there is none.
+
+        The shape is (n_conditions, n_participants, 2).
+        """
         ends = [[(one.interval_low, one.interval_high) for one in cell] for cell in self.cells]
         return np.array(ends, dtype=np.float64)
 
     def width_bounds(self) -> Array:
-        """Return the upper bound of each condition's width from its answers together, NaN for none."""
+        """Return an upper bound of the width per condition, NaN if none.
+
+        It is from the pooled answers of the condition.
+        """
         return np.array([np.nan if one.width_high is None else one.width_high for one in self.together])
 
     def start(self) -> tuple[Array, Array]:
@@ -62,7 +75,7 @@ class SingleFits:
         for c, place in enumerate(self.with_threshold):
             cell, together = self.cells[place], self.together[place]
             fits = [one for one in cell if has_threshold(one)] or [together] * has_threshold(together)
-            at = ends.get(together.status, middle)[c]  # the end of the levels beyond which the answers put it
+            at = ends.get(together.status, middle)[c]  # the end of the levels on the side of the threshold
             threshold.append(np.mean([one.threshold for one in fits]) if fits else at)
             widths = [np.log(one.width) for one in fits if one.width is not None]
             half_range = max((high - low)[c] / 2, 1e-9)  # one level has no range
@@ -81,7 +94,10 @@ WIDTHS = ("width", "width_low", "width_high")
 
 
 def single_fits(study: StudyCounts, shape: str, known: Known) -> SingleFits:
-    """Fit single cells as an analysis does (`cells.estimates`), but for those that are `known`."""
+    """Fit single cells as an analysis does, except those that are `known`.
+
+    See `cells.estimates`.
+    """
     if study.shape.on_log_levels:  # a Weibull function is a Gumbel function of logarithms
         shape, known = "gumbel", {}
     n, c = study.n_participants, study.n_conditions

@@ -1,7 +1,7 @@
-"""The tables of a hierarchical fit: parameters in the unit of the levels.
+"""Tables of a hierarchical fit, in the unit of the levels.
 
 Laplace's approximation makes the intervals of participants 5 to 15 % too short after few trials. Draws from it are
-weighed by the exact density of the participant's own answers and effects.
+therefore weighted by the exact density of the participant's answers and effects.
 """
 
 from dataclasses import dataclass
@@ -39,8 +39,12 @@ WITHOUT_NUMBER = (*CENSORED, Status.FLAT, Status.NO_DATA)
 
 @dataclass(frozen=True)
 class ParameterPlace(Rows):
-    """Thresholds (in ranges of the levels) with standard errors and intervals, and log widths with intervals, each
-    (n_conditions, ...); NaN for a condition without a threshold. Intervals have a last axis of two ends."""
+    """Thresholds and log widths with their uncertainty.
+
+    Thresholds (in ranges of the levels) have standard errors and intervals, log widths have intervals. All have the
+    shape (n_conditions, ...) and are NaN for a condition without a threshold. The last axis of an interval has its two
+    ends.
+    """
 
     threshold: Array
     threshold_se: Array
@@ -55,7 +59,10 @@ class ParameterPlace(Rows):
 
     @classmethod
     def of(cls, found: Integrated, values: Array, variances: Array, interval: float) -> "ParameterPlace":
-        """Summarise values (n_points, n_conditions, ..., 2) with their variances at each point."""
+        """Summarise values with their variances at each point.
+
+        Values have the shape (n_points, n_conditions, ..., 2).
+        """
         mean = found.mean(values)
         se = np.sqrt(found.mean(variances + np.square(values - mean)))
         shares = ((1 - interval) / 2, (1 + interval) / 2)
@@ -63,18 +70,21 @@ class ParameterPlace(Rows):
         return cls(mean[..., 0], se[..., 0], ends[..., 0, :], mean[..., 1], ends[..., 1, :])
 
     def turned(self) -> "ParameterPlace":
-        """Return the places with the first two axes swapped."""
+        """Return the estimates with the first two axes swapped."""
         return self._of_each(lambda values: np.swapaxes(values, 0, 1))
 
     def by_participant(self) -> "ParameterPlace":
-        """Return the cells (n_conditions, n_participants) in rows, participant by participant."""
+        """Return the cells as rows, ordered by participant."""
         return self.turned()._of_each(lambda values: values.reshape(-1, *values.shape[2:]))
 
 
 @dataclass(frozen=True)
 class CellDraws:
-    """Predictors `points` (n, n_participants, n_conditions, 2) and lapse rates (n, n_participants) of draws with
-    weights (n, n_participants), which sum to 1 over the draws of each participant."""
+    """Weighted draws of predictors and lapse rates.
+
+    Predictors `points` have the shape (n, n_participants, n_conditions, 2), lapse rates and weights (n,
+    n_participants). The weights of each participant sum to 1 over the draws.
+    """
 
     points: Array
     lapse_rates: Array
@@ -86,7 +96,7 @@ class CellDraws:
 
 
 def draw_cells(model: GroupModel, found: Integrated, n_draws: int = N_DRAWS) -> CellDraws:
-    """Return draws at hyperparameters that are chosen as often as their weights say."""
+    """Draw cells at hyperparameters chosen by their weights."""
     rng = np.random.default_rng(SEED)
     steps = (np.arange(n_draws) + 0.5) / n_draws
     chosen = np.minimum(np.searchsorted(np.cumsum(found.weights), steps), len(found.weights) - 1)
@@ -102,7 +112,7 @@ def draw_cells(model: GroupModel, found: Integrated, n_draws: int = N_DRAWS) -> 
     effects = at.effects[of_draw] - followed + np.einsum("niqr,nir->niq", root, normals)
     hyper, priors = at.hyper[of_draw], precision[of_draw]
     drawn = inner_at(model, hyper, priors, at.means[of_draw] + away, effects)
-    # Laplace's density of the participant's answers at the means drawn, which is in the weight of the point already.
+    # The weight of the point already includes Laplace's density of the participant's answers at the drawn means.
     score = np.einsum("cdp,nicd->nip", model.fixed, inner.at.gradient)[of_draw]
     bent = np.einsum("np,nipr,nr->ni", away, hessian.own[of_draw], away, optimize=True)
     before = _log_density(inner, precision)[of_draw] + np.einsum("nip,np->ni", score, away) - 0.5 * bent
@@ -112,13 +122,16 @@ def draw_cells(model: GroupModel, found: Integrated, n_draws: int = N_DRAWS) -> 
 
 
 def _log_density(inner: InnerMode, precision: Array) -> Array:
-    """Return that of the answers and effects of each participant (n, n_participants)."""
+    """Return the log density of each participant's answers and effects."""
     bound = np.einsum("niq,nqr,nir->ni", inner.effects, precision, inner.effects, optimize=True)
     return np.asarray(inner.at.value.sum(axis=2) - 0.5 * bound)
 
 
 def weighted_quantiles(values: Array, weights: Array, share: float) -> Array:
-    """Return quantiles over the first axis of values (n, ...) with weights of the same shape."""
+    """Return weighted quantiles over the first axis.
+
+    Values and weights have the same shape (n, ...).
+    """
     order = np.argsort(values, axis=0)
     values, reached = np.take_along_axis(values, order, 0), np.cumsum(np.take_along_axis(weights, order, 0), axis=0)
     place = np.minimum((reached < share).sum(axis=0, keepdims=True), len(values) - 1)
@@ -136,7 +149,7 @@ def group_place(model: GroupModel, found: Integrated, interval: float) -> Parame
 
 
 def cell_place(model: GroupModel, found: Integrated, interval: float) -> tuple[ParameterPlace, Array]:
-    """Return shrunken values of the cells, with the lapse rates of the participants."""
+    """Return shrunken estimates and lapse rates of the cells."""
     normal = ParameterPlace.of(found, found.at.cells, found.at.variances, interval)
     rates = found.mean(model.lapses(found.at.hyper, found.at.effects))
     if not 0 < model.random.shape[2] <= MOST_EFFECTS:
@@ -157,7 +170,10 @@ def _place_of_draws(draws: CellDraws, interval: float) -> ParameterPlace:
 
 
 def condition_table(single: SingleFits, place: ParameterPlace) -> pd.DataFrame:
-    """Return the table of the means; only the status where no participant has a threshold."""
+    """Return the table of the means.
+
+    Without any threshold only the status is given.
+    """
     study = single.study
     low, high, _ = study.ranges()
     status = [_status_of_mean(*one) for one in zip(single.statuses(), place.threshold, low, high, strict=True)]
@@ -169,11 +185,14 @@ def condition_table(single: SingleFits, place: ParameterPlace) -> pd.DataFrame:
 
 
 def participant_table(single: SingleFits, place: ParameterPlace, lapse_rates: Array | None) -> pd.DataFrame:
-    """Return the table of the cells; a cell without a threshold keeps its own status and bound."""
+    """Return the table of the cells.
+
+    A cell without a threshold keeps its status and bound.
+    """
     study, rows = single.study, place.by_participant()
     statuses = [cell[p].status for p in range(study.n_participants) for cell in single.cells]
     status = np.array(statuses, dtype=object)
-    # Drawn to the group, a cell whose answers are one step has a width.
+    # Shrinkage to the group gives a width even to a cell whose answers change in one step.
     status[(status == Status.SEPARATED) & ~np.isnan(rows.threshold)] = Status.OK
     cell_bounds = single.cell_bounds().swapaxes(0, 1).reshape(-1, 2)  # participant by participant, as the rows are
     is_censored = np.isin(status, CENSORED)
@@ -197,7 +216,7 @@ def _status_of_mean(status: Status, threshold: float, low: float, high: float) -
 
 def _table(study: StudyCounts, place: ParameterPlace, status: list[Status], ends: Array) -> pd.DataFrame:
     has_number = np.array([one not in WITHOUT_NUMBER for one in status]) & ~np.isnan(place.threshold)
-    # Of a threshold above the levels the lower end is a bound, of one below them the upper end.
+    # The bound is the lower end for a threshold above the levels, the upper end for one below.
     has_low = has_number | np.array([one == Status.ABOVE for one in status])
     has_high = has_number | np.array([one == Status.BELOW for one in status])
     with np.errstate(over="ignore"):

@@ -1,4 +1,6 @@
-"""Linear mixed models of values of which some are known to lie below, above or between bounds only.
+"""Linear mixed models of censored values.
+
+A censored value is known only to lie below, above or between bounds.
 
 Tobin 1958, Econometrica 26, 24-36; with random effects Pettitt 1986, Biometrika 73, 635-643.
 """
@@ -37,7 +39,9 @@ def censored_model(
     interactions: bool = True,
     interval: float = 0.95,
 ) -> MixedModel:
-    """A linear mixed model with a random intercept per participant, of values that may be censored.
+    """Fit a linear mixed model to values that may be censored.
+
+    The model has a random intercept per participant.
 
     Parameters
     ----------
@@ -51,14 +55,14 @@ def censored_model(
     Raises
     ------
     InvalidParameter
-        As `mixed_model`; for a row without value and bounds or with crossed ones, and where no finite coefficients
-        explain the censored values best (as if all values of a condition lie below).
+        As `mixed_model`. Also for a row without value and bounds or with crossed bounds, and if the likelihood has no
+        finite maximum (for example if all values of a condition are below a bound).
 
     Notes
     -----
-    Maximum likelihood; the variances and squared standard errors are multiplied by n / (n - 1) for n participants,
-    which makes them those of the restricted likelihood in a balanced design without covariates where nothing is
-    censored. Censoring may depend on the value itself, which a model of the known values alone does not allow.
+    The fit is by maximum likelihood. The variances and squared standard errors are multiplied by n / (n - 1) for n
+    participants. In a balanced design without covariates and censoring they then equal those of the restricted
+    likelihood. Censoring may depend on the value itself, which a model of the known values alone does not allow.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -81,14 +85,14 @@ def censored_model(
     intervals = Intervals.of(units, design.x, design.groups)
     maximum = maximise(intervals)
     _refuse_endless(maximum, design)
-    n_known = len(y) - intervals.n_censored  # a density has the unit 1 / y, the chance of an interval has none
+    n_known = len(y) - intervals.n_censored  # a density has the unit 1 / y, a probability has none
     log_likelihood = maximum.log_likelihood - n_known * float(np.log(scale * size))
     fit = _intercept_fit(maximum, design, log_likelihood)
     return described_model(design, fit, (centre * size, scale * size), interval, intervals.n_censored)
 
 
 def _refuse_unheld(ends: Array, matrix: ModelDesign) -> None:
-    """Refuse data without a finite maximum before a long search."""
+    """Reject data without a finite maximum before a long search."""
     if np.all(ends[:, 0] == ends[:, 1]):
         return
     endless = endless_direction(ends, matrix.x)
@@ -121,17 +125,19 @@ def _intercept_fit(maximum: Maximum, design: ModelDesign, log_likelihood: float)
     p, n_participants = len(design.names), design.n_participants
     inflation = n_participants / (n_participants - 1)
     residual = float(np.exp(maximum.parameters[p]))
-    participant = abs(float(maximum.parameters[p + 1]))  # a scale may end on either side of 0: u is as likely as -u
+    participant = abs(float(maximum.parameters[p + 1]))  # the sign of the scale is arbitrary: u is as likely as -u
     sds = 0.0 if participant < ZERO_SD * residual else participant, residual
     covariance = maximum.covariance[:p, :p] * inflation
     return InterceptFit(maximum.parameters[:p], covariance, *sds, log_likelihood, inflation)
 
 
 def endless_direction(ends: Array, x: Array) -> Array | None:
-    """Return coefficients (column,) along which no value moves and every bound (row, 2) is kept ever better.
+    """Return a direction of coefficients in which the likelihood never falls.
 
-    None if there are none: the likelihood has a finite maximum at any variance. This is the separation of Albert and
-    Anderson (1984, Biometrika 71, 1-10), found by a linear programme.
+    Along it no known value moves, and every bound (row, 2) is satisfied ever better.
+
+    None if there is no such direction: the likelihood then has a finite maximum at any variance. This is the separation
+    of Albert and Anderson (1984, Biometrika 71, 1-10), found by a linear programme.
 
     >>> endless_direction(np.array([[1.0, 1.0], [2.0, 2.0], [3.0, np.inf]]), np.array([[1.0, 0], [1, 0], [1, 1]]))
     array([0., 1.])
@@ -144,7 +150,7 @@ def endless_direction(ends: Array, x: Array) -> Array | None:
         return None
     fixed = x[~upward & ~downward]
     kept, still = np.zeros(len(one_sided)), np.zeros(len(fixed))
-    # A direction has any length: the bounds of 1 end the programme.
+    # The length of a direction is arbitrary: bounds of 1 keep the programme finite.
     best = linprog(-one_sided.sum(axis=0), A_ub=-one_sided, b_ub=kept, A_eq=fixed, b_eq=still, bounds=(-1, 1))
     if best.fun is None or best.fun >= -ZERO:
         return None
@@ -152,11 +158,11 @@ def endless_direction(ends: Array, x: Array) -> Array | None:
 
 
 def leaves_no_error(ends: Array, x: Array, groups: Indices) -> bool:
-    """Return True if terms and intercepts meet several known values of a participant exactly."""
+    """Return True if the model fits several values of a participant exactly."""
     known = ends[:, 0] == ends[:, 1]
     participants = np.unique(groups[known])
     if known.sum() <= len(participants):
-        return False  # one value each: the variance between participants alone makes their density finite
+        return False  # one value each: the variance between participants keeps the density finite
     y = ends[known, 0]
     intercepts = np.equal.outer(groups[known], participants).astype(np.float64)
     every = np.concatenate([x[known], intercepts], axis=1)

@@ -1,6 +1,6 @@
-"""Likelihood of values and bounds with a random intercept per participant, and its maximum.
+"""Likelihood of censored values with a random intercept, and its maximum.
 
-A known value contributes its density, a censored one the chance of its interval. The intercept is integrated over by
+A known value contributes its density, a censored one the probability of its interval. The intercept is integrated by
 adaptive Gauss-Hermite quadrature about its mode (Pinheiro and Chao 2006, Journal of Computational and Graphical
 Statistics 15(1), 58-81), which is exact where nothing is censored.
 """
@@ -29,8 +29,11 @@ IMPOSSIBLE = 1e12
 
 @dataclass(frozen=True)
 class Maximum:
-    """Parameters (coefficients, log residual sd, participants' sd) at the largest log likelihood, their covariance, and
-    the largest gradient left over."""
+    """Parameters at the largest log-likelihood.
+
+    They are coefficients, log residual standard deviation and the standard deviation of participants. `covariance` is
+    theirs, and the gradient is the largest that is left over.
+    """
 
     parameters: Array
     covariance: Array
@@ -40,7 +43,10 @@ class Maximum:
 
 @dataclass(frozen=True)
 class Intervals:
-    """Intervals laid out as (participant, slot), 0 to 0 where a slot is not `used`; a value where both ends meet."""
+    """Intervals arranged as (participant, slot).
+
+    A slot that is not `used` has the interval 0 to 0. If both ends are equal, the slot is a known value.
+    """
 
     low: Array
     high: Array
@@ -59,7 +65,10 @@ class Intervals:
         return int((self.used & (self.low < self.high)).sum())
 
     def values(self, mean: Array, log_sd: Array) -> Expansion:
-        """Return the log likelihood of each slot, with derivatives along mean (..., participant, slot) and log sd."""
+        """Return the log-likelihood of each slot with its derivatives.
+
+        Derivatives are along mean (..., participant, slot) and log standard deviation.
+        """
         of_values = of_value(self.low, mean, log_sd)
         of_intervals = of_interval(self.low, self.high, mean, log_sd)
         is_known, merged = self.low == self.high, []
@@ -70,7 +79,7 @@ class Intervals:
         return Expansion(*merged)
 
     def intercepts(self, parameters: Array, start: Array) -> tuple[Array, Array]:
-        """Return the modes of the standardised intercepts (participant,), and the curvatures there."""
+        """Return the modes and curvatures of the standardised intercepts."""
         fixed, log_sd, scale = self.x @ parameters[:-2], parameters[-2], parameters[-1]
 
         def at(u: Array) -> Array:
@@ -94,16 +103,17 @@ class Intervals:
         return u, here[2]
 
     def log_likelihood(self, parameters: Array, start: Array) -> tuple[float, Array, Array]:
-        """Return the log likelihood, its gradient and the intercepts' modes.
+        """Return the log-likelihood, its gradient and the intercepts' modes.
 
-        The gradient is the mean of that given the intercepts, over these given the values (Fisher's identity).
+        By Fisher's identity the gradient is the mean, over the intercepts given the values, of the gradient given the
+        intercepts.
         """
         mode, curvature = self.intercepts(parameters, start)
         points, weights = np.polynomial.hermite.hermgauss(N_NODES)
         u = mode + np.sqrt(2 / curvature) * points[:, None]
         at = self.values(self.x @ parameters[:-2] + parameters[-1] * u[..., None], parameters[-2])
 
-        # The weights are those of integrals with a factor exp(-x^2), which is taken out again.
+        # Gauss-Hermite weights include the factor exp(-x^2), which is divided out here.
         terms = at.value.sum(axis=2) - 0.5 * u * u + (points**2 + np.log(weights))[:, None]
         of_each = logsumexp(terms, axis=0)
         shares = np.exp(terms - of_each)
@@ -114,18 +124,23 @@ class Intervals:
         return float(value), gradient, mode
 
     def start(self) -> Array:
-        """Return least squares through the middles or bounds, with half of the residual variance to each side."""
+        """Return start values by least squares through middles or bounds.
+
+        Half of the residual variance is assigned to each variance component.
+        """
         y = middle(np.stack([self.low, self.high], axis=-1))
         beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
         residuals = (y - self.x @ beta)[self.used]
-        sd = max(float(residuals.std()), 0.01) / np.sqrt(2)  # of an exact fit it would be 0, which has no logarithm
+        sd = max(float(residuals.std()), 0.01) / np.sqrt(2)  # an exact fit would give 0, which has no logarithm
         return np.array([*beta, np.log(sd), sd])
 
 
 class _Objective:
-    """Negative log likelihood with its gradient; each call starts from the intercepts of the one before.
+    """Negative log-likelihood with its gradient.
 
-    Parameters so far away that a number overflows are as impossible as those under which the values have no chance.
+    Each call starts at the intercepts of the previous call.
+
+    Parameters for which a number overflows are treated like those with a likelihood of 0.
     """
 
     def __init__(self, intervals: Intervals) -> None:
@@ -139,18 +154,21 @@ class _Objective:
         return -value, -gradient
 
     def hessian(self, parameters: Array) -> Array:
-        """Return central differences of the gradient."""
+        """Return the Hessian by central differences of the gradient."""
         steps = DIFFERENCE * np.maximum(1.0, np.abs(parameters))
         rows = []
         for step, unit in zip(steps, np.eye(len(parameters)), strict=True):
             (_, ahead), (_, behind) = self(parameters + step * unit), self(parameters - step * unit)
             rows.append((ahead - behind) / (2 * step))
         matrix = np.array(rows)
-        return np.asarray((matrix + matrix.T) / 2)  # differences leave it symmetric but for their error
+        return np.asarray((matrix + matrix.T) / 2)  # differences are symmetric only up to their error
 
 
 def maximise(intervals: Intervals) -> Maximum:
-    """Climb by quasi-Newton steps (BFGS, from the start's inverse Hessian), then by Newton's."""
+    """Maximise by quasi-Newton steps (BFGS), then by Newton steps.
+
+    BFGS starts at the inverse Hessian of the start values.
+    """
     from scipy.optimize import minimize  # slow to load
 
     objective, parameters = _Objective(intervals), intervals.start()
@@ -158,7 +176,7 @@ def maximise(intervals: Intervals) -> Maximum:
         hessian = objective.hessian(parameters)
         for _ in range(MAX_RESTARTS):
             inverse = symmetric_inverse(hessian)
-            # scipy raises for a matrix that is not definite, and begins at the unit matrix for None.
+            # scipy raises for a matrix that is not definite; with None it starts at the identity.
             options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": inverse if _is_definite(inverse) else None}
             parameters = minimize(objective, parameters, jac=True, method="BFGS", options=options).x
             parameters, hessian = _newton_steps(objective, parameters)
@@ -169,7 +187,10 @@ def maximise(intervals: Intervals) -> Maximum:
 
 
 def _newton_steps(objective: _Objective, parameters: Array) -> tuple[Array, Array]:
-    """Take Newton's steps as long as they shrink the gradient; return the Hessian at the last but one place."""
+    """Take Newton steps as long as they shrink the gradient.
+
+    The Hessian returned is that of the last but one place.
+    """
     value, gradient = objective(parameters)
     for _ in range(MAX_POLISHING):
         hessian = objective.hessian(parameters)
@@ -209,12 +230,15 @@ def of_value(y: Array, mean: Array, log_sd: Array) -> Expansion:
 
 
 def of_interval(low: Array, high: Array, mean: Array, log_sd: Array) -> Expansion:
-    """Return the log chance of a normal value between two ends, of which one may be infinite."""
+    """Return the log probability of a normal value in an interval.
+
+    One of the ends may be infinite.
+    """
     inverse = np.exp(-log_sd)
     a, b = (low - mean) * inverse, (high - mean) * inverse
     log_chance = _log_chance(a, b)
     ratio_a, ratio_b = (np.exp(-0.5 * end * end - LOG_ROOT_TWO_PI - log_chance) for end in (a, b))
-    # At an infinite end the density is 0: the end's place must not make NaN of its product with it.
+    # The density is 0 at an infinite end; a finite factor keeps their product from being NaN.
     a, b = (np.where(np.isfinite(end), end, 0.0) for end in (a, b))
     by_a, by_b = -ratio_a, ratio_b
     aa = a * ratio_a - ratio_a**2
@@ -222,7 +246,7 @@ def of_interval(low: Array, high: Array, mean: Array, log_sd: Array) -> Expansio
     bb = -b * ratio_b - ratio_b**2
 
     gradient = np.stack([-(by_a + by_b) * inverse, -(a * by_a + b * by_b)], axis=-1)
-    curved = np.minimum(aa + 2 * ab + bb, 0.0) * inverse**2  # log-concave, also where all digits are lost
+    curved = np.minimum(aa + 2 * ab + bb, 0.0) * inverse**2  # log-concave even if all digits are lost
     mixed = (by_a + by_b + a * aa + (a + b) * ab + b * bb) * inverse
     by_log_sd_twice = a * by_a + b * by_b + a * a * aa + 2 * a * b * ab + b * b * bb
     return Expansion(log_chance, gradient, _square(curved, mixed, by_log_sd_twice))
@@ -234,7 +258,10 @@ def _square(first: Array, mixed: Array, second: Array) -> Array:
 
 
 def _log_chance(a: Array, b: Array) -> Array:
-    """Return log(Phi(b) - Phi(a)) in the tail that keeps its digits; 0 for an empty interval."""
+    """Return log(Phi(b) - Phi(a)), computed in the tail that keeps digits.
+
+    It is 0 for an empty interval.
+    """
     flipped = a > 0
     low, high = np.where(flipped, -b, a), np.where(flipped, -a, b)
     upper = log_ndtr(high)

@@ -1,7 +1,9 @@
-"""Linear mixed models with a random intercept: missing cells, and measured force as a covariate.
+"""Linear mixed models with a random intercept per participant.
 
-statsmodels' MixedLM gives likelihood, estimates and covariance. Its own search over the variance of participants can
-end away from the maximum, so that it starts from the best of a grid here.
+Cells may be missing, and measured force can be a covariate.
+
+statsmodels' MixedLM computes likelihood, estimates and covariance. Its search over the variance of participants can
+end away from the maximum, so here it starts from the best point of a grid.
 """
 
 import warnings
@@ -32,7 +34,10 @@ ALIKE = (
 
 
 class ModelStatus(StrEnum):
-    """`SINGULAR`: participants do not differ beyond the residuals, a valid result (their variance is 0)."""
+    """Status of a mixed model.
+
+    `SINGULAR`: participants do not differ beyond the residuals. This is a valid result; their variance is 0.
+    """
 
     OK = "ok"
     SINGULAR = "singular"
@@ -40,12 +45,12 @@ class ModelStatus(StrEnum):
 
 @dataclass(frozen=True)
 class MixedModel:
-    """A fitted model y = X b + u(participant) + e.
+    """Fitted model y = X b + u(participant) + e.
 
     `coefficients`: per column of X its estimate, standard error, df, t, p and interval. `terms`: per factor, covariate
     and interaction its F, averaged over the others. Standard deviations are in the unit of the dependent value;
-    `log_likelihood` is the restricted one (of `censored_model` the unrestricted). `notes` say what a reader must know;
-    `n_censored` of the `n` values are known by a bound only.
+    `log_likelihood` is the restricted one (for `censored_model` the unrestricted). `notes` are warnings for the reader.
+    `n_censored` of the `n` values are known only by a bound.
     """
 
     coefficients: pd.DataFrame
@@ -85,7 +90,9 @@ def mixed_model(
     base: Mapping[str, object] | None = None,
     interval: float = 0.95,
 ) -> MixedModel:
-    """A linear mixed model with a random intercept per participant, by restricted maximum likelihood.
+    """Fit a linear mixed model by restricted maximum likelihood.
+
+    The model has a random intercept per participant.
 
     Parameters
     ----------
@@ -99,17 +106,18 @@ def mixed_model(
     Raises
     ------
     InvalidParameter
-        For unknown columns, fewer than two participants, a base that is no level, and terms that the data cannot tell
-        apart. As `UndefinedStatistic`, with its status: for values that are not finite (naming the row), the same
-        everywhere or without error, and a factor of one level.
+        For unknown columns, fewer than two participants, a base that is not a level, and terms that the data cannot
+        separate. As `UndefinedStatistic`, with its status: for values that are not finite (naming the row), constant
+        values, values without error, and a factor with one level.
 
     Notes
     -----
-    Cells may be missing: the model needs no complete design, but takes them as missing at random, which a censored
-    threshold is not. t and F have the degrees of freedom that a balanced design has: of what varies within
-    participants values less participants less the coefficients of such terms, of what varies between them alone
-    participants less the coefficients of those and the intercept. A random intercept takes the differences of all
-    conditions to vary alike (sphericity); `anova.repeated_measures` does not.
+    Cells may be missing: the design need not be complete. The model assumes that they are missing at random, which is
+    not true of a censored threshold. t and F have the degrees of freedom of a balanced design. For terms that vary
+    within participants this is the number of values minus participants minus coefficients of such terms. For terms
+    that vary only between participants it is the number of participants minus their coefficients and the intercept.
+    A random intercept assumes that the differences of all conditions have equal variances (sphericity);
+    `anova.repeated_measures` does not.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -135,7 +143,7 @@ def mixed_model(
 def _checked_rows(
     table: pd.DataFrame, dependent: str, factors: Sequence[str], covariates: Sequence[str], subject: str
 ) -> pd.DataFrame:
-    """Return the rows with finite numbers where numbers are needed."""
+    """Return the rows after checking that numeric columns are finite."""
     columns = [dependent, subject, *factors, *covariates]
     expect(len(set(columns)) == len(columns), "mixed_model", ", ".join(columns), "each column once")
     data = finite_rows(table, columns, dependent, "mixed_model")
@@ -149,11 +157,13 @@ def _checked_rows(
 
 @dataclass(frozen=True)
 class ModelDesign:
-    """Values `y` (row,) of participants, whose places are `groups` (row,), and `x` of shape (row, column) with `names`;
+    """Design matrix with the values and participants of its rows.
+
+    `y` (row,) are values, `groups` (row,) indices of participants, and `x` (row, column) has the column `names`.
     `terms` maps the name of each term to its columns.
 
-    `averaged` has the same columns coded about the mean of each factor and covariate, so that those of a term are its
-    effect averaged over the others.
+    `averaged` has the same columns coded about the mean of each factor and covariate. The columns of a term then
+    describe its effect averaged over the others.
     """
 
     y: Array
@@ -169,9 +179,11 @@ class ModelDesign:
 
     @property
     def df(self) -> Indices:
-        """Degrees of freedom of the error of each column (Pinheiro and Bates 2000, section 2.4.2).
+        """Error degrees of freedom of each column.
 
-        A column that varies between participants alone is tested against them, all others against the residuals.
+        See Pinheiro and Bates 2000, section 2.4.2.
+
+        A column that varies only between participants is tested against participants, all others against residuals.
         """
         x = self.averaged
         away = x - _group_means(x, self.groups)[self.groups]
@@ -193,12 +205,14 @@ def model_design(
     interactions: bool,
     base: Mapping[str, object],
 ) -> ModelDesign:
-    """Return treatment codes of the factors, the covariates, and their products.
+    """Return the design matrix of factors, covariates and their products.
+
+    Factors have treatment codes.
 
     Raises
     ------
     InvalidParameter
-        If a base is no level, or columns depend on each other; as `mixed_model`.
+        As `mixed_model`; and if a base is not a level, or columns are linearly dependent.
     """
     data = _checked_rows(table, dependent, factors, covariates, subject)
     single = {name: _codes(data, name, base.get(name)) for name in factors}
@@ -222,7 +236,10 @@ def model_design(
 
 
 def _centred(codes: Mapping[str, Array]) -> dict[str, Array]:
-    """Centre codes about the mean of a factor's levels, each counted once."""
+    """Centre codes about the mean over a factor's levels.
+
+    Each level counts once.
+    """
     different = np.unique(np.stack(list(codes.values()), axis=1), axis=0)
     means = different.mean(axis=0)
     return {name: column - mean for (name, column), mean in zip(codes.items(), means, strict=True)}
@@ -247,7 +264,7 @@ def _products(factors: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
 def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequence[int]]) -> None:
     norms = np.linalg.norm(x, axis=0)
     scaled = x / np.where(norms > 0, norms, 1.0)
-    for n in range(1, x.shape[1] + 1):  # column by column, to name the first that follows from those before it
+    for n in range(1, x.shape[1] + 1):  # column by column, to name the first that depends on those before it
         if np.linalg.matrix_rank(scaled[:, :n], tol=TOLERANCE * n) < n:
             term = next((term for term, places in terms.items() if n - 1 in places), names[n - 1])
             raise InvalidParameter(
@@ -257,11 +274,11 @@ def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequen
 
 
 def _has_error(y: Array, design: ModelDesign) -> bool:
-    """Return True if values differ beyond a mean of each participant and the terms."""
+    """Return True if values vary beyond participant means and terms."""
     both = np.column_stack([design.x, y])
     within = both - _group_means(both, design.groups)[design.groups]
     x_within, y_within = within[:, :-1], within[:, -1]
-    # What varies between participants alone is rounding here, which the regression may not enlarge (`rcond`).
+    # Columns that vary only between participants are rounding errors here; `rcond` keeps them small.
     residual = y_within - x_within @ np.linalg.lstsq(x_within, y_within, rcond=TOLERANCE)[0]
     return bool(np.abs(residual).max() > RELATIVE_ZERO * np.abs(y).max())
 
@@ -273,8 +290,10 @@ def _group_means(columns: Array, groups: Indices) -> Array:
 
 @dataclass(frozen=True)
 class InterceptFit:
-    """Estimates of values (y - centre) / scale; the standard deviations are yet to be multiplied by the root of
-    `inflation`."""
+    """Estimates for values (y - centre) / scale.
+
+    The standard deviations are not yet multiplied by the square root of `inflation`.
+    """
 
     estimates: Array
     covariance: Array
@@ -285,7 +304,10 @@ class InterceptFit:
 
 
 def _fit(y: Array, design: ModelDesign) -> InterceptFit:
-    """Return statsmodels' fit at the maximum of the restricted likelihood over the ratio of the two variances."""
+    """Return statsmodels' fit at the maximum of the restricted likelihood.
+
+    The search is over the ratio of the two variances.
+    """
     from scipy.optimize import minimize_scalar  # slow to load
     from statsmodels.regression.linear_model import OLS
     from statsmodels.regression.mixed_linear_model import MixedLM, MixedLMParams
@@ -295,22 +317,22 @@ def _fit(y: Array, design: ModelDesign) -> InterceptFit:
     def fitted(ratio: float) -> Any:
         start = MixedLMParams.from_components(alone.params, cov_re=np.array([[ratio]]))
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of a search of no steps
+            warnings.simplefilter("ignore")  # MixedLM warns of a search without steps
             return model.fit(start_params=start, method="bfgs", maxiter=0)
 
-    fitted(1.0)  # a model has no likelihood before its first fit
+    fitted(1.0)  # MixedLM has no likelihood before its first fit
 
     def log_likelihood(log_ratio: float) -> float:
         return float(model.loglike(np.exp([log_ratio / 2])))
 
-    # A grid first, as the bounded search ends on any summit.
+    # A grid comes first because the bounded search may end at a local maximum.
     grid = np.linspace(float(np.log(RATIOS[0])), float(np.log(RATIOS[1])), N_GRID)
     best = int(np.argmax([log_likelihood(log_ratio) for log_ratio in grid]))
     bounds = (grid[max(best - 1, 0)], grid[min(best + 1, N_GRID - 1)])
     summit = minimize_scalar(
         lambda log_ratio: -log_likelihood(log_ratio), bounds=bounds, method="bounded", options={"xatol": 1e-10}
     )
-    if best == 0:  # the least ratio of the grid is 0 but for rounding
+    if best == 0:  # the smallest ratio of the grid is 0 up to rounding
         return InterceptFit(alone.params, alone.cov_params(), 0.0, float(np.sqrt(alone.scale)), log_likelihood(grid[0]))
     fit = fitted(float(np.exp(summit.x)))
     n = len(fit.fe_params)
@@ -321,7 +343,10 @@ def _fit(y: Array, design: ModelDesign) -> InterceptFit:
 def described_model(
     design: ModelDesign, fit: InterceptFit, unit: tuple[float, float], interval: float, n_censored: int = 0
 ) -> MixedModel:
-    """Return a fit in the unit of y, which is (centre, scale); its log-likelihood is in that unit already."""
+    """Return a fit in the unit of y.
+
+    `unit` is (centre, scale). The log-likelihood of the fit is already in that unit.
+    """
     inflation = float(np.sqrt(fit.inflation))
     return MixedModel(
         coefficients=_coefficients(design, fit, unit, interval),
@@ -358,7 +383,7 @@ def _coefficients(design: ModelDesign, fit: InterceptFit, unit: tuple[float, flo
 
 def _terms(design: ModelDesign, fit: InterceptFit) -> pd.DataFrame:
     """Return Wald's F of each term, averaged over the others (type III)."""
-    # The same model in the averaged codes: with treatment codes a main effect is one at the base of the others.
+    # Refit in the averaged codes: with treatment codes a main effect would apply at the base of the other factors.
     turn = np.linalg.lstsq(design.averaged, design.x, rcond=None)[0]
     estimates, covariance = turn @ fit.estimates, turn @ fit.covariance @ turn.T
     rows = []

@@ -1,4 +1,4 @@
-"""A psychometric function fitted to counts."""
+"""Fits of a psychometric function to counts of answers."""
 
 from typing import TYPE_CHECKING
 

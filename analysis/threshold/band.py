@@ -21,7 +21,10 @@ N_DRAWS = 500
 
 @dataclass(frozen=True)
 class CurveBand:
-    """Lower end, median and upper end of the chance of an answer at each of the `levels`, and of the `threshold`."""
+    """Lower end, median and upper end of the response probability.
+
+    They are given at each of the `levels`. `threshold` has the same three numbers for the threshold.
+    """
 
     levels: Array
     low: Array
@@ -39,23 +42,25 @@ def curve_band(
     interval: float = 0.95,
     **options: Any,
 ) -> CurveBand | None:
-    """The posterior band of a psychometric function at the levels `at`; None with fewer than two levels.
+    """Return the posterior band of a psychometric function at levels `at`.
+
+    None with fewer than two levels.
 
     Parameters
     ----------
     levels, n_correct, n_trials : (n_levels,) array_like
-        As `fit` takes them.
+        As for `fit`.
     at : (n,) array_like
-        Levels at which the band is told, in the same unit.
+        Levels of the band, in the same unit.
     interval : float
         Coverage at each level, between 0 and 1.
     **options
-        ``shape``, ``guess_rate`` and what else `log_posterior` takes.
+        ``shape``, ``guess_rate`` and the other options of `log_posterior`.
 
     Raises
     ------
     InvalidParameter
-        As `fit` does.
+        As for `fit`.
 
     Examples
     --------
@@ -80,9 +85,11 @@ def curve_band(
 
 
 def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
-    """Return parameters (n_draws, 4) that represent the posterior of one data set, on the scale of `Counts.u`.
+    """Return parameters (n_draws, 4) that represent a posterior.
 
-    They are nodes of a grid at equal steps of the cumulated mass: the same answers give the same draws.
+    The posterior is that of one data set, on the scale of `Counts.u`.
+
+    They are nodes of a grid at equal steps of the cumulated mass, so the same answers give the same draws.
     """
     prior, box = posterior.prior, find_box(posterior, find_mode(posterior))
     axes, mass = masses_in(posterior, box.low[0], box.high[0])

@@ -1,4 +1,4 @@
-"""Counts of answers per level, count_arrays, pooled and brought to a scale without units."""
+"""Counts of answers per level, checked, pooled and scaled."""
 
 from dataclasses import dataclass, replace
 
@@ -18,7 +18,7 @@ LARGEST = 1e300
 
 @dataclass(frozen=True)
 class Counts(Rows):
-    """Data sets side by side, on levels u = (level - centre) / spread.
+    """Counts of many data sets, at levels u = (level - centre) / spread.
 
     `u`, `n_yes`, `n_trials` have the shape (n_sets, n_levels); unused places have n_trials 0 and u 0.
     `centre`, `spread` (the range of the levels, 1 where there is no range), `gap` (smallest spacing over
@@ -37,7 +37,10 @@ class Counts(Rows):
         return len(self.u)
 
     def by_level(self) -> "Counts":
-        """Return the same counts laid out in memory level by level, for sums over the levels of many sets."""
+        """Return the same counts laid out in memory level by level.
+
+        This makes sums over the levels of many sets faster.
+        """
         u, k, n = (np.asfortranarray(values) for values in (self.u, self.n_yes, self.n_trials))
         return replace(self, u=u, n_yes=k, n_trials=n)
 
@@ -45,7 +48,9 @@ class Counts(Rows):
 def count_arrays(
     levels: ArrayLike, n_correct: ArrayLike, n_trials: ArrayLike, *, logarithms: bool = False
 ) -> tuple[Array, Array, Array]:
-    """Check levels (or take their `logarithms`) and counts as arrays (n_sets, n_levels), 0 where there is no trial.
+    """Check levels and counts and return arrays (n_sets, n_levels).
+
+    With `logarithms` the levels are replaced by their logarithms. Values are 0 where there is no trial.
 
     Raises
     ------
@@ -57,7 +62,7 @@ def count_arrays(
     n = _numbers("n_trials", n_trials)
     try:
         if x.ndim and k.ndim and x.shape[-1] != k.shape[-1]:
-            raise ValueError  # one count would be read as that of every level
+            raise ValueError  # one count would broadcast to every level
         x, k, n = (np.atleast_2d(v) for v in np.broadcast_arrays(x, k, n))
     except ValueError:
         raise InvalidParameter(
@@ -65,7 +70,7 @@ def count_arrays(
         ) from None
     expect(x.ndim == 2, "levels", f"{x.ndim} dimensions", "(data set, level)")
     used = n != 0
-    # Each test is the negation of what is expected, so that NaN, which fulfils nothing, is refused too.
+    # Each test negates the expectation, so that NaN is rejected too.
     is_size = np.isfinite(n) & (n > 0) & (n == np.floor(n))
     _refuse("n_trials", n, used & ~is_size, "a whole number, 0 or more")
     _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
@@ -97,12 +102,12 @@ def _refuse(name: str, values: Array, bad: Bools, expected: str) -> None:
 
 
 def normalise(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Counts:
-    """Sort, pool equal levels, and bring every data set to its own range.
+    """Sort levels, pool equal ones, and scale each set to its range.
 
     Levels that differ by less than `POOLED_BELOW` of the range are pooled. Shapes (n_sets, n_levels). The
     range is that of all levels, or (`robust_range`) of those within Tukey's fences.
     """
-    if x.shape[1] == 0:  # one place that is not used: what follows looks for ends and neighbours
+    if x.shape[1] == 0:  # add an unused place, as the code below needs ends and neighbours
         x, k, n = (np.zeros((x.shape[0], 1)) for _ in range(3))
     # Unused places go last: pooling and spacings look at neighbours.
     order = np.argsort(np.where(n > 0, x, np.inf), axis=1, kind="stable")
@@ -122,12 +127,15 @@ def _ends(x: Array, used: Bools) -> tuple[Array, Array]:
 
 
 def _tukey_range(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """Cut the range at Tukey's fences (1977, section 2D; quartiles over trials) unless that empties it."""
+    """Clip the range to Tukey's fences unless that leaves nothing.
+
+    Tukey 1977, section 2D, with quartiles over trials.
+    """
     share = np.cumsum(n, axis=1) / np.maximum(n.sum(axis=1, keepdims=True), 1)
     places = ((share < quarter).sum(axis=1, keepdims=True) for quarter in (0.25, 0.75))
     first, third = (np.take_along_axis(x, np.minimum(place, x.shape[1] - 1), 1)[:, 0] for place in places)
     reach = 1.5 * (third - first)
-    # Where most trials stand at one level there is no interquartile range, and fences would leave that level alone.
+    # If most trials are at one level, the interquartile range is 0 and the fences would keep only that level.
     kept = (reach > 0) & (n.sum(axis=1) > 0)
     inner, outer = np.maximum(low, first - reach), np.minimum(high, third + reach)
     return np.where(kept, inner, low), np.where(kept, outer, high)
@@ -138,7 +146,7 @@ def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
     is_new = np.ones_like(used)
     is_new[:, 1:] = np.diff(u, axis=1) > POOLED_BELOW
     if (is_new | ~used).all():
-        return u, k, n  # nothing to pool: the levels keep their bits, which the mean u n / n would not
+        return u, k, n  # nothing to pool: the mean u n / n would change the last bits of the levels
     place = np.cumsum(is_new & used, axis=1) - 1
     rows = np.broadcast_to(np.arange(u.shape[0])[:, None], u.shape)[used]
     pooled = [np.zeros_like(u) for _ in range(3)]
@@ -149,7 +157,10 @@ def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
 
 
 def _smallest_gap(u: Array, n: Array) -> Array:
-    """Return the smallest spacing of the levels used, as a part of their range; 1 for fewer than two levels."""
+    """Return the smallest spacing of used levels over their range.
+
+    It is 1 for fewer than two levels.
+    """
     if u.shape[1] < 2:
         return np.ones(u.shape[0])
     both = (n[:, 1:] > 0) & (n[:, :-1] > 0)

@@ -1,4 +1,7 @@
-"""Point of subjective equality and just noticeable difference of a comparison, from the posterior of its curve."""
+"""Point of subjective equality and just noticeable difference.
+
+Both come from the posterior of the curve of a comparison.
+"""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -31,7 +34,10 @@ UNKNOWN = (
 
 @dataclass(frozen=True)
 class Equality:
-    """Posterior medians with central intervals, in the unit of the levels: lower end, median, upper end."""
+    """Posterior medians with central intervals, in the unit of the levels.
+
+    Each is lower end, median and upper end.
+    """
 
     pse: tuple[float, float, float]
     jnd: tuple[float, float, float]
@@ -40,7 +46,9 @@ class Equality:
 def fit_comparisons(
     levels: ArrayLike, n_more: ArrayLike, n_trials: ArrayLike, *, interval: float = 0.95, **options: Any
 ) -> tuple[ThresholdFit, ...]:
-    """Fit comparisons as `fit_many`, with their points of subjective equality and just noticeable differences.
+    """Fit comparisons with their equality points and noticeable differences.
+
+    Arguments are those of `fit_many`.
 
     Examples
     --------
@@ -56,7 +64,10 @@ def fit_comparisons(
 
 
 def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highest: float) -> ThresholdFit:
-    """Put the equality in the place of the middle of the curve; a bound where it lies outside of the levels."""
+    """Replace the middle of the curve by the equality point.
+
+    Outside of the levels it becomes a bound.
+    """
     if equality is None:
         return fit
     (low, pse, high), (narrow, jnd, wide) = equality.pse, equality.jnd
@@ -83,10 +94,10 @@ def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highe
 
 
 def equalities(fitted: Fitting) -> list[Equality | None]:
-    """Return the equality of each data set; None with fewer than two levels.
+    """Return the equality of each data set, None with fewer than two levels.
 
-    The rate is that of all answers, whatever the asymptotes: a standard compared with itself is called "more" in half
-    of the trials, also where it is often not felt. The shape of the curve is the cumulative normal.
+    The rate is that of all answers, not the part between the asymptotes: a standard compared with itself is called
+    "more" in half of the trials, even if it is often not felt. The shape of the curve is the cumulative normal.
     """
     posterior, marginals = fitted.posterior, fitted.marginals
     found: list[Equality | None] = []
@@ -103,7 +114,7 @@ def equalities(fitted: Fitting) -> list[Equality | None]:
 def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float) -> Equality:
     axes, mass = masses_in(posterior, low, high)
     lapse, guess = axes[LAPSE][:, None], axes[GUESS]
-    # Where the normal curve between the asymptotes has each rate, in standard deviations from its middle.
+    # Position of each rate on the normal curve, in standard deviations from its middle.
     shares = ((rate - guess) / (1 - guess - lapse) for rate in (EQUAL, NOTICED))
     equal, noticed = (ndtri(np.clip(share, 1e-9, 1 - 1e-9)) for share in shares)
     per_sd = np.exp(axes[LOG_WIDTH])[:, None, None] / posterior.shape.z_width
@@ -117,7 +128,10 @@ def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float)
 
 
 def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> Array:
-    """Return lower end, median and upper end of values whose masses are each spread over a step of the grid."""
+    """Return lower end, median and upper end of values with masses.
+
+    Each mass is spread over a step of the grid.
+    """
     flat, weights = np.broadcast_to(values, mass.shape).ravel(), mass.ravel()
     middle = float((flat * weights).sum() / weights.sum())
     reach = WIDEST_STEPS * step

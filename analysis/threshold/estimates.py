@@ -1,4 +1,4 @@
-"""Fits of many data sets: posterior or likelihood, statuses from the counts, and results in the unit of the levels."""
+"""Fits of many data sets, with statuses, in the unit of the levels."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -27,27 +27,28 @@ WIDEST_LOG_SD = 1.5
 
 @dataclass(frozen=True)
 class ThresholdFit:
-    """What the answers say about one threshold.
+    """Estimates of one threshold.
 
     `threshold` and the interval are in the unit of the levels (`width` too; for the shape ``weibull`` it is
-    in natural logarithms of the level). None: the data do not tell. Where only a bound is known
+    in natural logarithms of the level). None means that the data do not determine the value. If only a bound is known
     (`threshold_below_range`, `threshold_above_range`) the threshold is None and one end of the interval is
     the bound. Without a threshold for another reason, as for `flat`, the interval is that of the posterior, and an end
     is None if the threshold may lie beyond the levels on its side with a probability above 0.2. `deviance` is that of
     the mode of posterior or likelihood. `note` explains a status and is empty for ``ok``.
 
-    `method` is ``posterior`` also where the likelihood was asked for but has no maximum, as without a threshold or
-    where the answers change in one step; a maximum of the likelihood has no interval.
+    `method` is also ``posterior`` if the likelihood was requested but has no maximum, as without a threshold or if
+    the answers change in one step. A maximum of the likelihood has no interval.
 
     `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior, whatever the method;
     with overdispersion they are those of the beta-binomial posterior, as the interval is.
-    `probability_below`, `probability_within` and `probability_above` are the posterior probabilities on which the
-    status rests: the threshold lies so far below the levels that all are on the upper asymptote; the levels meet the
+    `probability_below`, `probability_within` and `probability_above` are the posterior probabilities that determine
+    the status: the threshold lies so far below the levels that all are on the upper asymptote; the levels meet the
     rise of the function; it lies so far above them that all are on the lower asymptote (None for fewer than two
     levels).
 
-    Of a comparison (`equality.fit_comparisons`) `threshold` is the point of subjective equality, where half of all
-    answers are "more", `middle` the middle of the curve between its asymptotes, and `jnd` the distance to 75 % "more".
+    For a comparison (`equality.fit_comparisons`) `threshold` is the point of subjective equality, where half of all
+    answers are "more". `middle` is the middle of the curve between its asymptotes, and `jnd` the distance from equality
+    to 75 % "more".
     """
 
     threshold: float | None
@@ -80,7 +81,7 @@ class ThresholdFit:
 
     @property
     def function(self) -> PsychometricFunction | None:
-        """The fitted curve, or None where there is none."""
+        """Fitted curve, or None if one of its parameters is missing."""
         if None in (self.threshold, self.width, self.lapse_rate, self.guess_rate):
             return None
         return PsychometricFunction(
@@ -94,8 +95,11 @@ class ThresholdFit:
 
 @dataclass(frozen=True)
 class Estimates(Rows):
-    """Parameters (n_sets, 4) with the width in place of its logarithm, ends (n_sets, 2) of threshold and width, and the
-    `method` (n_sets,) that the ends come from."""
+    """Parameters of many fits with the ends of their intervals.
+
+    Parameters (n_sets, 4) contain the width itself, not its logarithm. Ends (n_sets, 2) belong to threshold and width.
+    `method` (n_sets,) is the source of the ends.
+    """
 
     theta: Array
     threshold: Array
@@ -105,7 +109,7 @@ class Estimates(Rows):
 
 @dataclass(frozen=True)
 class Fitting:
-    """Data sets, their priors, and how they are fitted."""
+    """Data sets, their priors, and the options of their fits."""
 
     posterior: LogPosterior
     shape: str
@@ -121,7 +125,7 @@ class Fitting:
 
     @cached_property
     def marginals(self) -> Marginals:
-        """Binomial posterior, on which the statuses rest."""
+        """Marginals of the binomial posterior, which determine the statuses."""
         return self._integrated(self.posterior, self.mode)
 
     def results(self) -> tuple[ThresholdFit, ...]:
@@ -156,7 +160,7 @@ class Fitting:
         return self._fits(status, estimates, shares, levels, deviance, eta)
 
     def _integrated(self, posterior: LogPosterior, mode: Mode) -> Marginals:
-        """Posterior of every data set with two levels or more."""
+        """Marginals of every data set with two levels or more."""
         chosen = np.flatnonzero(posterior.counts.n_levels > 1)
         found = batched_marginals(posterior[chosen], mode[chosen], self.interval)
         return Marginals.empty(len(posterior)).replaced(chosen, found)
@@ -164,8 +168,8 @@ class Fitting:
     def _of_posterior(self, mode: Mode, marginals: Marginals, place: Array) -> Estimates:
         """Return mode, median or mean of the posterior.
 
-        The mode of a step is a whole stretch; its middle is `place`. The median replaces a mode on an edge of the
-        priors or outside of its interval.
+        The modes of a step form a whole stretch, whose middle is `place`. The median replaces a mode that is on an edge
+        of the priors or outside of its interval.
         """
         threshold, width = marginals.threshold[:, [0, 2]], marginals.width[:, [0, 2]]
         theta = marginals.mean
@@ -191,12 +195,12 @@ class Fitting:
         deviance: Array,
         eta: Array | None,
     ) -> tuple[ThresholdFit, ...]:
-        """Return each data set's result, with None for what its status leaves open."""
+        """Return each data set's result, with None for undetermined values."""
         counts, (threshold, width, lapse, guess) = self.posterior.counts, estimates.theta.T
         has_curve = counts.n_levels > 1
         is_fitted_anyway = np.isin(status, FITTED_ANYWAY) & has_curve & (np.abs(threshold) <= 0.5)
         has_threshold = np.isin(status, WITH_THRESHOLD) | is_fitted_anyway
-        has_width = has_threshold & (status != Status.SEPARATED)  # of a step the width has an upper bound only
+        has_width = has_threshold & (status != Status.SEPARATED)  # the width of a step has only an upper bound
         has_low, has_high = _has_ends(status, shares, has_threshold).T & has_curve
         low, high = self._levels(estimates.threshold.T)
         narrow, wide = counts.spread * estimates.width.T
@@ -241,8 +245,8 @@ def _of_likelihood(mode: Mode) -> Estimates:
 def _has_ends(status: Statuses, shares: Array, has_threshold: Bools) -> Bools:
     """Return which ends (n_sets, 2) an interval has.
 
-    Without a threshold an end is open unless the answers exclude, as they do for `ok`, that the threshold lies
-    beyond the levels on its side.
+    Without a threshold an end is open unless the answers exclude a threshold beyond the levels on its side. They
+    always do for `ok`.
     """
     is_open = ~has_threshold[:, None] & (shares[:, 1:3] > 1 - HELD)
     is_bound = np.isin(status, CENSORED)
@@ -251,7 +255,7 @@ def _has_ends(status: Statuses, shares: Array, has_threshold: Bools) -> Bools:
 
 
 def _known(values: Array, where: Bools) -> list[float | None]:
-    """Return values, with None elsewhere and for an end that there is none of."""
+    """Return values, with None for unknown ones and missing ends."""
     is_known = where & np.isfinite(values)
     return [value if known else None for value, known in zip(values.tolist(), is_known, strict=True)]
 
@@ -263,7 +267,7 @@ def is_regular(mode: Mode) -> Bools:
 
 
 def _with_width(theta: Array) -> Array:
-    """Return parameters with the width in place of its logarithm."""
+    """Return parameters with the width itself instead of its logarithm."""
     theta = theta.copy()
     with np.errstate(over="ignore"):
         theta[:, LOG_WIDTH] = np.exp(theta[:, LOG_WIDTH])

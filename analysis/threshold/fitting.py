@@ -1,6 +1,6 @@
 """Thresholds from counts of answers: one fit, or thousands in one call."""
 
-from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
+from __future__ import annotations  # `help` then shows ArrayLike instead of its expansion
 
 from collections.abc import Sequence
 from typing import TypedDict, Unpack
@@ -61,40 +61,41 @@ def fit(
     levels, n_correct, n_trials : (n_levels,) array_like
         Levels in any unit and order, correct (or "yes") answers, trials.
     n_false_alarms, n_catch : int
-        "Yes" answers to catch trials, and catch trials: they bear on a free guess rate.
+        "Yes" answers to catch trials, and number of catch trials. They affect a free guess rate.
     shape : str
         ``normal`` (the default), ``logistic``, ``gumbel``, ``reversed_gumbel`` or ``weibull`` (positive levels).
     guess_rate, lapse_rate : float or None
         Lower asymptote (1/m in forced choice) and distance of the upper one from 1; None (the default): free, under
         the priors Beta(1, `guess_beta`) and Beta(1, `lapse_beta`).
     equal_asymptotes : bool
-        Both free rates are one, under the prior of the lapse rate (psignifit 4's ``equalAsymptote``).
+        Both free rates are equal, under the prior of the lapse rate (psignifit 4's ``equalAsymptote``).
     method : str
         ``posterior`` (the default): the posterior's `estimate` with its central interval. ``likelihood``: maximum
-        likelihood, without intervals; where the likelihood has no maximum, what the posterior says.
+        likelihood, without intervals; if the likelihood has no maximum, the result of the posterior.
     estimate : str
         ``mode`` (the default; the median where the mode lies outside of its interval or on an edge of the priors, and
         the middle of a step), ``median`` or ``mean``. In forced choice mean and median lie below the truth.
     interval : float
         Coverage of the interval, between 0 and 1.
     scale_free_width : bool
-        Whether the width's prior is flat in its logarithm, from a twentieth of the range on, instead of in the width.
+        Use a prior that is flat in the log width, from a twentieth of the range on, instead of in the width.
     narrowest_spacings : float
         Least width in smallest spacings of the levels; the prior falls to there from twice that.
     robust_range : bool
-        Whether the priors rest on the levels within Tukey's fences: an adaptive procedure starts far from its end.
+        Base the priors on the levels within Tukey's fences, as an adaptive procedure starts far from its end.
     overdispersion : bool
-        Whether the answers are beta-binomial with overdispersion eta under its prior Beta(1, 10).
+        Fit beta-binomial answers with overdispersion eta under the prior Beta(1, 10).
 
     Raises
     ------
     InvalidParameter
-        For what is no number, an impossible count (naming the row), an unknown name or a rate outside [0, 1).
+        For a value that is not a number, an impossible count (naming the row), an unknown name, or a rate outside
+        [0, 1).
 
     Notes
     -----
     Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision Research 122,
-    105-123). The status is that of the binomial posterior, as is a bound of a threshold outside of the levels.
+    105-123). The status, and the bound of a threshold out of range, are those of the binomial posterior.
 
     Examples
     --------
@@ -119,9 +120,11 @@ def fit_many(
     n_catch: ArrayLike = 0,
     **options: Unpack[Options],
 ) -> tuple[ThresholdFit, ...]:
-    """Fit stacks (n_sets, n_levels) of data sets as `fit` does; they broadcast, catch trials have the shape (n_sets,).
+    """Fit stacks (n_sets, n_levels) of data sets as `fit` does.
 
-    Sets of different length are filled up with rows of 0 trials.
+    Arguments broadcast; catch trials have the shape (n_sets,).
+
+    Pad sets of different lengths with levels of 0 trials.
 
     >>> [found.status.value for found in fit_many([1, 2, 3, 4], [[0, 0, 10, 10], [10] * 4], 10,
     ...     shape="logistic", guess_rate=0.0, lapse_rate=0.0)]
@@ -143,7 +146,10 @@ def fitting(
     estimate: str = "mode",
     **prior: Unpack[PriorOptions],
 ) -> Fitting:
-    """Return data sets with their priors, yet to be fitted; arguments as of `fit_many`."""
+    """Return data sets with their priors, ready to be fitted.
+
+    Arguments are those of `fit_many`.
+    """
     between("fit", 0, 1, interval=interval)
     one_of("method", method, METHODS)
     one_of("estimate", estimate, ESTIMATES)
@@ -169,7 +175,10 @@ def log_posterior(
     equal_asymptotes: bool = False,
     narrowest_spacings: float = 1.0,
 ) -> LogPosterior:
-    """Return the density of the parameters of each data set; arguments as of `fit_many`."""
+    """Return the log posterior of the parameters of each data set.
+
+    Arguments are those of `fit_many`.
+    """
     curve = shape_named(shape)
     check_rates("fit", guess_rate, lapse_rate)
     positive("fit", lapse_beta=lapse_beta, guess_beta=guess_beta, narrowest_spacings=narrowest_spacings)
@@ -196,10 +205,10 @@ def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch:
 
 
 def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) -> None:
-    """Reject rates outside of their range, or that leave a function no room to rise."""
+    """Reject rates out of range, or that leave a function no room to rise."""
     rates = {"guess_rate": guess_rate, "lapse_rate": lapse_rate}
     below_1(owner, **{name: rate for name, rate in rates.items() if rate is not None})
-    # Two free rates sum to 1 at the very ends of their priors; known ones that do leave the function no room to rise.
+    # Free rates sum to 1 only at the ends of their priors. Known rates that sum to 1 leave the function no room.
     highest = [LARGEST_RATE if rate is None else rate for rate in rates.values()]
     leaves_room = sum(highest) <= 1 and (guess_rate or 0) + (lapse_rate or 0) < 1
     expected = f"a sum below 1 (a free rate may reach {LARGEST_RATE:g})"

@@ -1,8 +1,8 @@
-"""Goodness of fit: deviance and residuals against those of answers drawn from the fitted function.
+"""Goodness of fit by deviance and residuals of simulated answers.
 
 The reference of each statistic is the parametric bootstrap with a new fit to each draw (Wichmann and Hill 2001,
-Perception & Psychophysics 63, 1293-1313): with one or two answers at a level the deviance is not chi-squared. The draws
-of a data set end when `ENOUGH` of them are as extreme as the answers (Besag and Clifford 1991, Biometrika 78, 301-304).
+Perception & Psychophysics 63, 1293-1313): with one or two answers at a level the deviance is not chi-squared. Drawing
+stops when `ENOUGH` draws of a data set are as extreme as the answers (Besag and Clifford 1991, Biometrika 78, 301-304).
 """
 
 from collections.abc import Iterator
@@ -39,7 +39,10 @@ SMALLEST_VARIANCE = 1e-12
 
 @dataclass(frozen=True)
 class Sequences(Rows):
-    """Answers (n_sets, n_stretches, n_levels) in stretches of consecutive trials, at the levels of `Counts`."""
+    """Answers (n_sets, n_stretches, n_levels) in stretches of trials.
+
+    A stretch is a number of consecutive trials, at the levels of `Counts`.
+    """
 
     n_yes: Array
     n_trials: Array
@@ -49,12 +52,12 @@ class Sequences(Rows):
 class Goodness:
     """Statistics and their p (n_sets, 4), in the order of `STATISTICS`.
 
-    The deviance; the standardised bend of the residuals over the levels (above 0: at both ends more answers are yes or
-    correct than the function says, in the middle fewer); their standardised trend over the stretches of time (above 0:
-    in the end more answers are yes or correct than the function says); and the dispersion, the squared residuals of the
-    stretches over their binomial variance, near 1 where answers are independent of each other. It is the mean of two:
-    of the plain residuals, which a criterion or threshold that comes and goes enlarges, and of those weighted with the
-    predicted rate less its mean, which lapses and guesses in a row do.
+    The first is the deviance. The second is the standardised bend of the residuals over the levels; above 0 there are
+    more "yes" or correct answers than predicted at both ends and fewer in the middle. The third is their standardised
+    trend over time; above 0 there are more such answers than predicted at the end. The fourth is the dispersion, the
+    squared residuals of the stretches over their binomial variance, near 1 for independent answers. It is the mean of
+    two dispersions. That of the plain residuals grows if criterion or threshold vary. That of residuals weighted with
+    the predicted rate minus its mean grows with runs of lapses or guesses.
     """
 
     statistics: Array
@@ -64,7 +67,10 @@ class Goodness:
 def goodness(
     posterior: LogPosterior, theta: Array, answers: Sequences, follows: Bools, rng: np.random.Generator
 ) -> Goodness:
-    """Test the modes `theta` (n_sets, 4) of `posterior`; `follows` (n_sets,): the levels followed the answers."""
+    """Test the fits of a posterior at the modes `theta` (n_sets, 4).
+
+    `follows` (n_sets,) is True for data sets whose levels depended on the answers.
+    """
     observed = statistics(posterior.shape, posterior.counts, theta, answers)
     compared = observed / np.where(follows[:, None], FEEDBACK, 1.0)
     tally = _Tally(np.zeros(observed.shape, dtype=np.int64), np.zeros(observed.shape, dtype=np.int64))
@@ -93,7 +99,10 @@ def statistics(shape: Shape, counts: Counts, theta: Array, answers: Sequences) -
 
 
 def _bend(u: Array, off: Array, variance: Array) -> Array:
-    """Return z of the residuals' sum, weighted with the part of the squared level that no line explains."""
+    """Return z of the sum of residuals, weighted by the curvature of levels.
+
+    The weight is the part of the squared level that a line does not explain.
+    """
     away = u - _mean(u, variance)
     square = _mean(away**2, variance)
     line = _mean(away**3, variance) / np.maximum(square, SMALLEST_VARIANCE)
@@ -101,7 +110,7 @@ def _bend(u: Array, off: Array, variance: Array) -> Array:
 
 
 def _trend(off: Array, variance: Array) -> Array:
-    """Return z of the residuals' sum, weighted with the time from its mean."""
+    """Return z of the sum of residuals, weighted by the time from its mean."""
     time = np.arange(off.shape[1], dtype=np.float64)[None]
     return _z(time - _mean(time, variance), off, variance)
 
@@ -117,14 +126,17 @@ def _z(weight: Array, off: Array, variance: Array) -> Array:
 
 
 def _dispersion(off: Array, spread: Array, weight: Array) -> Array:
-    """Return squared weighted residuals of the stretches over their expectation."""
+    """Return weighted squared residuals of stretches over their expectation."""
     squares = np.square((off * weight[:, None]).sum(axis=2)).sum(axis=1)
     expected = (spread * weight[:, None] ** 2).sum(axis=(1, 2))
     return np.asarray(squares / np.maximum(expected, SMALLEST_VARIANCE))
 
 
 def _draws(posterior: LogPosterior, theta: Array, answers: Sequences, n_draws: int, rng: np.random.Generator) -> Array:
-    """Return the statistics (n_sets, n_draws, 4) of answers drawn from the functions and fitted anew."""
+    """Return the statistics of refitted simulated answers.
+
+    The shape is (n_sets, n_draws, 4).
+    """
     shape, counts = posterior.shape, posterior.counts
     same = np.repeat(np.arange(len(counts)), n_draws)
     chance = np.minimum(np.exp(log_chances(shape, counts.u, theta)[0]), 1.0)
@@ -139,40 +151,46 @@ def _draws(posterior: LogPosterior, theta: Array, answers: Sequences, n_draws: i
 
 
 def _is_as_extreme(drawn: Array, observed: Array) -> Bools:
-    """Return True where draws are at least as large, but for rounding (two-sided ones in size)."""
+    """Return True for draws that are at least as large, up to rounding.
+
+    Two-sided statistics are compared in absolute value.
+    """
     drawn, observed = (np.where(TWO_SIDED, np.abs(x), x) for x in (drawn, observed))
     return np.asarray(drawn >= observed - EQUAL * np.maximum(1.0, np.abs(observed)))
 
 
 @dataclass(frozen=True)
 class _Tally:
-    """Numbers of draws, and of those as extreme as the answers, for each p (n_sets, 4)."""
+    """Counts of draws and of extreme draws for each p (n_sets, 4)."""
 
     n_drawn: Indices
     n_extreme: Indices
 
     def is_open(self) -> Indices:
-        """Return the data sets of which some p needs more draws."""
+        """Return the data sets that need more draws for some p."""
         return np.flatnonzero((self.n_extreme < ENOUGH).any(axis=1))
 
     def add(self, sets: Indices, extreme: Bools) -> None:
-        """Count `extreme` (n_sets, n_draws, 4), of each p up to the draw that closes it."""
+        """Count `extreme` (n_sets, n_draws, 4) draws until each p is complete."""
         before = self.n_extreme[sets]
         so_far = before[:, None] + np.cumsum(extreme, axis=1)
-        # Draws after the closing one were made in the same round, but a stopping rule may not look at them.
+        # Draws after the closing one belong to the same round, but a stopping rule must ignore them.
         counted = np.minimum((so_far < ENOUGH).sum(axis=1) + 1, extreme.shape[1])
         is_open = before < ENOUGH
         self.n_drawn[sets] += np.where(is_open, counted, 0)
         self.n_extreme[sets] = np.where(is_open, np.minimum(so_far[:, -1], ENOUGH), before)
 
     def p(self) -> Array:
-        """Return Besag and Clifford's p; with fewer than `ENOUGH` extreme draws the answers count as one more."""
+        """Return Besag and Clifford's p.
+
+        With fewer than `ENOUGH` extreme draws the observed answers count as one more.
+        """
         closed = self.n_extreme >= ENOUGH
         share = self.n_extreme / np.maximum(self.n_drawn, 1)
         return np.where(closed, share, (self.n_extreme + 1) / (self.n_drawn + 1))
 
 
 def _portions(sets: Indices, n_numbers: int) -> Iterator[Indices]:
-    """Split data sets into parts that draw at most `MOST_AT_ONCE` numbers each."""
+    """Split data sets into parts that draw at most `MOST_AT_ONCE` numbers."""
     size = max(1, MOST_AT_ONCE // n_numbers)
     yield from (sets[start : start + size] for start in range(0, len(sets), size))

@@ -1,12 +1,14 @@
-"""Log-likelihood of psychometric functions for many data sets at once, with exact derivatives.
+"""Log-likelihood of psychometric functions with exact derivatives.
+
+It is computed for many data sets at once.
 
 A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess rate.
 
-The chances are sums of positive parts, so they may pass through the linear scale as long as no chance comes near the
-smallest float; data sets where one does are done again in log space.
+The probabilities are sums of positive parts, so they are computed on the linear scale. Data sets in which a probability
+comes near the smallest float are computed again in log space.
 
-Beta-binomial answers (Schuett et al. 2016): eta in [0, 1) is the overdispersion, nu = 1/eta^2 - 1, and the chance of a
-block is drawn from Beta(nu psi, nu (1 - psi)); the variance of k is n psi (1 - psi) (1 + (n - 1) eta^2).
+Beta-binomial answers (Schuett et al. 2016): eta in [0, 1) is the overdispersion, nu = 1/eta^2 - 1, and the probability
+of a block is drawn from Beta(nu psi, nu (1 - psi)); the variance of k is n psi (1 - psi) (1 + (n - 1) eta^2).
 """
 
 from collections.abc import Callable, Sequence
@@ -33,7 +35,7 @@ ROOT_TWO_PI = float(np.sqrt(2 * np.pi))
 
 # Derivatives along z, lapse and guess rate
 class ByPoint(NamedTuple):
-    """Log-likelihood and its derivatives along z, lapse (l) and guess rate (g), elementwise."""
+    """Log-likelihood with derivatives along z, lapse (l) and guess (g) rate."""
 
     value: Array
     z: Array
@@ -48,13 +50,15 @@ class ByPoint(NamedTuple):
 
 
 def weighted(count: Array, log_chance: Array) -> Array:
-    """Return count * log_chance, 0 without a count even at log 0."""
+    """Return count * log_chance, and 0 for a count of 0 even at log 0."""
     with np.errstate(invalid="ignore"):
         return np.where(count > 0, count * log_chance, 0.0)
 
 
 def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> ByPoint:
-    """Expand the log-likelihood of `answers` (n_yes, n_no) at z (..., n_levels); rates broadcast to z.
+    """Expand the log-likelihood of `answers` (n_yes, n_no) at z.
+
+    z has the shape (..., n_levels); rates broadcast to it.
 
     >>> at, none = np.zeros((1, 1)), np.zeros(1)
     >>> found = by_point(SHAPES["logistic"], at, none, none, (at + 3, at + 1))
@@ -110,7 +114,7 @@ def linear(shape: Shape, z: Array) -> tuple[Array, Array, Array]:
 
 
 def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> tuple[ByPoint, Array]:
-    """Return the expansion on the linear scale, and the smaller of the two chances."""
+    """Return the expansion on the linear scale and the smaller probability."""
     cdf, sf, pdf = linear(shape, z)
     span = 1 - guess - lapse
     yes, no = guess + span * cdf, lapse + span * sf
@@ -121,7 +125,7 @@ def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[A
     steep = span * pdf
     value = n_yes * np.log(yes) + n_no * np.log(no)
     zz = first * bend(steep, shape.score(z)) - second * steep * steep
-    # first and second joined by yes + no = 1: what is left does not cancel, however small a chance is
+    # combined by yes + no = 1, so that nothing cancels even for tiny probabilities
     z_lapse = pdf * (kk_no * (1 - guess) - kk_yes * guess)
     z_guess = pdf * (kk_no * lapse - kk_yes * (1 - lapse))
     by = ByPoint(
@@ -147,15 +151,18 @@ def _logarithmic(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Arra
 
 
 def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int) -> tuple[Array, ...]:
-    """Return the log chance of an answer and its derivatives: z, zz, l, zl, ll, g, zg, gg, lg."""
+    """Return the log probability of an answer and its derivatives.
+
+    The order is z, zz, l, zl, ll, g, zg, gg, lg.
+    """
     log_cdf, log_sf = shape.log_cdf(z), shape.log_sf(z)
     log_chance = log_mixture(log_cdf, log_sf, guess, lapse)[1 - answer]
-    sign = 1.0 if answer else -1.0  # what raises the chance of yes lowers that of no
+    sign = 1.0 if answer else -1.0  # yes and no change in opposite directions
     density, up, down = (_ratio(log_part, log_chance) for log_part in (shape.log_pdf(z), log_cdf, log_sf))
     steep = (1 - guess - lapse) * density
     by_z, by_l, by_g = sign * steep, -sign * up, sign * down
     by_zz = sign * bend(steep, shape.score(z)) - steep * steep
-    # As in `_linear`: the cross terms keep the asymptote alone, and nothing cancels.
+    # As in `_linear`, the cross terms contain only the asymptote, so nothing cancels.
     if answer:
         log_at_guess, log_at_lapse = np.log(guess), np.log1p(-lapse)
     else:
@@ -167,32 +174,41 @@ def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int)
 
 
 def bend(steep: Array, score: Array) -> Array:
-    """Return steep * score, 0 where the density has vanished."""
+    """Return steep * score, and 0 if the density has vanished."""
     with np.errstate(invalid="ignore"):
         return np.where(steep > 0, steep * score, 0.0)
 
 
 def _ratio(log_part: Array, log_chance: Array) -> Array:
-    """Return exp(log_part - log_chance), bounded: an asymptote of 0 makes it infinite."""
+    """Return exp(log_part - log_chance), limited to finite values.
+
+    An asymptote of 0 would make it infinite.
+    """
     with np.errstate(invalid="ignore"):
-        # Where both have vanished their difference would be NaN; the part counts nothing.
+        # If both have vanished their difference is NaN; the part then counts as 0.
         difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
     return np.asarray(np.exp(np.minimum(difference, LARGEST_LOG_RATIO)))
 
 
 # Along the parameters
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """Return log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
+    """Return log psi and log(1 - psi) at levels (..., n_levels).
+
+    Parameters have the shape (..., 4).
+    """
     z, _, _ = _z(shape, u, theta)
     return log_mixture(shape.log_cdf(z), shape.log_sf(z), *_rates(theta))
 
 
 def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """Return `log_chances` (n_curves, n_rates, n_levels) of parameters whose curves are equal along axis 1."""
+    """Return `log_chances` (n_curves, n_rates, n_levels).
+
+    The curves of the parameters are equal along axis 1.
+    """
     z, _, _ = _z(shape, u, theta[:, :1])
     guess, lapse = _rates(theta)
     if guess.min() == 0 or lapse.min() == 0:
-        # Without an asymptote to hold it up a chance may underflow, and keeps its digits only as a logarithm.
+        # Without an asymptote a probability may underflow; only its logarithm keeps the digits.
         return log_mixture(shape.log_cdf(z), shape.log_sf(z), guess, lapse)
     span = 1 - guess - lapse
     cdf, sf, _ = linear(shape, z)
@@ -210,19 +226,25 @@ def log_likelihood(shape: Shape, counts: Counts, theta: Array) -> Array:
 
 
 def saturated_log_likelihood(counts: Counts) -> Array:
-    """Return the largest log-likelihood (n_sets,) that any function of the level can reach."""
+    """Return the largest log-likelihood of any function of the level."""
     return np.asarray(constant_log_likelihood(counts.n_yes, counts.n_trials).sum(axis=-1))
 
 
 def constant_log_likelihood(k: Array, n: Array) -> Array:
-    """Return the log-likelihood of k in n answers at the rate k / n; 0 without trials."""
+    """Return the log-likelihood of k in n answers at rate k / n.
+
+    It is 0 without trials.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         rest = n - k
         return weighted(k, np.log(k / n)) + weighted(rest, np.log(rest / n))
 
 
 def _z(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array]:
-    """Return z = z50 + (u - m) z_width exp(-v), and its derivatives along threshold (..., 1) and log width."""
+    """Return z and its derivatives along threshold and log width.
+
+    z = z50 + (u - m) z_width exp(-v); the derivatives have the shape (..., 1) along the threshold.
+    """
     with np.errstate(over="ignore"):
         slope = shape.z_width * np.exp(-theta[..., LOG_WIDTH, None])
     z = shape.z50 + (u - theta[..., THRESHOLD, None]) * slope
@@ -250,7 +272,10 @@ def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
 
 
 def _chain(by: ByPoint, to_m: Array, to_v: Array) -> Expansion:
-    """Sum over the levels and turn derivatives along z into those along threshold and log width."""
+    """Sum over levels and convert derivatives along z by the chain rule.
+
+    The result is along threshold and log width.
+    """
     zz_v = by.zz * to_v
     z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
     zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
@@ -274,7 +299,10 @@ def _sums(*terms: Array) -> list[Array]:
 
 
 def chance_slopes(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
-    """Return slopes of psi along threshold, log width and lapse rate, and psi (1 - psi), at each level."""
+    """Return slopes of psi and psi (1 - psi) at each level.
+
+    The slopes are along threshold, log width and lapse rate.
+    """
     z, to_m, to_v = _z(shape, u, theta)
     guess, lapse = _rates(theta)
     cdf, sf, pdf = linear(shape, z)
@@ -284,7 +312,10 @@ def chance_slopes(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, A
 
 
 def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
-    """Return psi and 1 - psi (n, n_levels) with gradient (..., 4) and Hessian (..., 4, 4) of psi."""
+    """Return psi and 1 - psi with gradient and Hessian of psi.
+
+    Shapes are (n, n_levels), (..., 4) and (..., 4, 4).
+    """
     z, to_m, to_v = _z(shape, u, theta)
     guess, lapse = _rates(theta)
     cdf, sf, pdf = (np.exp(log_part(z)) for log_part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
@@ -294,8 +325,7 @@ def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
     mm = bent * to_m * to_m
     mv = bent * to_m * to_v - steep * to_m
     vv = bent * to_v * to_v - steep * to_v
-    # Either rate takes as much from the span: the cross terms of lapse and guess are the same. Along the rates psi is
-    # straight.
+    # Both rates reduce the span alike, so their cross terms are equal. psi is linear in the rates.
     ml, vl = -pdf * to_m, -pdf * to_v
     rows = [
         [mm, mv, ml, ml],
@@ -308,7 +338,9 @@ def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
 
 
 def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: float) -> Array:
-    """Return the log chance of one order of k yes in n answers at the mean chance p = 1 - q.
+    """Return the log probability of one order of k yes in n answers.
+
+    The mean probability is p = 1 - q.
 
     >>> from scipy.special import binom
     >>> round(float(binom(20, 15) * np.exp(log_weight(np.array(0.75), np.array(0.25), 15, 20, 0.2))), 9)
@@ -329,19 +361,22 @@ def _log_beta_ratio(k: Array | float, n: Array | float, a: Array, b: Array, nu: 
 
 
 def _trigamma_rise(x: Array, count: Array) -> Array:
-    """Return the rise of trigamma from x to x + count; exactly 0 without a count."""
+    """Return trigamma(x + count) - trigamma(x), exactly 0 for a count of 0."""
     return np.where(count > 0, polygamma(1, count + x) - polygamma(1, x), 0.0)
 
 
 def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Array) -> Expansion:
-    """Return the beta-binomial log-likelihood at eta (n_sets,) with gradient and Hessian."""
+    """Return the beta-binomial log-likelihood with gradient and Hessian.
+
+    It is that at eta (n_sets,).
+    """
     p, q, by, by_by = curvature_of_chances(shape, counts.u, theta)
     k, n = counts.n_yes, counts.n_trials
     nu = (1 / np.square(eta) - 1)[:, None]
     a = nu * np.maximum(p, SMALLEST_CHANCE)
     b = nu * np.maximum(q, SMALLEST_CHANCE)
     value = _log_beta_ratio(k, n, a, b, nu)
-    # Along psi of each level, where a rises and b falls; then the chain rule from psi to the parameters.
+    # Derivatives along psi of each level, where a rises and b falls; then the chain rule to the parameters.
     first = nu * (psi(k + a) - psi(a) - psi(n - k + b) + psi(b))
     second = nu**2 * (_trigamma_rise(a, k) + _trigamma_rise(b, n - k))
     gradient = np.einsum("nl,nli->ni", first, by)

@@ -1,8 +1,10 @@
-"""Posterior distributions of psychometric functions by quadrature on a box that follows the posterior.
+"""Posterior distributions of psychometric functions by quadrature.
 
-Threshold and log width lie on equidistant nodes, where the trapezoidal rule converges fastest, the rates on
-Gauss-Legendre nodes. The box starts around the mode, grows where a face still holds density and shrinks where none is
-left. After few trials it reaches far beyond most of the mass: the nodes of the threshold are then equidistant in asinh
+The box of the quadrature follows the posterior.
+
+Threshold and log width have equidistant nodes, for which the trapezoidal rule converges fastest; the rates have
+Gauss-Legendre nodes. The box starts around the mode. It grows where a face still has density and shrinks where there is
+none. After few trials it reaches far beyond most of the mass: the nodes of the threshold are then equidistant in asinh
 of the distance from the mode.
 """
 
@@ -45,7 +47,9 @@ DENSE_SD, LEAST_DENSE = 2.0, 1 / 30
 
 @dataclass(frozen=True)
 class Marginals(Rows):
-    """Posterior means (n_sets, 4), with the width itself in place of its logarithm, and quantiles.
+    """Posterior means and quantiles of the parameters.
+
+    Means (n_sets, 4) contain the width itself, not its logarithm.
 
     `threshold` and `width` (n_sets, 3) are the lower end of the central interval, the median and the upper end; all on
     the scale of `Counts.u`. `overdispersion` (n_sets,) is the posterior mean of eta, 0 for the binomial. `log_evidence`
@@ -76,7 +80,10 @@ class _Box(Rows):
 
 
 def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
-    """Integrate the posterior of every data set, one data set's grid at a time in memory."""
+    """Integrate the posterior of every data set.
+
+    Only one grid is in memory at a time.
+    """
     if not len(posterior):
         return Marginals.empty(0)
     boxes = find_box(posterior, mode)
@@ -93,9 +100,11 @@ def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals
 
 
 def _lenses(boxes: _Box, mode: Mode) -> Array:
-    """Return centre, scale, start and stop (n_sets, 4) of the nodes of thresholds centre + scale * sinh(t).
+    """Return centre, scale, start and stop (n_sets, 4) of threshold nodes.
 
-    The nodes t are equidistant from start to stop, which give the ends of the box.
+    The thresholds are centre + scale * sinh(t).
+
+    The nodes t are equidistant from start to stop, which correspond to the ends of the box.
     """
     low, high = boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD]
     centre, sd, reach = mode.theta[:, THRESHOLD], mode.sd[:, THRESHOLD], high - low
@@ -108,14 +117,17 @@ def _one_by_one(posterior: LogPosterior) -> list[slice]:
 
 
 def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
-    """Return nodes of the overdispersion of one data set, and weights times its prior; 0 for the binomial."""
+    """Return overdispersion nodes and weights of one data set.
+
+    The weights include the prior. For the binomial the only node is 0.
+    """
     if posterior.prior.overdispersion is None:
         return np.zeros(1), np.ones(1)
     axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
     tried = np.linspace(0.005, LARGEST_ETA, 100)
     along = np.array([log_density_grid(posterior, axes, eta).item() for eta in tried])
     kept = along + log_prior_of(tried) > mode.log_density[0] - NEGLIGIBLE
-    # The other parameters stand still at their mode here; free, they let eta reach somewhat farther.
+    # The other parameters are fixed at their mode here; if they were free, eta would reach somewhat farther.
     end = min(LARGEST_ETA, 1.3 * float(tried[kept].max(initial=0.005)))
     unit, weights = rate_rule(ETA_NODES)
     nodes = end * unit
@@ -123,7 +135,10 @@ def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
 
 
 def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
-    """Return the smallest box, up to a node, outside of which the density is negligible."""
+    """Return the smallest box with negligible density outside.
+
+    It is accurate to one node.
+    """
     ends = _Box(*posterior.prior.bounds())
     reach = np.where(mode.sd > 0, START_SD * mode.sd, np.inf)
     low, high = mode.theta - reach, mode.theta + reach
@@ -143,7 +158,10 @@ def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
 
 
 def _profiles(posterior: LogPosterior, box: _Box) -> list[Array]:
-    """Return the largest log density along each parameter on a coarse grid: 4 of (n_sets, n_nodes)."""
+    """Return profiles of the log density along each parameter.
+
+    Each is the maximum over the others on a coarse grid: 4 arrays (n_sets, n_nodes).
+    """
     by_set = [_profiles_of_one(posterior[here], box[here]) for here in _one_by_one(posterior)]
     return [np.array(along) for along in zip(*by_set, strict=True)]
 
@@ -174,7 +192,7 @@ def _next_box(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box
         inside = profile > highest[:, None] - NEGLIGIBLE
         first = inside.argmax(axis=1)
         last = n_steps - inside[:, ::-1].argmax(axis=1)
-        # A face that still holds density moves out; another one in to the first negligible node, which bounds the rest.
+        # A face that still has density moves out. Others move in to the first negligible node.
         start_moved = np.where(first == 0, start - 0.6 * size, start + (first - 1) * step)
         stop_moved = np.where(last == n_steps, stop + 0.6 * size, start + (last + 1) * step)
         low[:, place] = np.maximum(start_moved, ends.low[:, place])
@@ -184,7 +202,7 @@ def _next_box(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box
 
 @cache
 def rate_rule(n: int) -> tuple[Array, Array]:
-    """Return Gauss and Legendre's nodes from 0 to 1, with weights that sum to 2."""
+    """Return Gauss-Legendre nodes from 0 to 1, with weights that sum to 2."""
     points, weights = np.polynomial.legendre.leggauss(n)
     return (points + 1) / 2, weights
 
@@ -192,9 +210,11 @@ def rate_rule(n: int) -> tuple[Array, Array]:
 def nodes_in(
     prior: Prior, low: Array, high: Array, n_trials: float, lens: Array | None = None
 ) -> tuple[list[Array], list[Array]]:
-    """Nodes and weights along each parameter for the box of one data set; one node for a fixed parameter.
+    """Return nodes and weights along each parameter in a box.
 
-    The thresholds are equidistant, or those of a lens (`_lenses`).
+    The box is that of one data set. A fixed parameter has one node.
+
+    The thresholds are equidistant, or transformed by a lens (`_lenses`).
     """
     nodes, weights = [], []
     n_from_zero = RATE_NODES_OF_FEW if n_trials <= FEW_TRIALS else RATE_NODES
@@ -217,14 +237,20 @@ def nodes_in(
 
 
 def masses_in(posterior: LogPosterior, low: Array, high: Array) -> tuple[list[Array], Array]:
-    """Return nodes along each parameter in the box of one data set, and the masses of the binomial posterior there."""
+    """Return nodes in the box of one data set, and its posterior masses.
+
+    The posterior is the binomial one.
+    """
     axes, weights = nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
     density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
     return axes, np.exp(density - density.max()) * (weights[LAPSE][:, None] * weights[GUESS])
 
 
 def log_density_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
-    """Return the log density of one data set at an overdispersion on the product of four axes."""
+    """Return the log density on the product of four axes.
+
+    It is that of one data set at one overdispersion.
+    """
     threshold, log_width, lapse, guess = posterior.prior.along(axes)
     log_prior = (threshold[:, None] + log_width)[..., None, None] + (lapse[:, None] + guess)
     return np.asarray(_log_likelihood_grid(posterior, axes, eta) + log_prior)
@@ -245,7 +271,7 @@ def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float)
     cdf, sf, _ = (share[..., None, None] for share in linear(shape, z))
     span = 1 - guess - lapse
     if eta < BINOMIAL_BELOW:
-        # With asymptotes above 0 each chance is a sum of positive parts and may pass through the linear scale.
+        # With asymptotes above 0 each probability is a sum of positive parts, safe on the linear scale.
         return _log_chances(cdf, guess, span, k) + _log_chances(sf, lapse, span, n - k)
     levels = zip(cdf, sf, k.tolist(), n.tolist(), strict=True)
     weights = (log_weight(guess + span * up, lapse + span * down, n_yes, size, eta) for up, down, n_yes, size in levels)
@@ -253,17 +279,17 @@ def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float)
 
 
 def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array:
-    """Sum over the levels of count * log(floor + span * parts).
+    """Sum count * log(floor + span * parts) over the levels.
 
-    Up to `SINGLE_TRIALS` answers single precision errs by less than 1e-3 in the sum.
+    Up to `SINGLE_TRIALS` answers the error of single precision is below 1e-3 in the sum.
     """
     few = (count <= FEW) & (len(count) > FACTORS)
-    # Half the memory of a large grid, as long as the error of the sum stays small.
+    # Single precision halves the memory of a large grid if the error of the sum stays small.
     precision = np.float32 if count.sum() <= SINGLE_TRIALS else np.float64
     many = ~few & (count > 0)
     low, size = floor.astype(precision), span.astype(precision)
     rest = np.zeros((*parts.shape[1:3], *span.shape), dtype=precision)
-    chance = np.empty_like(rest)  # one for all levels: new memory costs more than what is computed in it
+    chance = np.empty_like(rest)  # reused for all levels: allocation costs more than the computation
     for n, share in zip(count[many].astype(precision), parts[many].astype(precision), strict=True):
         np.add(low, np.multiply(size, share, out=chance), out=chance)
         rest += np.multiply(n, np.log(chance, out=chance), out=chance)
@@ -273,10 +299,10 @@ def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array
 
 
 def _log_products(parts: Array, floor: Array, span: Array) -> Array:
-    """Return the sum over the first axis of log(floor + span * parts).
+    """Sum log(floor + span * parts) over the first axis.
 
-    A product of `FACTORS` chances is a polynomial in floor and span, whose coefficients are the elementary symmetric
-    polynomials of the parts: one product of matrices evaluates it at every rate.
+    A product of `FACTORS` probabilities is a polynomial in floor and span. Its coefficients are the elementary
+    symmetric polynomials of the parts, so one matrix product evaluates it at every rate.
     """
     floors, spans = (rate.ravel() for rate in np.broadcast_arrays(floor, span))
     total = np.zeros((parts.shape[1] * parts.shape[2], spans.size))
@@ -295,11 +321,14 @@ def _log_products(parts: Array, floor: Array, span: Array) -> Array:
 def _marginal_densities(
     posterior: LogPosterior, box: _Box, lens: Array, etas: tuple[Array, Array]
 ) -> tuple[Array, Array, Array, float, float, Array]:
-    """Return means, densities of threshold and log width, mean eta, log total and shares beyond the levels."""
+    """Return means and marginal densities of one data set.
+
+    The results are means, densities of threshold and log width, mean eta, log total, and shares beyond the levels.
+    """
     prior, (low, high) = posterior.prior, (box.low[0], box.high[0])
     axes, weights = nodes_in(prior, low, high, posterior.counts.n_trials.sum(), lens)
     densities = np.stack([log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
-    densities += axes[LOG_WIDTH][:, None, None]  # the prior is one of the width, the nodes lie along its logarithm
+    densities += axes[LOG_WIDTH][:, None, None]  # the prior is on the width, the nodes on its logarithm
     highest = densities.max()
     densities -= highest  # likelihoods themselves are too small for floats
     masses = np.exp(densities, out=densities)
@@ -318,12 +347,15 @@ def _marginal_densities(
 
 
 def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array:
-    """Return low end, median and high end (n_sets, 3) of densities (n_sets, n_nodes) on equidistant nodes."""
+    """Return lower end, median and upper end (n_sets, 3) of densities.
+
+    The densities (n_sets, n_nodes) are given on equidistant nodes.
+    """
     shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
     n_nodes = density.shape[1]
     fine, weights = spline_integral(n_nodes)
     integral = density @ weights
-    # A spline may dip below 0 between two nodes, and what is inverted below has to rise.
+    # A spline may dip below 0 between nodes, but its integral must rise to be inverted.
     cumulated = np.maximum.accumulate(integral, axis=1)
     places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])
     above_low = (high - low)[:, None] * places / (n_nodes - 1)
@@ -332,7 +364,9 @@ def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array
 
 @cache
 def spline_integral(n_nodes: int) -> tuple[Array, Array]:
-    """Return places on the nodes 0, 1, ... and the weights (n_nodes, n_places) of the integrals up to them.
+    """Return places and weights of integrals from node 0.
+
+    Places lie on the nodes 0, 1, ...; the weights (n_nodes, n_places) yield the integrals up to them.
 
     The integral is that of the cubic spline through the values at four nodes or more, without a knot at the second
     and the second to last node.
@@ -356,7 +390,7 @@ def spline_integral(n_nodes: int) -> tuple[Array, Array]:
 
 
 def _second_derivatives(n_nodes: int) -> Array:
-    """Return the matrix that maps a spline's values to its second derivatives at the nodes."""
+    """Return the matrix from spline values to second derivatives at nodes."""
     inner = np.arange(1, n_nodes - 1)
     left, right = np.zeros((2, n_nodes, n_nodes))
     for offset, of_moment, of_value in ((-1, 1, 6), (0, 4, -12), (1, 1, 6)):

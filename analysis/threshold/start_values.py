@@ -1,6 +1,9 @@
-"""Start values of the climbs to a mode: summits of a coarse grid, and steps with a density in closed form.
+"""Start values of the search for a mode.
 
-A density may have several summits, such as a shallow function without lapses and steep ones between any two levels.
+They are maxima on a coarse grid, and step functions with a density in closed form.
+
+A density may have several local maxima, such as a shallow function without lapses and steep functions between two
+levels.
 """
 
 from dataclasses import dataclass
@@ -34,7 +37,7 @@ STEEP = 0.7
 
 @dataclass(frozen=True)
 class Starts(Rows):
-    """Parameters `theta` (n_starts, 4) for the data sets number `sets` (n_starts,)."""
+    """Start values `theta` (n_starts, 4) of the data sets `sets` (n_starts,)."""
 
     sets: Indices
     theta: Array
@@ -44,17 +47,20 @@ class Starts(Rows):
         return cls(np.zeros(0, dtype=np.int64), np.zeros((0, N_PARAMETERS)))
 
 
-# Of a coarse grid
+# --- starts on a coarse grid
 def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
-    """Return the summits of the grid, and the best node of its narrow and of its wide half for each data set."""
+    """Return the local maxima of the grid, and the best nodes of its halves.
+
+    For each data set there is a best node among narrow and among wide functions.
+    """
     counts, prior = posterior.counts, posterior.prior
     summits, halves = [Starts.none()], [Starts.none()]
     for members in posterior.alike():
         sizes, nodes = _nodes(prior, counts[members[:1]])
         curves = nodes.reshape(-1, sizes[2], N_PARAMETERS)
         by_curve = log_chances_by_curve(posterior.shape, counts.u[members[0]], curves)
-        # Minus infinity would make NaN of the answers that a level does not have.
-        # The rates first, so that the best of them is found along whole rows of memory.
+        # Minus infinity times a count of 0 would be NaN.
+        # Rates come first, so that the best of them is found along contiguous memory.
         log_chances = np.maximum(np.concatenate(by_curve, axis=2), FLOOR).swapaxes(0, 1).reshape(len(nodes), -1)
         nodes = curves.swapaxes(0, 1).reshape(-1, N_PARAMETERS)
         shape = (sizes[2], *sizes[:2])
@@ -69,7 +75,10 @@ def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
 
 
 def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
-    """Return nodes (n_widths * n_thresholds * n_rates, 4) for the levels of one data set, and those numbers."""
+    """Return nodes for the levels of one data set, and their numbers.
+
+    The shape is (n_widths * n_thresholds * n_rates, 4).
+    """
     narrow = min(max(1.3 * float(one.gap[0]), NARROWEST_NODE), 1.5)
     has_two_rates = LAPSE in prior.free and GUESS in prior.free
     rates = RATES[2 if has_two_rates else 1]
@@ -78,13 +87,16 @@ def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
     lapses = rates if prior.lapse_rate is None else [prior.lapse_rate]
     guesses = rates if GUESS in prior.free else [prior.guess_rate or 0.0]
     sizes = (len(log_widths), len(thresholds), len(lapses) * len(guesses))
-    # Widths first: `_tops` looks along them before the thresholds. A parameter vector begins with the threshold.
+    # Widths come before thresholds, as `_tops` expects; a parameter vector begins with the threshold.
     nodes = np.array(list(product(log_widths, thresholds, lapses, guesses)))
     return sizes, prior.tied(nodes[:, [1, 0, 2, 3]])
 
 
 def _places(levels: Array) -> Array:
-    """Return thresholds at the levels, at their middles and beyond; equidistant ones for many levels."""
+    """Return thresholds at, between and beyond the levels.
+
+    For many levels they are equidistant.
+    """
     x = np.unique(np.clip(levels, -BEYOND[-1], BEYOND[-1]))
     inside = np.concatenate([x, (x[1:] + x[:-1]) / 2])
     if len(inside) > MOST_PLACES or not len(inside):
@@ -99,7 +111,10 @@ def _answers(counts: Counts) -> Array:
 
 
 def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
-    """Return the summits of densities (n_sets, n_rates, n_widths, n_thresholds), and the best of both halves."""
+    """Return local maxima of densities, and the best nodes of both halves.
+
+    Densities have the shape (n_sets, n_rates, n_widths, n_thresholds).
+    """
     ridge = density.max(axis=1)
     high = ridge >= ridge.max(axis=(1, 2), keepdims=True) - LOW
     summits = _at_best_rate(sets, density, nodes, *np.nonzero(_is_top(ridge) & high))
@@ -117,7 +132,10 @@ def _at_best_rate(sets: Indices, density: Array, nodes: Array, row: Indices, wid
 
 
 def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
-    """Return the best node at each other rate where it is about as good: it may lead to another summit."""
+    """Return the best node at each other rate if it is about as good.
+
+    It may lead to another maximum.
+    """
     n_rates = density.shape[1]
     by_rate = density.reshape(len(sets), n_rates, -1)
     node = by_rate.argmax(axis=2)
@@ -128,20 +146,26 @@ def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
 
 
 def _is_top(ridge: Array) -> Bools:
-    """Return True where a density is higher than at its eight neighbours, at the first of equals."""
+    """Return True for local maxima among eight neighbours.
+
+    Of equal neighbours the first counts.
+    """
     _, a, b = ridge.shape
     padded = np.pad(ridge, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
     top = np.ones(ridge.shape, dtype=bool)
-    for i, j in ((0, 1), (1, -1), (1, 0), (1, 1)):  # each with its opposite, of which one has to be exceeded
+    for i, j in ((0, 1), (1, -1), (1, 0), (1, 1)):  # each with the opposite direction
         ahead = padded[:, 1 + i : a + 1 + i, 1 + j : b + 1 + j]
         behind = padded[:, 1 - i : a + 1 - i, 1 - j : b + 1 - j]
         top &= (ridge >= ahead) & (ridge > behind)
     return top
 
 
-# Of steps
+# --- starts by steps
 def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
-    """Return the `N_STEPS` densest steps of each data set whose log density reaches `at_least` (n_sets,)."""
+    """Return the `N_STEPS` densest steps of each data set.
+
+    Their log density reaches `at_least` (n_sets,).
+    """
     steps = (_steps_between(posterior), _steps_at(posterior))
     density, theta = (np.concatenate(both, axis=1) for both in zip(*steps, strict=True))
     best = np.argsort(-density, axis=1)[:, :N_STEPS]
@@ -151,19 +175,28 @@ def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
 
 
 def _spacings(counts: Counts) -> Array:
-    """Return spacings of neighbouring levels (n_sets, n_levels - 1); infinite where one of them is unused."""
+    """Return spacings of neighbouring levels, infinite for unused levels.
+
+    The shape is (n_sets, n_levels - 1).
+    """
     used = counts.n_trials > 0
     return np.where(used[:, 1:] & used[:, :-1], np.diff(counts.u, axis=1), np.inf)
 
 
 def _steep_width(counts: Counts, spacing: Array) -> Array:
-    """Return the width of a steep start in a spacing, above the end of the prior of the width."""
+    """Return the width of a steep start within a spacing.
+
+    It is above the lower end of the width's prior.
+    """
     finite = np.where(np.isfinite(spacing), spacing, 1.0)
     return np.maximum(1.5 * counts.gap[:, None], STEEP * finite)
 
 
 def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
-    """Return log densities (n_sets, n_levels - 1) and parameters of steps between two levels."""
+    """Return log densities and parameters of steps between two levels.
+
+    Log densities have the shape (n_sets, n_levels - 1).
+    """
     u, spacing = posterior.counts.u, _spacings(posterior.counts)
     cut = np.arange(1, u.shape[1])
     density, lapse, guess = _asymptotes(posterior, cut, cut)
@@ -173,7 +206,10 @@ def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
-    """Return log densities (n_sets, n_levels) and parameters of steps at a level with any rate there."""
+    """Return log densities and parameters of steps at a level.
+
+    Any rate is possible at that level. Log densities have the shape (n_sets, n_levels).
+    """
     shape, counts = posterior.shape, posterior.counts
     u, k, n = counts.u, counts.n_yes, counts.n_trials
     spacing, outer = _spacings(counts), np.full((len(counts), 1), np.inf)
@@ -182,7 +218,7 @@ def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
     at = np.arange(u.shape[1])
     density, lapse, guess = _asymptotes(posterior, at, at + 1)
     rate = np.divide(k, n, out=np.full_like(k, 0.5), where=n > 0)
-    # A rate on an asymptote would put the threshold infinitely far away.
+    # A rate equal to an asymptote would put the threshold at infinity.
     span = np.maximum(1 - guess - lapse, 1e-9)
     share = np.clip((rate - guess) / span, 0.03, 0.97)
     shift = (shape.at(np.log(share), np.log1p(-share)) - shape.z50) / shape.z_width
@@ -192,10 +228,13 @@ def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tuple[Array, Array, Array]:
-    """Return log density, lapse and guess rate of the levels before `below` and from `above` on."""
+    """Return log density, lapse rate and guess rate of a step.
+
+    The lower asymptote applies to levels before `below`, the upper one from `above` on.
+    """
     counts, prior = posterior.counts, posterior.prior
     none = np.zeros((len(counts), 1))
-    # At i: answers and trials of all levels before level i.
+    # Entry i has the answers and trials of all levels before level i.
     k, n = (np.hstack([none, np.cumsum(count, axis=1)]) for count in (counts.n_yes, counts.n_trials))
     alarms, catch = prior.n_false_alarms[:, None], prior.n_catch[:, None]
     k_low, n_low = k[:, below], n[:, below]
@@ -214,10 +253,10 @@ def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tupl
 
 
 def _rate(k: Array, n: Array, fixed: float | None, beta: float) -> Array:
-    """Return the mode of a rate under its prior, or the known one."""
+    """Return the mode of a rate under its prior, or the fixed rate."""
     if fixed is not None:
         return np.full(k.shape, fixed)
-    mode = k / (n + beta - 1)  # of Beta(1 + k, beta + n - k)
+    mode = k / (n + beta - 1)  # mode of Beta(1 + k, beta + n - k)
     return np.clip(mode, 1e-6, LARGEST_RATE)
 
 

@@ -1,11 +1,11 @@
-"""Statuses: what the data can tell about a threshold, from the counts and the posterior.
+"""Statuses of thresholds, from the counts and the posterior.
 
 Four explanations are weighed by Bayes factors (Kass and Raftery 1995, Journal of the American Statistical Association
 90, 773-795): the levels meet the rise of the function (some level lies between its 0.05 and 0.95 points, or levels lie
 on both sides of it); all levels lie on the upper asymptote; all on the lower one; or the chance is another constant.
 The threshold may lie farther away than any curve of the fit, where only an asymptote is left: the evidence of such
 constant chances has a closed form. The ratios depend on the likelihood alone, not on how the levels were chosen, so
-that adaptive tracks are not punished; and answers that no curve made reach a Bayes factor of b for a curve in at most
+adaptive tracks are not penalised. Answers that no curve produced reach a Bayes factor of b for a curve in at most
 one of b cases, whatever the procedure (Markov's inequality).
 """
 
@@ -36,10 +36,10 @@ TOLERATED = 1.0
 
 @dataclass(frozen=True)
 class StepFit:
-    """The best step function, its place on the scale of `Counts.u`.
+    """Best step function, with its place on the scale of `Counts.u`.
 
-    `is_best`: no curve fits better. `is_between`: moreover the step lies between two levels, or does so at
-    the price of a likelihood ratio below e^1, so that no level shows anything in between.
+    `is_best`: no curve fits better. `is_between`: the step also lies between two levels, or moving it there costs
+    a likelihood ratio below e^1, so that no level shows an intermediate rate.
     """
 
     is_best: Bools
@@ -48,7 +48,7 @@ class StepFit:
 
 
 class Status(StatusWithNote):
-    """What the answers say about a threshold: ``ok``, or why there is none, or only a bound."""
+    """Status of a threshold: ``ok``, or why it is missing or only a bound."""
 
     OK = "ok", ""
     BELOW = "threshold_below_range", "the threshold is below the levels tested: the interval's upper end is its bound"
@@ -83,7 +83,10 @@ def notes(counts: Counts, status: Statuses, interval: float) -> list[str]:
 
 
 def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Status]:
-    """Return the first status that applies to each data set; `shares` are those of `verdict_shares`."""
+    """Return the first status that applies to each data set.
+
+    `shares` are those of `verdict_shares`.
+    """
     counts = posterior.counts
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
     falls, status = _falls(counts), []
@@ -110,7 +113,10 @@ def _outside(shares: Array, k: float, n: float, guess: float) -> Status:
 
 
 def _guess(prior: Prior, i: int) -> float:
-    """Return the guess rate; of a free one the highest that catch trials allow, or the mean of its prior."""
+    """Return the guess rate of a data set.
+
+    For a free rate it is the highest that catch trials allow, or the mean of its prior.
+    """
     if prior.guess_rate is not None:
         return prior.guess_rate
     if prior.n_catch[i] == 0:
@@ -119,7 +125,7 @@ def _guess(prior: Prior, i: int) -> float:
 
 
 def proportion_interval(k: float, n: float, interval: float) -> tuple[float, float]:
-    """Clopper and Pearson's exact interval of a proportion.
+    """Return Clopper and Pearson's exact interval of a proportion.
 
     >>> [round(end, 4) for end in proportion_interval(15, 20, 0.95)]
     [0.509, 0.9134]
@@ -131,10 +137,13 @@ def proportion_interval(k: float, n: float, interval: float) -> tuple[float, flo
 
 
 def _falls(counts: Counts) -> Bools:
-    """Return True for a falling trend (score test), or drops that no rising function explains."""
+    """Return True for a falling trend or drops that no rising curve explains.
+
+    The trend is a score test.
+    """
     n = counts.n_trials.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # Equal answers or one level make z 0 / 0, and NaN is below no criterion.
+        # Equal answers or one level make z 0 / 0; NaN is below no criterion.
         rate = counts.n_yes.sum(axis=1) / n
         mean = (counts.u * counts.n_trials).sum(axis=1) / n
         away = counts.u - mean[:, None]
@@ -147,22 +156,27 @@ def _falls(counts: Counts) -> Bools:
 
 
 def _isotonic_log_likelihood(counts: Counts) -> Array:
-    """Return the log-likelihood of the best rising function; only sets with a drop are fitted."""
-    fitted = saturated_log_likelihood(counts)  # of answers that rise already
+    """Return the log-likelihood of the best rising function.
+
+    Only data sets with a drop are fitted.
+    """
+    fitted = saturated_log_likelihood(counts)  # exact if the answers rise already
     for i in range(len(counts)):
         used = counts.n_trials[i] > 0
         k, n = counts.n_yes[i, used], counts.n_trials[i, used]
         if np.any(np.diff(k / n) < 0):
             p = rising_fit(k / n, n)
             with np.errstate(divide="ignore"):
-                # A weighted mean of ones may round to above 1, where log1p has no value.
+                # A weighted mean of ones may round to above 1, for which log1p is undefined.
                 log_no = np.log1p(-np.minimum(p, 1))
                 fitted[i] = (weighted(k, np.log(p)) + weighted(n - k, log_no)).sum()
     return fitted
 
 
 def rising_fit(values: Array, weights: Array) -> Array:
-    """Return the rising sequence nearest to the values (n,) by weighted squares (pool adjacent violators).
+    """Return the rising sequence nearest to the values by weighted squares.
+
+    The method is pool adjacent violators; values have the shape (n,).
 
     >>> rising_fit(np.array([1.0, 3.0, 2.0, 4.0]), np.array([1.0, 1.0, 3.0, 1.0])).tolist()
     [1.0, 2.25, 2.25, 4.0]
@@ -180,10 +194,12 @@ def rising_fit(values: Array, weights: Array) -> Array:
 
 
 def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
-    """The step with the asymptotes of the likeliest curve, and any rate at one level at most.
+    """Return the best step with the asymptotes of the likeliest curve.
 
-    Where it fits at least as well as the likeliest curve, the steepness has no upper bound. A step between
-    two levels lies at their middle. One before or after all levels would be a constant rate, and no step.
+    At most one level has another rate.
+
+    If it fits at least as well as the likeliest curve, the steepness has no upper bound. A step between two levels lies
+    at their middle. A step before or after all levels would be a constant rate and does not count.
     """
     counts = posterior.counts
     at_level, between = _step_likelihoods(counts, likeliest)
@@ -202,7 +218,10 @@ def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
 
 
 def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
-    """Return those of steps at each level (n_sets, n_levels), and around the levels (n_sets, n_levels + 1)."""
+    """Return likelihoods of steps at each level and around the levels.
+
+    Shapes are (n_sets, n_levels) and (n_sets, n_levels + 1).
+    """
     k, n = counts.n_yes, counts.n_trials
     lapse, guess = likeliest.theta[:, LAPSE, None], likeliest.theta[:, GUESS, None]
     with np.errstate(divide="ignore"):
@@ -210,8 +229,8 @@ def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
         at_lapse = weighted(k, np.log1p(-lapse)) + weighted(n - k, np.log(lapse))
     below, above = _finite_log(at_guess), _finite_log(at_lapse)
     none = np.zeros((len(counts), 1))
-    left = np.hstack([none, np.cumsum(below, axis=1)])  # at i: the levels before i, on the lower asymptote
-    right = np.hstack([np.cumsum(above[:, ::-1], axis=1)[:, ::-1], none])  # those from i on, on the upper one
+    left = np.hstack([none, np.cumsum(below, axis=1)])  # entry i: levels before i, on the lower asymptote
+    right = np.hstack([np.cumsum(above[:, ::-1], axis=1)[:, ::-1], none])  # levels from i on, on the upper one
     at_level = left[:, :-1] + constant_log_likelihood(k, n) + right[:, 1:]
     return at_level, left + right
 
@@ -221,12 +240,15 @@ def _finite_log(log_chance: Array) -> Array:
 
 
 def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
-    """Return probabilities (n_sets, 4): the levels meet the rise; lie above it; lie below it; there is none."""
+    """Return probabilities (n_sets, 4) of the four explanations.
+
+    They are that the levels meet the rise, lie above it, lie below it, or that there is no rise.
+    """
     met = 1 - marginals.beyond.sum(axis=1, keepdims=True)
     curves = marginals.log_evidence[:, None] + _logarithm(np.hstack([met, marginals.beyond]))
     ceiling, guesses, constant = constant_evidence(posterior.counts, posterior.prior)
     with np.errstate(invalid="ignore"):
-        # A rise below all levels leaves them on the ceiling, one above all levels leaves them to guesses.
+        # A rise below all levels puts them on the upper asymptote, one above all levels on the guess rate.
         below = np.logaddexp(curves[:, 1], np.log(CEILING_WEIGHT) + ceiling)
         above = np.logaddexp(curves[:, 2], np.log(GUESSES_WEIGHT) + guesses)
         no_rise = np.log(CONSTANT_WEIGHT) + constant
@@ -236,9 +258,11 @@ def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
 
 
 def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array]:
-    """Return the log evidence (n_sets,) of the upper asymptote, the lower one, and any constant chance.
+    """Return the log evidence (n_sets,) of constant rates.
 
-    The last is uniform between the asymptotes where they are known. All include the answers to catch trials.
+    The rates are the upper asymptote, the lower one, and any constant.
+
+    The last is uniform between the asymptotes if they are known. All include the answers to catch trials.
     """
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
     alarms, correct = prior.n_false_alarms, prior.n_catch - prior.n_false_alarms
@@ -247,8 +271,7 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
     any_chance = _log_beta(k + 1, n - k + 1) + _logarithm(share)
     catch = np.zeros(len(counts))
     if prior.guess_rate is None:
-        # Answers to catch trials are guesses: beside a lower asymptote they share its rate, else they have one of
-        # their own.
+        # Answers to catch trials are guesses: they share the rate of a lower asymptote, else they have a separate one.
         catch = _log_mean_chance(None, prior.guess_beta, alarms, correct)
         guesses = _log_mean_chance(None, prior.guess_beta, k + alarms, n - k + correct)
     else:
@@ -258,7 +281,10 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
 
 
 def _log_mean_chance(rate: float | None, beta: float, k: Array, rest: Array) -> Array:
-    """Return the log chance of k answers at a rate and the rest at its complement, over the prior of a free rate."""
+    """Return the log probability of k answers at a rate.
+
+    The rest are at its complement; a free rate is integrated over its prior.
+    """
     if rate is None:
         a, b = k + 1, rest + beta
         share = np.asarray(betainc(a, b, LARGEST_RATE), dtype=np.float64)  # a free rate ends there, before 1
@@ -272,6 +298,6 @@ def _log_beta(a: Array, b: Array) -> Array:
 
 
 def _logarithm(x: Array) -> Array:
-    """Return the logarithm; minus infinity for what rounding has brought to 0 or below."""
+    """Return the logarithm, minus infinity for values rounded to 0 or below."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.log(np.maximum(x, 0.0)), dtype=np.float64)

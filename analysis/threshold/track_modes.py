@@ -1,4 +1,7 @@
-"""Posterior modes of very many tracks, for simulations: those of `fit`, without status, interval and notes."""
+"""Posterior modes of very many tracks, for simulations.
+
+They equal those of `fit`, without status, interval and notes.
+"""
 
 from dataclasses import dataclass
 
@@ -22,7 +25,10 @@ MOST_SHARED = 64
 
 @dataclass(frozen=True)
 class TrackModes(Rows):
-    """Threshold with standard error and width of each track (n_sets,); `regular` where there is a curvature."""
+    """Threshold with standard error and width of each track (n_sets,).
+
+    `regular` is True if the curvature is well conditioned.
+    """
 
     thresholds: Array
     standard_errors: Array
@@ -44,9 +50,9 @@ def fit_modes(
     Parameters
     ----------
     levels, answers : (n_sets, n_trials) array
-        The level of each trial and its answer, 1 or 0; trials at the level NaN are none.
+        The level of each trial and its answer, 1 or 0. Trials with the level NaN are ignored.
     shape, guess_rate, lapse_rate, scale_free_width
-        As of `tactometry.analysis.threshold.fitting.fit`; a shape on levels, not on their logarithms.
+        As for `tactometry.analysis.threshold.fitting.fit`. The shape must be on levels, not on their logarithms.
 
     Raises
     ------
@@ -80,7 +86,10 @@ def fit_modes(
 
 
 def _pooled(shared: Array, x: Array, y: Array, used: Bools) -> tuple[Array, Array, Array]:
-    """Return levels (1, n_levels), and the numbers of answers 1 and of all answers (n_sets, n_levels) there."""
+    """Return levels (1, n_levels) and the counts there.
+
+    Counts (n_sets, n_levels) are of answers 1 and of all answers.
+    """
     shape = (len(x), len(shared))
     cells = (np.arange(len(x))[:, None] * shape[1] + np.searchsorted(shared, x))[used]
     size = shape[0] * shape[1]

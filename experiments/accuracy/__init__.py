@@ -1,4 +1,7 @@
-"""Accuracy problems of `tactometry cost`: one function each in `problems`, one line here."""
+"""Accuracy problems of `tactometry cost`.
+
+Each problem is a function in `problems` and one line here.
+"""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING

@@ -25,7 +25,10 @@ ELSEWHERE = ((4, 4, "left"), (5, -7, "left"), (-4, 4, "right"), (-5, -7, "right"
 
 
 def error_against_price(curve: AccuracyCurve, peers: Sequence[Point] = ()) -> Figure:
-    """Draw points, frontier and the reference's uncertainty, log-log; points of recorded peers are hollow."""
+    """Draw errors against prices with the frontier, on log axes.
+
+    The uncertainty of the reference is shown too. Points of recorded peers are hollow.
+    """
     figure = Figure(figsize=(6.4, 4.5), layout="constrained", facecolor="white")
     axes = figure.subplots()
     points = (*curve.points, *peers)
@@ -44,7 +47,10 @@ def error_against_price(curve: AccuracyCurve, peers: Sequence[Point] = ()) -> Fi
 
 
 def drawn_at(point: Point, floor: float) -> float:
-    """Return the error, limited to the uncertainty of the reference and the top of the figure."""
+    """Return the error limited to the drawn range.
+
+    The range is from the uncertainty of the reference to the top of the figure.
+    """
     return TOP if point.unstable else min(max(point.error, floor), TOP)
 
 
@@ -67,7 +73,7 @@ def _draw(axes: Axes, points: Iterable[Point], floor: float, colour: str, marker
 
 
 def _separate(figure: Figure, labels: Sequence[Annotation]) -> None:
-    """Move overlapping labels, and hide those without a free place."""
+    """Move overlapping labels, and hide those without free space."""
     figure.draw_without_rendering()
     placed: list[BboxBase] = []
     for label in labels:
@@ -97,6 +103,9 @@ def _finish(axes: Axes, title: str) -> None:
 
 
 def write_svg(figure: Figure, path: Path) -> None:
-    """Write the same bytes for the same figure, with letters as text."""
+    """Write a figure as SVG with the same bytes each time.
+
+    Letters are stored as text.
+    """
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "tactometry"}):
         figure.savefig(path, metadata={"Date": None})

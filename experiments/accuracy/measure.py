@@ -1,4 +1,7 @@
-"""Errors and prices of an accuracy problem: first calls, warm medians and spread, peak memory."""
+"""Errors and prices of an accuracy problem.
+
+Prices are first calls, medians of warm calls with their spread, and peak memory.
+"""
 
 import csv
 import math
@@ -35,7 +38,7 @@ class Point:
     """Relative error and price of a setting, with times (s) and memory.
 
     A result that is not finite is `unstable` and has an infinite error. `price` is the median time unless the setting
-    states another one.
+    states another price.
     """
 
     problem: str
@@ -53,7 +56,7 @@ class Point:
 
 @dataclass(frozen=True)
 class AccuracyCurve:
-    """All points of a problem, and the reference's result."""
+    """All points of a problem, and the result of the reference."""
 
     problem: Problem
     points: tuple[Point, ...]
@@ -74,7 +77,7 @@ class AccuracyCurve:
 
     @property
     def frontier(self) -> list[tuple[float, float]]:
-        """Prices and errors of the points that no other point surpasses in both."""
+        """Prices and errors of points that no other point beats in both."""
         best: list[tuple[float, float]] = []
         for point in sorted(self.points, key=lambda each: (each.price, each.error)):
             error = max(point.error, self.floor)
@@ -94,9 +97,10 @@ def measure(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], 
     Parameters
     ----------
     n_rounds : int
-        Warm calls of each setting that is paid in computing time. With 0 the first call is the time, and memory is 0.
+        Warm calls of each setting whose price is computing time. With 0 the first call is the time, and memory is 0.
     cold_s : callable, optional
-        First call (s) of the setting at a place, in a process of its own; by default the first call here.
+        Returns the time (s) of the first call of the setting at a place, in a separate process. By default the first
+        call in this process counts.
     """
     from threadpoolctl import threadpool_limits
 
@@ -120,9 +124,10 @@ def measure(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], 
 
 
 def cold_s(problem: str, place: int) -> float:
-    """Return the processor time (s) of the first call of a setting in a new process.
+    """Return the processor time (s) of a first call in a new process.
 
-    Imports of the call count, imports of its problem do not. Raises `subprocess.CalledProcessError` if the call fails.
+    Imports during the call count, imports of the problem do not. Raises `subprocess.CalledProcessError` if the call
+    fails.
     """
     command = [sys.executable, "-c", COLD, problem, str(place)]
     environment = os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(sys.path)}
@@ -164,7 +169,10 @@ def _peak_bytes(run: Callable[[], Any]) -> int:
 
 
 def peers_of(curve: AccuracyCurve, record: Path = PEERS) -> tuple[Point, ...]:
-    """Return the recorded points of other programs, with times scaled to this machine by our finest setting."""
+    """Return the recorded points of other programs.
+
+    Times are scaled to this machine by the ratio of our finest setting.
+    """
     now_s, points = curve.points[-1].median_s, []
     for row in _rows(record):
         if row["problem"] == curve.problem.name:

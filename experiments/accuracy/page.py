@@ -1,4 +1,4 @@
-"""Texts of accuracy curves: a table for the terminal, a CSV, and the page of all problems."""
+"""Output of accuracy curves: terminal table, CSV, and documentation page."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -38,7 +38,10 @@ then check that the error falls from setting to setting, that references agree, 
 
 
 def table(curve: AccuracyCurve) -> str:
-    """Return the points in 98 columns, and the cheapest settings; *cold* is a first call, *warm* the median."""
+    """Return the points in 98 columns, and the cheapest settings.
+
+    *cold* is a first call, *warm* the median.
+    """
     problem = curve.problem
     lines = [f"{problem.name}: {problem.title}", f"against {problem.reference.by}", f"price: {problem.price}"]
     lines.append(ROW.format("setting", "error", "price", "cold (s)", "warm (s)", "+- (s)", "memory (B)", "answer (B)"))
@@ -50,7 +53,7 @@ def table(curve: AccuracyCurve) -> str:
 
 
 def answers(curve: AccuracyCurve) -> list[str]:
-    """Return for each goal the cheapest setting that reaches it."""
+    """Return the cheapest setting for each goal."""
     lines = []
     for goal in GOALS:
         point = curve.cheapest(goal)
@@ -60,7 +63,7 @@ def answers(curve: AccuracyCurve) -> list[str]:
 
 
 def label(point: Point) -> str:
-    """Return the setting, preceded by its program unless it is ours."""
+    """Return the setting, preceded by its program unless it is Tactometry."""
     return point.setting if point.contender == OURS else f"{point.contender}, {point.setting}"
 
 
@@ -69,7 +72,7 @@ def _error(point: Point) -> str:
 
 
 def write_page(curves: Sequence[AccuracyCurve], path: Path, today: date) -> None:
-    """Write the page, and a figure per problem to a folder of the same name.
+    """Write the page, and its figures to a folder of the same name.
 
     Raises `DeviceFailed` if a file cannot be written.
     """
@@ -97,7 +100,10 @@ def page(curves: Sequence[AccuracyCurve], folder: str, today: date) -> str:
 
 
 def digit(curve: AccuracyCurve) -> str:
-    """Return the factor of the price for a tenth of the error, from end to end of the frontier."""
+    """Return the factor of price per tenfold smaller error.
+
+    It is measured from end to end of the frontier.
+    """
     best = curve.frontier
     digits = math.log10(best[0][1] / best[-1][1])
     return f"x {(best[-1][0] / best[0][0]) ** (1 / digits):.2g}" if digits > 0 else "nothing"

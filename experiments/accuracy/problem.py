@@ -1,4 +1,4 @@
-"""An accuracy problem: one workload, a reference, and settings that approach it at a price."""
+"""Types of an accuracy problem: workload, reference, and settings."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +13,10 @@ OURS = "tactometry"
 
 @dataclass(frozen=True)
 class Setting:
-    """A computation, with its price unless that is its computing time, and the program it belongs to."""
+    """Computation with its price and program.
+
+    Without a price its computing time counts.
+    """
 
     name: str
     run: Callable[[], Any]
@@ -23,7 +26,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Reference:
-    """A result to compare with: how it is made, and its relative uncertainty."""
+    """Reference result, with its method and relative uncertainty."""
 
     by: str
     answer: Callable[[], Any]
@@ -32,13 +35,13 @@ class Reference:
 
 @dataclass(frozen=True)
 class Problem:
-    """A workload with settings from coarse to fine, grouped by contender.
+    """Workload with settings from coarse to fine, grouped by contender.
 
     Parameters
     ----------
     title : str
     reference : Reference
-        By a method other than that of the settings where possible.
+        Computed by a method other than that of the settings if possible.
     error : callable
         Relative error of a result against the reference, in the norm that `title` states.
     settings : tuple of Setting
@@ -47,7 +50,7 @@ class Problem:
     name : str
         Key in `PROBLEMS`.
     independent : Reference, optional
-        The result by another method, where the reference is our own at its finest.
+        A result by another method, if the reference is our own method at its finest setting.
     """
 
     title: str
@@ -70,12 +73,15 @@ def over_rms(answer: NDArray[Any], reference: NDArray[Any]) -> float:
 
 
 def over_interval(interval: Real, reference: Real) -> float:
-    """Return the largest error of estimate, lower and upper end over the length of the interval."""
+    """Return the largest error over the length of the interval.
+
+    Errors are those of the estimate and of both ends.
+    """
     return float(np.abs(interval - reference).max() / (reference[2] - reference[1]))
 
 
 def largest_relative(answer: Real, reference: Real) -> float:
-    """Return the largest error, each over its own value."""
+    """Return the largest relative error."""
     return float(np.abs(answer / reference - 1).max())
 
 

@@ -1,4 +1,7 @@
-"""Many simulated tracks with their fits, batch by batch in bounded memory, or as Parquet files."""
+"""Many simulated tracks with their fits, in batches.
+
+Memory is bounded. Results can be written as Parquet files.
+"""
 
 import hashlib
 import io
@@ -40,7 +43,10 @@ COLUMNS: Final = {
 
 @dataclass(frozen=True)
 class Respondents:
-    """Simulated participants: thresholds are normal, in the unit of what is felt, all else is equal."""
+    """Simulated participants with normally distributed thresholds.
+
+    Thresholds are in the unit of the felt level. All other parameters are equal.
+    """
 
     threshold: float
     threshold_sd: float
@@ -52,7 +58,10 @@ class Respondents:
 
 @dataclass(frozen=True, eq=False)
 class FittedTracks:
-    """True thresholds (n_sets,), codes of the endings (`protocols.procedures.stepping`), and fits."""
+    """True thresholds (n_sets,), ending codes, and fits of tracks.
+
+    The codes are those of `protocols.procedures.stepping`.
+    """
 
     thresholds: NDArray[np.float64]
     endings: NDArray[np.int8]
@@ -69,10 +78,10 @@ def fitted_tracks(
     table: LevelTable | None = None,
     size: int = BATCH,
 ) -> Iterator[FittedTracks]:
-    """Yield `size` tracks for each number of a batch.
+    """Yield `size` tracks for each batch number.
 
-    Each number has its own random numbers: any process can make any batch, in any order. With a `table` the levels of
-    the stimulus are felt as it states, and fitted as they are.
+    Each batch has a separate random generator: any process can make any batch, in any order. With a `table` the levels
+    of the stimulus are felt as it states, and fitted unchanged.
 
     >>> from tactometry.protocols import Staircase
     >>> people = Respondents(20.0, 3.0, 8.0, guess_rate=0.5, lapse_rate=0.02)
@@ -96,7 +105,9 @@ def fitted_tracks(
 
 @dataclass(frozen=True, eq=False)
 class TrackRun:
-    """Batches of `size` tracks of `fitted_tracks`, `n_together` of them in a file.
+    """Batches of `size` tracks of `fitted_tracks`, written to files.
+
+    A file has `n_together` batches.
 
     Raises
     ------
@@ -119,7 +130,7 @@ class TrackRun:
 
     @property
     def chunks(self) -> list[range]:
-        """Numbers of the batches of each file."""
+        """Batch numbers of each file."""
         starts = range(0, self.n_batches, self.n_together)
         return [range(first, min(first + self.n_together, self.n_batches)) for first in starts]
 
@@ -133,7 +144,9 @@ class TrackRun:
 
 
 def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spread = here) -> Iterator[Path]:
-    """Write the files of a run and yield each path; the same run gives the same bytes on any workers.
+    """Write the files of a run and yield each path.
+
+    The same run gives the same bytes with any number of workers.
 
     Each row is a track: its true threshold, the code of its ending, and its fit. All files together are one data set:
     ``pandas.read_parquet(root / "tracks")``.
@@ -160,7 +173,7 @@ def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spr
 
 
 def chunk_content(job: tuple[TrackRun, range]) -> bytes:
-    """Return the content of a file, with one batch at a time in memory."""
+    """Return the content of a file, with one batch in memory at a time."""
     run, part = job
     content, pa = io.BytesIO(), arrow("tracks")
     schema = pa.schema([(name, getattr(pa, kind)()) for name, kind in COLUMNS.items()], {"simulated": "true"})

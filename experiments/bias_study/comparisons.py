@@ -30,7 +30,7 @@ FITTED = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_h
 
 @dataclass(frozen=True)
 class Person:
-    """Standard deviation of the function, trials at each level, and lapse rate."""
+    """Participant of comparisons: spread, trials per level, lapse rate."""
 
     sd: float
     n_trials: int
@@ -41,7 +41,10 @@ PEOPLE = tuple(Person(*each) for each in product(SDS, N_TRIALS, LAPSE_RATES))
 
 
 def answers(person: Person, n_sets: int, rng: np.random.Generator) -> tuple["np.ndarray", "np.ndarray"]:
-    """Draw points of equality (n_sets,) and the number of "more" at each level (n_sets, n_levels)."""
+    """Draw points of equality and the number of "more" at each level.
+
+    Shapes are (n_sets,) and (n_sets, n_levels).
+    """
     pse = rng.uniform(-FARTHEST_PSE, FARTHEST_PSE, n_sets)
     felt = ndtr((np.array(LEVELS) - pse[:, None]) / person.sd)
     return pse, rng.binomial(person.n_trials, person.lapse_rate / 2 + (1 - person.lapse_rate) * felt)
@@ -50,7 +53,10 @@ def answers(person: Person, n_sets: int, rng: np.random.Generator) -> tuple["np.
 def outcomes_of(
     people: Sequence[Person], n_sets: int, rng: np.random.Generator, options: Mapping[str, Any] = FIT
 ) -> Iterator[pd.DataFrame]:
-    """Yield a table for each person and quantity: truth, estimate and ends of the interval of each data set."""
+    """Yield a table for each participant and quantity.
+
+    A row has truth, estimate and ends of the interval of a data set.
+    """
     for person in people:
         pse, n_more = answers(person, n_sets, rng)
         fitted = fit_comparisons(LEVELS, n_more, person.n_trials, **options)
@@ -62,9 +68,11 @@ def outcomes_of(
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return for each quantity and person the shares of intervals that cover, lie above or below the truth.
+    """Return coverage for each quantity and participant.
 
-    An open or missing end covers everything on its side. `over_truth` is the median of estimate over truth.
+    Shares are of intervals that contain the truth, lie above or below it.
+
+    An open or missing end covers all values on its side. `over_truth` is the median of estimate over truth.
     """
     by = ["quantity", "sd", "n_trials", "lapse_rate"]
     above, below = outcomes["low"] > outcomes["truth"], outcomes["high"] < outcomes["truth"]
@@ -83,7 +91,10 @@ ABOVE_DB = (20.0, 12.0, 6.0, 3.0, 0.0, -3.0)
 
 
 def answers_to_standard(above_db: float, n_sets: int, rng: np.random.Generator) -> "np.ndarray":
-    """Draw the number of "more" at each level (n_sets, n_levels), for a standard so far above threshold."""
+    """Draw the number of "more" at each level (n_sets, n_levels).
+
+    The standard is `above_db` above the threshold.
+    """
     observer = SignalDetectionObserver(exponent=EXPONENT)
     felt = np.array([observer.d_prime(level - STANDARD + above_db) for level in STANDARD_LEVELS])
     more = ndtr((felt - observer.d_prime(above_db)) / np.sqrt(2))
@@ -97,9 +108,12 @@ FitComparisons = Callable[..., Sequence[ThresholdFit]]
 def standards(
     n_studies: int, rng: np.random.Generator, n_people: int = 10, fit: FitComparisons = fit_comparisons, **options: Any
 ) -> pd.DataFrame:
-    """Return a row for each distance of the standard from threshold: PSE, and false effects against the first row.
+    """Return a row for each distance of the standard from threshold.
 
-    Studies of `n_people` compare each condition with the first by a paired t-test; both have their PSE at the standard.
+    It has the PSE and false effects against the first row.
+
+    Studies of `n_people` compare each condition with the first by a paired t-test. The true PSE of both is the
+    standard.
     """
     first, rows = None, []
     for above_db in ABOVE_DB:

@@ -1,4 +1,4 @@
-"""Point estimates and intervals of thresholds by design, lapse rate and shape of the truth.
+"""Estimates and intervals by design, lapse rate and true shape.
 
 The same tracks are fitted as `analyse` does, and with the mode and psignifit's prior of lapses ("before").
 """
@@ -30,7 +30,7 @@ FORCED, YES_NO = SimulatedTask("2AFC", 0.5, 0.5), SimulatedTask("", 0.05, None, 
 
 @dataclass(frozen=True)
 class TrackDesign:
-    """A rule for a task, and the number of trials next to the catch trials."""
+    """Rule for a task, with its number of trials without catch trials."""
 
     name: str
     rule: Callable[[], Rule[Any]]
@@ -55,7 +55,10 @@ def outcomes_of(
     lapse_rates: Sequence[float] = LAPSE_RATES,
     truths: Sequence[str] = TRUTHS,
 ) -> Iterator[pd.DataFrame]:
-    """Yield a table for each design, lapse rate, truth and fit, with a row for each participant."""
+    """Yield a table for each design, lapse rate, truth and fit.
+
+    It has a row for each participant.
+    """
     for design, lapse_rate, truth in product(designs, lapse_rates, truths):
         true_db, width_db = (rng.uniform(*ends, n_sets) for ends in (THRESHOLDS_DB, WIDTHS_DB))
         uniform, rates = rng.random((n_sets, design.n_trials)), (design.task.guess_rate, lapse_rate)
@@ -71,7 +74,10 @@ def outcomes_of(
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return for each row and fit the bias in standard deviations, coverage, length, and results of `flat`."""
+    """Return bias, coverage, length and `flat` results by row and fit.
+
+    Bias is in standard deviations.
+    """
     by = ["design", "lapse_rate", "truth", "fit"]
     rows = [(*key, *_row(each)) for key, each in outcomes.groupby(by, sort=False)]
     return pd.DataFrame(rows, columns=[*by, "bias", "covered", "covered_all", "length_db", "flat", "flat_covered"])

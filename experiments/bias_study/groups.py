@@ -1,4 +1,7 @@
-"""Coverage of the hierarchical model: studies of ten participants in two conditions, by procedure and lapses."""
+"""Coverage of the hierarchical model by procedure and lapse rate.
+
+Studies have ten participants in two conditions.
+"""
 
 from collections.abc import Iterator, Sequence
 
@@ -26,7 +29,10 @@ LAPSES = {
 
 
 def outcome(procedure: str, lapses: str, study: int, seed: int) -> dict[str, object]:
-    """Simulate and fit a study; return shares of intervals that contain the true values, and errors."""
+    """Simulate and fit a study.
+
+    Return shares of intervals that contain the true values, and errors.
+    """
     rng = stream(seed, CHOSEN.index(procedure), list(LAPSES).index(lapses), study)
     own, deviations = rng.standard_normal((N_PEOPLE, 1)), rng.standard_normal((N_PEOPLE, N_CONDITIONS))
     true_db = MEAN_DB + PEOPLE_SD_DB * own + CELL_SD_DB * deviations
@@ -50,7 +56,7 @@ def outcome(procedure: str, lapses: str, study: int, seed: int) -> dict[str, obj
 
 
 def _covers(table: pd.DataFrame, truth: Array | float) -> NDArray[np.bool_]:
-    """Return whether intervals contain the truth; a missing end is infinite."""
+    """Return which intervals contain the truth; a missing end is infinite."""
     low, high = table["interval_low"].fillna(-np.inf), table["interval_high"].fillna(np.inf)
     return np.asarray((low.to_numpy(float) <= truth) & (truth <= high.to_numpy(float)))
 
@@ -69,13 +75,19 @@ def _fit(procedure: str, lapses: tuple[float, float], true_db: Array, rng: np.ra
 
 
 def outcomes_of(studies: Sequence[int], seed: int) -> Iterator[pd.DataFrame]:
-    """Yield a table of all procedures and lapse rates for each number of a study."""
+    """Yield a table per study number.
+
+    It has all procedures and lapse rates.
+    """
     for study in studies:
         yield pd.DataFrame([outcome(procedure, lapses, study, seed) for procedure in CHOSEN for lapses in LAPSES])
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return shares with standard errors over studies, the mean error, and the worst error of a group mean."""
+    """Return coverage and errors of all studies.
+
+    Shares have standard errors over studies. Errors are the mean error and the worst error of a group mean.
+    """
     rows = []
     for (procedure, lapses), each in outcomes.groupby(["procedure", "lapses"], sort=False):
         row = {"procedure": procedure, "lapses": lapses, "studies": len(each)}

@@ -1,4 +1,7 @@
-"""False effects on thresholds of two conditions that differ only in lapses, with and without easy trials."""
+"""False effects of conditions that differ only in lapse rate.
+
+Tracks are with and without easy trials.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -31,7 +34,10 @@ LAPSE_RATES = ((0.0, 0.08), (0.02, 0.02))
 def track(
     rule: Rule[Any], share: float, function: PsychometricFunction, rng: np.random.Generator
 ) -> tuple[list[float], list[bool]]:
-    """Return levels and answers of a track, with this share of easy trials at the highest level."""
+    """Return levels and answers of a track with easy trials.
+
+    `share` of its trials are easy ones at the highest level.
+    """
     procedure = with_easy_trials(rule, share, HIGH_DB, rng) if share else rule.begin(rng)
     levels: list[float] = []
     answers: list[bool] = []
@@ -43,7 +49,10 @@ def track(
 
 
 def study(rule: Rule[Any], share: float, lapse_rates: Sequence[float], rng: np.random.Generator) -> list[Estimate]:
-    """Return estimates of participants with one threshold and width in all conditions."""
+    """Return estimates of participants with equal conditions.
+
+    A participant has one threshold and width in all conditions.
+    """
     thresholds, widths = rng.normal(MEAN_DB, SD_DB, N_PEOPLE), widths_db(rng.random(N_PEOPLE))
     cells = []
     for condition, lapse_rate in enumerate(lapse_rates):
@@ -61,10 +70,10 @@ def study(rule: Rule[Any], share: float, lapse_rates: Sequence[float], rng: np.r
 def outcomes_of(
     n_studies: int, rng: np.random.Generator, rules: Sequence[str] = tuple(RULES)
 ) -> Iterator[dict[str, float | str]]:
-    """Yield a row for each rule, pair of lapse rates and share of easy trials.
+    """Yield a row for each rule, pair of lapse rates and easy share.
 
     `error` is the mean difference of thresholds (dB), `false_effects` the share of studies whose paired t-test has
-    p < 0.05, `detected` that in which the test of equal lapse rates has.
+    p < 0.05, and `detected` the share in which the test of equal lapse rates has p < 0.05.
     """
     for name, (first, second), share in product(rules, LAPSE_RATES, SHARES):
         found = [_judged(study(RULES[name], share, (first, second), rng)) for _ in range(n_studies)]

@@ -41,7 +41,10 @@ PLACES = (
 
 @dataclass(frozen=True)
 class SimulatedTask:
-    """A task with the participant's guess rate, that of the fit (None: free), and catch trials per trial."""
+    """Task with guess rates of participant and fit, and catch trials.
+
+    A guess rate None of the fit is free. Catch trials are per trial.
+    """
 
     name: str
     guess_rate: float
@@ -49,7 +52,7 @@ class SimulatedTask:
     catch: float = 0.0
 
     def n_catch(self, n_trials: int) -> int:
-        """Return the number of catch trials next to other trials."""
+        """Return the number of catch trials for a number of trials."""
         return round(self.catch * n_trials)
 
     def false_alarms(self, n_trials: int, n_sets: int, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -101,15 +104,15 @@ PROCEDURES: Mapping[str, Callable[[float], Rule[Any]]] = {
 }
 """The rule of each procedure for a guess rate."""
 AT_CHANCE = ("1 up 1 down", "2AFC")
-"""The target of this rule, one half, is reached by guessing: its track drifts. Left out."""
+"""Left out: guessing reaches the target of this rule, one half, so its track drifts."""
 
 
 @dataclass(frozen=True)
 class Tracks:
-    """Tracks of participants.
+    """Tracks of simulated participants.
 
-    Thresholds and widths (n_sets,), levels and answers (n_sets, n_trials), NaN after the end of a track, and the
-    rule's own estimates (n_sets,), NaN where it has none.
+    Thresholds and widths have the shape (n_sets,), levels and answers (n_sets, n_trials) with NaN after the end of a
+    track. The estimates of the rule (n_sets,) are NaN if there is none.
     """
 
     thresholds_db: Array
@@ -126,7 +129,10 @@ def widths_db(uniform: Array) -> Array:
 
 
 def places_db(place: str, procedure: str, uniform: Array, width_db: Array) -> Array:
-    """Return thresholds (n_sets,) at a place, for uniform numbers and widths."""
+    """Return thresholds (n_sets,) at a place.
+
+    Uniform numbers and widths determine them.
+    """
     low, high = (CONSTANT_DB[0], CONSTANT_DB[-1]) if procedure == "constant stimuli" else (LOW_DB, HIGH_DB)
     if place == INSIDE:
         return np.asarray(low + (high - low) * (0.25 + 0.5 * uniform))
@@ -148,7 +154,7 @@ def tracks(
     lapse_rate: float = LAPSE_RATE,
     procedures: Mapping[str, Callable[[float], Rule[Any]]] = PROCEDURES,
 ) -> Tracks:
-    """Simulate participants with a track each."""
+    """Simulate one track per participant."""
     uniform = rng.random((n_sets, n_trials + 2))
     width_db = widths_db(uniform[:, 1])
     thresholds_db = places_db(place, procedure, uniform[:, 0], width_db)
@@ -157,7 +163,7 @@ def tracks(
 
 
 def answered(rule: Rule[Any], drawn: Array, thresholds_db: Array, widths_db: Array, rng: np.random.Generator) -> Tracks:
-    """Run a rule with participants whose criteria are drawn already."""
+    """Run a rule with participants whose criteria are already drawn."""
     orders = rule.orders(len(drawn), rng) if isinstance(rule, SteppingRule) else None
     made = batch.tracks(rule, drawn, orders=orders)
     return Tracks(thresholds_db, widths_db, made.levels, made.answers.astype(np.float64), made.thresholds)
@@ -179,6 +185,6 @@ def fits(
 
 
 def ends_of(one: ThresholdFit) -> tuple[float, float]:
-    """Return the ends of the interval; an open one is infinite."""
+    """Return the ends of the interval; an open end is infinite."""
     low, high = one.interval_low, one.interval_high
     return -math.inf if low is None else low, math.inf if high is None else high

@@ -1,6 +1,8 @@
-"""Statuses, coverage, bias and length of intervals, by procedure, task, number of trials and place of the threshold.
+"""Statuses, coverage, bias and length of intervals.
 
-Each participant completes one track; its first n trials are a track of n.
+They are by procedure, task, number of trials and place of the threshold.
+
+Each participant completes one track. Its first n trials serve as a track of n trials.
 """
 
 import math
@@ -39,7 +41,7 @@ def settings(
     tasks: Sequence[SimulatedTask] = TASKS,
     places: Sequence[str] = PLACES,
 ) -> list[Setting]:
-    """Return each procedure with each task and place."""
+    """Return all combinations of procedure, task and place."""
     return [setting for setting in product(procedures, tasks, places) if (setting[0], setting[1].name) != AT_CHANCE]
 
 
@@ -51,7 +53,10 @@ def outcomes_of(
     n_trials: Sequence[int] = N_TRIALS,
     lapse_rate: float = LAPSE_RATE,
 ) -> Iterator[pd.DataFrame]:
-    """Yield a table for each setting, with a row (`OUTCOMES`) for each participant and number of trials."""
+    """Yield a table for each setting.
+
+    It has a row (`OUTCOMES`) for each participant and number of trials.
+    """
     for (procedure, task, place), stream in zip(chosen, rng.spawn(len(chosen)), strict=True):
         simulated = tracks(procedure, task, place, n_sets, stream, n_trials=max(n_trials), lapse_rate=lapse_rate)
         rows = []

@@ -1,4 +1,7 @@
-"""Tables, figures and findings of the thesis, reproduced: a name here, and an entry in `ITEMS` of its module."""
+"""Reproduced tables, figures and findings of the thesis.
+
+Each has a name here, and an entry in `ITEMS` of its module.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,4 +1,7 @@
-"""Finding 3: electrovibration thresholds are lowest at 240 Hz, and force lowers them above 240 Hz alone."""
+"""Finding 3: effects of frequency and force on thresholds.
+
+Electrovibration thresholds are lowest at 240 Hz, and force lowers only those above 240 Hz.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -36,7 +39,7 @@ DEFAULT: Effects = {
 
 
 def variants() -> dict[str, Effects]:
-    """Return the default, and variants that lack or change one of its effects."""
+    """Return the default, and variants without or with a changed effect."""
 
     def without(*kinds: str, **others: Any) -> Effects:
         return {kind: table for kind, table in DEFAULT.items() if kind not in kinds} | others
@@ -99,7 +102,10 @@ def _comparison(name: str, effects: Effects) -> Iterator[Number]:
 
 
 def threshold_db(effects: Effects, frequency_hz: float, force_n: float) -> float:
-    """Return the level (dB re 1 V peak) of a sensation of 0 dB; attraction is quadratic: 1 dB of voltage is 2 dB."""
+    """Return the level (dB re 1 V peak) of a sensation of 0 dB.
+
+    Attraction is quadratic: 1 dB of voltage is 2 dB of force.
+    """
     table = {
         "outputs": ["sensation_db"],
         "accuracy": ACCURACY,

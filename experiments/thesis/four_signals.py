@@ -1,4 +1,7 @@
-"""Tables 4.3 to 4.5 and finding 5: focus, power and sound of the four driving signals, computed once."""
+"""Tables 4.3 to 4.5 and finding 5: the four driving signals.
+
+Focus, power and sound are computed once.
+"""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -34,7 +37,7 @@ ASSUMES = (
 
 @dataclass(frozen=True)
 class DrivenFocus:
-    """The focus of one driving signal."""
+    """Focus of one driving signal."""
 
     amplitude_m: float
     temporal_width_s: float
@@ -46,7 +49,7 @@ class DrivenFocus:
 
     @property
     def supply_v(self) -> float:
-        """Supply for 10 um."""
+        """Supply voltage for 10 um."""
         return self.emission.voltage_v * REFERENCE_M / self.amplitude_m
 
     @property
@@ -97,7 +100,10 @@ def _power() -> Iterator[Number]:
 
 
 def _analytical_w(signal: DrivenFocus) -> float:
-    """Return Q C 2 V^2 r, with r = 2 sqrt((b^3 - a^3) / (3 (b - a))) transitions per second of flat noise (Rice)."""
+    """Return the analytical power Q C 2 V^2 r.
+
+    r = 2 sqrt((b^3 - a^3) / (3 (b - a))) is the number of transitions per second of flat noise (Rice).
+    """
     low_hz, high_hz = signal.emission.band.f_min_hz, signal.emission.band.f_max_hz
     transitions_hz = 2 * math.sqrt((high_hz**3 - low_hz**3) / (3 * (high_hz - low_hz)))
     return N_PATCHES * PATCH_CAPACITANCE_F * 2 * signal.emission.voltage_v**2 * transitions_hz
@@ -132,7 +138,10 @@ def _comparison() -> Iterator[Number]:
 
 
 def _limits_as_quietest_m(own: DrivenFocus) -> tuple[float, float]:
-    """Return the required amplitudes for which a signal is the quietest; equal if there are none."""
+    """Return the amplitudes between which a signal is the quietest.
+
+    The limits are equal if it never is.
+    """
     quieter = [each.amplitude_m for each in measurements().values() if each.sound_dba < own.sound_dba]
     return min(max(quieter, default=0.0), own.amplitude_m), own.amplitude_m
 

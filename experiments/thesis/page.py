@@ -1,4 +1,4 @@
-"""The page of all reproduced items, and the captions of the thesis."""
+"""Page of all reproduced items, and the captions of the thesis."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -79,12 +79,12 @@ def item_of(caption: str) -> str:
 
 
 def reason_for(caption: str) -> str | None:
-    """Return why a caption is not made, or None."""
+    """Return why a caption is not reproduced, or None."""
     return next((reason for reason, captions in NOT_MADE.items() if caption in captions), None)
 
 
 def captions() -> Iterator[str]:
-    """Yield each figure and table of the thesis that is made or left out."""
+    """Yield each figure and table of the thesis, made or left out."""
     yield from (name for name in REPRODUCTIONS if not name.startswith("finding"))
     for known in (MADE_WITH, NOT_MADE):
         for names in known.values():
@@ -92,7 +92,10 @@ def captions() -> Iterator[str]:
 
 
 def page(made: Sequence[Reproduced]) -> str:
-    """Return the text of the page: findings and tables each in a section, figures in tables by assumption."""
+    """Return the text of the page.
+
+    Findings and tables have a section each; figures are in tables by assumption.
+    """
     lines = [HEAD, *_score(made), *_left_out()]
     for reproduced in made:
         if reproduced.numbers:
@@ -112,7 +115,7 @@ def count_verdicts(made: Sequence[Reproduced]) -> Counter[str]:
 
 
 def show(value: float) -> str:
-    """Format three digits, with an exponent only where needed.
+    """Format a number with three digits, an exponent only if needed.
 
     >>> show(0.012345), show(1490.2), show(-0.0)
     ('0.0123', '1490', '0')
@@ -143,7 +146,7 @@ def _left_out() -> Iterator[str]:
 
 
 def _ranges(names: Sequence[str]) -> str:
-    """Join names, and consecutive ones of a chapter as a range.
+    """Join names, with consecutive ones of a chapter as a range.
 
     >>> _ranges(["figure-2.1", "figure-2.2", "figure-2.3", "table-2.2"])
     'figure-2.1 to 2.3, table-2.2'
@@ -172,7 +175,10 @@ def _section(reproduced: Reproduced) -> Iterator[str]:
 
 
 def _table(numbers: Sequence[Number]) -> str:
-    """Return a row per condition and a column per quantity; conditions with equal numbers share a row."""
+    """Return a row per condition and a column per quantity.
+
+    Conditions with equal numbers share a row.
+    """
     quantities = {number.quantity: number.unit for number in numbers}
     marks = {None: "", True: " ✓", False: " ✗"}
     cells = {

@@ -1,4 +1,4 @@
-"""A reproduced table, figure or finding: its numbers, and how each was obtained."""
+"""Reproduced table, figure or finding, with the origin of its numbers."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ ORIGINS: Final[tuple[Origin, ...]] = get_args(Origin)
 
 @dataclass(frozen=True)
 class Number:
-    """One number, and what our sources of the thesis state.
+    """Reproduced number, with the statement of the sources.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Number:
 
     @property
     def verdict(self) -> str:
-        """Agreement with the statement; only a derived number that agrees is reproduced."""
+        """Verdict on the statement: only derived numbers count as reproduced."""
         if self.holds is None:
             return "not compared"
         if not self.holds:
@@ -53,7 +53,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Reproduction:
-    """An item of `tactometry reproduce`.
+    """Item of `tactometry reproduce`.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class Reproduction:
 
 @dataclass(frozen=True)
 class Reproduced:
-    """A reproduction and its numbers."""
+    """Reproduction with its computed numbers."""
 
     item: Reproduction
     numbers: tuple[Number, ...]

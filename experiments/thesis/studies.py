@@ -1,4 +1,4 @@
-"""Built-in studies: what their simulated participants feel, and their data."""
+"""Built-in studies: sensations of simulated participants, and data."""
 
 import math
 from functools import lru_cache
@@ -49,12 +49,15 @@ def contact_of(cell: WiredCell) -> Contact:
 
 
 def sensation_db(cell: WiredCell, level_db: float, felt: Sensation | None = None) -> float:
-    """Return the sensation level of a stimulus level, by the model of the cell or another one."""
+    """Return the sensation level of a stimulus level.
+
+    The model is that of the cell unless `felt` is another one.
+    """
     return (felt or cell.sensation).sensation_db(cell.stimulus.at(level_db), contact_of(cell))
 
 
 def threshold_db(cell: WiredCell, felt: Sensation | None = None) -> float:
-    """Return the level at the threshold of the model.
+    """Return the stimulus level at the threshold of the model.
 
     The result is NaN if no level of the study is felt, or if all are by 40 dB.
     """
@@ -71,7 +74,7 @@ def threshold_db(cell: WiredCell, felt: Sensation | None = None) -> float:
 
 @lru_cache(maxsize=4)
 def simulated_trials(study: str, n_participants: int) -> "Trials":
-    """Return the trials of simulated participants of a built-in study, with seed 1."""
+    """Return simulated trials of a built-in study, with seed 1."""
     from tactometry.analysis.reading.trials import read_trials
 
     from ..sessions.simulation import Simulation, simulate
@@ -84,7 +87,7 @@ def simulated_trials(study: str, n_participants: int) -> "Trials":
 
 @lru_cache(maxsize=1)
 def touches() -> "pd.DataFrame":
-    """Return the used trials, each with its mean applied force."""
+    """Return the used trials with their mean applied force."""
     from tactometry.analysis.reading.trials import used_rows
 
     return used_rows(simulated_trials(STUDY, N_PARTICIPANTS))

@@ -1,1 +1,1 @@
-"""Procedures, fits and tests, validated with simulated participants whose truth is known."""
+"""Validation of procedures, fits and tests against known ground truth."""

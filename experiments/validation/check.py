@@ -1,4 +1,7 @@
-"""Checks of methods with a known truth: estimates with intervals, tests with a p, ranks of truths."""
+"""Checks of methods against a known truth.
+
+They check estimates with intervals, tests with a p, and ranks of truths.
+"""
 
 import math
 from collections.abc import Callable, Mapping
@@ -27,9 +30,9 @@ Simulate = Callable[[int, np.random.Generator], pd.DataFrame]
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of outcomes.
+    """Kind of outcomes, with its columns and summary.
 
-    `columns` are those of an outcome, `row` summarises many outcomes, `heads` names the columns of the page.
+    `columns` are those of an outcome, `row` summarises many outcomes, and `heads` names the columns of the page.
     """
 
     name: str
@@ -40,7 +43,7 @@ class Kind:
 
 @dataclass(frozen=True)
 class Check:
-    """A check of one or more methods.
+    """Check of one or more methods.
 
     Parameters
     ----------
@@ -55,11 +58,11 @@ class Check:
     n_sets : int
         Sets, groups or studies in a chunk of a setting.
     reasons : mapping of str to str
-        Why a method may depart from what is stated.
+        Why a method may differ from its stated value.
     figure : str
         Name of the figure, or empty.
     method : str
-        The column of `keys` with the methods; the last one by default.
+        Column of `keys` with the methods; the last one by default.
     """
 
     title: str
@@ -79,13 +82,16 @@ class Check:
 
 
 def summary(kind: Kind, outcomes: pd.DataFrame, keys: tuple[str, ...]) -> pd.DataFrame:
-    """Return a row for each setting and method, in order of appearance."""
+    """Return a row per setting and method, in order of appearance."""
     groups = outcomes.groupby(list(keys), sort=False)
     return pd.DataFrame([dict(zip(keys, key, strict=True)) | kind.row(each) for key, each in groups])
 
 
 def _share(holds: "pd.Series[bool]", stated: float) -> dict[str, Any]:
-    """Return a share with its exact 95 % interval and its verdict against what is stated."""
+    """Return a share with its exact 95 % interval and its verdict.
+
+    The verdict compares it with the stated share.
+    """
     n, n_yes = len(holds), int(holds.sum())
     if not n:
         return {"n": 0, "share": math.nan, "low": math.nan, "high": math.nan, "stated": stated, "verdict": ""}
@@ -95,7 +101,10 @@ def _share(holds: "pd.Series[bool]", stated: float) -> dict[str, Any]:
 
 
 def _estimates(outcomes: pd.DataFrame) -> dict[str, Any]:
-    """Return bias, coverage and median width of the outcomes with a value, and coverage of the bounds of others."""
+    """Return bias, coverage and median width of estimates.
+
+    Outcomes without a value contribute the coverage of their bounds.
+    """
     has_value = outcomes["estimate"].notna()
     low, high = outcomes["low"].fillna(-np.inf), outcomes["high"].fillna(np.inf)
     covers = (low <= outcomes["truth"]) & (outcomes["truth"] <= high)
@@ -114,7 +123,7 @@ def _estimates(outcomes: pd.DataFrame) -> dict[str, Any]:
 
 
 def _tests(outcomes: pd.DataFrame) -> dict[str, Any]:
-    """Return the share of p below 5 %, and of studies without an answer."""
+    """Return the share of p below 5 %, and of studies without a result."""
     tested = outcomes["p"].notna()
     stated = LEVEL if not outcomes["effect"].any() else math.nan
     of_tested = _share(outcomes["p"][tested] < LEVEL, stated)
@@ -122,7 +131,10 @@ def _tests(outcomes: pd.DataFrame) -> dict[str, Any]:
 
 
 def _ranks(outcomes: pd.DataFrame) -> dict[str, Any]:
-    """Return Kolmogorov and Smirnov's exact test of uniform ranks, the share in the middle 95 %, and a histogram."""
+    """Return a Kolmogorov-Smirnov test of uniform ranks with a histogram.
+
+    The test is exact. The share of ranks in the middle 95 % is included.
+    """
     ranks = outcomes["rank"].to_numpy()
     p = float(kstest(ranks, "uniform", method="exact").pvalue)
     middle = pd.Series((ranks > (1 - COVERAGE) / 2) & (ranks < (1 + COVERAGE) / 2))

@@ -1,4 +1,4 @@
-"""Figures of validation: shares with their intervals, and histograms of ranks."""
+"""Figures of validation: shares with intervals, and histograms of ranks."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -37,7 +37,10 @@ def write_figures(found: Validated, folder: Path, *, as_pixels: bool) -> None:
 
 
 def shares(check: Check, table: pd.DataFrame) -> Drawing:
-    """Draw each row's share with its 95 % interval, a colour per method."""
+    """Draw the share of each row with its 95 % interval.
+
+    Each method has a colour.
+    """
     found = table[table["n"] > 0]
     methods = _distinct(found, check.reason_key)
     others = [key for key in check.keys if key != check.reason_key]
@@ -65,7 +68,10 @@ def shares(check: Check, table: pd.DataFrame) -> Drawing:
 
 
 def _distinct(table: pd.DataFrame, key: str) -> list[Any]:
-    """Return methods with different shares: three estimates of one posterior share their interval."""
+    """Return methods with different shares.
+
+    The three estimates of one posterior share their interval.
+    """
     seen: dict[tuple[float, ...], Any] = {}
     for method in dict.fromkeys(table[key]):
         seen.setdefault(tuple(table.loc[table[key] == method, "share"]), method)
@@ -73,13 +79,16 @@ def _distinct(table: pd.DataFrame, key: str) -> list[Any]:
 
 
 def _label(row: Mapping[Any, Any], keys: list[str]) -> str:
-    """Name a row by its texts, and by its numbers with their keys."""
+    """Return the label of a row: its texts, and numbers with their keys."""
     names = (row[key] if isinstance(row[key], str) else f"{key.replace('_', ' ')} {row[key]:g}" for key in keys)
     return ", ".join(names) or "all"
 
 
 def rank_histograms(check: Check, table: pd.DataFrame) -> Drawing:
-    """Draw ranks of truths in twentieths, with the band that one bin in 1e4 leaves by chance."""
+    """Draw histograms of ranks in twentieths, with a band.
+
+    A bin leaves the band by chance once in 1e4.
+    """
     n_rows = -(-len(table) // COLUMNS)
     with new_figure(WIDTH_IN, 0.4 + 1.7 * n_rows) as figure:
         panels = figure.subplots(n_rows, COLUMNS, sharex=True, squeeze=False).ravel()

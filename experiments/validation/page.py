@@ -1,4 +1,7 @@
-"""The page of validation results: a table per check, its departures, and their reasons."""
+"""Page of validation results.
+
+It has a table per check, its departures, and their reasons.
+"""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -38,12 +41,12 @@ def page(found: Validated) -> str:
 
 
 def departures(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows whose share departs from what is stated."""
+    """Return the rows whose share differs from the stated one."""
     return table[table["verdict"] != ""]
 
 
 def _cost(found: Validated) -> Iterator[str]:
-    """Yield half of the 95 % interval of a share of 95 %, by rounds."""
+    """Yield half the interval of a share of 95 %, by number of rounds."""
     yield "## What accuracy costs\n"
     yield "Sets of each setting and processor time (of this run) of a round, and half of the interval of a share of"
     yield "95 % (per cent) by the number of rounds. Four times the time halves it.\n"
@@ -79,7 +82,10 @@ def _section(check: Check, table: pd.DataFrame) -> Iterator[str]:
 
 
 def _table(check: Check, table: pd.DataFrame) -> str:
-    """Return a row for each setting and method; columns with one value are stated above, empty ones omitted."""
+    """Return a row for each setting and method.
+
+    Columns with one value are stated above the table, empty ones are omitted.
+    """
     rows = table.to_dict("records")
     heads = {name: head for name, head in check.kind.heads.items() if name != "verdict"}
     cells = {name: [shown(name, row) for row in rows] for name in heads}
@@ -97,7 +103,7 @@ def _table(check: Check, table: pd.DataFrame) -> str:
 
 
 def _pooled(check: Check, table: pd.DataFrame) -> Iterator[str]:
-    """Yield methods whose sets depart only all together."""
+    """Yield methods that miss the stated share only over all sets."""
     for name, rows in table[table["stated"].notna()].groupby(check.reason_key, sort=False):
         n, n_yes = int(rows["n"].sum()), round(float((rows["share"] * rows["n"]).sum()))
         stated = rows["stated"].iloc[0]
@@ -120,7 +126,9 @@ def _reasons(check: Check, departing: pd.DataFrame) -> Iterator[str]:
 
 
 def shown(name: str, row: Mapping[Any, Any]) -> str:
-    """Format a number of the page, a bias with its standard error and a share with its verdict.
+    """Format a number of the page.
+
+    A bias has its standard error, a share its verdict.
 
     >>> shown("share", {"share": 0.9512, "verdict": "too few"}), shown("bias", {"bias": 0.123, "bias_se": 0.04})
     ('95.1 **too few**', '0.12 ± 0.04')

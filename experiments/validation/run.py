@@ -1,4 +1,7 @@
-"""Validation runs: chunks that any process makes, kept on the disk, and their tables."""
+"""Validation runs: chunks stored on disk, and their tables.
+
+Any process can make any chunk.
+"""
 
 import io
 from collections.abc import Callable, Iterator, Mapping
@@ -26,14 +29,17 @@ SECONDS: Final = "processor_s"
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some sets of one setting of a check; its names and number determine its outcomes."""
+    """Some sets of one setting of a check.
+
+    Its names and number determine its outcomes.
+    """
 
     check: str
     setting: str
     number: int
 
     def simulated(self, seed: int) -> pd.DataFrame:
-        """Return the outcomes, from random numbers that no other chunk uses."""
+        """Return the outcomes, from a random generator of this chunk only."""
         check = check_of(self.check)
         rng = stream(seed, *(crc32(name.encode()) for name in (self.check, self.setting)), self.number)
         return check.settings[self.setting](check.n_sets, rng)
@@ -46,7 +52,7 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Validation:
-    """Checks, rounds (chunks of each setting) and seed.
+    """Checks, rounds (chunks per setting) and seed.
 
     Raises
     ------
@@ -78,7 +84,7 @@ class Validation:
 
 @dataclass(frozen=True)
 class Validated:
-    """Table and processor time (s) of each check, by its name."""
+    """Table and processor time (s) of each check, by name."""
 
     validation: Validation
     tables: Mapping[str, pd.DataFrame]
@@ -93,14 +99,14 @@ def validate(
     spread: Spread = here,
     tell: Callable[[Iterator[Path], int], Iterator[Path]] = lambda paths, n: paths,
 ) -> Validated:
-    """Simulate the outcomes of all chunks in a folder that keeps them, and return their tables.
+    """Simulate all chunks into a folder and return their tables.
 
     Parameters
     ----------
     resume : bool
         Continue an interrupted run, or one with fewer rounds.
     tell : callable
-        Is passed the files as they are complete, and their number.
+        Called with the files as they are completed, and their number.
 
     Raises
     ------
@@ -121,7 +127,10 @@ def validate(
 
 
 def chunk_content(job: tuple[Chunk, int]) -> bytes:
-    """Return the outcomes of a chunk as Parquet, with their processor time as an attribute."""
+    """Return the outcomes of a chunk as Parquet.
+
+    The processor time is an attribute.
+    """
     chunk, seed = job
     began_s, content = process_time(), io.BytesIO()
     outcomes = chunk.simulated(seed)
@@ -131,7 +140,10 @@ def chunk_content(job: tuple[Chunk, int]) -> bytes:
 
 
 def _table(root: Path, name: str, chunks: list[Chunk]) -> tuple[pd.DataFrame, float]:
-    """Return the table of a check and the time of its chunks, setting by setting in any order of the chunks."""
+    """Return the table of a check and the time of its chunks.
+
+    Rows are ordered by setting, whatever the order of the chunks.
+    """
     check, paths = check_of(name), sorted(chunk.path(root) for chunk in chunks if chunk.check == name)
     parts = [pd.read_parquet(path) for path in paths]
     seconds = sum(part.attrs.pop(SECONDS, 0.0) for part in parts)

@@ -52,7 +52,7 @@ def test_one_way_equals_statsmodels(published) -> None:
 
 @pytest.mark.parametrize(("scale", "offset"), [(1.0, 1e9), (1e-12, 0.0), (1e12, -3.0), (1e-300, 0.0), (1e300, 0.0)])
 @pytest.mark.parametrize("within", [WITHIN, ["freq"]])
-def test_scale_and_offset_do_not_matter(published, within, scale: float, offset: float) -> None:
+def test_anova_ignores_scale_and_offset(published, within, scale: float, offset: float) -> None:
     moved = published.assign(y=published["y"] * scale + offset)
     one, other = (analysed(table, within).drop(index="Error", errors="ignore") for table in (published, moved))
     hard_case("ANOVA of values of 1e-299 to 1e301, and 1e9 away: F", other["F"], one["F"], 1e-4, against="values of 1")
@@ -73,7 +73,7 @@ def test_two_levels_have_the_columns_of_more(published) -> None:
     assert set(crossed.columns) == set(more.columns) - {"DF"}
 
 
-def test_an_effect_that_is_the_same_in_all_participants_has_no_f(recwarn) -> None:
+def test_effect_has_no_f_when_error_is_zero(recwarn) -> None:
     """The other effects have one."""
     rng = np.random.default_rng()
     values = np.arange(6.0)[:, None, None] + np.array([0.0, 3.0])[None, :, None] + rng.normal(size=(6, 1, 3))
@@ -89,7 +89,7 @@ def test_an_effect_that_is_the_same_in_all_participants_has_no_f(recwarn) -> Non
     exact_case("one effect without error beside one with: ANOVA", against="a note")
 
 
-def test_order_of_rows_and_names_of_participants_do_not_matter(published) -> None:
+def test_anova_ignores_row_order_and_participant_names(published) -> None:
     shuffled = published.sample(frac=1.0, random_state=np.random.default_rng().integers(2**31))
     renamed = shuffled.assign(subject=shuffled["subject"].map(lambda code: f"{code[::-1]} x"))
     assert analysed(renamed)["F"].to_numpy() == pytest.approx(analysed(published)["F"].to_numpy(), rel=1e-9)
@@ -102,7 +102,7 @@ def test_names_with_spaces_and_unused_categories_are_harmless(published) -> None
     assert found["F"].to_numpy() == pytest.approx(analysed(published)["F"].to_numpy(), rel=1e-9)
 
 
-def test_several_values_in_a_cell_are_averaged_and_that_is_said(published) -> None:
+def test_several_values_per_cell_are_averaged_with_note(published) -> None:
     twice = pd.concat([published.assign(y=published["y"] + d) for d in (-1, 1)])
     found = repeated_measures(twice, dependent="y", within=WITHIN, subject="subject")
     assert found.attrs["notes"] == ["several values of one participant in one cell were averaged"]
@@ -221,12 +221,12 @@ def test_refuses_four_factors(published) -> None:
         analysed(table, [*WITHIN, "third", "fourth"])
 
 
-def test_the_largest_complete_part_of_a_whole_design_is_the_whole(published) -> None:
+def test_largest_complete_keeps_whole_design(published) -> None:
     part = largest_complete(published, dependent="y", within=WITHIN, subject="subject")
     assert (len(part.table), part.within, part.left_out) == (96, ("force", "freq"), ())
 
 
-def test_a_hole_costs_a_participant_many_holes_a_condition(published) -> None:
+def test_largest_complete_drops_participant_or_condition(published) -> None:
     one = published.drop(index=17)
     many = published.assign(y=published["y"].where(published["freq"] != 480))
     found = [largest_complete(t, dependent="y", within=WITHIN, subject="subject") for t in (one, many)]
@@ -234,13 +234,13 @@ def test_a_hole_costs_a_participant_many_holes_a_condition(published) -> None:
     assert [len(part.table) for part in found] == [84, 72]
 
 
-def test_a_factor_with_one_level_left_is_no_factor(published) -> None:
+def test_largest_complete_drops_factor_with_one_level(published) -> None:
     censored = published.assign(y=published["y"].where(published["force"] == 1))
     part = largest_complete(censored, dependent="y", within=WITHIN, subject="subject")
     assert part.within == ("freq",)
     assert part.left_out == ("force = 0.5", "force = 2.0")
 
 
-def test_nothing_in_common_has_no_complete_part(published) -> None:
+def test_largest_complete_returns_none_without_common_cells(published) -> None:
     alone = published.assign(y=published["y"].where(published["subject"] == "P1"))
     assert largest_complete(alone, dependent="y", within=WITHIN, subject="subject") is None

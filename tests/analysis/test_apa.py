@@ -29,7 +29,7 @@ def table():
     ("p", "text"),
     [(0.0004, "p < .001"), (0.001, "p = .001"), (0.05, "p = .050"), (0.99949, "p = .999"), (1.0, "p > .999")],
 )
-def test_a_chance_has_three_digits_and_no_leading_zero(p, text) -> None:
+def test_p_text_has_three_digits_without_leading_zero(p, text) -> None:
     assert p_text(p) == text
 
 
@@ -38,7 +38,7 @@ def test_a_share_has_no_leading_zero(x, text) -> None:
     assert share_text(x) == text
 
 
-def test_the_sentence_of_an_effect_holds_its_numbers(table) -> None:
+def test_effect_sentence_contains_its_numbers(table) -> None:
     found = repeated_measures(table, within=["force", "freq"], **ARGUMENTS)
     first, second, _ = anova_sentences(found)
     row = found.iloc[0]
@@ -63,13 +63,13 @@ def test_every_result_has_its_sentence(table) -> None:
     assert any("pairs are equivalent within +-50 dB" in sentence for sentence in told)
 
 
-def test_claims_that_do_not_hold_are_not_made() -> None:
+def test_equivalence_sentences_deny_unmet_claims() -> None:
     values = np.random.default_rng().normal(size=(8, 2)) + np.array([0, 5.0])
     told = equivalence_sentences(equivalence(long_table(values), factor="force", bound=0.5, **ARGUMENTS))
     assert all("not" in sentence for sentence in told)
 
 
-def test_differences_without_error_are_said_so() -> None:
+def test_pair_sentence_reports_differences_without_error() -> None:
     values = np.arange(4.0)[:, None] + np.array([0.0, 2.0])
     (told,) = pair_sentences(pairs(long_table(values), factor="force", **ARGUMENTS))
     assert told == "1 − 0: 2.00 in every participant: no test, as there is no error"
@@ -82,7 +82,7 @@ def checked(table, within):
     return checks(table, repeated_measures(table, within=within, **ARGUMENTS), within=within, **ARGUMENTS)
 
 
-def test_normality_is_that_of_the_residuals() -> None:
+def test_normality_check_uses_residuals() -> None:
     values = drawn((8, 3), np.random.default_rng())
     row = checked(long_table(values), "force").iloc[0]
     left = values - values.mean(0) - values.mean(1, keepdims=True) + values.mean()
@@ -90,7 +90,7 @@ def test_normality_is_that_of_the_residuals() -> None:
     assert (row["statistic"], row["p"]) == pytest.approx((peer.statistic, peer.pvalue), rel=1e-6)
 
 
-def test_an_outlier_is_counted_and_contradicts_normality() -> None:
+def test_outlier_is_counted_and_contradicts_normality() -> None:
     values = np.random.default_rng().normal(size=(30, 3))
     values[4, 1] += 40
     found = checked(long_table(values), "force")
@@ -99,7 +99,7 @@ def test_an_outlier_is_counted_and_contradicts_normality() -> None:
     assert "contradicted" in found["text"][0]
 
 
-def test_what_cannot_be_tested_is_said_with_its_reason() -> None:
+def test_checks_report_reason_when_test_is_impossible() -> None:
     found = checked(long_table(drawn((5, 6, 2), np.random.default_rng())), ["force", "freq"])
     texts = found["text"].tolist()
     assert texts[1] == "sphericity of force: not tested, the error matrix is singular"

@@ -73,7 +73,7 @@ def test_the_order_of_the_answers_does_not_matter(raw, random) -> None:
     assert other.to_numpy() == pytest.approx(one.to_numpy())
 
 
-def test_answers_as_text_are_read_and_empty_ones_are_missing() -> None:
+def test_scores_read_text_answers_and_skip_empty_ones() -> None:
     table = one_person([str(raw_of(item, 2)) for item in ITEMS])
     gaps = table.assign(response=table["response"].where(~table["item"].isin(["PQ1", "PQ2", "ATT1"]), ""))
     found = scores(gaps).iloc[0]
@@ -112,7 +112,7 @@ def test_the_short_form_is_read_by_its_name() -> None:
         (lambda t: t.assign(response=3.5, row=99), f"response, row 99: found 3.5 for {ITEMS[0]}, expected 1 to 7"),
     ],
 )
-def test_refuses_what_is_no_answer(change, message) -> None:
+def test_scores_reject_invalid_answers(change, message) -> None:
     with pytest.raises(InvalidParameter, match=re.escape(message)):
         scores(change(one_person(4)))
 
@@ -139,7 +139,7 @@ def test_intervals_are_those_of_participants_not_of_answers(answers, scored) -> 
     assert row["n"] == 12
 
 
-def test_word_pairs_are_in_order_between_their_words(answers) -> None:
+def test_word_pairs_keep_item_order_and_poles(answers) -> None:
     profile = word_pairs(item_scores(answers))
     assert len(profile) == 7 * 28
     first = profile.iloc[0]
@@ -155,14 +155,14 @@ def test_word_pairs_are_in_order_between_their_words(answers) -> None:
     assert means["PQ"] == pytest.approx(own["PQ"])
 
 
-def test_the_portfolio_names_regions_and_holds_a_rectangle(scored) -> None:
+def test_portfolio_names_regions_and_has_intervals(scored) -> None:
     found = portfolio(scored)
     assert list(found["pattern"]) == list(PATTERNS)
     assert ((found["PQ_low"] < found["PQ"]) & (found["PQ"] < found["PQ_high"])).all()
     assert [region(p, h) for p, h in zip(found["PQ"], found["HQ"], strict=True)] == found["region"].tolist()
 
 
-def test_the_label_of_the_portfolio_stands_on_the_page(scored) -> None:
+def test_portfolio_label_is_within_the_figure(scored) -> None:
     drawn = portfolio_figure(portfolio(scored).rename(columns={"pattern": "condition"}))
     [label] = re.findall(r'font-size: (\d+)px[^>]* x="([^"]+)"[^>]*>Hedonic quality HQ', drawn.svg)
     assert float(label[1]) > ASCENT * float(label[0])
@@ -200,7 +200,7 @@ def test_three_participants_have_an_alpha() -> None:
     assert set(three["n"]) == {3}
 
 
-def test_an_item_that_was_rated_twice_has_the_mean_of_its_scores() -> None:
+def test_item_rated_twice_has_mean_score() -> None:
     twice = pd.concat([one_person(4), one_person(7)])
     raw_4, raw_7 = (item_scores(one_person(raw)).set_index("item")["score"] for raw in (4, 7))
     found = item_scores(twice).set_index("item")["score"]
@@ -218,7 +218,7 @@ def test_missing_scores_are_counted() -> None:
     )
 
 
-def test_alpha_without_participants_or_variance_says_why() -> None:
+def test_alpha_has_note_when_undefined() -> None:
     few = consistency(item_scores(one_person(5)))
     assert few["alpha"].isna().all()
     assert set(few["note"]) == {"fewer than two items or three participants who answered them all"}
@@ -249,7 +249,7 @@ def test_every_pattern_is_compared_with_the_single_focus(scored) -> None:
     assert (found["p_corr"] >= found["p_unc"]).all()
 
 
-def test_a_participant_without_a_score_is_left_out_by_name(answers) -> None:
+def test_participant_without_score_is_named_as_left_out(answers) -> None:
     gone = (answers["participant"] == "P03") & (answers["pattern"] == "P2") & answers["item"].str.startswith("PQ")
     found = frequency_by_envelope(scores(answers[~gone]))
     assert set(found[found["dimension"] == "PQ"]["left_out"]) == {"P03"}
@@ -257,7 +257,7 @@ def test_a_participant_without_a_score_is_left_out_by_name(answers) -> None:
     assert found[found["dimension"] == "PQ"]["ddof2"].iloc[0] == 10
 
 
-def test_answers_that_are_all_alike_have_a_note_and_no_f() -> None:
+def test_identical_answers_have_note_without_f() -> None:
     table = pd.concat(
         [one_person(4).assign(participant=f"P{n}", pattern=pattern) for n in range(4) for pattern in PATTERNS]
     )
@@ -273,7 +273,7 @@ def test_refuses_patterns_that_are_not_there(scored) -> None:
         frequency_by_envelope(scored, pattern="patern")
 
 
-def test_a_form_of_the_studys_own_is_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_custom_form_is_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study, data = tmp_path / "study.toml", tmp_path / "d"
     study.write_text(TUTORIAL + OWN_FORM)
     assert call(capsys, "simulate", study, "--participants", 2, "--seed", 1, "--out", data)[0] == 0
@@ -286,7 +286,7 @@ def test_a_form_of_the_studys_own_is_scored(tmp_path: Path, capsys: pytest.Captu
     assert ratings(trials)[0].scores["D"].tolist() == pytest.approx(expected.tolist(), abs=1e-12)
 
 
-def test_a_damaged_form_of_the_study_is_refused_with_its_place(tmp_path: Path) -> None:
+def test_damaged_custom_form_is_rejected_with_its_place(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(OWN_FORM.replace('"Bad", "Good"', '"Bad"'))
     with pytest.raises(InvalidFile, match=r"study.toml, forms.mine: items\[0\].poles.en: found "):
         forms_of(tmp_path)
@@ -301,7 +301,7 @@ stimulus = { frequency_hz = 240 }
 
 
 @pytest.mark.parametrize("factor", ["", "words"])
-def test_a_form_that_is_asked_before_the_conditions_and_in_them_is_compared_in_them(
+def test_form_is_compared_within_conditions_only(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], factor: str
 ) -> None:
     text = TUTORIAL + OWN_FORM.replace('"mine"', '"mine"\nafter = "block"', 1)
@@ -319,9 +319,7 @@ def test_a_form_that_is_asked_before_the_conditions_and_in_them_is_compared_in_t
     assert form.summary[["n", "n_missing"]].to_numpy().tolist() == [[3, 0]] * 2
 
 
-def test_a_form_before_and_after_the_blocks_is_told_to_be_averaged(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_form_answered_twice_has_note_on_averaging(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = TUTORIAL + OWN_FORM.replace('"mine"', '"mine"\nafter = "session"', 1)
     (tmp_path / "study.toml").write_text(text + '\n[inquiries.before]\nform = "mine"\nafter = "start"\n')
     call(capsys, "simulate", tmp_path / "study.toml", "--participants", 3, "--seed", 1, "--out", tmp_path / "d")

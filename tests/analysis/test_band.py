@@ -19,7 +19,7 @@ def answers(truth, n, seed):
 
 @pytest.mark.parametrize("options", [YES_NO, CHOICE], ids=["yes_no", "choice"])
 @pytest.mark.parametrize("seed", range(3))
-def test_the_draws_have_the_threshold_of_the_fit(options, seed):
+def test_band_draws_have_threshold_of_fit(options, seed):
     truth = PsychometricFunction(options["shape"], 14.0, 12.0, options["guess_rate"] or 0.05, 0.02)
     k = answers(truth, 12, seed)
     found = fit(LEVELS, k, 12, **options)
@@ -29,7 +29,7 @@ def test_the_draws_have_the_threshold_of_the_fit(options, seed):
     assert band.threshold == pytest.approx((found.interval_low, found.threshold_median, found.interval_high), abs=step)
 
 
-def test_many_answers_leave_a_narrow_band_around_the_truth():
+def test_band_narrows_around_truth_with_many_trials():
     truth = PsychometricFunction("normal", 14.0, 12.0, 0.5, 0.02)
     at = np.linspace(5.0, 25.0, 11)
     few, many = (curve_band(LEVELS, np.round(n * truth.probability(LEVELS)), n, at, **CHOICE) for n in (10, 10_000))
@@ -37,7 +37,7 @@ def test_many_answers_leave_a_narrow_band_around_the_truth():
     assert many.median == pytest.approx(truth.probability(at), abs=0.01)
 
 
-def test_the_band_rises_with_the_level_and_stays_a_chance():
+def test_band_rises_with_level_between_zero_and_one():
     band = curve_band(LEVELS, [0, 0, 1, 2, 4, 5, 6, 6, 6], 6, np.linspace(-5.0, 35.0, 41), **YES_NO)
     for line in (band.low, band.median, band.high):
         assert (np.diff(line) >= 0).all()
@@ -45,10 +45,10 @@ def test_the_band_rises_with_the_level_and_stays_a_chance():
         assert line.max() <= 1
 
 
-def test_one_level_has_no_band():
+def test_single_level_has_no_band():
     assert curve_band([3.0], [2], [5], [3.0], **YES_NO) is None
 
 
-def test_an_interval_that_is_none_is_refused():
+def test_band_rejects_invalid_interval():
     with pytest.raises(InvalidParameter, match="interval"):
         curve_band(LEVELS, 1, 2, [1.0], interval=1.0, **YES_NO)

@@ -124,7 +124,7 @@ def test_shares_of_statuses_sum_to_one(outcomes) -> None:
     assert found["procedure"].tolist()[0] == outcomes["procedure"].iloc[0]
 
 
-def test_easy_trials_of_a_simulated_track_are_at_the_highest_level():
+def test_simulated_easy_trials_are_at_highest_level():
     function = PsychometricFunction("gumbel", 10.0, 6.0, 0.5, 0.0)
     for share, n_easy in ((0.0, 0), (0.2, 8)):
         levels, answers = track(RULES["1 up 3 down"], share, function, np.random.default_rng(1))

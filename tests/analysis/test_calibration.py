@@ -24,7 +24,7 @@ N_SETS, N_TRIALS, RATE_NODES = 1000, 20, 24
 
 
 def drawn(log_density, low, high, n, rng) -> np.ndarray:
-    """From a density on an interval, by rejection."""
+    """Draw from a density on an interval by rejection."""
     found = np.empty(0)
     fine = log_density(np.linspace(low, high, 2001)).max()
     while len(found) < n:
@@ -34,7 +34,7 @@ def drawn(log_density, low, high, n, rng) -> np.ndarray:
 
 
 def from_the_prior(rng, n, *, free_guess) -> list[np.ndarray]:
-    """Threshold, width, lapse rate and guess rate."""
+    """Draw threshold, width, lapse rate and guess rate from the prior."""
     threshold = drawn(lambda m: log_threshold(m)[0], -1, 1, n, rng)
     width = drawn(lambda w: log_width(np.log(w), np.array(GAP))[0], GAP, 3, n, rng)
     lapse, guess = (drawn(lambda x: 9 * np.log1p(-x), 0, LARGEST_RATE, n, rng) for _ in range(2))
@@ -47,7 +47,7 @@ def equidistant_rank(nodes, masses, truth) -> float:
 
 
 def legendre_rank(end, masses, weights, truth) -> float:
-    """The integral of the polynomial through the density at Gauss and Legendre's nodes."""
+    """Integrate the polynomial through the density at Gauss-Legendre nodes."""
     points, order = 2 * rate_rule(len(weights))[0] - 1, np.arange(len(weights))
     density = legendre.legvander(points, len(weights) - 1) * (masses / weights)[:, None] * weights[:, None]
     integral = legendre.legint((2 * order + 1) / 2 * density.sum(axis=0), lbnd=-1)
@@ -63,8 +63,11 @@ def legendre_rank(end, masses, weights, truth) -> float:
     ],
 )
 def test_ranks_of_truths_from_the_prior_are_uniform(monkeypatch, shape, free_guess, n_sets) -> None:
-    """Talts et al. 2018: threshold, width, lapse rate (and guess rate), whatever the status; Kolmogorov and Smirnov's
-    simultaneous band at 1e-4 for all together."""
+    """Simulation-based calibration (Talts et al. 2018).
+
+    Ranks of threshold, width, lapse rate (and guess rate) lie within a simultaneous Kolmogorov-Smirnov band at 1e-4,
+    whatever the status.
+    """
     monkeypatch.setattr(shared_grid, "RATE_NODES", RATE_NODES if not free_guess else 14)
     monkeypatch.setattr(shared_grid, "STEP_SD", 0.3)
     rng = np.random.default_rng()

@@ -37,8 +37,8 @@ def alike(found: pd.DataFrame, peer: pd.DataFrame) -> None:
 
 
 @pytest.mark.parametrize("shape", [(5, 2), (8, 4), (6, 3, 4), (5, 2, 3, 2)])
-def test_of_known_values_it_is_the_analysis_of_variance(shape) -> None:
-    """Every column but Mauchly's test, at any scale."""
+def test_censored_anova_equals_anova_without_bounds(shape) -> None:
+    """Every column except Mauchly's test agrees, at any scale."""
     table = long_table(drawn(shape, np.random.default_rng()))
     within = NAMES[: len(shape) - 1]
     peer = repeated_measures(table, dependent="y", within=within, subject="subject")
@@ -48,7 +48,7 @@ def test_of_known_values_it_is_the_analysis_of_variance(shape) -> None:
 
 
 @pytest.mark.parametrize("sizes", [(6, 6), (4, 7, 5)])
-def test_of_known_values_of_groups_it_is_the_mixed_analysis_of_variance(sizes) -> None:
+def test_censored_anova_equals_mixed_anova_without_bounds(sizes) -> None:
     table = of_groups(sizes, 6, np.random.default_rng())
     crossed = table.assign(force=table["freq"] // 3, freq=table["freq"] % 3)
     within = ["force", "freq"]
@@ -58,7 +58,7 @@ def test_of_known_values_of_groups_it_is_the_mixed_analysis_of_variance(sizes) -
     assert found.means()["hand"].nunique() == len(sizes)
 
 
-def test_of_known_values_the_means_are_those_of_the_group_table() -> None:
+def test_censored_means_equal_group_table_without_bounds() -> None:
     table = long_table(drawn((7, 3, 2), np.random.default_rng())).rename(columns={"subject": "participant"})
     found = censored_anova(open_ended(table), within=NAMES[:2], **(GIVEN | {"subject": "participant"})).means()
     peer = group_table(table.assign(status="ok"), NAMES[:2], "y")
@@ -69,8 +69,8 @@ def test_of_known_values_the_means_are_those_of_the_group_table() -> None:
 # --- bounds
 
 
-def test_one_factor_of_bounds_is_the_mixed_model_with_a_random_intercept() -> None:
-    """Whose integral is over one random effect, by quadrature."""
+def test_censored_anova_with_one_factor_equals_censored_model() -> None:
+    """The censored model integrates over one random effect by quadrature."""
     rng = np.random.default_rng()
     table = cut(long_table(8 + rng.normal(size=(10, 4)) + 2 * rng.normal(size=(10, 1))), 6.0)
     found = censored_anova(table, within="force", **GIVEN)
@@ -90,8 +90,8 @@ def test_one_factor_of_bounds_is_the_mixed_model_with_a_random_intercept() -> No
     assert found.design.n_censored == peer.n_censored == table["y"].isna().sum()
 
 
-def test_the_likelihood_is_that_of_the_integral() -> None:
-    """Of one participant with two bounds, at the covariance of two factors."""
+def test_censored_likelihood_equals_numerical_integral() -> None:
+    """One participant has two bounds; the covariance is that of two factors."""
     rng = np.random.default_rng()
     y = rng.normal(size=(4, 4)) + rng.normal(size=(4, 1))
     low, high = y.copy(), y.copy()
@@ -107,7 +107,7 @@ def test_the_likelihood_is_that_of_the_integral() -> None:
 
 
 @pytest.mark.parametrize(("low", "high"), [(-np.inf, -1.0), (0.5, np.inf), (-0.3, 0.4), (3.0, np.inf), (30.0, 31.0)])
-def test_points_between_ends_have_the_moments_of_the_truncated_normal(low, high) -> None:
+def test_truncated_normal_points_have_exact_moments(low, high) -> None:
     from scipy.stats import truncnorm
 
     found = truncated_normal(np.zeros(1), np.eye(1), np.array([low]), np.array([high]))
@@ -127,14 +127,17 @@ def _log_mass(low: float, high: float) -> float:
         )
 
 
-def test_values_between_ends_move_little_as_an_end_does() -> None:
-    """They jumped as the end of the second value passed its mean: the search found no rest (8 of 60 studies of six)."""
+def test_truncated_normal_points_change_continuously_with_bound() -> None:
+    """Regression test for a search that did not converge.
+
+    Points jumped as the end of the second value passed its mean (8 of 60 studies of six).
+    """
     covariance, ends = np.array([[1.0, 0.5], [0.5, 1.0]]), (np.zeros(2), np.full(2, np.inf))
     one, other = (truncated_normal(np.full(2, x), covariance, *ends).values for x in (-1e-6, 1e-6))
     assert np.abs(one - other).max() < 1e-4
 
 
-def test_small_studies_with_two_bounds_in_a_participant_are_answered() -> None:
+def test_censored_anova_converges_on_small_studies() -> None:
     rng = np.random.default_rng()
     for _ in range(5):
         table = pd.DataFrame(list(product("abcdef", (1, 2), (1, 2))), columns=["subject", "f", "g"])
@@ -144,7 +147,7 @@ def test_small_studies_with_two_bounds_in_a_participant_are_answered() -> None:
         assert (found.design.n_censored, found.fit.converged) == (3, True)
 
 
-def test_units_offset_and_mirror_do_not_matter() -> None:
+def test_censored_anova_ignores_unit_offset_and_sign() -> None:
     values = long_table(drawn((9, 3), np.random.default_rng()))
     table = cut(values, float(values["y"].quantile(0.15)))
     one = censored_anova(table, within="force", **GIVEN)
@@ -154,7 +157,7 @@ def test_units_offset_and_mirror_do_not_matter() -> None:
     assert other.means()["mean"].to_numpy() == pytest.approx(-1e-9 * one.means()["mean"].to_numpy() + 7e-9, rel=1e-2)
 
 
-def test_a_missing_value_is_no_bound_and_a_known_rest_counts() -> None:
+def test_missing_value_is_not_counted_as_bound() -> None:
     table = open_ended(long_table(drawn((9, 4), np.random.default_rng())))
     holed = table.assign(y=table["y"].where(table.index != 5))
     found = censored_anova(holed, within="force", **GIVEN)
@@ -164,8 +167,11 @@ def test_a_missing_value_is_no_bound_and_a_known_rest_counts() -> None:
     assert 3 * 7 < whole < 3 * 8
 
 
-def test_means_are_recovered_where_bounds_alone_are_too_high() -> None:
-    """Sixty participants, a third of one condition below its bound; within the standard error at 1e-4."""
+def test_censored_anova_recovers_means_below_bounds() -> None:
+    """Errors are within the interval at 1e-4.
+
+    Sixty participants; in one condition a third of the values lie below the bound.
+    """
     rng = np.random.default_rng()
     truth = np.array([0.0, 1.0, 2.0])
     values = truth + rng.normal(0, 1.5, (60, 1)) + rng.normal(0, 0.7, (60, 3))
@@ -186,7 +192,7 @@ def refused(table: pd.DataFrame, message: str, status: DesignStatus | None = Non
     assert getattr(refusal.value, "status", None) == status
 
 
-def test_refuses_what_has_no_answer() -> None:
+def test_unanswerable_designs_are_rejected() -> None:
     table = cut(long_table(drawn((8, 3), np.random.default_rng())), -9.0)
     first = table["force"] == 0
     bound = table.assign(y=table["y"].where(~first | (table["subject"] == 3)), high=table["high"].where(~first, 9.0))
@@ -220,7 +226,7 @@ def test_an_effect_without_error_has_no_f(seed) -> None:
     assert found["ddof2"].tolist() == pytest.approx([5, 10, 10])
 
 
-def test_names_of_the_means_are_those_of_the_cells() -> None:
+def test_means_are_labelled_by_cell() -> None:
     keys = list(product("abcd", ("x", "y"), (1, 2)))
     table = pd.DataFrame(keys, columns=["subject", "where", "force"])
     table["y"] = np.random.default_rng().normal(size=len(table)) + 100 * (table["where"] == "y") + 10 * table["force"]

@@ -20,7 +20,7 @@ CUT = 22.0
 
 
 def study(rng, n=8, sd=2.0) -> pd.DataFrame:
-    """Three conditions about 19, 21 and 22.5."""
+    """Simulate three conditions with means near 19, 21 and 22.5."""
     means = {0.5: 19.0, 1.0: 21.0, 2.0: 22.5}
     own = rng.normal(0, sd, n)
     rows = [(f"P{p}", x, m + own[p] + rng.normal(0, 0.8)) for p in range(n) for x, m in means.items()]
@@ -28,7 +28,7 @@ def study(rng, n=8, sd=2.0) -> pd.DataFrame:
 
 
 def cut(table) -> pd.DataFrame:
-    """Values above `CUT` are known to lie above it, no more."""
+    """Censor values above `CUT`: they are known only to lie above it."""
     above = table["y"] > CUT
     return table.assign(y=table["y"].where(~above), low=np.where(above, CUT, np.nan))
 
@@ -37,7 +37,7 @@ def fit(table, **options):
     return censored_model(table, **(GIVEN | {"factors": ["force_n"]} | options))
 
 
-def test_without_censored_values_it_is_the_restricted_likelihood_of_a_balanced_design() -> None:
+def test_censored_model_equals_reml_on_balanced_design() -> None:
     table = study(np.random.default_rng())
     found, restricted = fit(table), mixed_model(table, dependent="y", factors=["force_n"], subject="who")
     for column in ("estimate", "se", "df", "p", "low", "high"):
@@ -48,7 +48,7 @@ def test_without_censored_values_it_is_the_restricted_likelihood_of_a_balanced_d
     assert found.n_censored == 0
 
 
-def test_without_censored_values_it_is_statsmodels_maximum_likelihood() -> None:
+def test_censored_model_equals_statsmodels_ml_without_bounds() -> None:
     import statsmodels.formula.api as smf
 
     table = study(np.random.default_rng()).drop(index=[2, 7, 13])
@@ -60,7 +60,7 @@ def test_without_censored_values_it_is_statsmodels_maximum_likelihood() -> None:
     assert found.log_likelihood == pytest.approx(peer.llf, rel=1e-8)
 
 
-def test_the_likelihood_is_the_integral_over_the_participants_in_extended_precision() -> None:
+def test_censored_likelihood_equals_mpmath_integral() -> None:
     table = study(np.random.default_rng(), n=3)
     table.loc[0, ["y", "low", "high"]] = [np.nan, 18.7, 19.2]
     table.loc[5, ["y", "low"]] = [np.nan, CUT]
@@ -86,7 +86,7 @@ def test_the_likelihood_is_the_integral_over_the_participants_in_extended_precis
     hard_case("likelihood of censored values", found.log_likelihood, float(total), 1e-8, against="25 digits")
 
 
-def test_gradient_of_likelihood_is_that_of_differences() -> None:
+def test_likelihood_gradient_equals_finite_differences() -> None:
     ends = np.array([[0.3, 0.3], [-0.2, np.inf], [-np.inf, 0.4], [-0.6, 0.1], [-1.1, -1.1]])
     intervals = Intervals.of(ends, np.ones((5, 1)), np.array([0, 0, 1, 1, 2]))
     here, start = np.array([0.1, -0.3, 0.7]), np.zeros(3)
@@ -111,7 +111,7 @@ def test_derivatives_of_values_and_intervals_are_exact(ends) -> None:
         np.testing.assert_allclose(here.hessian[i], slope, rtol=1e-5, atol=1e-5 * np.abs(here.hessian).max())
 
 
-def test_a_chance_far_in_either_tail_is_that_of_50_digits() -> None:
+def test_tail_interval_log_probability_matches_50_digits() -> None:
     with mpmath.workdps(50):
         exact = float(mpmath.log(mpmath.ncdf(-60) - mpmath.ncdf(-61)))
     for low, high in ((60.0, 61.0), (-61.0, -60.0)):
@@ -120,13 +120,16 @@ def test_a_chance_far_in_either_tail_is_that_of_50_digits() -> None:
 
 
 @pytest.mark.parametrize("end", [1e5, 1e7, 1e9])
-def test_a_bound_that_is_broken_by_far_still_bends_downwards(end) -> None:
-    """Where rounding takes all digits of the curvature: else a system that has no solution."""
+def test_log_likelihood_curvature_is_not_positive_far_away(end) -> None:
+    """Regression test: rounding took all digits of the curvature.
+
+    The system of the Newton step then had no solution.
+    """
     for low, high in ((end, np.inf), (-np.inf, -end)):
         assert of_interval(np.array(low), np.array(high), np.array(0.0), np.array(0.0)).hessian[0, 0] <= 0
 
 
-def test_a_fit_that_still_rises_is_refused() -> None:
+def test_fit_with_rising_likelihood_is_rejected() -> None:
     table = study(np.random.default_rng())
     matrix = model_design(table, "y", ["force_n"], [], "who", interactions=False, base={})
     ends = np.repeat((table[["y"]] - table["y"].mean()).to_numpy() / table["y"].std(), 2, axis=1)
@@ -137,7 +140,7 @@ def test_a_fit_that_still_rises_is_refused() -> None:
         _refuse_endless(replace(found, gradient=1.01 * LARGEST_STEP / error), matrix)
 
 
-def test_a_narrow_interval_is_itsof_value() -> None:
+def test_narrow_interval_counts_as_its_value() -> None:
     table = study(np.random.default_rng())
     whole = fit(table)
     some = table["who"].isin(["P1", "P2"])
@@ -148,14 +151,14 @@ def test_a_narrow_interval_is_itsof_value() -> None:
     assert narrow.n_censored == 0
 
 
-def test_an_interval_of_a_tenth_of_the_spread_is_not_its_middle() -> None:
-    """One is a value from a millionth of the spread down."""
+def test_interval_counts_as_censored_above_minimum_width() -> None:
+    """An interval narrower than a millionth of the spread counts as a value."""
     for width, n in ((0.05, 1), (1.1e-6, 1), (0.9e-6, 0)):
         laid = Intervals.of(np.array([[1.0, 1.0], [2.0, 2.0 + width]]), np.ones((2, 1)), np.array([0, 0]))
         assert laid.n_censored == n
 
 
-def test_what_lies_above_mirrors_what_lies_below_and_units_scale() -> None:
+def test_censored_model_is_symmetric_and_scales_with_units() -> None:
     table = cut(study(np.random.default_rng()))
     above = fit(table)
     below = fit(table.assign(y=-1e-9 * table["y"], low=np.nan, high=-1e-9 * table["low"]))
@@ -166,8 +169,11 @@ def test_what_lies_above_mirrors_what_lies_below_and_units_scale() -> None:
     assert below.n_censored == above.n_censored == table["y"].isna().sum()
 
 
-def test_means_are_recovered_where_the_known_values_alone_are_low() -> None:
-    """The mean of the third condition, of which half of the values are cut; within its standard error at 1e-4."""
+def test_censored_model_recovers_mean_above_bound() -> None:
+    """The mean of the third condition is within its standard error at 1e-4.
+
+    Half of the values of that condition are censored.
+    """
     table = cut(study(np.random.default_rng(), n=60))
     estimate, error = fit(table).coefficients.loc[2, ["estimate", "se"]]
     known = mixed_model(table.dropna(subset="y"), dependent="y", factors=["force_n"], subject="who")
@@ -175,7 +181,7 @@ def test_means_are_recovered_where_the_known_values_alone_are_low() -> None:
     assert known.coefficients["estimate"][2] < estimate
 
 
-def test_participants_who_do_not_differ_are_a_singular_fit() -> None:
+def test_censored_model_is_singular_for_identical_participants() -> None:
     y = np.array([[1.0, 4.0, 2.5], [2.0, 3.0, 3.6], [3.1, 2.0, 4.0], [0.5, 2.9, 3.0]])
     y = y - y.mean(axis=1, keepdims=True)
     rows = [(f"P{p}", x, y[p, c]) for p in range(4) for c, x in enumerate((0.5, 1.0, 2.0))]
@@ -186,7 +192,7 @@ def test_participants_who_do_not_differ_are_a_singular_fit() -> None:
     exact_case("a censored model of identical participants", against="a status")
 
 
-def test_refuses_what_has_no_finite_answer_and_what_is_no_number() -> None:
+def test_censored_model_rejects_endless_likelihood_and_invalid_bounds() -> None:
     table = cut(study(np.random.default_rng()))
     endless = table["force_n"] == 2.0
     with pytest.raises(InvalidParameter, match=r"force_n = 2.0: found that the likelihood has no finite maximum"):
@@ -214,21 +220,21 @@ def test_refuses_what_has_no_finite_answer_and_what_is_no_number() -> None:
         ([(1, 1), (2, 2), (-np.inf, np.inf), (-np.inf, np.inf)], None),
     ],
 )
-def test_bounds_that_hold_no_coefficient_are_seen_before_the_search(ends, direction) -> None:
+def test_unbounded_coefficient_is_detected_before_search(ends, direction) -> None:
     found = endless_direction(np.array(ends, dtype=float), np.array([[1.0, 0], [1, 0], [1, 1], [1, 1]]))
     assert (None if found is None else np.sign(found).tolist()) == direction
 
 
-def test_known_values_that_leave_no_error_are_refused_before_the_search() -> None:
-    """The likelihood rises without end as the variance of errors vanishes."""
+def test_known_values_without_error_are_rejected_before_search() -> None:
+    """The likelihood rises without end as the error variance vanishes."""
     table = study(np.random.default_rng())
     known = (table["who"] == "P0") & (table["force_n"] < 2)
     with pytest.raises(InvalidParameter, match="known values that the terms and participants explain without error"):
         fit(table.assign(y=table["y"].where(known), low=18.0, high=25.0))
 
 
-def test_a_table_of_few_values_is_answered_or_refused() -> None:
-    """Searches went on for half a minute, or ended in scipy's complaint of the Hessian's inverse."""
+def test_censored_model_fits_or_rejects_small_tables() -> None:
+    """Regression test: searches took half a minute or failed within scipy."""
     rng = np.random.default_rng()
     for n, sd, share in product((2, 4), (1e-9, 1.0), (0.1, 0.5)):
         table = study(rng, n, sd)
@@ -240,7 +246,7 @@ def test_a_table_of_few_values_is_answered_or_refused() -> None:
             pass
 
 
-def test_slots_without_a_value_say_nothing() -> None:
+def test_empty_slots_add_nothing_to_likelihood() -> None:
     laid = Intervals.of(np.array([[1.0, 1], [2, 3], [0, 0]]), np.ones((3, 1)), np.array([0, 0, 1]))
     at = laid.values(np.zeros((2, 2)), np.zeros(()))
     assert (laid.n_censored, at.value[1, 1]) == (1, 0.0)

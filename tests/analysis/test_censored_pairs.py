@@ -1,4 +1,4 @@
-"""Pairs of conditions and groups of which some values are bounds: those of known values, and the truth is recovered."""
+"""Tests of censored pairs and equivalence against tests of known values."""
 
 import numpy as np
 import pandas as pd
@@ -26,7 +26,7 @@ def two_factors() -> tuple[pd.DataFrame, CensoredAnova]:
 
 
 @pytest.mark.parametrize(("factor", "by"), [("force", None), ("freq", None), ("force", "freq"), ("freq", "force")])
-def test_of_known_values_they_are_paired_t_tests(factor, by) -> None:
+def test_censored_pairs_equal_paired_t_tests_without_bounds(factor, by) -> None:
     table, found = two_factors()
     peer = pairs(table, dependent="y", factor=factor, by=by, subject="subject")
     own = censored_pairs(found, factor, by=by)
@@ -37,7 +37,7 @@ def test_of_known_values_they_are_paired_t_tests(factor, by) -> None:
 
 
 @pytest.mark.parametrize("by", [None, "freq"])
-def test_of_known_values_groups_differ_by_welchs_tests(by) -> None:
+def test_censored_group_pairs_equal_welch_without_bounds(by) -> None:
     table = of_groups((5, 8, 6), 3, np.random.default_rng())
     found = censored_anova(open_ended(table), within="freq", between="hand", **GIVEN)
     own = censored_group_pairs(found, by=by)
@@ -46,7 +46,7 @@ def test_of_known_values_groups_differ_by_welchs_tests(by) -> None:
         assert own[name].to_numpy(dtype=float) == pytest.approx(peer[name].to_numpy(dtype=float), rel=1e-6)
 
 
-def test_of_known_values_equivalence_is_that_of_the_differences() -> None:
+def test_censored_equivalence_equals_equivalence_without_bounds() -> None:
     table, found = two_factors()
     own = censored_equivalence(found, "force", bound=2.0)
     peer = equivalence(table, dependent="y", factor="force", subject="subject", bound=2.0)
@@ -66,7 +66,7 @@ def test_bounds_cost_degrees_of_freedom_and_width() -> None:
     assert bounds["bf10"].isna().all()
 
 
-def test_conditions_that_differ_alike_in_all_participants_have_no_test() -> None:
+def test_pair_with_zero_error_has_no_test() -> None:
     rng = np.random.default_rng()
     values = rng.normal(size=(6, 1)) + np.array([0.0, 2.0, 0.0]) + np.array([0, 0, 1]) * rng.normal(size=(6, 1))
     found = censored_pairs(censored_anova(open_ended(long_table(values)), within="force", **GIVEN), "force")

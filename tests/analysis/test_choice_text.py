@@ -1,4 +1,4 @@
-"""What terminal and page say of choices and questionnaires, and of answers that nobody gave."""
+"""Tests of the output for choices, questionnaires and missing answers."""
 
 import json
 import shutil
@@ -21,7 +21,7 @@ def analysis_of(path: Path) -> Analysis:
 
 
 def unanswered(name: str, root: Path, form: str, participants: tuple[str, ...]) -> Path:
-    """A recorded data set in which these participants left a questionnaire unanswered."""
+    """Copy a recorded data set with an unanswered questionnaire."""
     copy = Path(shutil.copytree(RECORDED / name, root / name))
     for file in (copy / "data").glob("*.csv"):
         rows = pd.read_csv(file, dtype=str, keep_default_na=False)
@@ -35,7 +35,7 @@ def unanswered(name: str, root: Path, form: str, participants: tuple[str, ...]) 
 # --- questionnaires
 
 
-def test_a_questionnaire_that_nobody_answered_is_told(tmp_path, capsys) -> None:
+def test_unanswered_questionnaire_has_warning(tmp_path, capsys) -> None:
     people = tuple(sorted(set(read_trials(RECORDED / "hybrid-button").rows["participant"])))
     root = unanswered("hybrid-button", tmp_path, "nasa-tlx", people)
     status, _, out = call(capsys, "analyse", root, "--json")
@@ -46,7 +46,7 @@ def test_a_questionnaire_that_nobody_answered_is_told(tmp_path, capsys) -> None:
     assert set(found["questionnaires"]) == {"realism-likert"}
 
 
-def test_a_participant_without_any_answer_is_counted_as_missing(tmp_path) -> None:
+def test_participant_without_answers_is_counted_as_missing(tmp_path) -> None:
     root = unanswered("inquiries", tmp_path, "pleasantness-vas", ("P02",))
     form = next(form for form in analysis_of(root).forms if form.name == "pleasantness-vas")
     assert set(form.summary["n_missing"]) == {1}
@@ -54,7 +54,7 @@ def test_a_participant_without_any_answer_is_counted_as_missing(tmp_path) -> Non
     assert "(n = 2, 1 missing)" in form.cross().iloc[0, 1]
 
 
-def test_levels_that_were_rated_have_their_unit_in_the_procedure() -> None:
+def test_rated_levels_have_unit_in_procedure_text() -> None:
     found = analysis_of(RECORDED / "time-reversal-patterns")
     assert "dB re 1 um" in found.study.procedure.partition("Levels were chosen")[2]
 
@@ -71,13 +71,13 @@ def test_levels_of_same_different_trials_have_their_unit() -> None:
     assert "d′" in said
 
 
-def test_words_stand_at_the_left_of_their_column() -> None:
+def test_text_cells_are_left_aligned() -> None:
     page = render(analysis_of(RECORDED / "same-different"))
     assert '<td class="text">all answers alike</td>' in page
     assert ".text { text-align: left; }" in page
 
 
-def test_answers_that_are_all_alike_have_no_sensitivity(tmp_path) -> None:
+def test_identical_answers_have_no_sensitivity(tmp_path) -> None:
     """The log-linear rule alone gave d' = 1.2 to no hit in 4 and no false alarm in 15."""
     rows = [f"P1,{level},same_different,{felt},{catch}" for level, felt, catch, n in
             (("10", 0, 0, 4), ("20", 1, 0, 4), ("", 0, 1, 15)) for _ in range(n)]  # fmt: skip
@@ -89,7 +89,7 @@ def test_answers_that_are_all_alike_have_no_sensitivity(tmp_path) -> None:
     assert table.loc[20.0, "d_prime_independent"] > 1
 
 
-def test_items_of_a_preference_have_the_unit_of_their_factor() -> None:
+def test_preference_items_have_unit_of_their_factor() -> None:
     found = analysis_of(RECORDED / "preference")
     page = render(found)
     places = [page.index(f">{item}<") for item in ("60 Hz", "120 Hz", "240 Hz")]
@@ -100,7 +100,7 @@ def test_items_of_a_preference_have_the_unit_of_their_factor() -> None:
 # --- the rule's own estimate
 
 
-def test_methods_say_what_the_estimate_of_the_rule_is(whole) -> None:
+def test_methods_describe_rule_estimate(whole) -> None:
     told = analysis_of(RECORDED / "electrovibration-threshold").methods
     assert "levels (mean of the reversals without the first two or three, in even number) stands beside the fit" in told
     assert "posterior mean)" not in told
@@ -110,7 +110,7 @@ def test_methods_say_what_the_estimate_of_the_rule_is(whole) -> None:
 # --- rates
 
 
-def test_rates_of_one_participant_are_called_so(whole) -> None:
+def test_rate_captions_name_single_participant(whole) -> None:
     told = {figure.name: figure.caption for figure in figures_of(analysis_of(whole))}
     assert told["rates_yes_no"] == "Rate of “yes” against level, one participant."
     assert told["mean_rates_yes_no"] == "Rate of “yes” over all levels, one participant."

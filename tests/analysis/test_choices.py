@@ -30,7 +30,7 @@ def counts(d_prime, differ, rng) -> tuple[int, int, int, int]:
 
 
 @pytest.mark.parametrize("d_prime", [0.8, 1.5, 3.0])
-def test_d_prime_of_known_observers_is_found_by_their_rule(d_prime) -> None:
+def test_d_prime_of_known_observers_is_recovered(d_prime) -> None:
     """Its standard error is below 0.02 at these numbers of trials."""
     rng = np.random.default_rng()
     for criterion in (1.0, 2.5):
@@ -40,7 +40,7 @@ def test_d_prime_of_known_observers_is_found_by_their_rule(d_prime) -> None:
     assert independent_sensitivity(*seen) == pytest.approx(d_prime, abs=0.08)
 
 
-def test_no_more_hits_than_false_alarms_is_no_sensitivity() -> None:
+def test_sensitivity_is_zero_without_excess_hits() -> None:
     for rule in (differencing_sensitivity, independent_sensitivity):
         assert rule(10, 50, 30, 50) == 0.0
         assert rule(0, 50, 0, 50) == 0.0
@@ -104,7 +104,7 @@ def test_worths_and_order_are_recovered_within_their_errors(n_participants) -> N
 
 
 @pytest.mark.parametrize("people", [None, list("ppqqrrssttuu")])
-def test_where_the_first_was_always_preferred_worths_have_no_end(people) -> None:
+def test_worths_are_disconnected_when_first_always_wins(people) -> None:
     found = bradley_terry(["a", "b"] * 6, ["b", "a"] * 6, [1] * 12, people)
     assert found.status is WorthStatus.DISCONNECTED
     assert found.note == "which of a pair came first decided what was preferred: no finite worths"
@@ -113,14 +113,14 @@ def test_where_the_first_was_always_preferred_worths_have_no_end(people) -> None
 
 
 @pytest.mark.parametrize(("n", "reach"), [(4, norm.ppf(0.975)), (5, student.ppf(0.975, 4))])
-def test_from_five_participants_on_intervals_count_them(n, reach) -> None:
+def test_worth_intervals_use_participants_from_five_on(n, reach) -> None:
     first, second, preferred = league()
     people = [f"P{place % n}" for place in range(len(first))]
     found = bradley_terry(first, second, preferred, people).worths
     np.testing.assert_allclose((found["high"] - found["worth"]) / found["standard_error"], reach, rtol=1e-9)
 
 
-def test_two_items_have_the_worths_and_the_order_of_their_two_proportions() -> None:
+def test_worths_of_two_items_have_closed_form() -> None:
     """Of a before b and b before a: logits w_a - w_b + o and w_b - w_a + o, variances 1 / k + 1 / (n - k)."""
     (k, n), (j, m) = (30, 40), (12, 36)
     found = bradley_terry(
@@ -134,7 +134,7 @@ def test_two_items_have_the_worths_and_the_order_of_their_two_proportions() -> N
     np.testing.assert_allclose(found.order["standard_error"], np.sqrt(variance) / 2, rtol=1e-7)
 
 
-def test_a_factor_of_one_level_among_the_pairs_is_no_condition_of_the_worths() -> None:
+def test_preference_table_drops_constant_factor() -> None:
     first, second, preferred = league()
     rows = pd.DataFrame({"item": first, "item_b": second, "response": list(map(str, preferred))})
     rows = rows.assign(task="preference", participant="P1", hz=60.0, force_n=np.where(rows.index % 2, 0.5, 1.0))
@@ -143,7 +143,7 @@ def test_a_factor_of_one_level_among_the_pairs_is_no_condition_of_the_worths() -
     assert found["force_n"].value_counts().to_dict() == {0.5: 8, 1.0: 8}
 
 
-def test_without_answers_both_ways_worths_have_no_end_and_that_is_said() -> None:
+def test_worths_have_note_when_item_never_wins() -> None:
     found = bradley_terry(["a", "a", "b", "b"], ["b", "c", "c", "a"], [1, 1, 1, 1])
     assert (found.status, found.note) == (WorthStatus.DISCONNECTED, "c never preferred to a, b: no finite worths")
     assert found.worths["worth"].isna().all()
@@ -162,18 +162,18 @@ def test_without_answers_both_ways_worths_have_no_end_and_that_is_said() -> None
         ([], [], [], "found 0 values"),
     ],
 )
-def test_what_is_no_comparison_is_refused(first, second, preferred, message) -> None:
+def test_bradley_terry_rejects_invalid_pairs(first, second, preferred, message) -> None:
     with pytest.raises(InvalidParameter, match=message):
         bradley_terry(first, second, preferred)
 
 
-def test_the_exact_interval_of_a_share_is_that_of_a_binomial() -> None:
+def test_exact_interval_equals_scipy_binomial() -> None:
     for k, n in ((0, 7), (1, 1), (3, 12), (12, 12), (40, 90)):
         peer = binomtest(k, n).proportion_ci(0.95, method="exact")
         assert exact_interval(k, n) == pytest.approx((peer.low, peer.high), abs=1e-9)
 
 
-def test_each_share_of_a_condition_is_drawn_with_its_interval() -> None:
+def test_share_figure_draws_each_share_with_interval() -> None:
     rng = np.random.default_rng()
     rows = pd.concat([compared(rng, 2, 3, TRUTH).assign(force_n=force, source="t.csv") for force in (0.5, 2.0)])
     shares = share_table(rows, ["force_n"])
@@ -211,7 +211,7 @@ def test_both_are_analysed_and_reported(tmp_path) -> None:
     assert found.tables["preference_shares"]["item"].tolist() == [*TRUTH]
 
 
-def test_the_factor_that_is_compared_is_no_condition_of_the_force(tmp_path) -> None:
+def test_compared_factor_is_not_a_force_condition(tmp_path) -> None:
     table = compared(np.random.default_rng(), 4, 8, TRUTH).assign(
         task="preference", level="20", procedure="constant_stimuli", place="", force_mean_n=1.1
     )

@@ -115,7 +115,7 @@ def written(path: Path, text: str) -> Path:
     return path
 
 
-def test_psychopys_table_is_read(tmp_path) -> None:
+def test_psychopy_table_is_read(tmp_path) -> None:
     file = written(tmp_path / "p.csv", PSYCHOPY)
     trials = read_trials(file, within=["cond"], column_map=mapped(tmp_path, PSYCHOPY_MAP))
     assert trials.rows["level"].tolist() == [0.1, 0.2, 0.3]
@@ -124,7 +124,7 @@ def test_psychopys_table_is_read(tmp_path) -> None:
     assert used_rows(trials)["latency_s"].tolist() == [0.51, 0.62]
 
 
-def test_a_folder_of_psychopys_tables_is_read_with_a_map_only(tmp_path) -> None:
+def test_folder_of_psychopy_tables_needs_column_map(tmp_path) -> None:
     for code in ("7", "8"):
         written(tmp_path / f"data/{code}.csv", PSYCHOPY.replace(",7,001", f",{code},001"))
     trials = read_trials(tmp_path / "data", within=["cond"], column_map=mapped(tmp_path, PSYCHOPY_MAP))
@@ -134,7 +134,7 @@ def test_a_folder_of_psychopys_tables_is_read_with_a_map_only(tmp_path) -> None:
         read_trials(tmp_path / "data", within=["cond"])
 
 
-def test_jspsychs_table_is_read(tmp_path) -> None:
+def test_jspsych_table_is_read(tmp_path) -> None:
     file = written(tmp_path / "j.csv", JSPSYCH)
     trials = read_trials(file, within=["phase"], column_map=mapped(tmp_path, JSPSYCH_MAP))
     assert trials.rows["response"].tolist() == ["1", "2", "2"]
@@ -143,7 +143,7 @@ def test_jspsychs_table_is_read(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("name", ["beh", "events"])
-def test_a_bids_data_set_is_read_with_participants_from_its_names(tmp_path, name) -> None:
+def test_bids_data_set_takes_participants_from_file_names(tmp_path, name) -> None:
     for code in ("01", "02"):
         written(tmp_path / f"b/sub-{code}/ses-A/beh/sub-{code}_ses-3_task-x_{name}.tsv", BIDS)
     trials = read_trials(tmp_path / "b", within=["hand"], column_map=mapped(tmp_path, BIDS_MAP))
@@ -159,7 +159,7 @@ def test_the_examples_of_the_page_are_these_maps() -> None:
         assert text.strip() in page
 
 
-def test_a_spreadsheets_table_with_decimal_commas_is_read(tmp_path) -> None:
+def test_table_with_decimal_commas_is_read(tmp_path) -> None:
     file = written(
         tmp_path / "g.csv", "participant;level;task;response;pen\nP1;0,5;yes_no;1;a\nP1;-1,25e1;yes_no;0;a, b\n"
     )
@@ -181,13 +181,13 @@ def test_a_spreadsheets_table_with_decimal_commas_is_read(tmp_path) -> None:
         ({"from_name": {"participant": "sub"}}, "found no sub-... in the file's name, expected it for 'participant'"),
     ],
 )
-def test_a_map_that_does_not_fit_is_refused(tmp_path, change, message) -> None:
+def test_unsuitable_column_map_is_rejected(tmp_path, change, message) -> None:
     file = written(tmp_path / "step-1.csv", PSYCHOPY)
     with pytest.raises(InvalidFile, match=re.escape(message)):
         read_trials(file, within=["cond"], column_map=ColumnMap(**change))
 
 
-def test_a_value_that_the_map_forgot_is_refused_with_its_row(tmp_path) -> None:
+def test_unmapped_value_is_rejected_with_its_row(tmp_path) -> None:
     file = written(tmp_path / "p.csv", PSYCHOPY.replace(",n,", ",maybe,"))
     with pytest.raises(InvalidFile, match="row 4, column 'response': found 'maybe', expected 1, 0 or nothing"):
         read_trials(file, within=["cond"], column_map=mapped(tmp_path, PSYCHOPY_MAP))
@@ -226,7 +226,7 @@ def guises(draw):
 
 @given(guise=guises())
 @examples(120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_a_table_is_read_alike_in_every_guise(tmp_path, guise) -> None:
+def test_table_is_read_alike_in_every_format(tmp_path, guise) -> None:
     content, column_map, rows = guise
     file = tmp_path / "t.csv"
     file.write_bytes(content)
@@ -240,7 +240,7 @@ def test_a_table_is_read_alike_in_every_guise(tmp_path, guise) -> None:
 
 @given(guise=guises(), data=st.data())
 @examples(60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_a_spoiled_level_is_refused_with_file_row_and_column(tmp_path, guise, data) -> None:
+def test_invalid_level_is_rejected_with_its_cell(tmp_path, guise, data) -> None:
     content, column_map, rows = guise
     place = data.draw(st.integers(0, len(rows) - 1))
     bad = data.draw(st.sampled_from(["loud", "1_0", "--1", "inf", "NaN", "0x1f", "1.2.3"]))
@@ -257,7 +257,7 @@ def test_a_spoiled_level_is_refused_with_file_row_and_column(tmp_path, guise, da
 
 @given(st.lists(st.one_of(st.floats(allow_nan=False, allow_infinity=False).map(repr), st.just(""),
                           st.integers(-(10**12), 10**12).map(str)), min_size=1))  # fmt: skip
-def test_both_readers_of_numbers_agree_to_the_last_digit(words) -> None:
+def test_fast_and_plain_number_readers_agree(words) -> None:
     import pandas as pd
 
     from tactometry.analysis.reading.rows import _numbers_of_words
@@ -268,12 +268,12 @@ def test_both_readers_of_numbers_agree_to_the_last_digit(words) -> None:
 
 
 @pytest.mark.parametrize("text", ['a,b\n"1",2', "a,b\n\n1,2", "a,b\r1,2", "a,b\n1", "a,b\n1,2,3", "a\n1", "", "\na,b"])
-def test_the_fast_reader_leaves_what_is_not_plain(text) -> None:
+def test_fast_reader_declines_irregular_text(text) -> None:
     assert plain_cells(text, ",") is None
 
 
 @given(st.lists(st.lists(st.sampled_from(["", "1", "NA", " x"]), min_size=1, max_size=4), min_size=1, max_size=5))
-def test_the_fast_reader_takes_what_is_as_long_as_its_header_and_nothing_else(rows) -> None:
+def test_fast_reader_accepts_only_rows_matching_header(rows) -> None:
     text = "\n".join(",".join(row) for row in rows)
     found = plain_cells(text, ",")
     whole = text.rstrip("\n").split("\n")
@@ -288,7 +288,7 @@ def test_a_quoted_line_break_keeps_its_row_together(tmp_path) -> None:
     assert read_trials(file, within=["remark"]).rows["remark"].tolist() == ["a\nb", "c"]
 
 
-def test_the_command_takes_a_map(tmp_path) -> None:
+def test_command_accepts_column_map(tmp_path) -> None:
     levels = np.repeat([0.1, 0.2, 0.3, 0.4], 12)
     answers = np.random.default_rng().random(48) < np.repeat([0.05, 0.3, 0.8, 0.97], 12)
     rows = [

@@ -43,7 +43,7 @@ def found() -> pd.DataFrame:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("quantity", "least", "most"), [("difference", LEAST, MOST), ("equality", 0.93, 1.0)])
-def test_intervals_contain_the_truth_as_often_as_stated(found, quantity, least, most) -> None:
+def test_comparison_intervals_have_stated_coverage(found, quantity, least, most) -> None:
     """For each person and for all, within the tolerance of the number of data sets."""
     covered, n = (found["covered"] * found["n"])[quantity], found["n"][quantity]
     assert (covered >= binom.ppf(1e-4, n, least)).all()
@@ -58,7 +58,7 @@ def test_fit_without_lapses_fails_at_three_percent() -> None:
 
 
 @pytest.mark.slow
-def test_five_percent_of_lapses_change_differences_by_less_than_a_fifth(found) -> None:
+def test_lapses_change_differences_by_under_a_fifth(found) -> None:
     assert found["over_truth"]["difference"].between(0.8, 1.2).all()
 
 
@@ -71,7 +71,7 @@ def some() -> LogPosterior:
     return LogPosterior(NORMAL, counts, Prior(counts.gap, None, n_false_alarms=nothing, n_catch=nothing, **known))
 
 
-def test_equal_asymptotes_are_equal_and_the_mode_is_the_highest_of_them(some) -> None:
+def test_mode_with_equal_asymptotes_is_highest(some) -> None:
     mode = find_mode(some)
     assert (mode.theta[:, 2] == mode.theta[:, 3]).all()
     rng = np.random.default_rng(1)
@@ -83,7 +83,7 @@ def test_equal_asymptotes_are_equal_and_the_mode_is_the_highest_of_them(some) ->
     assert (again.log_density <= mode.log_density + 1e-9).all()
 
 
-def test_one_grid_for_all_and_grids_of_their_own_agree_with_a_plain_sum(some) -> None:
+def test_shared_and_single_grids_agree_with_sum(some) -> None:
     mode = find_mode(some)
     shared, own = (f(some, mode, 0.95) for f in (batched_marginals, marginals))
     m, v = np.linspace(-0.4, 0.4, 41), np.linspace(np.log(0.2), np.log(3.0), 80)
@@ -98,7 +98,7 @@ def test_one_grid_for_all_and_grids_of_their_own_agree_with_a_plain_sum(some) ->
     assert shared.width == pytest.approx(own.width, rel=5e-3)
 
 
-def test_the_answers_turned_round_have_the_same_difference() -> None:
+def test_reversed_answers_have_same_difference() -> None:
     """More for less, and levels for their negatives: with equal asymptotes a comparison has no preferred end."""
     n_more = np.array([1, 2, 5, 9, 16, 19, 18])
     one, other = fit(LEVELS, n_more, 20, **EQUAL), fit(LEVELS, (20 - n_more)[::-1], 20, **EQUAL)
@@ -109,7 +109,7 @@ def test_the_answers_turned_round_have_the_same_difference() -> None:
     assert one.guess_rate == one.lapse_rate
 
 
-def test_a_known_rate_or_catch_trials_are_refused_with_equal_asymptotes() -> None:
+def test_equal_asymptotes_reject_known_rates_and_catch_trials() -> None:
     for known in ({"guess_rate": 0.5}, {"lapse_rate": 0.01}, {"n_catch": 3}):
         with pytest.raises(InvalidParameter, match="^equal_asymptotes: found "):
             fit(LEVELS, [0, 0, 1, 5, 9, 10, 10], 10, **EQUAL | known)

@@ -45,7 +45,7 @@ def some(tmp_path):
     return trials(tmp_path, rows)
 
 
-def test_the_force_of_a_participant_is_that_of_used_trials(some) -> None:
+def test_participant_force_uses_used_trials_only(some) -> None:
     own = force_of_participants(used_rows(some), some.factors).set_index(["participant", "force_n"])
     assert has_force(some.rows)
     assert own.loc[("P1", 0.5), "force_mean_n"] == pytest.approx(0.56)
@@ -90,7 +90,7 @@ def test_one_participant_has_a_mean_without_an_interval(some) -> None:
         ({"invalid_share_max": 0.2}, []),
     ],
 )  # fmt: skip
-def test_a_rule_leaves_out_what_breaks_it_and_tells(some, rules, lost) -> None:
+def test_exclusion_rule_lists_what_it_leaves_out(some, rules, lost) -> None:
     kept, table = exclude(some, Exclusion(**rules), quality(some))
     assert [tuple(row) for row in table.itertuples(index=False)] == lost
     if lost and lost[0][1] in ("false_alarm_share_max", "invalid_share_max"):
@@ -98,7 +98,7 @@ def test_a_rule_leaves_out_what_breaks_it_and_tells(some, rules, lost) -> None:
     assert len(kept.rows) >= 8 - sum(row[3] for row in lost)
 
 
-def test_a_force_that_was_not_measured_breaks_no_rule(some) -> None:
+def test_unmeasured_force_breaks_no_exclusion_rule(some) -> None:
     kept, _ = exclude(some, Exclusion(force_in_band_share_min=0.99, force_deviation_ratio_max=0.0), quality(some))
     assert kept.rows["force_mean_n"].isna().sum() == 1
 
@@ -132,7 +132,7 @@ def test_a_plan_is_read_from_a_file(tmp_path) -> None:
         ("= 3", "found no valid TOML"),
     ],
 )
-def test_a_plan_that_is_none_is_refused(tmp_path, text, message) -> None:
+def test_invalid_plan_is_rejected(tmp_path, text, message) -> None:
     file = tmp_path / "plan.toml"
     file.write_text(text)
     with pytest.raises(InvalidFile, match=re.escape(message)):
@@ -144,7 +144,7 @@ def test_a_bound_names_a_factor() -> None:
         AnalysisPlan(equivalence={"force": 1.0}).check(["force_n"])
 
 
-def test_a_rule_names_the_column_that_it_needs(some) -> None:
+def test_exclusion_rule_names_its_missing_column(some) -> None:
     from dataclasses import replace
 
     without = replace(some, rows=some.rows.drop(columns="latency_s"))
@@ -172,14 +172,14 @@ STATED = (
 )
 
 
-def test_the_plan_of_a_data_sets_study_is_used(tmp_path) -> None:
+def test_plan_of_study_is_used(tmp_path) -> None:
     found = analyse(data_set(tmp_path, STATED))
     assert found.plan.exclusion.stated() == {"false_alarm_share_max": 0.3, "latency_min_s": 0.1}
     assert set(found.trials.rows["participant"]) == {"P2"}
     assert found.tables["excluded"]["rule"].tolist() == ["false_alarm_share_max"]
 
 
-def test_a_plan_that_is_given_stands_instead_of_the_studys(tmp_path) -> None:
+def test_given_plan_replaces_plan_of_study(tmp_path) -> None:
     found = analyse(data_set(tmp_path, STATED), plan=AnalysisPlan(hierarchical=False))
     assert set(found.trials.rows["participant"]) == {"P1", "P2"}
 
@@ -197,7 +197,7 @@ def test_a_damaged_plan_of_a_study_is_refused(tmp_path, text, message) -> None:
         plan_of(data_set(tmp_path, text))
 
 
-def test_a_study_refuses_an_impossible_plan_before_it_runs() -> None:
+def test_study_with_impossible_plan_is_rejected() -> None:
     from tactometry.experiments.study.study_file import locate, parse
 
     content = locate("electrovibration-threshold").read_bytes()

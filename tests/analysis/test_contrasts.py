@@ -81,7 +81,7 @@ def test_three_factors_equal_statsmodels(shape) -> None:
     assert found["ddof2"].tolist() == peer["Den DF"].tolist()
 
 
-def test_sums_of_squares_of_three_factors_are_the_whole() -> None:
+def test_sums_of_squares_add_up_to_total() -> None:
     values = drawn((5, 2, 3, 4), np.random.default_rng())
     of_errors = sum(effect.ss_error for effect in effects(design_of(values)))
     between = 24 * np.sum((values.mean(axis=(1, 2, 3)) - values.mean()) ** 2)
@@ -89,7 +89,7 @@ def test_sums_of_squares_of_three_factors_are_the_whole() -> None:
     assert parts == pytest.approx(np.sum((values - values.mean()) ** 2), rel=1e-12)
 
 
-def test_generalised_eta_squared_of_three_factors_reduces_to_that_of_two() -> None:
+def test_eta_squared_of_three_factors_reduces_to_two() -> None:
     values = drawn((6, 3, 4), np.random.default_rng())
     three = analysed(np.repeat(values[..., None], 2, axis=-1) + np.random.default_rng().normal(0, 1e-9, (6, 3, 4, 2)))
     two = analysed(values)
@@ -118,7 +118,7 @@ def test_huynh_and_feldt_of_the_published_table(published_values) -> None:
     assert found["p_HF_corr"][1] > 2 * found["p_unc"][1]
 
 
-def test_chi_and_muller_shrink_huynh_and_feldt_by_what_the_participants_leave_open(published_values) -> None:
+def test_chi_muller_epsilon_shrinks_huynh_feldt_epsilon(published_values) -> None:
     """Of n = 8: 27 moments of the covariance, of which 25 * 23 / 27^2 is kept; never below Greenhouse and Geisser."""
     found = analysed(published_values)
     gg, p = found["eps"].to_numpy(), found["ddof1"].to_numpy()
@@ -135,7 +135,7 @@ def test_sphericity_is_rejected_at_5_percent(p, holds) -> None:
     assert table["sphericity"][0] is holds
 
 
-def test_as_many_participants_as_contrasts_are_too_few_and_dependent_contrasts_are_told_from_that() -> None:
+def test_singular_note_distinguishes_few_participants_from_dependent_contrasts() -> None:
     """The error matrix of n participants has a rank of n - 1 at most."""
     rng = np.random.default_rng()
     (few,) = effects(design_of(drawn((4, 5), rng)))
@@ -158,19 +158,19 @@ def published_values() -> np.ndarray:
 
 @given(st.floats(0.01, 500), st.integers(1, 12), st.integers(4, 200))
 @examples(50)
-def test_the_ends_of_the_noncentrality_leave_out_a_twentieth_each(f, first, second) -> None:
+def test_noncentrality_interval_excludes_five_percent_per_side(f, first, second) -> None:
     low, high = noncentrality(f, (first, second), 0.90)
     assert low == 0 or ncf.sf(f, first, second, low) == pytest.approx(0.05, abs=1e-5)
     assert high == 0 or ncf.cdf(f, first, second, high) == pytest.approx(0.05, abs=1e-5)
 
 
-def test_the_interval_leaves_zero_out_exactly_where_the_test_is_significant() -> None:
+def test_eta_squared_interval_excludes_zero_when_significant() -> None:
     found = [eta_squared(ss, 18.0, 40.0, (1, 18)) for ss in (4.413, 4.415)]
     assert [size["np2_low"] > 0 for size in found] == [False, True]
     assert all(size["ng2_low"] <= size["ng2"] <= size["ng2_high"] for size in found)
 
 
-def test_the_intervals_of_the_corrected_test_leave_out_a_twentieth_each(published_values) -> None:
+def test_corrected_intervals_exclude_five_percent_per_side(published_values) -> None:
     """At l / (l + n) = eta squared, with n = epsilon (df1 + df2) + 1; the generalised one has other errors besides."""
     whole = analysed(published_values)
     found = whole[whole["p_CM_corr"] < 0.05]
@@ -184,7 +184,7 @@ def test_the_intervals_of_the_corrected_test_leave_out_a_twentieth_each(publishe
 
 
 @pytest.mark.slow
-def test_the_interval_of_partial_eta_squared_covers_the_truth_of_a_spherical_effect() -> None:
+def test_eta_squared_interval_has_nominal_coverage() -> None:
     """The noncentrality is n times the squared length of the mean scores over the error variance."""
     rng = np.random.default_rng()
     n_studies, n, p = 2000, 10, 2
@@ -218,7 +218,7 @@ def test_many_participants_draw_signs_and_agree_with_f() -> None:
 
 
 @pytest.mark.parametrize(("n", "n_permutations"), [(6, 32), (14, 8192), (15, 99)])
-def test_the_number_of_permutations_is_told(n, n_permutations) -> None:
+def test_permutation_test_reports_number_of_permutations(n, n_permutations) -> None:
     """One of two mirrored patterns of signs each is tried."""
     rng = np.random.default_rng()
     names = {"dependent": "y", "within": "force", "subject": "subject"}
@@ -226,13 +226,13 @@ def test_the_number_of_permutations_is_told(n, n_permutations) -> None:
     assert found["n_permutations"].tolist() == [n_permutations]
 
 
-def test_many_participants_ask_for_a_generator() -> None:
+def test_permutation_test_requires_generator_for_many_participants() -> None:
     table = long_table(drawn((16, 3), np.random.default_rng()))
     with pytest.raises(InvalidParameter, match=r"rng: found none for 16 participants, expected a Generator"):
         permutation_test(table, dependent="y", within="force", subject="subject")
 
 
-def test_the_users_own_design_has_a_permutation_test_where_sphericity_cannot_be_tested() -> None:
+def test_permutation_test_works_when_sphericity_is_untestable() -> None:
     values = drawn((10, 3, 7), np.random.default_rng())
     found, tested = (
         analysed(values),

@@ -1,4 +1,4 @@
-"""What a report says of the design and of how much was recorded."""
+"""Tests of the design and the trial counts in a report."""
 
 import json
 

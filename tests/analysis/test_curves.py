@@ -19,14 +19,14 @@ def panel() -> Panel:
     return Panel(estimate(), left=1.0, bottom=2.0, width=3.0, height=1.0, low=20.0, high=23.0)
 
 
-def test_levels_lie_within_the_panel_and_those_beyond_its_axis_at_its_end(panel: Panel) -> None:
+def test_panel_clips_levels_to_its_axis(panel: Panel) -> None:
     x = panel.x([20.0, 21.5, 23.0])
     assert x[1] == pytest.approx(2.5)
     assert 1.0 < x[0] < x[2] < 4.0
     np.testing.assert_allclose(panel.x([-100.0, 100.0]), [1.0, 4.0])
 
 
-def test_rates_and_the_threshold_below_them_lie_within_the_panel(panel: Panel) -> None:
+def test_panel_contains_rates_and_threshold_bar(panel: Panel) -> None:
     bar, nothing, all_ = panel.y([-0.06, 0.0, 1.0])
     assert 2.0 < bar < nothing < all_ < 3.0
 
@@ -38,14 +38,14 @@ def test_ticks_are_round_levels_of_the_axis(low: float, high: float) -> None:
     assert all(low <= tick <= high and len(f"{tick:g}") <= 7 for tick in ticks)
 
 
-def test_an_end_that_is_not_known_reaches_to_the_end_of_the_axis() -> None:
+def test_open_interval_extends_to_axis_end() -> None:
     above = Panel(estimate(k=(0, 0, 0, 0)), 0.0, 0.0, 1.0, 1.0, 20.0, 23.0)
     assert above.estimate.fit.threshold is None
     low, high = above.interval
     assert (low, high) == (above.estimate.fit.interval_low, 23.0)
 
 
-def test_the_figure_has_a_title_and_a_curve_for_each_condition_up_to_the_most() -> None:
+def test_curve_figure_titles_panels_up_to_maximum() -> None:
     many = [estimate(20.0 + n) for n in range(MAX_PANELS + 2)]
     svg = curve_figure(many, ["frequency_hz"], unit="dB").svg
     titles = [f">{20 + n} Hz<" in svg for n in range(MAX_PANELS + 2)]
@@ -53,7 +53,7 @@ def test_the_figure_has_a_title_and_a_curve_for_each_condition_up_to_the_most() 
     assert "Level (dB)" in svg
 
 
-def test_a_cell_with_catch_trials_alone_and_one_of_a_single_level_are_drawn() -> None:
+def test_curve_figure_draws_catch_only_and_single_level() -> None:
     (single,) = estimates([Cell("P01", ("b",), "yes_no", (5.0,), (3,), (9,), 0, 0)])
     (catch,) = estimates([Cell("P01", ("a",), "yes_no", (), (), (), 3, 1)])
     assert curve_figure([catch], ["hand"], unit="").svg.startswith("<svg")

@@ -34,7 +34,7 @@ def test_log_linear_rule_of_perfect_answers() -> None:
     assert (found.d_prime, found.criterion) == (pytest.approx(3.9615, abs=5e-5), pytest.approx(0.0, abs=1e-12))
 
 
-def test_a_lenient_observer_has_a_criterion_below_0() -> None:
+def test_lenient_observer_has_negative_criterion() -> None:
     found = yes_no_sensitivity(19, 20, 9, 20)
     assert found.criterion == pytest.approx(-(ndtri(19.5 / 21) + ndtri(9.5 / 21)) / 2)
     assert found.criterion < 0
@@ -47,17 +47,17 @@ def test_two_alternatives_have_a_closed_form(rate: float) -> None:
 
 
 @given(d=st.floats(-2, 5), m=st.integers(2, 8))
-def test_sensitivity_inverts_the_chance(d: float, m: int) -> None:
+def test_sensitivity_inverts_percent_correct(d: float, m: int) -> None:
     assert forced_choice_sensitivity(forced_choice_chance(d, m), m) == pytest.approx(d, abs=1e-6)
 
 
 @given(m=st.integers(2, 10))
-def test_no_sensitivity_is_guessing(m: int) -> None:
+def test_zero_sensitivity_has_chance_level(m: int) -> None:
     assert forced_choice_chance(0.0, m) == pytest.approx(1 / m, rel=1e-10)
 
 
 @given(hits=st.integers(0, 30), alarms=st.integers(0, 30))
-def test_saying_yes_more_often_moves_the_criterion_only_one_way(hits: int, alarms: int) -> None:
+def test_mirrored_answers_negate_the_criterion(hits: int, alarms: int) -> None:
     here, mirrored = yes_no_sensitivity(hits, 30, alarms, 30), yes_no_sensitivity(30 - alarms, 30, 30 - hits, 30)
     assert mirrored.d_prime == pytest.approx(here.d_prime, abs=1e-12)
     assert mirrored.criterion == pytest.approx(-here.criterion, abs=1e-12)
@@ -73,11 +73,11 @@ def test_saying_yes_more_often_moves_the_criterion_only_one_way(hits: int, alarm
         (lambda: forced_choice_chance(np.inf, 2), "d_prime: found inf, expected a finite number"),
     ],
 )
-def test_refuses_the_impossible(call, message: str) -> None:
+def test_impossible_arguments_are_rejected(call, message: str) -> None:
     with pytest.raises(InvalidParameter, match=f"^{re.escape(message)}$"):
         call()
 
 
-def test_refuses_a_rate_that_no_sensitivity_gives() -> None:
+def test_sensitivity_rejects_perfect_rate() -> None:
     with pytest.raises(InvalidParameter, match=r"rate_correct: found 1.0, expected a rate between .* and 1"):
         forced_choice_sensitivity(1.0, 3)

@@ -24,7 +24,7 @@ SD = 1.2
 
 
 def written(path: Path, rows) -> Path:
-    """Of (participant, force, level, unit, task, response, valid)."""
+    """Write rows of participant, force, level, unit, task, response, valid."""
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(HEADER)
@@ -45,7 +45,7 @@ def adjusted(tmp_path_factory) -> tuple[list[tuple], Analysis]:
     return rows, analyse(written(tmp_path_factory.mktemp("adjusted") / "adjusted.csv", rows + lost))
 
 
-def test_a_setting_is_the_mean_of_the_valid_ones_with_its_t_interval(adjusted) -> None:
+def test_adjustment_setting_is_mean_with_t_interval(adjusted) -> None:
     from scipy.stats import t as student
 
     rows, found = adjusted
@@ -58,7 +58,7 @@ def test_a_setting_is_the_mean_of_the_valid_ones_with_its_t_interval(adjusted) -
     assert (row["setting_low"], row["setting_high"]) == pytest.approx(ends)
 
 
-def test_settings_are_compared_in_the_unit_of_a_difference(adjusted) -> None:
+def test_settings_are_compared_as_differences_in_decibels(adjusted) -> None:
     (outcome,) = adjusted[1].outcomes
     assert (outcome.task, outcome.dependent) == ("adjustment", "setting")
     assert outcome.anova is not None
@@ -81,7 +81,7 @@ def test_the_report_shows_settings_without_rates_or_curves(adjusted) -> None:
 
 
 def numbers(unit, n_participants=4, noise=0.0, rng=None) -> list[tuple]:
-    """Each participant with an own modulus: k A ** (0.6 + 0.1 force)."""
+    """Return magnitudes k A ** (0.6 + 0.1 force), k per participant."""
     rng = rng or np.random.default_rng()
     cells = product(range(n_participants), FORCES, LEVELS_DB, range(3))
     return [
@@ -99,7 +99,7 @@ def numbers(unit, n_participants=4, noise=0.0, rng=None) -> list[tuple]:
 
 
 @pytest.mark.parametrize("unit", ["dB re 1 V", "V"])
-def test_exponents_are_those_of_the_power_law_whatever_the_modulus(tmp_path, unit) -> None:
+def test_exponents_match_power_law_for_any_modulus(tmp_path, unit) -> None:
     catch = ("P0", 0.5, "", unit, "magnitude", 3.0, 1)
     found = analyse(written(tmp_path / "t.csv", [*numbers(unit), catch, ("P1", 1.0, 10, unit, "magnitude", 0, 1)]))
     table = found.tables["magnitude"]
@@ -112,7 +112,7 @@ def test_exponents_are_those_of_the_power_law_whatever_the_modulus(tmp_path, uni
     np.testing.assert_allclose(slopes / (18 / 20 * np.log(10)), [0.65, 0.7, 0.8], rtol=1e-9)
 
 
-def test_growth_does_not_depend_on_the_modulus_of_one_who_missed_a_level(tmp_path) -> None:
+def test_growth_ignores_modulus_when_level_is_missing(tmp_path) -> None:
     rows = [row for row in numbers("dB re 1 V") if row[:3] != ("P3", 0.5, 24.0)]
     louder = [(*row[:5], row[5] * (1000 if row[0] == "P3" else 1), row[6]) for row in rows]
     one, other = (
@@ -123,7 +123,7 @@ def test_growth_does_not_depend_on_the_modulus_of_one_who_missed_a_level(tmp_pat
 
 
 def test_exponents_are_recovered_and_their_intervals_cover_them(tmp_path) -> None:
-    """95 % of 120 intervals within 4.1 standard errors."""
+    """Coverage of 120 intervals is 95 % within 4.1 standard errors."""
     rows = numbers("dB re 1 V", n_participants=40, noise=0.3, rng=np.random.default_rng())
     table = analyse(written(tmp_path / "t.csv", rows)).tables["magnitude"]
     truth = 0.6 + 0.1 * table["force_n"].astype(float)
@@ -147,7 +147,7 @@ def test_the_report_draws_numbers_against_levels(tmp_path) -> None:
     assert outcome_sentences(found.outcomes[0], "V")["Pairs of force_n"][0].startswith("1 N − 0.5 N: 0.0")
 
 
-def test_too_few_levels_have_no_exponent_and_no_amplitude_is_refused(tmp_path) -> None:
+def test_exponent_is_missing_with_too_few_levels(tmp_path) -> None:
     one = [row for row in numbers("V") if row[2] == 10 ** (6 / 20)]
     table = analyse(written(tmp_path / "one.csv", one)).tables["magnitude"]
     assert table["exponent"].isna().all()
@@ -172,26 +172,26 @@ def test_too_few_levels_have_no_exponent_and_no_amplitude_is_refused(tmp_path) -
         ("preference", "3", r"1 \(item was preferred\), 2 \(item_b\) or nothing"),
     ],
 )
-def test_an_answer_that_is_none_is_refused_with_its_row(tmp_path, task, answer, expected) -> None:
+def test_invalid_answer_is_rejected_with_its_row(tmp_path, task, answer, expected) -> None:
     rows = [("P0", 0.5, 1, "V", task, each, 1) for each in ("1.0", "", answer)]
     with pytest.raises(InvalidFile, match=rf"row 4, column 'response': found '{answer}', expected {expected}"):
         analyse(written(tmp_path / "t.csv", rows))
 
 
-def test_numbers_that_are_all_0_have_a_report_and_no_exponent(tmp_path) -> None:
+def test_zero_magnitudes_are_reported_without_exponent(tmp_path) -> None:
     rows = [(*row[:5], 0, 1) for row in numbers("V")]
     found = analyse(written(tmp_path / "t.csv", rows), report=tmp_path / "t.html")
     assert found.tables["magnitude"]["exponent"].isna().all()
     assert "magnitude_levels" not in found.tables
 
 
-def test_a_condition_that_a_participant_lacks_is_warned_of_first(tmp_path) -> None:
+def test_missing_condition_is_first_warning(tmp_path) -> None:
     rows = [row for row in numbers("V", noise=0.1) if row[:2] != ("P1", 1.0)]
     found = analyse(written(tmp_path / "t.csv", rows))
     assert found.warnings[0] == "1 of 12 cells of magnitude without a valid trial (P1 1 N)"
 
 
-def test_a_measurement_without_a_measured_level_or_its_unit_is_refused_in_a_sentence(tmp_path) -> None:
+def test_measurements_alone_are_rejected(tmp_path) -> None:
     table = written(tmp_path / "m.csv", [("P1", 0.5, 10, "dB re 1 um", "measurement", "", 1)])
     with pytest.raises(InvalidFile, match="no valid answer of a task"):
         analyse(table)
@@ -201,8 +201,8 @@ def test_a_measurement_without_a_measured_level_or_its_unit_is_refused_in_a_sent
 
 
 @pytest.mark.parametrize(("rows", "is_compared"), [(settings, True), (None, False)], ids=["settings", "exponents"])
-def test_a_difference_that_counts_as_none_is_one_of_levels(tmp_path, rows, is_compared) -> None:
-    """An exponent has not their unit."""
+def test_equivalence_applies_to_levels_only(tmp_path, rows, is_compared) -> None:
+    """An exponent has another unit."""
     rng = np.random.default_rng()
     path = written(tmp_path / "t.csv", rows(rng) if rows else numbers("dB re 1 V", noise=0.1, rng=rng))
     (outcome,) = analyse(path, plan=AnalysisPlan(equivalence={"force_n": 50.0})).outcomes

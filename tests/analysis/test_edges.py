@@ -1,4 +1,7 @@
-"""Where the analysis draws its lines: how few participants, which trials are counted, what tells a threshold."""
+"""Tests of the limits of an analysis.
+
+They cover the fewest participants, the trials that count, and uninformative answers.
+"""
 
 import pandas as pd
 import pytest
@@ -26,14 +29,14 @@ def test_a_sub_design_has_three_participants_at_least(n_complete, found):
     ],
     ids=["more participants", "earlier levels"],
 )
-def test_of_equally_large_sub_designs_it_is_the_one_of(sides, left_out):
+def test_tied_sub_designs_are_resolved(sides, left_out):
     rows = [(f"P{n}", side, 1.0 if side in own else None) for n, own in enumerate(sides, 1) for side in "abc"]
     table = pd.DataFrame(rows, columns=["participant", "side", "threshold"])
     part = largest_complete(table, dependent="threshold", within=["side"], subject="participant")
     assert part.left_out == left_out
 
 
-def test_the_table_of_quality_counts_each_row_once_for_what_it_is(tmp_path):
+def test_quality_table_counts_each_row_once(tmp_path):
     """Attempts 1 to 3 of one trial, then catch trials: a false alarm, a rejection, one unanswered, one invalid."""
     header = "participant,trial,force_n,procedure,level,task,response,valid,attempt,catch"
     rows = [
@@ -62,16 +65,16 @@ def test_the_table_of_quality_counts_each_row_once_for_what_it_is(tmp_path):
 
 
 @pytest.mark.parametrize("n_yes", [[4, 4, 6, 6, 6, 6, 5], [6, 6, 3, 5, 7, 9, 6]])
-def test_half_yes_everywhere_tells_no_threshold_however_it_wavers(n_yes):
-    """Its interval, twice as long as the levels, is no narrow one."""
+def test_noisy_half_yes_answers_are_flat(n_yes):
+    """The interval, twice as long as the levels, is not informative."""
     found = fit(list(range(7)), n_yes, [10] * 7, shape="normal", guess_rate=0.0, method="likelihood")
     assert found.status == "flat"
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("n", [12, 100_000])
-def test_half_yes_at_every_level_tells_no_threshold_however_many_answers_there_are(n, method):
-    """The width's prior alone would place it at the middle, with a short interval."""
+def test_half_yes_answers_are_flat_for_any_size(n, method):
+    """The prior of the width alone would place the threshold at the middle."""
     found = fit(
         range(7),
         [n // 2] * 7,

@@ -27,13 +27,16 @@ DESIGNS: Mapping[str, tuple[tuple[int, ...], tuple[int, ...]]] = {"4": ((4,), (0
 
 
 def reach(share: float, n: int) -> float:
-    """Of a share of `n` studies, two-sided at 1e-4."""
+    """Return the two-sided tolerance at 1e-4 of a share of `n` studies."""
     return float(norm.isf(0.5e-4) * np.sqrt(share * (1 - share) / n))
 
 
 def drawn(scenario: str, n_cells: int, shape: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
-    """Studies of `shape` (study, participant) without effects: participants of twice the standard deviation; errors
-    that are independent, correlated by 0.7 a step, three times as large in one condition, or nearly none."""
+    """Draw studies of `shape` (study, participant) without effects.
+
+    Participants have twice the standard deviation of errors. Errors are independent, correlated by 0.7 per step, three
+    times as large in one condition, or nearly zero.
+    """
     places = np.arange(n_cells)
     covariance = {
         "spherical": np.eye(n_cells),
@@ -53,8 +56,8 @@ def chi_muller_p(effect: ContrastEffect) -> float:
 
 @pytest.mark.parametrize("design", DESIGNS)
 @pytest.mark.parametrize("scenario", SCENARIOS)
-def test_false_alarms_of_the_analysis_of_variance_are_4_to_6_percent(design, scenario) -> None:
-    """At ten participants; of Chi and Muller's p, for the highest effect of the design."""
+def test_anova_false_positive_rate_is_near_five_percent(design, scenario) -> None:
+    """Use ten participants and Chi and Muller's p of the highest effect."""
     n_levels, part = DESIGNS[design]
     n_studies = 60_000 if SOAK else 2_000
     values = drawn(scenario, int(np.prod(n_levels)), (n_studies, N), np.random.default_rng())
@@ -64,9 +67,12 @@ def test_false_alarms_of_the_analysis_of_variance_are_4_to_6_percent(design, sce
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS[:3])
-def test_false_alarms_and_means_with_bounds_are_right_too(scenario) -> None:
-    """A seventh of the values are bounds. False alarms are 4 to 6 % (docs/reference/analysis.md), and the interval of
-    a mean holds it in 94 to 98 %, also in the noisy condition."""
+def test_censored_anova_has_nominal_error_and_coverage(scenario) -> None:
+    """A seventh of the values are bounds.
+
+    The false positive rate is 4 to 6 % (docs/reference/analysis.md). Intervals of means cover in 94 to 98 %, also in
+    the noisy condition.
+    """
     n_studies = 3_000 if SOAK else 80
     values = drawn(scenario, 4, (n_studies, N), np.random.default_rng())
     at = float(np.quantile(values[..., 1:], 0.15))
@@ -80,8 +86,8 @@ def test_false_alarms_and_means_with_bounds_are_right_too(scenario) -> None:
 
 
 @pytest.mark.parametrize("scenario", ["spherical", "noisy"])
-def test_simultaneous_intervals_hold_all_differences_in_95_percent(scenario) -> None:
-    """And leave out 0 only where Holm's p is below 5 %."""
+def test_simultaneous_intervals_have_joint_coverage(scenario) -> None:
+    """They exclude 0 only if Holm's p is below 5 %."""
     n_studies = 3_000 if SOAK else 100
     values = drawn(scenario, 4, (n_studies, N), np.random.default_rng())
     tables = [pairs(long_table(each), dependent="y", factor="force", subject="subject") for each in values]
@@ -92,9 +98,11 @@ def test_simultaneous_intervals_hold_all_differences_in_95_percent(scenario) -> 
 
 
 @pytest.mark.parametrize(("scenario", "low", "high"), [("spherical", 0.935, 0.965), ("AR(1)", 0.90, 0.99)])
-def test_two_intervals_within_participants_are_that_of_a_difference(scenario, low, high) -> None:
-    """Shortened by sqrt(1 / 2), they do not meet in 5 % of studies where two means are alike; with correlated errors
-    less often for neighbours, which are nearer than others."""
+def test_within_intervals_overlap_as_often_as_differences(scenario, low, high) -> None:
+    """Intervals shortened by sqrt(1 / 2) separate in 5 % of null studies.
+
+    With correlated errors neighbours separate less often, as they are more alike than others.
+    """
     n_studies = 20_000 if SOAK else 2_000
     values = drawn(scenario, 4, (n_studies, N), np.random.default_rng())
     halves = student.ppf(0.975, N - 1) * np.sqrt([within_variances(np.cov(each.T)) / N for each in values])

@@ -23,14 +23,14 @@ def table(path: Path, factor: str) -> Path:
     return file
 
 
-def test_a_factor_of_a_free_name_is_analysed(tmp_path):
+def test_factor_with_unreserved_name_is_analysed(tmp_path):
     found = analyse(table(tmp_path, "colour"))
     assert found.trials.factors == ("colour",)
     assert found.tables["thresholds"]["colour"].tolist() == ["a", "b"] * 3
 
 
 @pytest.mark.parametrize("name", sorted(DERIVED))
-def test_a_factor_under_a_name_that_the_analysis_uses_is_refused(tmp_path, name):
+def test_factor_with_reserved_name_is_rejected(tmp_path, name):
     with pytest.raises(InvalidFile, match=f"row 1: found '{name}' between 'trial' and 'procedure'"):
         analyse(table(tmp_path, name))
 
@@ -43,7 +43,7 @@ def test_every_column_that_an_analysis_adds_is_reserved(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["level", "response", "task", "participant"])
-def test_what_is_measured_is_no_factor(tmp_path, name):
+def test_measured_column_is_rejected_as_factor(tmp_path, name):
     with pytest.raises(InvalidParameter, match=f"--within: found '{name}', a name that is no factor's"):
         analyse(table(tmp_path, "colour"), within=[name])
 
@@ -52,7 +52,7 @@ def test_sessions_and_blocks_may_be_compared(tmp_path):
     assert analyse(table(tmp_path, "colour"), within=["session", "colour"]).trials.factors == ("session", "colour")
 
 
-def test_levels_whose_range_no_number_holds_are_refused(tmp_path):
+def test_levels_with_infinite_range_are_rejected(tmp_path):
     file = table(tmp_path, "colour")
     file.write_text(file.read_text().replace(",5,dB", ",1e308,dB").replace(",1,dB", ",-1e308,dB"))
     with pytest.raises(InvalidParameter, match=r"found -1e\+308, expected at most 1e\+300 in size"):

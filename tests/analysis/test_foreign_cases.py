@@ -77,7 +77,7 @@ def test_alternatives_are_counted_in_each_condition(capsys, tmp_path):
     assert "(2: 2; 4: 4)" in warning(found, "different numbers of alternatives")
 
 
-def test_stated_alternatives_must_be_one_number_in_a_condition(capsys, tmp_path):
+def test_alternatives_must_agree_within_a_condition(capsys, tmp_path):
     table = write_case("alternatives", tmp_path)
     lines = '[constants]\ntask = "forced_choice"\n[columns]\nn_alternatives = "n_afc"\n'
     (tmp_path / "map.toml").write_text(lines)
@@ -87,7 +87,7 @@ def test_stated_alternatives_must_be_one_number_in_a_condition(capsys, tmp_path)
     assert {row["guess_rate"] for row in found["thresholds"]} == {0.5, 0.25}
 
 
-def test_few_answers_do_not_lower_the_number_of_alternatives(capsys, tmp_path):
+def test_few_answers_do_not_lower_alternatives(capsys, tmp_path):
     sides = [("a", n, n % 4 + 1) for n in range(40)] + [("b", n, n % 3 + 1) for n in range(6)]
     rows = [
         f"S1,{level},{side},{target if 4 * level > 2 * n % 13 else 1 + target % 3},{target}"
@@ -103,7 +103,7 @@ def test_few_answers_do_not_lower_the_number_of_alternatives(capsys, tmp_path):
 # --- nothing is left out in silence
 
 
-def test_row_number_is_that_of_the_file_after_sep_line(capsys, tmp_path):
+def test_row_number_counts_the_sep_line(capsys, tmp_path):
     table = write_case("sep_line", tmp_path)
     table.write_text(table.read_text().replace("S01,2,y", "S01,loud,n", 1))
     assert "t.csv, row 3, column 'level': found 'loud'" in refused(
@@ -111,7 +111,7 @@ def test_row_number_is_that_of_the_file_after_sep_line(capsys, tmp_path):
     )
 
 
-def test_folder_reads_files_whatever_case_their_ending_has(capsys, tmp_path):
+def test_folder_ignores_case_of_file_endings(capsys, tmp_path):
     folder = write_case("csv_beside_json", tmp_path)
     (folder / "S04.csv").rename(folder / "S04.CSV")
     assert mean(analysed(capsys, folder)) == YES_NO
@@ -126,7 +126,7 @@ def test_folder_warns_of_files_it_does_not_read(capsys, tmp_path, name):
     assert (found["n_participants"], warning(found, "not read")) == (4, f"not read: {name}")
 
 
-def test_folder_is_silent_about_other_forms_of_read_files(capsys, tmp_path):
+def test_folder_does_not_warn_of_duplicate_formats(capsys, tmp_path):
     folder = write_case("csv_beside_json", tmp_path)
     (folder / "S01.psydat").write_bytes(b"\x80\x04")
     assert not [warning for warning in analysed(capsys, folder)["warnings"] if "not read" in warning]
@@ -172,7 +172,7 @@ def test_choices_need_correct_or_target(capsys, tmp_path):
     assert said.endswith("a forced choice needs a column 'correct' or 'target'")
 
 
-def test_files_of_one_code_by_their_names_are_named(capsys, tmp_path):
+def test_files_sharing_a_participant_are_named(capsys, tmp_path):
     for name in ("results_1.csv", "results_2.csv"):
         (tmp_path / name).write_text("level,response\n1,n\n2,y\n3,y\n")
     (tmp_path / "map.toml").write_text(MAP + '[from_name]\nparticipant = "*_"\n')
@@ -196,7 +196,7 @@ CORRECT = {1: 10, 2: 12, 3: 16, 4: 19, 5: 20}
 
 
 @pytest.mark.parametrize("n_alternatives", [2, 4])
-def test_correct_alone_gives_the_threshold_of_its_counts(capsys, tmp_path, n_alternatives):
+def test_trials_and_counts_have_same_threshold(capsys, tmp_path, n_alternatives):
     counts = [f"S1,{level},{k},20" for level, k in CORRECT.items()]
     trials = [f"S1,{level},{int(n < k)}" for level, k in CORRECT.items() for n in range(20)]
     constants = CHOICE.format(n_alternatives)
@@ -299,7 +299,7 @@ def test_reason_names_the_factor_between_participants(capsys):
     assert warning(found, "A differs between participants")
 
 
-def test_group_of_one_is_refused_an_analysis_of_variance(capsys):
+def test_group_of_one_has_no_anova(capsys):
     found = analysed(capsys, CASES / "one_in_a_group.csv", ADJUSTED, within="A,group")
     expected = "no analysis of variance: group = g2: found one participant, expected at least 2 a group"
     assert expected in found["outcomes"][0]["notes"]
@@ -311,7 +311,7 @@ def test_design_without_complete_participants_names_its_empty_cells(capsys):
     assert found["outcomes"][0]["primary"]["analysis"] == "censored_anova"
 
 
-def test_levels_below_the_threshold_give_its_lower_bound(capsys, tmp_path):
+def test_threshold_above_levels_has_lower_bound(capsys, tmp_path):
     study = changed_study(
         tmp_path,
         {
@@ -340,7 +340,7 @@ def test_levels_below_the_threshold_give_its_lower_bound(capsys, tmp_path):
     ],
 )
 @pytest.mark.parametrize("command", ["simulate", "power", "dry run"])
-def test_guess_rate_of_another_task_is_refused_before_any_trial(capsys, tmp_path, changes, message, command):
+def test_guess_rate_must_match_the_task(capsys, tmp_path, changes, message, command):
     path, out = changed_study(tmp_path, changes), tmp_path / "d"
     arguments = {
         "simulate": ("simulate", path, "--participants", 2, "--seed", 3, "--out", out),

@@ -38,7 +38,7 @@ JSPSYCH = ColumnMap(
 # --- PsychoPy
 
 
-def test_psychopys_own_file_is_read_as_it_is():
+def test_psychopy_file_is_read_unchanged():
     trials = read_trials(FOREIGN / "psychopy_2026.2.5.csv", within=["cond"], column_map=PSYCHOPY)
     assert trials.rows["level"].tolist() == [0.1, 0.2, 0.4] * 4
     assert trials.rows["response"].tolist() == ["1", "0", ""] * 4
@@ -52,7 +52,7 @@ def test_psychopys_own_file_is_read_as_it_is():
     )
 
 
-def test_a_staircase_of_psychopys_is_read_as_it_is():
+def test_psychopy_staircase_file_is_read_unchanged():
     columns = {"level": "stair.intensity", "response": "stair.response"}
     found = read_trials(
         FOREIGN / "psychopy_2026.2.5_stairs.csv", within=["rt"], column_map=ColumnMap(columns, {"task": "yes_no"})
@@ -64,7 +64,7 @@ def test_a_staircase_of_psychopys_is_read_as_it_is():
 @pytest.mark.soak
 @pytest.mark.skipif(find_spec("psychopy") is None, reason="no psychopy: extra window")
 @pytest.mark.parametrize("delimiter", ["comma", "tab", "semicolon"])
-def test_what_the_installed_psychopy_writes_is_read(tmp_path, delimiter):
+def test_output_of_installed_psychopy_is_read(tmp_path, delimiter):
     name = "7.tsv" if delimiter == "tab" else "7.csv"
     script = f"""
 import warnings
@@ -90,15 +90,18 @@ exp.abort()
     assert read_trials(tmp_path / name, within=["cond"], column_map=own).rows["response"].tolist() == ["1", "0"]
 
 
-def test_a_column_without_a_name_that_holds_something_is_refused(tmp_path):
+def test_unnamed_column_with_content_is_rejected(tmp_path):
     file = tmp_path / "t.csv"
     file.write_text("participant,level,task,response,\nP1,1,yes_no,1,x\n")
     with pytest.raises(InvalidFile, match="row 1: found no name for column 5, expected one for each"):
         read_trials(file, within=["task"])
 
 
-def test_sessions_of_psychopy_that_have_other_columns_are_read_together(tmp_path):
-    """PsychoPy writes a column only where it holds something: here one of notes, and one of answers that came late."""
+def test_psychopy_sessions_with_different_columns_are_merged(tmp_path):
+    """PsychoPy writes a column only if it contains something.
+
+    Here one session has notes and one has late answers.
+    """
     text = (FOREIGN / "psychopy_2026.2.5.csv").read_text(encoding="utf-8-sig")
     header, *rows = text.splitlines()
     (tmp_path / "7.csv").write_text(text, encoding="utf-8")
@@ -114,7 +117,7 @@ def test_sessions_of_psychopy_that_have_other_columns_are_read_together(tmp_path
 
 
 @pytest.mark.parametrize("ending", ["csv", "json"])
-def test_jspsychs_own_files_are_read_as_they_are(ending):
+def test_jspsych_files_are_read_unchanged(ending):
     trials = read_trials(FOREIGN / f"jspsych_8.3.0.{ending}", within=["phase"], column_map=JSPSYCH)
     assert trials.rows["level"].tolist() == [6, 9, 12, 15] * 3 + [12]
     assert trials.rows["response"].tolist()[:3] == ["1", "2", "2"]
@@ -124,7 +127,7 @@ def test_jspsychs_own_files_are_read_as_they_are(ending):
     assert len(used_rows(trials)) == 12
 
 
-def test_both_forms_of_jspsych_hold_the_same():
+def test_jspsych_csv_and_json_agree():
     names = ["participant", "level", "response", "correct", "target", "latency_s", "phase"]
     csv, own = (
         read_trials(FOREIGN / f"jspsych_8.3.0.{ending}", within=["phase"], column_map=JSPSYCH).rows[names]
@@ -133,7 +136,7 @@ def test_both_forms_of_jspsych_hold_the_same():
     assert csv.equals(own)
 
 
-def test_a_folder_of_json_files_is_read_with_a_map(tmp_path):
+def test_folder_of_json_files_is_read_with_map(tmp_path):
     for code in ("s3", "s4"):
         text = (FOREIGN / "jspsych_8.3.0.json").read_text().replace('"s3"', f'"{code}"')
         (tmp_path / f"{code}.json").write_text(text)
@@ -141,8 +144,8 @@ def test_a_folder_of_json_files_is_read_with_a_map(tmp_path):
 
 
 @pytest.mark.parametrize("between", ["\n", "", " \r\n\n"])
-def test_lists_one_after_the_other_are_one_table(tmp_path, between):
-    """As JATOS keeps the results of several participants."""
+def test_concatenated_json_lists_are_one_table(tmp_path, between):
+    """JATOS stores the results of several participants in this form."""
     first = (FOREIGN / "jspsych_8.3.0.json").read_text()
     (tmp_path / "results.json").write_text(first + between + first.replace('"s3"', '"s4"') + between)
     rows = read_trials(tmp_path / "results.json", within=["phase"], column_map=JSPSYCH).rows
@@ -164,7 +167,7 @@ def test_lists_one_after_the_other_are_one_table(tmp_path, between):
         ('[{"participant": "P1", "task": "yes_no", "level": 1, "response": [1]}]', "row 1, column 'response': found"),
     ],
 )
-def test_json_that_is_no_table_is_refused(tmp_path, text, message):
+def test_json_without_table_is_rejected(tmp_path, text, message):
     file = tmp_path / "j.json"
     file.write_text(text)
     with pytest.raises(InvalidFile, match=re.escape(message)):
@@ -213,7 +216,7 @@ def test_a_table_without_a_factor_is_one_condition(tmp_path, capsys):
     assert [row["status"] for row in found["thresholds"]] == ["ok"] * 3
 
 
-def test_one_column_may_be_two_of_ours(tmp_path):
+def test_column_may_be_mapped_twice(tmp_path):
     file = tmp_path / "t.csv"
     file.write_text("participant,level,key.corr\nP1,1,1\nP1,2,0\n")
     both = ColumnMap({"response": "key.corr", "correct": "key.corr"}, {"task": "yes_no"})
@@ -222,7 +225,7 @@ def test_one_column_may_be_two_of_ours(tmp_path):
     assert rows["correct"].tolist() == [1.0, 0.0]
 
 
-def test_one_row_that_is_no_trial_is_told_in_the_singular(tmp_path):
+def test_note_on_single_row_is_singular(tmp_path):
     file = tmp_path / "t.csv"
     file.write_text("participant,level,task,response\nP1,,yes_no,\nP1,2,yes_no,0\n")
     said = read_trials(file, within=[], column_map=ColumnMap({"level": "level"})).notes[0]
@@ -254,7 +257,7 @@ def test_one_row_that_is_no_trial_is_told_in_the_singular(tmp_path):
         ("yes_no", "7", ""),
     ],
 )
-def test_an_answer_that_is_not_mapped_names_the_line_to_write(tmp_path, capsys, task, word, hint):
+def test_unmapped_answer_error_suggests_a_map_line(tmp_path, capsys, task, word, hint):
     file = tmp_path / "t.csv"
     file.write_text(f"participant,side,level,task,response,item,item_b\nP1,a,1,{task},{word},x,y\n")
     status, said, _ = call(capsys, "analyse", file, "--within", "side")
@@ -264,7 +267,7 @@ def test_an_answer_that_is_not_mapped_names_the_line_to_write(tmp_path, capsys, 
 
 @example("\x7f")  # JSON may hold it as it is, TOML may not
 @given(word=st.text(st.characters(max_codepoint=0xD7FF), min_size=1).filter(lambda text: text.strip()))
-def test_the_line_to_write_is_toml_that_means_the_word(word):
+def test_suggested_map_line_is_valid_toml(word):
     import tomllib
 
     from tactometry.analysis.reading.rows import meaning
@@ -276,7 +279,7 @@ def test_the_line_to_write_is_toml_that_means_the_word(word):
         assert tomllib.loads(hint.partition(": ")[2]) == {"missing": [word]}
 
 
-def test_defects_of_one_kind_are_one_sentence_with_their_number(tmp_path, capsys):
+def test_equal_defects_are_counted_in_one_sentence(tmp_path, capsys):
     file = tmp_path / "t.csv"
     rows = [f"P1,a,{n},yes_no,{'1' if n == 3 else 'y'}" for n in range(1, 739)]
     file.write_text("\n".join(["participant,side,level,task,response", *rows]) + "\n")
@@ -285,7 +288,7 @@ def test_defects_of_one_kind_are_one_sentence_with_their_number(tmp_path, capsys
     assert "t.csv, row 2 and 736 more (3, 5, 6, 7, ...), column 'response': found 'y', expected 1, 0 or" in said
 
 
-def test_a_forced_choice_has_no_interval_0(tmp_path):
+def test_forced_choice_rejects_interval_zero(tmp_path):
     """jsPsych counts buttons from 0."""
     file = tmp_path / "t.csv"
     file.write_text("participant,side,level,task,response,target\nP1,a,1,forced_choice,0,1\n")
@@ -314,7 +317,7 @@ def test_copied_rows_are_warned_of(tmp_path, capsys):
     ) in json.loads(out)["warnings"]
 
 
-def test_attempts_items_blocks_and_tables_without_numbers_are_no_copies(tmp_path):
+def test_distinct_rows_are_not_reported_as_copies(tmp_path):
     others = (
         "P1,1,2,3,a,staircase,3,yes_no,0,3.5",
         "P1,1,1,3,b,staircase,3,yes_no,0,3.5",
@@ -329,7 +332,7 @@ def test_attempts_items_blocks_and_tables_without_numbers_are_no_copies(tmp_path
 # --- tables that lie on their side
 
 
-def test_a_table_of_many_columns_is_refused_at_once(tmp_path, capsys):
+def test_table_with_too_many_columns_is_rejected(tmp_path, capsys):
     file = tmp_path / "t.csv"
     file.write_text(",".join(f"c{n}" for n in range(100_000)) + "\n" + ",".join("1" * 100_000) + "\n")
     status, said, _ = call(capsys, "analyse", file)

@@ -38,7 +38,7 @@ def data_set(tmp_path):
     return tmp_path
 
 
-def test_frames_are_summed_over_trials_and_told(data_set) -> None:
+def test_dropped_frames_are_summed_with_warning(data_set) -> None:
     found = analyse(data_set)
     quality = found.tables["quality"].set_index("participant")
     assert quality.loc["P01", ["n_frames", "n_dropped_frames"]].tolist() == [1000, 20]
@@ -48,7 +48,7 @@ def test_frames_are_summed_over_trials_and_told(data_set) -> None:
     assert "more than 1 % of the screen's frames dropped: P01 20 of 1020" in found.warnings
 
 
-def test_without_events_nothing_is_said(tmp_path) -> None:
+def test_quality_is_unchanged_without_events(tmp_path) -> None:
     quality = pd.DataFrame({"participant": ["A"]})
     assert with_frames(quality, frames(tmp_path)) is quality
     assert frames(tmp_path / "trials.csv").empty

@@ -31,12 +31,12 @@ def chance(x, guess, threshold=TRUTH):
 
 
 def constant(n_each, rng, n_sets=N_SETS):
-    """Levels (n_sets, n_trials) of constant stimuli in random order."""
+    """Draw levels (n_sets, n_trials) of constant stimuli in random order."""
     return np.stack([rng.permutation(np.repeat(LEVELS, n_each)) for _ in range(n_sets)])
 
 
 def staircases(n_trials, guess, n_down, rng):
-    """Levels and answers of staircases that go down after `n_down` correct answers."""
+    """Simulate staircases that go down after `n_down` correct answers."""
     levels, answers = np.empty((N_SETS, n_trials)), np.empty((N_SETS, n_trials))
     level, run = np.full(N_SETS, 8.0), np.zeros(N_SETS)
     for t in range(n_trials):
@@ -49,7 +49,7 @@ def staircases(n_trials, guess, n_down, rng):
 
 
 def problem(levels, answers, guess, n_catch=0, rng=None):
-    """The posterior, and answers in stretches of ten."""
+    """Return the posterior, and answers in stretches of ten."""
     n_sets, n_trials = levels.shape
     every = np.unique(levels)
     where = (
@@ -69,7 +69,7 @@ def problem(levels, answers, guess, n_catch=0, rng=None):
 
 
 def shares(levels, answers, guess, rng, *, bound, follows=False, n_catch=0):
-    """The share of data sets whose p is at most the bound, by test."""
+    """Return the share of data sets with p at most the bound, by test."""
     posterior, sequences = problem(levels, answers, guess, n_catch, rng)
     theta = find_mode(posterior).theta
     found = goodness(posterior, theta, sequences, np.full(len(levels), follows), rng)
@@ -79,13 +79,13 @@ def shares(levels, answers, guess, rng, *, bound, follows=False, n_catch=0):
 
 
 def most(share):
-    """As many data sets as chance lets have a p below its bound."""
+    """Return the most data sets whose p may be below its bound by chance."""
     return binom.ppf(1 - RARE, N_SETS, share) / N_SETS
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("n_each", "guess", "n_catch"), [(10, FORCED, 0), (10, FREE, 20), (3, FORCED, 0)])
-def test_p_of_a_true_function_is_below_five_percent_in_five_percent(n_each, guess, n_catch):
+def test_goodness_tests_have_nominal_error_rate(n_each, guess, n_catch):
     rng = np.random.default_rng()
     levels = constant(n_each, rng)
     if n_each == 3:
@@ -97,7 +97,7 @@ def test_p_of_a_true_function_is_below_five_percent_in_five_percent(n_each, gues
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("n_trials", "guess", "n_down"), [(40, FORCED, 3), (80, FREE, 1)])
-def test_p_is_not_too_small_where_levels_follow_the_answers(n_trials, guess, n_down):
+def test_goodness_tests_hold_error_rate_in_staircases(n_trials, guess, n_down):
     rng = np.random.default_rng()
     levels, answers = staircases(n_trials, guess, n_down, rng)
     found = shares(levels, answers, guess, rng, bound=0.05, follows=True)
@@ -128,7 +128,7 @@ def test_each_fault_is_found_by_its_test(fault, test, power):
     assert found[test] >= power, found
 
 
-def test_the_deviance_is_that_of_the_fit():
+def test_goodness_deviance_equals_deviance_of_fit():
     k, n = np.array([10, 11, 12, 15, 18, 16, 20]), 20
     found = fit(LEVELS, k, n, shape="normal", guess_rate=0.5)
     counts = normalise(LEVELS[None], k[None].astype(float), np.full((1, 7), 20.0))
@@ -138,9 +138,11 @@ def test_the_deviance_is_that_of_the_fit():
     assert values[0, 0] == pytest.approx(found.deviance, rel=1e-9)
 
 
-def test_the_trend_is_the_standardised_sum_of_residuals_times_time():
-    """One level, whose chance is one half: no, no, yes, yes in four stretches of ten. Of the two parts of the
-    dispersion, the one that is weighted with the rates less their mean is 0."""
+def test_residual_order_and_dispersion_have_closed_form():
+    """One level with a rate of one half: no, no, yes, yes in four stretches.
+
+    Of the two parts of the dispersion, the one weighted with rates minus their mean is 0.
+    """
     counts = normalise(np.zeros((1, 1)), np.array([[20.0]]), np.array([[40.0]]))
     theta = np.array([[0.0, 0.0, 0.0, 0.0]])
     answers = Sequences(np.array([[[0.0], [0.0], [10.0], [10.0]]]), np.full((1, 4, 1), 10.0))
@@ -152,8 +154,11 @@ def test_the_trend_is_the_standardised_sum_of_residuals_times_time():
 
 
 @pytest.mark.parametrize("share", [0.02, 0.3])
-def test_the_p_of_draws_that_end_early_is_valid(share):
-    """Besag and Clifford (1991): the chance of a p up to a bound is at most the bound; here the p itself is known."""
+def test_early_stopped_monte_carlo_p_is_valid(share):
+    """The probability of a p up to a bound is at most the bound.
+
+    Besag and Clifford 1991; here p itself is known.
+    """
     rng = np.random.default_rng()
     tally = _Tally(*(np.zeros((4000, 4), dtype=np.int64) for _ in range(2)))
     for n_draws in (20, 79, 900):
@@ -167,7 +172,10 @@ def test_the_p_of_draws_that_end_early_is_valid(share):
 
 
 def table_of(path, burst, n_participants=6):
-    """Constant stimuli of six people; in those of `burst` a third of the trials in a row is guessed."""
+    """Write constant stimuli of six participants.
+
+    For those in `burst` a third of the trials in a row are guesses.
+    """
     rng = np.random.default_rng()
     rows = ["participant,session,study,block,trial,force_n,procedure,level,level_unit,task,response"]
     for who in range(n_participants):
@@ -181,7 +189,7 @@ def table_of(path, burst, n_participants=6):
     return path
 
 
-def test_a_participant_who_answered_the_other_way_round_for_a_while_is_told(tmp_path):
+def test_burst_of_guesses_is_reported_as_overdispersion(tmp_path):
     path, page = table_of(tmp_path / "t.csv", burst=(2,)), tmp_path / "r.html"
     found = CliRunner().invoke(command, [str(path), "--report", str(page)], catch_exceptions=False)
     assert "! 1 of 6 fitted functions have p <= 0.01 in the test of overdispersion" in " ".join(found.output.split())
@@ -192,7 +200,7 @@ def test_a_participant_who_answered_the_other_way_round_for_a_while_is_told(tmp_
     assert "Wichmann, F. A., &amp; Hill, N. J. (2001)" in page.read_text()
 
 
-def test_json_has_the_tests_and_the_same_data_the_same_p(tmp_path):
+def test_goodness_results_are_repeatable_and_in_json(tmp_path):
     path = table_of(tmp_path / "t.csv", burst=())
     one, other = (analyse(path) for _ in range(2))
     assert [row["test"] for row in summary(one)["goodness"]] == list(TESTS)

@@ -63,15 +63,18 @@ def test_intervals_cover_means_contrasts_and_participants() -> None:
         assert np.mean(squared) < 0.9 * np.mean(alone)
 
 
-def test_variances_are_found_again() -> None:
-    """Of 24 participants; sd known to 15 % (chi with 23 df), at 1e-4 within a factor of 1.8 either way."""
+def test_variances_are_recovered() -> None:
+    """With 24 participants sd is known to 15 % (chi with 23 df).
+
+    At 1e-4 it is within a factor of 1.8 either way.
+    """
     found = fitted(simulated(np.random.default_rng(), n=24)[0])
     assert SD / 1.8 < found.components["threshold"] < 1.8 * SD
     assert found.lapse_rate < 0.08
 
 
 def expected_counts(thresholds, n_trials) -> pd.DataFrame:
-    """Answers as often as they are expected."""
+    """Return answers as often as they are expected."""
     parts = [
         pd.DataFrame({"participant": f"P{p}", "force_n": 1.0, "level": LEVELS, "k": np.round(n * curve(m)), "n": n})
         for p, (m, n) in enumerate(zip(thresholds, n_trials, strict=True))
@@ -83,7 +86,7 @@ def curve(threshold):
     return PsychometricFunction("normal", threshold, WIDTH, 0.5, LAPSE_RATE).probability(LEVELS)
 
 
-def test_a_participant_is_drawn_to_the_group_the_more_the_fewer_the_trials() -> None:
+def test_shrinkage_grows_as_trials_decrease() -> None:
     thresholds, distances = [24.0, 16.0, 17.0, 18.0, 19.0, 20.0], []
     for n in (1000, 60, 12):
         found = fitted(expected_counts(thresholds, [n, *[100] * 5]))
@@ -123,7 +126,7 @@ def test_the_published_conclusion_on_real_data() -> None:
 
 
 # Hard cases
-def test_an_all_correct_participant_is_bounded_and_never_put_in(study) -> None:
+def test_all_correct_participant_has_only_an_upper_bound(study) -> None:
     rows = study[0].copy()
     rows.loc[rows["participant"] == "P0", "k"] = 20
     found = fitted(rows)
@@ -146,8 +149,8 @@ def test_a_missing_cell_stays_empty(study) -> None:
     assert found.conditions["threshold"].notna().all()
 
 
-def test_a_condition_without_a_threshold_is_left_out_and_has_no_bound_of_its_mean(study) -> None:
-    """Its participants have theirs."""
+def test_condition_without_threshold_has_no_mean(study) -> None:
+    """Its participants have bounds."""
     rows = study[0].copy()
     rows.loc[rows["force_n"] == 0.5, "k"] = 20
     found = fitted(rows)
@@ -169,7 +172,7 @@ def test_a_condition_without_a_threshold_is_left_out_and_has_no_bound_of_its_mea
     ],
     ids=["all correct", "all chance", "flat", "falling"],
 )
-def test_nothing_to_tell_gives_statuses_without_numbers(study, k, status) -> None:
+def test_uninformative_answers_have_status_without_numbers(study, k, status) -> None:
     rows = study[0].assign(k=np.tile(k, 16))
     found = fitted(rows)
     assert found.status == GroupStatus.NO_THRESHOLD
@@ -179,7 +182,7 @@ def test_nothing_to_tell_gives_statuses_without_numbers(study, k, status) -> Non
     assert found.participants["threshold"].isna().all()
 
 
-def test_participants_who_step_at_one_place_have_a_threshold_and_a_bound_of_the_width(study) -> None:
+def test_steps_bound_the_width_of_all_participants(study) -> None:
     rows = study[0].assign(k=np.tile([10, 10, 10, 20, 20, 20, 20], 16))
     found = fitted(rows)
     assert (found.conditions["threshold"] > LEVELS[2]).all()
@@ -205,8 +208,11 @@ def test_widths_of_steps_stay_finite(study) -> None:
     assert 0 < found.components["log_width"] < 1.5
 
 
-def test_interval_holds_low_and_high_thresholds_when_lapses_are_open() -> None:
-    """Four of five right wherever it was asked: thresholds of tracks came out 10 dB low, with a short interval."""
+def test_interval_widens_when_lapse_rate_is_free() -> None:
+    """Four of five answers are correct at every level.
+
+    Thresholds of such tracks were 10 dB too low, with a short interval.
+    """
     names = [f"P{person}" for person in range(6) for _ in range(5)]
     levels = [18.0 + person + step for person in range(6) for step in (0.0, 2.0, 4.0, 6.0, 8.0)]
     k = [31, 37, 41, 40, 41, 30, 38, 40, 42, 41, 32, 36, 41, 40, 40] * 2
@@ -228,7 +234,7 @@ def test_two_participants_have_wide_intervals(study) -> None:
     assert lengths[0] > 2 * lengths[1]
 
 
-def test_one_level_and_no_trial_have_statuses(study) -> None:
+def test_single_level_and_no_trials_have_statuses(study) -> None:
     rows = study[0]
     one_level = fitted(rows[rows["level"] == LEVELS[3]])
     assert (one_level.conditions["status"] == "too_few_levels").all()
@@ -237,7 +243,7 @@ def test_one_level_and_no_trial_have_statuses(study) -> None:
 
 
 @pytest.mark.parametrize(("scale", "shift"), [(1e-9, 0.0), (1.0, 1e4)])
-def test_scaling_and_shifting_the_levels_moves_all_with_them(study, scale, shift) -> None:
+def test_hierarchical_fit_scales_and_shifts_with_levels(study, scale, shift) -> None:
     one, other = fitted(study[0]), fitted(study[0].assign(level=scale * (study[0]["level"] + shift)))
     for name in ("threshold", "interval_low", "interval_high"):
         moved = (one.conditions[name].to_numpy(float) + shift) * scale
@@ -273,7 +279,7 @@ def test_a_weibull_is_a_gumbel_of_the_logarithm(study) -> None:
         ({"shape": "norml"}, "shape: found 'norml'"),
     ],
 )
-def test_refuses_what_it_does_not_know(study, change, message) -> None:
+def test_unknown_options_are_rejected(study, change, message) -> None:
     with pytest.raises(InvalidParameter, match=f"^{message}"):
         fitted(study[0], **change)
 

@@ -42,7 +42,7 @@ def test_effects_of_a_factorial() -> None:
 
 
 def test_uneven_deviations_cost_degrees_of_freedom() -> None:
-    """As the covariance of the participants' thresholds says."""
+    """The correction follows the covariance of the participants' thresholds."""
     rows, _ = simulated(np.random.default_rng(), n=6, means={0.5: 18.0, 1.0: 19.0, 2.0: 19.0}, n_trials=30)
     found = fitted(rows)
     noise = np.random.default_rng().normal(0, 30, 6)
@@ -61,20 +61,23 @@ def test_uneven_deviations_cost_degrees_of_freedom() -> None:
     assert other.p == pytest.approx(float(fisher.sf(other.f, 2 * expected, 10 * expected)), rel=1e-9)
 
 
-def test_widths_that_were_taken_to_be_the_same_have_no_test(study) -> None:
+def test_shared_widths_have_no_test(study) -> None:
     with pytest.raises(InvalidParameter, match="of: found 'log_width' over force_n, expected conditions whose widths"):
         fitted(study[0]).effect("force_n", of="log_width")
 
 
 @pytest.mark.soak
-def test_false_alarms_with_one_noisy_condition_are_near_5_percent() -> None:
+def test_false_positive_rate_is_nominal_with_noisy_condition() -> None:
     rng, n_studies = np.random.default_rng(), 400
     found = [fitted(noisy(rng), guess_rate=0.02).effect("force_n").p < 0.05 for _ in range(n_studies)]
     assert abs(np.mean(found) - 0.05) < 0.015 + 3.9 * np.sqrt(0.05 * 0.95 / n_studies)
 
 
 def noisy(rng) -> pd.DataFrame:
-    """Ten participants, four conditions of one mean, the first with deviations three times as large."""
+    """Simulate ten participants in four conditions with one mean.
+
+    The first condition has deviations three times as large.
+    """
     rows = []
     for p in range(10):
         own = 18.0 + 2.0 * rng.normal()
@@ -96,6 +99,6 @@ def noisy(rng) -> pd.DataFrame:
         (lambda found: found.contrast({(0.5,): 1.0}, of="width"), "of: found 'width', expected 'threshold'"),
     ],
 )
-def test_refuses_contrasts_of_what_is_not_there(study, call, message) -> None:
+def test_contrasts_of_unknown_conditions_are_rejected(study, call, message) -> None:
     with pytest.raises(InvalidParameter, match=f"^{message}"):
         call(fitted(study[0]))

@@ -42,7 +42,7 @@ def pairs(**changed: str):
 
 @pytest.mark.parametrize("report", [False, True])
 @pytest.mark.parametrize("missing", [("item",), ("item_b",), ("item", "item_b")])
-def test_a_preference_without_its_items_is_one_sentence(tmp_path, capsys, missing, report):
+def test_preference_without_items_is_rejected(tmp_path, capsys, missing, report):
     rows = [{name: cell for name, cell in row.items() if name not in missing} for row in pairs()]
     file = written(tmp_path, rows)
     status, said, _ = call(capsys, "analyse", file, *(["--report", tmp_path / "r.html"] if report else []))
@@ -54,7 +54,7 @@ def test_a_preference_without_its_items_is_one_sentence(tmp_path, capsys, missin
 @pytest.mark.parametrize(
     ("changed", "found"), [({"item": ""}, "'' and 'y'"), ({"item": "x", "item_b": "x"}, "'x' and 'x'")]
 )
-def test_a_preference_of_one_item_is_one_sentence(tmp_path, capsys, changed, found):
+def test_preference_with_empty_or_equal_items_is_rejected(tmp_path, capsys, changed, found):
     status, said, _ = call(capsys, "analyse", written(tmp_path, pairs(**changed)))
     assert status == 2
     assert f"t.csv, row 2 and 23 more (3, 4, 5, 6, ...): found the items {found}, expected the two items" in said
@@ -70,7 +70,7 @@ def test_preferences_with_their_items_are_analysed(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("task", ["yes_no", "forced_choice", "comparison"])
-def test_catch_trials_alone_have_a_report_without_a_threshold(tmp_path, capsys, task):
+def test_catch_trials_alone_are_reported_without_threshold(tmp_path, capsys, task):
     rows = [
         {"participant": code, "trial": n + 1, "side": "a", "procedure": "constant", "level": "", "task": task}
         | {"response": 1 + n % 2 if task == "forced_choice" else n % 2, "catch": 1, "target": 1}
@@ -87,7 +87,7 @@ def test_catch_trials_alone_have_a_report_without_a_threshold(tmp_path, capsys, 
 # --- what is counted
 
 
-def test_one_repeated_touch_of_a_questionnaire_is_one(tmp_path):
+def test_repeated_questionnaire_touch_counts_once(tmp_path):
     """Its answers have a row for each item."""
     answer = {"participant": "P1", "session": 1, "block": 1, "trial": 1, "pattern": "P0", "procedure": "attrakdiff"}
     answer |= {"level": 28, "task": "rating"}
@@ -99,7 +99,7 @@ def test_one_repeated_touch_of_a_questionnaire_is_one(tmp_path):
     assert found["n_invalid"].tolist() == [1]
 
 
-def test_every_repeated_touch_of_other_tasks_is_one(tmp_path):
+def test_each_repeated_touch_of_other_tasks_counts(tmp_path):
     row = {"participant": "P1", "session": 1, "block": 1, "trial": 1, "side": "a", "procedure": "q", "level": 1}
     row |= {"task": "yes_no", "response": 1}
     rows = [row | {"attempt": n, "valid": int(n == 3)} for n in (1, 2, 3)]
@@ -112,8 +112,8 @@ def test_every_repeated_touch_of_other_tasks_is_one(tmp_path):
 @pytest.mark.parametrize(
     "factor", [1e-5, 400.0, *(pytest.param(factor, marks=pytest.mark.slow) for factor in (0.01, 1.0))]
 )
-def test_a_threshold_keeps_three_digits_wherever_it_is_told(tmp_path, capsys, factor):
-    """In volts that no table of one decimal place can show."""
+def test_thresholds_keep_three_digits_in_all_output(tmp_path, capsys, factor):
+    """Levels in volts need more than one decimal place."""
     rows = [
         {"participant": f"P{person}", "trial": 100 * x + n, "side": side, "procedure": "c", "level": factor * x}
         | {"level_unit": "V", "task": "comparison", "response": int(n % 10 < 2 * x - person - (side == "b"))}
@@ -147,7 +147,7 @@ def table_of(root: Path) -> Path:
     return next((root / "data").glob("*_data.csv"))
 
 
-def test_a_table_as_it_was_recorded_is_not_warned_of(data_set, capsys):
+def test_unedited_table_has_no_warning(data_set, capsys):
     assert edit_warnings(data_set) == []
     assert edit_warnings(table_of(data_set)) == []
     _, _, out = call(capsys, "analyse", data_set, "--json")
@@ -155,7 +155,7 @@ def test_a_table_as_it_was_recorded_is_not_warned_of(data_set, capsys):
 
 
 @pytest.mark.parametrize("single", [False, True])
-def test_an_edited_answer_is_told_in_terminal_report_and_json(data_set, capsys, single):
+def test_edited_answer_has_warning_in_all_output(data_set, capsys, single):
     file = table_of(data_set)
     file.write_bytes(file.read_bytes().replace(b",yes_no,1,", b",yes_no,0,", 1))
     path = file if single else data_set
@@ -178,20 +178,20 @@ def test_an_edited_answer_is_told_in_terminal_report_and_json(data_set, capsys, 
         (lambda text: text + text.split("\n")[-2] + "\n", "found another row than the journal holds"),
     ],
 )
-def test_columns_that_were_renamed_and_rows_that_were_taken_or_added_are_told(data_set, edit, said):
+def test_changed_columns_and_rows_have_warning(data_set, edit, said):
     file = table_of(data_set)
     file.write_text(edit(file.read_text()))
     assert said in edit_warnings(data_set)[0]
 
 
-def test_a_damaged_journal_is_told_and_stops_no_analysis(data_set, capsys):
+def test_damaged_journal_has_warning_without_stopping_analysis(data_set, capsys):
     journal_of(data_set).write_bytes(journal_of(data_set).read_bytes().replace(b'"at_s":2.0', b'"at_s":3.0', 1))
     status, _, out = call(capsys, "analyse", data_set, "--json")
     assert status == 0
     assert any("the line is damaged" in warning for warning in json.loads(out)["warnings"])
 
 
-def test_data_sets_of_earlier_versions_are_not_warned_of():
+def test_data_sets_of_earlier_versions_have_no_warning():
     folder = RECORDED
     whole = [path for path in folder.iterdir() if (path / "journals").is_dir()]
     assert whole

@@ -30,7 +30,7 @@ def compared(*answers, **options):
     return table, list(lapse_warnings(table, ["posture"]))
 
 
-def test_lapses_of_one_condition_alone_are_warned_of():
+def test_different_lapse_rates_have_warning():
     table, (warning,) = compared(WITHOUT, WITH)
     assert table["lapse_rate"].tolist() == pytest.approx([0.0, 0.1], abs=0.04)
     assert "from 0.0 [0.0, " in warning
@@ -38,7 +38,7 @@ def test_lapses_of_one_condition_alone_are_warned_of():
 
 
 @pytest.mark.parametrize("answers", [(WITHOUT, WITHOUT), (WITH, WITH), (WITHOUT, FEW_EASY), (WITH,)])
-def test_equal_or_unknown_lapses_are_not_warned_of(answers):
+def test_equal_or_unknown_lapses_have_no_warning(answers):
     assert not compared(*answers)[1]
 
 

@@ -1,4 +1,4 @@
-"""Who is left out by a plan is in no table of results; what is given beside a data set reaches what it is for."""
+"""Tests of exclusion rules and of inputs given alongside a data set."""
 
 import json
 
@@ -31,15 +31,15 @@ def tables_with(analysis, code):
 @pytest.mark.parametrize(
     ("name", "share", "code"), [("inquiries", 0.1, "P03"), ("electrovibration-threshold", 0.01, "P01")]
 )
-def test_who_is_left_out_is_in_no_table_of_results(name, share, code) -> None:
+def test_excluded_participant_is_absent_from_result_tables(name, share, code) -> None:
     assert len(tables_with(planned(RECORDED / name), code)) >= 3
     without = planned(RECORDED / name, invalid_share_max=share)
     assert without.tables["excluded"]["participant"].tolist() == [code]
     assert tables_with(without, code) == set()
 
 
-def test_a_rule_estimates_from_the_answers_that_are_left_out_too() -> None:
-    """The rule was told them."""
+def test_rule_estimate_includes_excluded_answers() -> None:
+    """The procedure received those answers."""
     whole, some = planned(STAIRCASES), planned(STAIRCASES, latency_max_s=0.8)
     keys = ["participant", "force_n", "frequency_hz"]
     told, kept = (each.tables["thresholds"].set_index(keys) for each in (whole, some))
@@ -49,7 +49,7 @@ def test_a_rule_estimates_from_the_answers_that_are_left_out_too() -> None:
 
 
 @pytest.mark.parametrize(("level_scale", "is_asked"), [(None, True), ("linear", True), ("log10", False), ("db", False)])
-def test_a_rule_is_replayed_on_its_own_levels_alone(level_scale, is_asked, tmp_path) -> None:
+def test_rule_is_replayed_only_on_recorded_scale(level_scale, is_asked, tmp_path) -> None:
     asked = []
 
     def replay(block):
@@ -69,7 +69,7 @@ def test_without_courses_there_is_no_table_of_touches(tmp_path) -> None:
     assert not (tmp_path / "r_tables" / "touches.csv").exists()
 
 
-def test_answers_that_are_left_out_count_no_more_than_those_that_were_never_given(tmp_path) -> None:
+def test_excluded_answers_equal_missing_answers(tmp_path) -> None:
     recorded = sorted((STAIRCASES / "data").glob("*.csv"))
     rows = pd.concat([pd.read_csv(path, dtype=str, keep_default_na=False) for path in recorded], ignore_index=True)
     is_slow = pd.to_numeric(rows["latency_s"]) > 1.1
@@ -84,7 +84,10 @@ def test_answers_that_are_left_out_count_no_more_than_those_that_were_never_give
 
 
 def test_anova_names_participant_it_leaves_out(tmp_path, capsys) -> None:
-    """In terminal, JSON and report, where the analysis of bounds answers and the analysis of variance is a check."""
+    """The primary analysis includes bounds; the ANOVA is a check.
+
+    Terminal, JSON and report agree.
+    """
     rng = np.random.default_rng(4)
     thresholds = grid_of_thresholds(5, {(0.5,): 20.0, (1.0,): 22.0, (2.0,): 24.0}, 1.0, rng)
     del thresholds["P05", (2.0,)]

@@ -63,14 +63,14 @@ def test_confusions_name_the_places():
     assert found["share_of_answers"].to_list() == [0.6, 0.4, 0.4, 0.6]
 
 
-def test_answers_are_counted_by_their_distance_from_the_right_place():
+def test_localisation_errors_are_counted_by_distance():
     found = errors(answers({0.01: (6, 10)}), FACTORS)
     assert found[["error_m", "n", "share_of_answers"]].to_numpy().tolist() == [[0.0, 6, 0.6], [0.01, 4, 0.4]]
 
 
 @pytest.mark.parametrize("m", [2, 3, 9])
-def test_the_resolution_is_where_answers_are_halfway_from_chance(m):
-    """Of expected counts of a Weibull function the fit gives the function's own halfway point."""
+def test_resolution_is_halfway_point_above_chance(m):
+    """Fit the expected counts of a Weibull function."""
     n, alpha, beta = 9000, 0.014, 2.0
     rates = {x: 1 / m + (1 - 1 / m) * (1 - np.exp(-((x / alpha) ** beta))) for x in DISTANCES_M}
     found = resolutions(answers({x: (round(n * rate), n) for x, rate in rates.items()}, m), FACTORS)
@@ -83,7 +83,7 @@ LAPSES, ALPHA_M, BETA = 0.04, 0.014, 2.0
 
 
 def drawn(n, rng, m=3, code="P01"):
-    """Answers of a participant with this Weibull function, n at each distance."""
+    """Draw answers of a participant with this Weibull function."""
     rise = 1 - np.exp(-((np.array(DISTANCES_M) / ALPHA_M) ** BETA))
     right = rng.binomial(n, 1 / m + (1 - 1 / m - LAPSES) * rise)
     return answers({x: (int(k), n) for x, k in zip(DISTANCES_M, right, strict=True)}, m, code)
@@ -92,7 +92,7 @@ def drawn(n, rng, m=3, code="P01"):
 HALFWAY_M = ALPHA_M * log(2) ** (1 / BETA)
 
 
-def test_a_known_resolution_comes_back_beside_its_guess_rate_and_lapses():
+def test_known_resolution_and_rates_are_recovered():
     (found,) = resolutions(drawn(2000, np.random.default_rng()), FACTORS).to_dict("records")
     standard_error_m = (found["resolution_m_high"] - found["resolution_m_low"]) / (2 * norm.ppf(0.975))
     assert abs(found["resolution_m"] - HALFWAY_M) <= AT_1E_4 * standard_error_m
@@ -100,7 +100,7 @@ def test_a_known_resolution_comes_back_beside_its_guess_rate_and_lapses():
     assert found["lapse_rate"] == pytest.approx(LAPSES, abs=AT_1E_4 * sqrt(LAPSES * (1 - LAPSES) / 4000))
 
 
-def test_intervals_of_the_resolution_cover_what_they_say():
+def test_resolution_intervals_have_nominal_coverage():
     rng, n = np.random.default_rng(), 400 if SOAK else 100
     each = resolutions(pd.concat([drawn(30, rng, code=f"P{k:03}") for k in range(n)], ignore_index=True), FACTORS)
     low, high = each["resolution_m_low"].fillna(0.0), each["resolution_m_high"].fillna(np.inf)
@@ -109,7 +109,7 @@ def test_intervals_of_the_resolution_cover_what_they_say():
     assert int((each["deviance_p"] <= 0.01).sum()) <= binom.ppf(1 - 1e-4, n, 0.01)
 
 
-def test_the_guess_rate_is_that_of_the_alternatives_on_offer_in_a_condition():
+def test_guess_rate_follows_alternatives_of_condition():
     rng = np.random.default_rng(1)
     two, three = drawn(60, rng, 2), drawn(60, rng, 3).assign(force_n=3.0)
     both = resolutions(pd.concat([two, three], ignore_index=True), FACTORS).set_index("force_n")
@@ -118,8 +118,11 @@ def test_the_guess_rate_is_that_of_the_alternatives_on_offer_in_a_condition():
         assert resolutions(alone, FACTORS)["resolution_m"].tolist() == [both["resolution_m"][force_n]]
 
 
-def test_answers_that_no_weibull_function_gives_are_told():
-    """A floor above the guess rate and a step, as where two places differ by strength however near they lie."""
+def test_misfit_of_resolution_has_warning():
+    """The rates have a floor above the guess rate and a step.
+
+    This occurs if two places differ in strength at any distance.
+    """
     counts = dict(
         zip(DISTANCES_M, [(186, 300), (180, 300), (189, 300), (190, 300), (288, 300), (291, 300)], strict=True)
     )
@@ -136,7 +139,7 @@ def warnings_of_answers(rows):
     return list(goodness_warnings(each, conditions_of_fits(each)))
 
 
-def test_a_resolution_below_all_distances_is_a_bound_and_no_number():
+def test_resolution_below_distances_is_missing_with_status():
     found = resolutions(answers(dict.fromkeys(DISTANCES_M, (60, 60))), FACTORS)
     assert found["resolution_m"].isna().all()
     assert found["status"].tolist() == ["threshold_below_range"]
@@ -144,7 +147,7 @@ def test_a_resolution_below_all_distances_is_a_bound_and_no_number():
     assert mean[["n", "n_missing"]].to_numpy().tolist() == [[0, 1]]
 
 
-def test_conditions_have_resolutions_of_their_own():
+def test_conditions_have_separate_resolutions():
     good = dict(zip(DISTANCES_M, [(k, 60) for k in (35, 50, 58, 60, 60, 60)], strict=True))
     bad = dict(zip(DISTANCES_M, [(k, 60) for k in (30, 32, 35, 45, 56, 60)], strict=True))
     people = [
@@ -158,7 +161,7 @@ def test_conditions_have_resolutions_of_their_own():
     assert found["n"].tolist() == [2, 2]
 
 
-def test_few_levels_are_conditions_and_many_are_taken_together():
+def test_few_levels_are_conditions_many_are_pooled():
     rows = answers({0.01: (9, 18), 0.02: (18, 18)})
     few = right_answers(rows.assign(level=np.arange(36) % 2 + 20.0), FACTORS)
     assert few[["level", "separation_m"]].to_numpy().tolist() == [[20, 0.01], [20, 0.02], [21, 0.01], [21, 0.02]]
@@ -166,7 +169,7 @@ def test_few_levels_are_conditions_and_many_are_taken_together():
     assert many["n_trials"].tolist() == [18, 18]
 
 
-def test_places_without_distances_are_confused_all_the_same():
+def test_confusions_need_no_distances():
     rows = answers({0.01: (6, 10)}).drop(columns=["separation_m", "error_m"])
     assert right_answers(rows, FACTORS)[["n_correct", "n_trials"]].to_numpy().tolist() == [[6, 10]]
     assert len(confusions(rows, FACTORS)) == 4
@@ -230,7 +233,10 @@ def study(repeats):
 
 
 def chances(text):
-    """Of a right answer at each distance, by Phi(D / 2) from the field at the finger."""
+    """Return the rate of correct answers by distance.
+
+    It is Phi(D / 2) from the field at the finger.
+    """
     experiment, found = wire(parse(text.encode(), "s.toml"), "s.toml"), {}
     by_distance = {}
     for cell in experiment.cells.values():
@@ -241,8 +247,11 @@ def chances(text):
     return found
 
 
-def test_a_simulated_participant_of_known_resolution_gives_it_back(tmp_path):
-    """From study file to estimate, through the field of the plate: it is what the physics says, within its error."""
+def test_resolution_of_simulated_participant_is_recovered(tmp_path):
+    """Simulate a study file and analyse it.
+
+    The estimate equals the resolution of the plate's field within its error.
+    """
     text = study(repeats=40)
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     simulated = "simulate", tmp_path / "study.toml", "--participants", "1", "--out", tmp_path / "data"
@@ -257,7 +266,7 @@ def test_a_simulated_participant_of_known_resolution_gives_it_back(tmp_path):
 
 
 def test_rates_of_participants_are_compared_between_distances(tmp_path):
-    """Beside the analysis of variance of statsmodels, without a correction."""
+    """Compare with the ANOVA of statsmodels, without a correction."""
     rng = np.random.default_rng(4)
     people = [drawn(12, rng, 2, f"P{k}").assign(task="localisation", valid=1, trial=1) for k in range(5)]
     rows = pd.concat(people, ignore_index=True)
@@ -278,8 +287,8 @@ def test_rates_of_participants_are_compared_between_distances(tmp_path):
     assert 0 < found["ng2"] <= 1
 
 
-def test_rates_that_are_compared_between_distances_have_no_model_of_the_force(tmp_path):
-    """The force that was applied is known by the factors alone, not by the distance between places."""
+def test_rates_by_distance_have_no_force_model(tmp_path):
+    """Applied force is known by factor only, not by distance."""
     rng = np.random.default_rng()
     people = [
         drawn(12, rng, 2, f"P{k}").assign(force_n=force_n, force_mean_n=force_n * rng.uniform(0.9, 1.1))

@@ -55,7 +55,7 @@ def test_groups_of_unequal_size_weigh_alike() -> None:
     hard_case("groups of 4, 9 and 6", of_groups, peer, 1e-9, against="a regression")
 
 
-def test_two_factors_within_have_their_interactions_with_the_groups() -> None:
+def test_two_within_factors_have_all_group_interactions() -> None:
     table = study((5, 6), 6, np.random.default_rng())
     crossed = table.assign(force=table["freq"] // 3, freq=table["freq"] % 3)
     found = analysed(crossed, ["force", "freq"])
@@ -91,7 +91,7 @@ def test_a_missing_cell_is_refused_by_name() -> None:
         analysed(study((3, 3), 3, np.random.default_rng()).drop(index=4))
 
 
-def test_pairs_of_groups_are_welchs_tests_of_participants_means() -> None:
+def test_group_pairs_equal_scipy_welch_tests() -> None:
     from scipy.stats import ttest_ind
     from statsmodels.stats.multitest import multipletests
 
@@ -131,7 +131,7 @@ def test_groups_without_error_or_members_have_no_test() -> None:
         group_pairs(table[:2], dependent="y", between="hand", subject="subject")
 
 
-def test_a_factor_between_participants_gets_a_mixed_analysis_in_the_report() -> None:
+def test_between_factor_has_mixed_anova_in_outcome() -> None:
     table = study((5, 6), 3, np.random.default_rng()).rename(columns={"subject": "participant", "y": "threshold"})
     found = outcome(table.assign(status="ok"), ["hand", "freq"], "yes_no", "threshold")
     assert found.anova["Source"].tolist() == ["hand", "freq", "hand * freq"]

@@ -58,7 +58,7 @@ def test_published_cell_means_model_and_its_closed_form(published) -> None:
     assert (found.residual_variance, found.participant_variance) == pytest.approx((0.4297891, 2.5768999), rel=1e-4)
 
 
-def test_one_factor_has_the_f_of_the_analysis_of_variance() -> None:
+def test_mixed_model_with_one_factor_equals_anova() -> None:
     values = drawn((9, 4), np.random.default_rng())
     row = mixed_model(any_table(values), dependent="y", factors=["force"], subject="subject").terms.iloc[0]
     anova = repeated_measures(any_table(values), dependent="y", within="force", subject="subject")
@@ -104,7 +104,10 @@ def test_hard_scales_have_the_same_tests(published, scale) -> None:
 
 
 def test_each_term_is_averaged_over_the_others(published) -> None:
-    """Of a balanced design: its sum of squares over the error that all effects share."""
+    """Compare with sums of squares over the common error.
+
+    The design is balanced.
+    """
     found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject").terms.set_index("term")
     anova = repeated_measures(published, dependent="y", within=WITHIN, subject="subject").set_index("Source")
     error = (anova["MS"] / anova["F"] * anova["ddof2"]).sum() / anova["ddof2"].sum()
@@ -112,7 +115,7 @@ def test_each_term_is_averaged_over_the_others(published) -> None:
     assert (found["df2"] == 7 * 11).all()
 
 
-def test_what_varies_between_participants_is_tested_against_them(published) -> None:
+def test_between_factor_is_tested_against_participant_variance(published) -> None:
     own = np.repeat(np.random.default_rng().normal(0, 9, 8), 12)
     hands = np.repeat(["left", "right"], 48)
     table = published.assign(y=published["y"] + own, hand=hands)
@@ -138,7 +141,7 @@ def test_unit_and_offset_do_not_matter(published, scale) -> None:
     assert other.participant_variance == pytest.approx(one.participant_variance * scale**2, rel=1e-3)
 
 
-def test_missing_cells_are_taken_and_the_truth_is_recovered() -> None:
+def test_mixed_model_recovers_truth_with_missing_cells() -> None:
     rng = np.random.default_rng()
     n, k, sd = 60, 4, 0.7
     force = rng.uniform(0.5, 3.0, (n, k))
@@ -154,7 +157,7 @@ def test_missing_cells_are_taken_and_the_truth_is_recovered() -> None:
     assert found.participant_variance == pytest.approx(4.0, rel=4.5 * np.sqrt(2 / (n - 1)) + 0.1)
 
 
-def test_participants_alike_are_a_singular_fit_and_no_error(recwarn) -> None:
+def test_identical_participants_have_singular_fit(recwarn) -> None:
     values = drawn((8, 4), np.random.default_rng())
     centred = values - values.mean(axis=1, keepdims=True)
     found = mixed_model(any_table(centred), dependent="y", factors=["force"], subject="subject")
@@ -181,12 +184,12 @@ def test_names_with_spaces_are_names(published) -> None:
         ({}, {"factors": ["freq", "freq"]}, "mixed_model: found y, subject, freq, freq, expected each column once"),
     ],
 )
-def test_refuses_what_it_cannot_fit(published, change, arguments, message) -> None:
+def test_unfittable_tables_are_rejected(published, change, arguments, message) -> None:
     with pytest.raises(InvalidParameter, match=re.escape(message)):
         mixed_model(published.assign(**change), dependent="y", subject="subject", **arguments)
 
 
-def test_refuses_a_combination_of_levels_that_nobody_had(published) -> None:
+def test_empty_combination_of_levels_is_rejected(published) -> None:
     table = published[~((published["freq"] == 480) & (published["force"] == 2))]
     with pytest.raises(InvalidParameter, match=r"force \* freq: found that force = 2.0 \* freq = 480 follows from"):
         mixed_model(table, dependent="y", factors=WITHIN, subject="subject")

@@ -32,7 +32,7 @@ def test_track_mode_equals_that_of_single_fit(rule):
     np.testing.assert_allclose(found.widths[held], widths[held], rtol=1e-4)
 
 
-def test_modes_lie_about_the_truth_as_far_as_they_say():
+def test_track_modes_have_stated_standard_errors():
     (made,) = fitted_tracks(STAIRCASE, PEOPLE, (0,), int(np.random.default_rng().integers(2**32)), n_trials=100)
     modes = made.modes
     z = ((modes.thresholds - made.thresholds) / modes.standard_errors)[modes.regular]
@@ -41,8 +41,8 @@ def test_modes_lie_about_the_truth_as_far_as_they_say():
     assert 0.8 < np.subtract(*np.quantile(z, (0.8413, 0.1587))) / 2 < 1.4
 
 
-def test_levels_that_are_felt_by_a_table_are_fitted_as_they_are():
-    """What is felt 6 dB weaker needs 6 dB more of the stimulus."""
+def test_levels_felt_through_table_are_fitted_unchanged():
+    """If a stimulus feels 6 dB weaker, its threshold is 6 dB higher."""
     weaker = LevelTable(np.array([0.0, 40.0]), np.array([-6.0, 34.0]))
     rule = ConstantStimuli(tuple(np.arange(8.0, 37.0, 4.0).tolist()), 12)
     (plain,), (made,) = (fitted_tracks(rule, PEOPLE, (3,), 1, n_trials=96, table=table) for table in (None, weaker))
@@ -60,6 +60,6 @@ def test_levels_that_are_felt_by_a_table_are_fitted_as_they_are():
         (np.zeros((1, 3)), np.zeros((1, 3)), "weibull", "fit_modes.shape: found weibull"),
     ],
 )
-def test_what_is_no_track_is_refused(levels, answers, shape, sentence):
+def test_invalid_tracks_are_rejected(levels, answers, shape, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         fit_modes(levels, answers, shape=shape, guess_rate=0.5)

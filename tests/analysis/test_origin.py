@@ -26,7 +26,7 @@ def page_of(path):
     return render(analyse_trials(read_trials(path)))
 
 
-def test_the_first_line_of_a_report_and_its_methods_say_that_participants_are_simulated(whole):
+def test_report_states_that_participants_are_simulated(whole):
     page = page_of(whole)
     body = page.split("<body>")[1]
     assert body.index(f"<h1>{TITLE} (simulated)</h1>") < body.index(LINE) < body.index("<h2>")
@@ -35,7 +35,7 @@ def test_the_first_line_of_a_report_and_its_methods_say_that_participants_are_si
     assert body.count(LINE.removesuffix(".")) == 1
 
 
-def test_so_does_the_terminal_first_of_all(whole, capsys):
+def test_terminal_states_simulation_first(whole, capsys):
     status, _, out = call(capsys, "analyse", whole)
     assert status == 0
     assert out.startswith(f"! {LINE.removesuffix('.')}")
@@ -50,17 +50,17 @@ def test_analyse_decodes_each_journal_once(whole, capsys, monkeypatch):
     assert sorted(decoded) == sorted((whole / "journals").glob("*.jsonl"))
 
 
-def test_a_trials_file_alone_says_so_without_its_seed(whole):
+def test_single_trials_file_states_simulation_without_seed(whole):
     found = analyse_trials(read_trials(next((whole / "data").glob("*.csv"))))
     assert found.origin.line == "Simulated participants, no people (seed not known)."
 
 
-def test_a_data_set_that_an_older_version_simulated_says_so_too():
+def test_data_of_older_version_state_simulation():
     found = analyse_trials(read_trials(RECORDED / "yes-no"))
     assert found.origin.line == "Simulated participants, no people (seed 14)."
 
 
-def test_of_people_nothing_is_said(tmp_path):
+def test_recorded_participants_have_no_simulation_line(tmp_path):
     sit(tmp_path, SOUND)
     found = analyse_trials(read_trials(tmp_path))
     assert (found.origin.line, found.origin.method, found.origin.warnings) == ("", "", ())
@@ -71,7 +71,7 @@ def test_of_people_nothing_is_said(tmp_path):
 
 @pytest.fixture
 def mixed(tmp_path, whole):
-    """People, and a simulated participant whose files somebody copied beside them."""
+    """Recorded participants with copied files of a simulated participant."""
     sit(tmp_path / "d", SOUND)
     sit(tmp_path / "alone", SOUND)
     for folder in ("data", "journals"):
@@ -82,7 +82,7 @@ def mixed(tmp_path, whole):
     return tmp_path
 
 
-def test_of_a_mixed_table_people_are_analysed_and_the_others_named(mixed, whole, capsys):
+def test_mixed_table_leaves_out_simulated_participants(mixed, whole, capsys):
     n_rows = len(next((whole / "data").glob("*.csv")).read_text().splitlines()) - 1
     found = analyse_trials(read_trials(mixed / "d" / "data" / "participant-P01_session-1_study-tutorial_data.csv"))
     both = mixed / "both.csv"
@@ -99,7 +99,7 @@ def test_of_a_mixed_table_people_are_analysed_and_the_others_named(mixed, whole,
     assert "found simulated participants" in out
 
 
-def test_a_mixed_folder_of_an_older_version_is_told_apart_by_its_journals(tmp_path):
+def test_journals_identify_simulated_participants_of_older_version(tmp_path):
     root = Path(shutil.copytree(RECORDED / "console", tmp_path / "d"))
     other = RECORDED / "yes-no"
     for folder in ("data", "journals"):
@@ -125,7 +125,7 @@ def test_a_mixed_folder_of_an_older_version_is_told_apart_by_its_journals(tmp_pa
     assert found.origin.warnings[0].startswith("simulated participants share this table with people and are left out")
 
 
-def test_what_changed_between_sittings_is_a_warning(tmp_path):
+def test_changed_setting_between_sittings_has_warning(tmp_path):
     sit(tmp_path, SOUND, stops_at=4)
     sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, resume=True)
     assert analyse_trials(read_trials(tmp_path)).warnings[0] == (
@@ -133,12 +133,12 @@ def test_what_changed_between_sittings_is_a_warning(tmp_path):
     )
 
 
-def test_a_damaged_journal_keeps_nobody_from_an_analysis(lived):
+def test_damaged_journal_does_not_prevent_analysis(lived):
     next((lived / "journals").glob("*.jsonl")).write_bytes(b"{\n")
     assert analyse_trials(read_trials(lived)).origin.is_simulated
 
 
-def test_simulated_sessions_have_a_folder_of_their_own_by_default(tmp_path, capsys, monkeypatch):
+def test_simulated_sessions_have_separate_default_folder(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for rig in ("simulated", "console"):
         monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 99))

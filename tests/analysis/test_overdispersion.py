@@ -106,7 +106,7 @@ def test_overdispersed_answers_are_seen_and_widen_the_interval() -> None:
     "k",
     [[11, 12, 8, 13, 15, 19, 18], [12, 9, 11, 14, 18, 18, 19], [8, 6, 10, 13, 19, 19, 20], [7, 8, 13, 11, 18, 18, 19]],
 )
-def test_without_overdispersion_the_mode_is_the_higher_of_the_binomials_two(k) -> None:
+def test_mode_without_overdispersion_equals_binomial_mode(k) -> None:
     """Poor fits with a shallow summit without lapses, which the coarse grid leads to, below a steep one."""
     options = {"shape": "normal", "guess_rate": 0.5}
     binomial, found = (fit(np.arange(1.0, 8), k, 20, overdispersion=free, **options) for free in (False, True))

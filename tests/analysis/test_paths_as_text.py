@@ -26,6 +26,6 @@ def test_a_report_and_figures_are_written(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("read", [read_trials, read_plan, read_column_map, load_scene, read_plate])
-def test_one_that_is_not_there_is_named(read) -> None:
+def test_missing_path_is_named(read) -> None:
     with pytest.raises(InvalidFile, match=r"^nowhere\.toml: "):
         read("nowhere.toml")

@@ -52,7 +52,7 @@ def test_published_holm_correction(found) -> None:
 @pytest.mark.parametrize(
     ("correction", "name"), [("holm", "holm"), ("bonferroni", "bonf"), ("sidak", "sidak"), ("fdr_bh", "fdr_bh")]
 )
-def test_corrections_equal_pingouin_and_leave_out_what_is_missing(correction, name) -> None:
+def test_corrections_equal_pingouin_and_skip_missing_p(correction, name) -> None:
     p = np.insert(np.random.default_rng().random(9) ** 3, [0, 4], np.nan)
     peer = pingouin.multicomp(p, method=name)[1]
     assert adjusted_p(pd.Series(p), correction).tolist() == pytest.approx(peer.tolist(), nan_ok=True, rel=1e-15)
@@ -70,7 +70,7 @@ def test_pairs_equal_scipy_and_pingouin() -> None:
     assert row["dz"] == pytest.approx(row["t"] / np.sqrt(12))
 
 
-def test_pairs_at_each_level_of_another_factor_are_corrected_together(published) -> None:
+def test_simple_pairs_are_corrected_together(published) -> None:
     table = pairs(published, dependent="y", factor="force", by="freq", subject="subject")
     assert len(table) == 3 * 4
     low = table.loc[table["p_unc"].idxmin()]
@@ -81,14 +81,14 @@ def test_pairs_at_each_level_of_another_factor_are_corrected_together(published)
 
 
 @pytest.mark.parametrize(("t", "n"), [(0.0, 5), (2.5, 10), (-46.9, 8), (300.0, 4), (1e-9, 200)])
-def test_the_interval_of_dz_leaves_out_a_fortieth_each(t, n) -> None:
+def test_dz_interval_excludes_half_alpha_per_side(t, n) -> None:
     low, high = dz_interval(t, n, 0.95)
     assert low < t / np.sqrt(n) < high
     assert stats.nct.sf(t, n - 1, low * np.sqrt(n)) == pytest.approx(0.025, abs=1e-6)
     assert stats.nct.cdf(t, n - 1, high * np.sqrt(n)) == pytest.approx(0.025, abs=1e-6)
 
 
-def test_participants_that_differ_alike_have_a_difference_and_no_test(recwarn) -> None:
+def test_identical_differences_have_no_test(recwarn) -> None:
     values = np.arange(5.0)[:, None] + np.array([0.0, 2.0, 2.0])
     table = pairs(any_table(values), dependent="y", factor="force", subject="subject")
     assert table["status"].tolist() == ["zero_error"] * 3
@@ -133,12 +133,12 @@ def test_refuses_a_correction_it_does_not_know(published) -> None:
         (200.0, (2, 30), 5.52262382051e43),
     ],
 )
-def test_bayes_factors_of_large_t_are_those_of_more_digits(t, sizes, bf10) -> None:
+def test_bayes_factors_of_large_t_match_high_precision(t, sizes, bf10) -> None:
     assert bayes_factor(t, *sizes) == pytest.approx(bf10, rel=1e-9)
 
 
 @pytest.mark.parametrize("t", [0.0, -0.3, 2.5, 30.0, 100.0])
-def test_bayes_factors_are_pingouins_until_it_misses_the_peak(t) -> None:
+def test_bayes_factors_equal_pingouin_at_moderate_t(t) -> None:
     for sizes in ((3,), (24,), (2, 2), (5, 12)):
         peer = pingouin.bayesfactor_ttest(t, *sizes, paired=len(sizes) == 1)
         assert bayes_factor(t, *sizes) == pytest.approx(float(peer), rel=1e-6)
@@ -146,7 +146,7 @@ def test_bayes_factors_are_pingouins_until_it_misses_the_peak(t) -> None:
 
 @pytest.mark.parametrize("n", [3, 6, 40])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_intervals_of_a_vast_effect_go_on_from_those_of_a_large_one(n, sign) -> None:
+def test_dz_interval_is_continuous_for_vast_effects(n, sign) -> None:
     """They took 15 s for three participants, and were the effect itself from t = 1e6 on."""
     at = 1e4 * np.sqrt(n - 1)
     near, far = (np.array(dz_interval(sign * t, n, 0.95)) / t for t in (0.999 * at, 1.001 * at))
@@ -155,7 +155,7 @@ def test_intervals_of_a_vast_effect_go_on_from_those_of_a_large_one(n, sign) -> 
 
 
 @pytest.mark.parametrize("spread", [2e-2, 2e-3, 2e-6])
-def test_three_participants_who_differ_nearly_alike_have_a_bayes_factor(spread) -> None:
+def test_nearly_identical_differences_have_bayes_factor(spread) -> None:
     values = np.array([[0.0, 20.0], [1.0, 21.0 + spread], [2.0, 22.0 - spread]])
     found = pairs(any_table(values), dependent="y", factor="force", subject="subject").iloc[0]
     # Far out the null has no chance: the factor grows as t^(n - 2), here as t.
@@ -163,7 +163,7 @@ def test_three_participants_who_differ_nearly_alike_have_a_bayes_factor(spread) 
 
 
 @pytest.mark.parametrize("bf10", [0.001, 0.4, 1.0, 2.9, 3.1, 99.0, 1e9])
-def test_evidence_has_a_word(bf10) -> None:
+def test_evidence_has_a_label(bf10) -> None:
     assert evidence(bf10).endswith("no difference" if bf10 < 1 else "a difference")
 
 
@@ -178,7 +178,7 @@ def test_equivalence_equals_pingouin() -> None:
     assert row["p"] == pytest.approx(float(peer["pval"].iloc[0]), rel=1e-9)
 
 
-def test_equivalent_means_that_the_interval_lies_within_the_bound(published) -> None:
+def test_equivalence_holds_when_interval_is_within_bound(published) -> None:
     for bound in (0.3, 0.6, 0.9, 1.2, 1.5):
         table = equivalence(published, dependent="y", factor="force", by="freq", subject="subject", bound=bound)
         inside = (table["low"] > -bound) & (table["high"] < bound)
@@ -187,7 +187,7 @@ def test_equivalent_means_that_the_interval_lies_within_the_bound(published) -> 
 
 
 @pytest.mark.slow
-def test_at_the_bound_equivalence_is_claimed_as_often_as_alpha() -> None:
+def test_equivalence_error_rate_at_bound_is_alpha() -> None:
     rng = np.random.default_rng()
     n_studies = 4000 if SOAK else 400
     claims = 0
@@ -198,17 +198,17 @@ def test_at_the_bound_equivalence_is_claimed_as_often_as_alpha() -> None:
 
 
 @pytest.mark.parametrize("bound", [0.0, -1.0, np.nan, np.inf])
-def test_refuses_a_bound_that_is_none(published, bound) -> None:
+def test_equivalence_rejects_invalid_bound(published, bound) -> None:
     with pytest.raises(InvalidParameter, match="bound: found .*, expected a difference above 0, in the unit of y"):
         equivalence(published, dependent="y", factor="force", subject="subject", bound=bound)
 
 
-def test_refuses_a_chance_of_error_of_one_half(published) -> None:
+def test_equivalence_rejects_alpha_of_one_half(published) -> None:
     with pytest.raises(InvalidParameter, match="alpha: found 0.5, expected a number above 0 and below 0.5"):
         equivalence(published, dependent="y", factor="force", subject="subject", bound=1.0, alpha=0.5)
 
 
-def test_participants_that_differ_alike_are_judged_by_the_difference() -> None:
+def test_identical_differences_are_compared_with_bound() -> None:
     values = np.arange(5.0)[:, None] + np.array([0.0, 2.0])
     claims = [
         equivalence(any_table(values), dependent="y", factor="force", subject="subject", bound=bound)["equivalent"][0]

@@ -45,7 +45,7 @@ def told(table: pd.DataFrame, **options):
 # --- the rule, and the plan
 
 
-def test_of_a_whole_design_the_analysis_of_variance_answers() -> None:
+def test_anova_is_primary_for_complete_design() -> None:
     table = estimates(np.random.default_rng())
     found = told(table)
     assert (found.primary, found.notes) == ("anova", ())
@@ -57,7 +57,7 @@ def test_of_a_whole_design_the_analysis_of_variance_answers() -> None:
 
 
 @pytest.mark.parametrize("n_below", [0, 2])
-def test_effects_are_the_same_where_nothing_is_compared(n_below) -> None:
+def test_effects_are_same_without_pair_comparisons(n_below) -> None:
     table = estimates(np.random.default_rng(), n_below=n_below)
     whole, alone = told(table), told(table, compared=False)
     assert (len(whole.pairs), alone.pairs, alone.simple_pairs) == (2, {}, {})
@@ -65,7 +65,7 @@ def test_effects_are_the_same_where_nothing_is_compared(n_below) -> None:
     pd.testing.assert_frame_equal(alone.effects, whole.effects)
 
 
-def test_with_bounds_nobody_is_left_out_and_the_complete_part_is_a_check() -> None:
+def test_censored_anova_is_primary_with_bounds() -> None:
     table = estimates(np.random.default_rng(), n_below=2)
     found = told(table, bounds={"force_n": 3.0})
     assert (found.primary, found.effects.attrs["n"]) == ("censored_anova", 8)
@@ -83,7 +83,7 @@ def test_with_bounds_nobody_is_left_out_and_the_complete_part_is_a_check() -> No
     assert found.equivalence["force_n"]["n"].tolist() == [8]
 
 
-def test_flat_cell_counts_as_interval_and_not_as_threshold() -> None:
+def test_flat_cell_counts_as_interval() -> None:
     """One with both ends, and one with an upper end only, which lies no more below the levels than above them."""
     table = estimates(np.random.default_rng())
     rows = table.index[:2]
@@ -97,7 +97,7 @@ def test_flat_cell_counts_as_interval_and_not_as_threshold() -> None:
 
 
 @pytest.mark.parametrize("n_below", [0, 1])
-def test_groups_alone_have_an_analysis_of_variance_and_pairs(n_below) -> None:
+def test_between_groups_design_has_anova_and_pairs(n_below) -> None:
     """They had none: "group does not vary within participants"."""
     table = estimates(np.random.default_rng(), n=9, n_below=n_below)
     table = table[(table["frequency_hz"] == 240) & (table["force_n"] > 1)]
@@ -112,7 +112,7 @@ def test_groups_alone_have_an_analysis_of_variance_and_pairs(n_below) -> None:
         assert found.effects[["F", "p_unc"]].iloc[0].tolist() == pytest.approx([*peer], rel=1e-6)
 
 
-def test_a_condition_that_the_model_leaves_out_has_no_mean_of_another() -> None:
+def test_condition_left_out_by_model_has_no_mean() -> None:
     """With one frequency left the model has means by force only; they are those of that frequency."""
     table = estimates(np.random.default_rng())
     table = table[table["frequency_hz"] < 240]
@@ -125,7 +125,7 @@ def test_a_condition_that_the_model_leaves_out_has_no_mean_of_another() -> None:
 
 
 @pytest.mark.parametrize("named", ["anova", "censored_anova", "permutation", "mixed_model"])
-def test_the_plan_names_the_analysis_that_answers(named) -> None:
+def test_plan_names_primary_analysis(named) -> None:
     table = estimates(np.random.default_rng(), n_below=1)
     forces = table[["participant", *FACTORS]].assign(force_mean_n=1.1 * table["force_n"])
     found = told(table, primary=named, forces=forces)
@@ -137,13 +137,13 @@ def test_the_plan_names_the_analysis_that_answers(named) -> None:
 
 
 @pytest.mark.parametrize("named", [None, "anova"])
-def test_why_one_participant_has_no_analysis_of_variance_is_said_once(named) -> None:
+def test_missing_anova_of_one_participant_is_noted_once(named) -> None:
     alone = estimates(np.random.default_rng()).query("participant == 'P1'")
     found = told(alone, primary=named)
     assert found.notes == ("no analysis of variance: no three participants share two conditions with a value",)
 
 
-def test_a_named_analysis_that_has_no_answer_leaves_the_question_open() -> None:
+def test_unavailable_named_analysis_leaves_no_primary() -> None:
     found = told(estimates(np.random.default_rng()), primary="mixed_model")
     assert (found.primary, primary_sentences(found)) == (None, [])
     assert found.notes == (
@@ -155,7 +155,7 @@ def test_a_named_analysis_that_has_no_answer_leaves_the_question_open() -> None:
 # --- after an interaction
 
 
-def test_an_interaction_is_taken_apart() -> None:
+def test_interaction_has_simple_effects() -> None:
     table = estimates(np.random.default_rng(), interaction=4.0)
     found = told(table)
     assert set(found.simple) == set(found.simple_pairs) == {("force_n", "frequency_hz"), ("frequency_hz", "force_n")}
@@ -174,7 +174,7 @@ def test_an_interaction_is_taken_apart() -> None:
     assert apart["p_corr"].tolist() == peer["p_corr"].tolist()
 
 
-def test_an_interaction_of_bounds_is_taken_apart_with_everybody() -> None:
+def test_censored_interaction_has_simple_effects_of_everyone() -> None:
     found = told(estimates(np.random.default_rng(), interaction=4.0, n_below=2))
     simple = found.simple["force_n", "frequency_hz"]
     assert simple["F"].notna().all()
@@ -215,7 +215,7 @@ def test_without_an_interaction_there_are_no_simple_effects() -> None:
 # --- intervals within participants
 
 
-def test_of_two_conditions_the_interval_within_is_that_of_the_difference_over_root_two() -> None:
+def test_within_interval_of_two_conditions_matches_difference() -> None:
     table = estimates(np.random.default_rng())
     two = table[(table["force_n"] > 1) & (table["frequency_hz"] > 60)]
     group = group_table(two, ["frequency_hz"])
@@ -226,7 +226,7 @@ def test_of_two_conditions_the_interval_within_is_that_of_the_difference_over_ro
         assert group[f"within_{end}"].to_numpy(dtype=float) == pytest.approx(expected.to_numpy(dtype=float), rel=1e-9)
 
 
-def test_the_interval_within_does_not_count_what_participants_share() -> None:
+def test_within_interval_ignores_shifts_between_participants() -> None:
     table = estimates(np.random.default_rng())
     shift = dict(zip(table["participant"].unique(), np.arange(8) * 100.0, strict=True))
     moved = table.assign(threshold=table["threshold"] + table["participant"].map(shift))
@@ -236,7 +236,7 @@ def test_the_interval_within_does_not_count_what_participants_share() -> None:
     assert (other["mean_high"] - other["mean_low"]).min() > 10 * reach[1].max()
 
 
-def test_an_incomplete_table_without_a_model_has_no_interval_within() -> None:
+def test_incomplete_table_has_no_within_interval() -> None:
     group = group_table(estimates(np.random.default_rng(), n_below=1), FACTORS)
     assert group["within_low"].isna().all()
     assert group["text"].iloc[-1] == "of 8: 1 below the levels"
@@ -258,13 +258,13 @@ def rated(tmp_path_factory):
     return analyse(path, report=path.with_name("r.html"))
 
 
-def test_the_plan_names_what_answers_of_questionnaires_too(rated) -> None:
+def test_plan_names_primary_analysis_of_questionnaires(rated) -> None:
     planned = analyse(rated.trials.path, plan=AnalysisPlan(primary="permutation"))
     for found, primary in ((rated, "anova"), (planned, "permutation")):
         assert {one.primary for form in found.forms for one in form.outcomes.values()} == {primary}
 
 
-def test_patterns_of_ones_own_have_their_test_and_pairs(rated) -> None:
+def test_custom_patterns_have_anova_and_pairs(rated) -> None:
     (form,) = rated.forms
     assert list(form.outcomes) == ["PQ", "HQI", "HQS", "ATT", "HQ"]
     effects = rated.tables["attrakdiff_anova"]
@@ -283,7 +283,7 @@ def test_patterns_of_ones_own_have_their_test_and_pairs(rated) -> None:
     assert len(statistics["Pairs of pattern"]) == 15
 
 
-def test_the_methods_of_a_questionnaire_name_what_ran(rated) -> None:
+def test_methods_of_questionnaire_name_its_analyses(rated) -> None:
     assert "Chi and Muller" in rated.methods
     assert "paired t-tests" in rated.methods
     assert "The primary analysis, chosen by a rule" in rated.methods
@@ -314,7 +314,7 @@ def run(*arguments) -> dict:
     return json.loads(result.stdout)
 
 
-def test_the_command_says_which_analysis_answers(tmp_path) -> None:
+def test_command_names_primary_analysis(tmp_path) -> None:
     file = written(tmp_path / "t.csv", estimates(np.random.default_rng(), interaction=4.0))
     found = run(file, "--report", tmp_path / "r.html")["outcomes"][0]
     assert found["primary"]["analysis"] == "anova"
@@ -337,7 +337,7 @@ def test_the_command_says_which_analysis_answers(tmp_path) -> None:
     assert named["sentences"][0].startswith("force_n: permutation test of 128 changes of signs")
 
 
-def test_an_analysis_that_is_none_is_refused(tmp_path) -> None:
+def test_plan_rejects_unknown_primary_analysis(tmp_path) -> None:
     file = written(tmp_path / "t.csv", estimates(np.random.default_rng()))
     plan = tmp_path / "plan.toml"
     plan.write_text('primary = "anovas"\n')

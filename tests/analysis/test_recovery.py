@@ -40,7 +40,7 @@ def recovered(request):
     return truth, fits
 
 
-def test_mean_bias_is_small_against_the_spread_of_participants(recovered) -> None:
+def test_mean_bias_is_small_against_participant_spread(recovered) -> None:
     """Below 0.15 SD, plus the standard error of the mean of the errors at 1e-4."""
     truth, fits = recovered
     errors = np.array([f.threshold - t for f, t in zip(fits, truth, strict=True) if f.threshold is not None])
@@ -59,7 +59,7 @@ def test_intervals_cover_the_truth(recovered) -> None:
     assert all(f.interval_low is not None or f.interval_high is not None for f in fits)
 
 
-def test_intervals_are_no_wider_than_the_errors_ask_for(recovered) -> None:
+def test_intervals_are_not_much_wider_than_errors(recovered) -> None:
     truth, fits = recovered
     told = [(f, t) for f, t in zip(fits, truth, strict=True) if f.status == "ok"]
     half = np.array([(f.interval_high - f.interval_low) / 2 for f, _ in told])

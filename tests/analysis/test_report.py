@@ -43,7 +43,7 @@ def found(study, tmp_path_factory) -> Analysis:
     return analyse(study[0], report=tmp_path_factory.mktemp("reported") / "report.html")
 
 
-def test_every_participant_and_condition_has_a_threshold_near_the_truth(study, found) -> None:
+def test_thresholds_are_near_the_truth(study, found) -> None:
     _, truth = study
     table = found.tables["thresholds"]
     errors = [
@@ -54,14 +54,14 @@ def test_every_participant_and_condition_has_a_threshold_near_the_truth(study, f
     assert np.abs(errors).max() < 6 * 1.0
 
 
-def test_the_group_table_has_the_form_of_frequency_by_force(found) -> None:
+def test_group_table_crosses_frequency_by_force(found) -> None:
     cross = found.outcomes[0].cross
     assert list(cross.columns) == ["frequency_hz", "force_n = 0.5", "force_n = 3"]
     assert cross["frequency_hz"].tolist() == [60, 240, 480]
     assert re.fullmatch(r"-?\d+\.\d \[-?\d+\.\d, -?\d+\.\d\] \(n = 5\)", cross.iloc[0, 1])
 
 
-def test_the_analysis_of_variance_finds_the_frequency(found) -> None:
+def test_anova_finds_frequency_effect(found) -> None:
     anova = found.tables["anova_threshold"].set_index("Source")
     assert anova.loc["frequency_hz", "p_unc"] < 1e-4
     assert primary_sentences(found.outcomes[0])[1].startswith("frequency_hz: F(")
@@ -73,14 +73,14 @@ def test_rates_count_every_answer_once(found) -> None:
     assert ((rates["rate_low"] <= rates["rate"]) & (rates["rate"] <= rates["rate_high"])).all()
 
 
-def test_catch_trials_stand_apart(found) -> None:
+def test_catch_trials_are_counted_separately(found) -> None:
     table = found.tables["thresholds"]
     assert (table["n_catch"] == 20).all()
     assert (table["n_trials"] == 9 * 12).all()
     assert found.tables["quality"]["n_catch"].tolist() == [120] * 5
 
 
-def test_the_same_data_give_the_same_bytes(study, found, tmp_path) -> None:
+def test_same_data_have_same_report_bytes(study, found, tmp_path) -> None:
     analyse(study[0], report=tmp_path / "report.html")
     files = sorted(found.report.parent.rglob("*"))
     assert len(files) > 10
@@ -89,7 +89,7 @@ def test_the_same_data_give_the_same_bytes(study, found, tmp_path) -> None:
         assert one.is_dir() or one.read_bytes() == other.read_bytes()
 
 
-def test_the_report_needs_nothing_else(found) -> None:
+def test_report_is_self_contained(found) -> None:
     page = found.report.read_text()
     outside = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?((?!#|data:)[^"\')\s>]+)', page)
     assert [link for link in outside if not link.startswith("f")] == []
@@ -99,7 +99,7 @@ def test_the_report_needs_nothing_else(found) -> None:
     assert page.index("Warnings") < page.index("Detection threshold")
 
 
-def test_the_tables_of_the_report_are_the_tables_of_the_result(found) -> None:
+def test_report_tables_equal_result_tables(found) -> None:
     for name, table in found.tables.items():
         again = pd.read_csv(found.tables_folder / f"{name}.csv")
         assert len(again) == len(table)
@@ -120,7 +120,7 @@ def test_other_tasks_recover_the_truth(tmp_path, task) -> None:
         )
 
 
-def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp_path) -> None:
+def test_fully_censored_condition_is_left_out_of_anova(tmp_path) -> None:
     rng = np.random.default_rng()
     means = {(60.0,): 75.0, (240.0,): 16.0, (480.0,): 22.0}
     truth = analysis_data.grid_of_thresholds(4, means, 1.0, rng)
@@ -143,7 +143,7 @@ def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp
     assert any("4 of 12 cells with a threshold above the levels" in warning for warning in found.warnings)
 
 
-def test_participants_with_a_bound_stay_in_the_primary_analysis(tmp_path) -> None:
+def test_participants_with_bounds_stay_in_primary_analysis(tmp_path) -> None:
     rng = np.random.default_rng()
     truth = analysis_data.grid_of_thresholds(6, {(240.0,): 16.0, (480.0,): 30.0}, 1.0, rng)
     truth |= {("P01", (480.0,)): 70.0, ("P02", (480.0,)): 70.0}
@@ -187,7 +187,7 @@ def estimates(*rows: tuple[float | None, str, float | None, float | None]) -> pd
         ([(None, "flat", None, None)], "none (1 missing)"),
     ],
 )
-def test_a_mean_is_never_taken_over_what_is_no_threshold(rows, text) -> None:
+def test_group_mean_excludes_cells_without_threshold(rows, text) -> None:
     group = group_table(estimates(*rows), ["condition"])
     assert cross_table(group, ["condition"])["mean"].tolist() == [text]
 
@@ -210,7 +210,7 @@ def test_masking_vibration_raises_the_difference_threshold(dallmann) -> None:
     assert dallmann.tables["anova_pse"].set_index("Source").loc["vibration_hz", "p_unc"] > 0.05
 
 
-def test_individual_fits_of_real_data_without_lapses_equal_a_probit_regression(dallmann) -> None:
+def test_fits_without_lapses_equal_probit_regression(dallmann) -> None:
     """With free lapses, the default, points of equality agree within their intervals, and differences are smaller."""
     import statsmodels.api as sm
 
@@ -230,7 +230,7 @@ def test_individual_fits_of_real_data_without_lapses_equal_a_probit_regression(d
     assert outside == [("NI", 0)]  # free asymptotes: 8.655 cm/s, the interval ends at 8.647
 
 
-def test_the_terminal_shows_table_and_sentence(found) -> None:
+def test_terminal_shows_table_and_sentence(found) -> None:
     text = summary_text(found)
     assert "Frequency (Hz)" in text
     assert "frequency_hz" not in text
@@ -238,14 +238,14 @@ def test_the_terminal_shows_table_and_sentence(found) -> None:
     assert "generalised eta squared" in " ".join(text.split())
 
 
-def test_the_command_ends_with_one_sentence_and_status_two(tmp_path, capsys) -> None:
+def test_command_rejects_bad_table_with_one_sentence(tmp_path, capsys) -> None:
     bad = tmp_path / "bad.csv"
     bad.write_text("participant,level\nP01,1\n")
     said = f"tactometry: {bad}: found no column 'task'; name it with a column map (--columns)"
     assert refused(capsys, "analyse", bad) == said
 
 
-def test_refuses_a_report_that_is_no_page_or_cannot_be_written(study, found, tmp_path) -> None:
+def test_report_requires_writable_html_path(study, found, tmp_path) -> None:
     with pytest.raises(InvalidParameter, match=r"--report: found 'r.txt', expected a file name that ends in .html"):
         analyse(study[0], report=tmp_path / "r.txt")
     with pytest.raises(InvalidParameter, match="--pdf: found no --report, expected one"):
@@ -295,7 +295,7 @@ def planned(pressed, tmp_path_factory) -> Analysis:
     return analyse(pressed, plan=plan, report=tmp_path_factory.mktemp("planned") / "report.html")
 
 
-def test_the_plan_leaves_out_and_says_so_first(planned) -> None:
+def test_plan_exclusions_are_first_warning(planned) -> None:
     assert set(planned.tables["thresholds"]["participant"]) == {"P01", "P03", "P04", "P05"}
     assert planned.warnings[0].startswith("left out by the rule force_in_band_share_min = 0.5, numbers of trials: P02 ")
     assert set(planned.tables["excluded"]["participant"]) == {"P02"}
@@ -304,7 +304,7 @@ def test_the_plan_leaves_out_and_says_so_first(planned) -> None:
     assert "pingouin" in planned.methods
 
 
-def test_the_report_has_force_models_pairs_and_references(planned) -> None:
+def test_report_has_force_models_pairs_and_references(planned) -> None:
     page = planned.report.read_text()
     headings = (
         "Applied force",
@@ -350,12 +350,12 @@ def test_every_figure_is_a_file_with_its_numbers(shown) -> None:
     assert one == {"P01"}
 
 
-def test_a_figure_is_drawn_once_as_vectors_for_page_and_file_and_once_as_pixels(shown) -> None:
+def test_figures_are_drawn_once_per_format(shown) -> None:
     found, n_drawn = shown
     assert n_drawn == 2 * len(list(found.figures_folder.glob("*.png"))) > 0
 
 
-def test_the_pixels_of_a_figure_have_the_places_of_its_lines():
+def test_png_keeps_axes_positions_of_svg():
     with new_figure(3.0, 2.0) as figure:
         for axes in figure.subplots(1, 2):
             axes.set(ylabel="Level (dB)", title="a")
@@ -368,13 +368,13 @@ def test_the_pixels_of_a_figure_have_the_places_of_its_lines():
 @pytest.mark.skipif(
     not any(map(shutil.which, (*BROWSERS, WEASYPRINT))), reason="neither a browser nor WeasyPrint is installed"
 )
-def test_the_page_is_printed_by_what_is_there(tmp_path) -> None:
+def test_page_is_printed_by_available_printer(tmp_path) -> None:
     page = tmp_path / "r.html"
     page.write_text("<details><summary>closed</summary><p>inside</p></details>")
     assert print_pdf(page).read_bytes().startswith(b"%PDF")
 
 
-def test_the_pdf_that_was_written_is_named(found, tmp_path, monkeypatch) -> None:
+def test_written_pdf_is_named(found, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("tactometry.analysis.report.page.print_pdf", lambda path: path.with_suffix(".pdf"))
     printed = write_report(found, tmp_path / "r.html", pdf=True)
     assert f"PDF: {tmp_path / 'r.pdf'}" in summary_text(printed).splitlines()
@@ -382,7 +382,7 @@ def test_the_pdf_that_was_written_is_named(found, tmp_path, monkeypatch) -> None
     assert summary(found)["pdf"] is None
 
 
-def test_without_a_printer_the_page_is_kept_and_that_is_said(tmp_path, monkeypatch) -> None:
+def test_missing_printer_is_reported(tmp_path, monkeypatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(DeviceFailed, match="--pdf: found neither a browser .* nor weasyprint, expected one; print"):
         print_pdf(tmp_path / "r.html")

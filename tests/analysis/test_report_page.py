@@ -56,7 +56,7 @@ def captions(found: Analysis) -> dict[str, str]:
     return {figure.name: figure.caption for figure in figures_of(found)}
 
 
-def test_one_participant_is_promised_no_interval_between_participants(one) -> None:
+def test_single_participant_has_no_between_participants_interval(one) -> None:
     page, told = render(one), captions(one)
     assert "between" not in told["threshold"] + told["force"]
     assert "interval" not in told["force"]
@@ -65,7 +65,7 @@ def test_one_participant_is_promised_no_interval_between_participants(one) -> No
     assert "in 1 file;" in page
 
 
-def test_one_participant_has_the_intervals_of_the_fits(one) -> None:
+def test_single_participant_has_intervals_of_fits(one) -> None:
     [outcome] = one.outcomes
     known = outcome.estimates["threshold"].notna()
     assert known.any()
@@ -79,13 +79,13 @@ def test_one_participant_has_the_intervals_of_the_fits(one) -> None:
     assert "(value, 95 % interval of its fit, n)" in summary_text(one)
 
 
-def test_two_participants_have_the_intervals_that_are_promised(two) -> None:
+def test_two_participants_have_between_participants_intervals(two) -> None:
     told = captions(two)
     assert "t-intervals between participants; faint dots are participants" in told["threshold"]
     assert "Mean over participants with 95 % interval between participants." in render(two)
 
 
-def test_the_axis_of_force_holds_0_the_target_and_all_values(two, one) -> None:
+def test_force_axis_includes_zero_target_and_values(two, one) -> None:
     for found in (one, two):
         (figure,) = (figure for figure in figures_of(found) if figure.name == "force")
         (axes,) = figure.draw().figure.axes
@@ -97,7 +97,7 @@ def test_the_axis_of_force_holds_0_the_target_and_all_values(two, one) -> None:
         assert figure.caption.endswith("dashed: the target.")
 
 
-def test_the_title_and_the_procedure_are_those_of_the_study(one) -> None:
+def test_report_has_title_and_procedure_of_study(one) -> None:
     page = render(one)
     assert "<h1>Tutorial: is there a vibration under the finger? (simulated)</h1>" in page
     assert "Study tutorial: 1 participant" in page
@@ -108,7 +108,7 @@ def test_the_title_and_the_procedure_are_those_of_the_study(one) -> None:
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_the_procedure_of_every_study_is_told_with_all_that_its_file_says(name) -> None:
+def test_procedure_text_includes_all_settings_of_study(name) -> None:
     study = read_table(FOLDER / f"{name}.toml", "a study")
     text = procedure_text(study, "dB re 1 V")
     for table in ("stimulus", "touch", "task", "procedure", "practice"):
@@ -125,13 +125,13 @@ def test_the_procedure_of_every_study_is_told_with_all_that_its_file_says(name) 
 @pytest.mark.parametrize(
     ("after", "told"), [("start", "before the first block"), ("block", "after each block"), ("session", "at the end")]
 )
-def test_the_procedure_says_when_a_questionnaire_was_asked(after, told) -> None:
+def test_procedure_text_says_when_questionnaire_is_given(after, told) -> None:
     inquiry = {"form": "demographics", "after": after}
     text = procedure_text({"inquiries": {"who": inquiry}}, "")
     assert f"The questionnaire demographics was asked {told}" in text
 
 
-def test_every_kind_of_stimulus_is_told_in_words() -> None:
+def test_every_stimulus_kind_has_a_description() -> None:
     assert set(STIMULI) == set(KINDS_OF_STIMULI)
 
 
@@ -141,7 +141,7 @@ def test_a_table_without_a_study_has_no_procedure(tmp_path) -> None:
     assert study_text(tmp_path, "").title == "T"
 
 
-def test_thresholds_in_decibels_stand_in_volt_peak_beside_them(two) -> None:
+def test_decibel_thresholds_are_also_in_volt_peak(two) -> None:
     page = render(two)
     assert "The same in V peak, 10^(level / 20): means are geometric." in page
     known = two.outcomes[0].group.dropna(subset="mean")
@@ -156,7 +156,7 @@ def test_a_difference_in_decibels_has_no_reference() -> None:
     assert (jnd.unit("dB re 1 V"), pse.unit("dB re 1 V"), jnd.unit("cm/s")) == ("dB", "dB re 1 V", "cm/s")
 
 
-def test_factors_stand_in_words_on_page_and_terminal(two) -> None:
+def test_factors_have_readable_names_in_output(two) -> None:
     body = re.sub(r"<svg.*?</svg>", "", render(two).split("<body>")[1], flags=re.S)
     assert "frequency_hz" not in body
     assert "<th>Frequency (Hz)</th>" in body
@@ -164,14 +164,14 @@ def test_factors_stand_in_words_on_page_and_terminal(two) -> None:
     assert "frequency_hz" not in summary_text(two)
 
 
-def test_no_table_is_cut(two) -> None:
+def test_tables_are_not_cut(two) -> None:
     """Cells break between a value, its interval and its number; they are not held on one line."""
     page = render(two)
     assert "nowrap" not in page
     assert re.search(r"<td>[\d.]+ \[\S+,\u00a0\S+\] \(n\u00a0=\u00a02\)</td>", page)
 
 
-def test_headings_stay_with_what_they_head_in_print(two) -> None:
+def test_headings_stay_with_their_content_in_print(two) -> None:
     page = render(two)
     assert re.search(r"h1, h2, h3, summary, \.lead \{ break-after: avoid; \}", page)
     for head in re.findall(r"<h2>[^<]*</h2>\n<p([^>]*)>", page):
@@ -180,7 +180,7 @@ def test_headings_stay_with_what_they_head_in_print(two) -> None:
     assert page.count(f"{heading}</") <= 1
 
 
-def test_tracks_are_called_by_their_procedure() -> None:
+def test_tracks_are_named_by_procedure() -> None:
     found = analysis_of(RECORDED / "quest-plus-tracks")
     told = [caption for name, caption in captions(found).items() if name.endswith("_tracks")]
     assert told
@@ -189,11 +189,11 @@ def test_tracks_are_called_by_their_procedure() -> None:
     assert not any(name.startswith("mean_rates") for name in captions(found))
 
 
-def test_a_rate_over_all_levels_is_drawn_of_fixed_levels_only(one) -> None:
+def test_mean_rates_are_drawn_for_fixed_levels(one) -> None:
     assert "mean_rates_yes_no" in captions(one)
 
 
-def test_dots_lie_beside_bars_and_between_series() -> None:
+def test_dots_do_not_overlap_bars() -> None:
     names = ["P0", "P1", "P2"]
     means = pd.DataFrame({"pattern": names, "mean": [1.0, 2.0, 3.0]}).assign(mean_low=0.5, mean_high=3.5)
     own = pd.DataFrame({"pattern": names * 2, "x": range(6)})
@@ -204,7 +204,7 @@ def test_dots_lie_beside_bars_and_between_series() -> None:
 
 
 @pytest.mark.parametrize("level", [60.0, "P0"])
-def test_one_condition_lies_in_the_middle_with_its_dots_beside_it(level) -> None:
+def test_single_condition_is_centred_with_dots_adjacent(level) -> None:
     means = pd.DataFrame({"x_hz": [level], "mean": [1.0], "mean_low": [0.5], "mean_high": [3.5]})
     (axes,) = threshold_figure(means, pd.DataFrame({"x_hz": level, "x": range(3)}), ["x_hz"], "x", "x").figure.axes
     (place,), (low, high) = axes.get_xticks(), axes.get_xlim()
@@ -221,7 +221,7 @@ def test_series_of_neighbours_do_not_meet(n, log) -> None:
     assert last[1] < first[2] < last[2] < first[3]
 
 
-def test_no_two_of_fourteen_series_look_alike() -> None:
+def test_fourteen_series_look_different() -> None:
     assert len({str(look(n)) for n in range(2 * len(COLOURS))}) == 14
 
 
@@ -236,7 +236,7 @@ def test_scores_of_a_load_are_not_called_good() -> None:
     assert captions(found)["realism_likert_word_pairs"].startswith("Items: ")
 
 
-def test_what_means_say_of_themselves() -> None:
+def test_captions_describe_means_and_intervals() -> None:
     told = pd.DataFrame({"mean": [1.0], "mean_low": [0.5], "within_low": [0.7], "n": [3]})
     assert figure_text(told, "dots").startswith("means over participants; bars are 95 % intervals within participants")
     alike = pd.DataFrame({"mean": [1.0], "mean_low": [np.nan], "n": [3]})
@@ -245,7 +245,7 @@ def test_what_means_say_of_themselves() -> None:
     assert means_sentence(modelled).endswith("; where a value is a bound, of the censored model.")
 
 
-def test_methods_of_a_questionnaire_tell_what_its_figures_and_sentences_show() -> None:
+def test_methods_of_questionnaire_match_its_figures() -> None:
     methods = analysis_of(RECORDED / "hybrid-button").methods
     assert "symmetric on the logit of their range" in methods
     for absent in ("Cousineau", "The primary analysis"):  # two participants have none
@@ -266,11 +266,11 @@ def test_methods_of_one_participant_claim_no_interval(one) -> None:
         ("9.6 % [8.5, 10.7]", 3),
     ],
 )
-def test_a_cell_breaks_where_its_parts_meet(cell, parts) -> None:
+def test_cell_breaks_between_its_parts(cell, parts) -> None:
     assert len(nonbreaking(cell).split(" ")) == parts
 
 
-def test_bounds_alone_are_no_means() -> None:
+def test_bounds_alone_have_no_means() -> None:
     trials = read_trials(RECORDED / "forced-choice")
     always = trials.rows["correct"].mask(trials.rows["frequency_hz"] == 240, 1)
     found = analyse_trials(replace(trials, rows=trials.rows.assign(correct=always)))
@@ -282,13 +282,13 @@ def test_bounds_alone_are_no_means() -> None:
     assert captions(found)["threshold"].startswith("Detection threshold: no mean is known; ")
 
 
-def test_a_value_of_a_factor_stands_as_it_was_stated() -> None:
+def test_factor_values_are_printed_as_stated() -> None:
     page = render(analysis_of(RECORDED / "quest-plus-tracks"))
     assert "<td>0.5</td>" in page
     assert "<td>0.500</td>" not in page
 
 
-def test_an_adjustment_is_not_said_to_have_its_levels_from_the_procedure() -> None:
+def test_procedure_text_of_adjustment_omits_level_choice() -> None:
     study = read_table(RECORDED / "adjustment" / "study.toml", "a study")
     assert "Levels were chosen" not in procedure_text(study, "")
     assert "adjustments began" in procedure_text(study, "")
@@ -296,7 +296,7 @@ def test_an_adjustment_is_not_said_to_have_its_levels_from_the_procedure() -> No
 
 
 def test_analyse_runs_when_tactometry_is_not_installed(monkeypatch, capsys) -> None:
-    """A source checkout has no metadata of its own."""
+    """A source checkout has no package metadata."""
 
     def distribution(name):
         if name == "tactometry":

@@ -55,7 +55,7 @@ def test_a_study_of_a_questionnaire_alone_is_reported(rated) -> None:
     assert summary(found)["questionnaires"]["attrakdiff"][0]["condition"] == "P0"
 
 
-def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_focus(rated, drawn_once) -> None:
+def test_word_pairs_are_grouped_by_frequency_and_envelope(rated, drawn_once) -> None:
     """Figures 5.9 to 5.13 of the thesis."""
     (form,) = rated.forms
     names = {figure.name.removeprefix("attrakdiff_") for figure in drawn_once}

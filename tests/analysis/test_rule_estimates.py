@@ -1,4 +1,4 @@
-"""The rule's own estimate stands beside the fit: what the recorded session's procedure says at its end."""
+"""Tests of rule estimates against the recorded procedures."""
 
 import json
 import shutil
@@ -35,7 +35,7 @@ RULES = {
 
 
 def tracks_at_the_end(root):
-    """Every track of a data set's recorded sessions, with whose it was."""
+    """Yield every track of recorded sessions with its participant."""
     experiment = wire(parse((root / "study.toml").read_bytes(), "study.toml"), "study.toml", begun=True)
     for journal in sessions(root):
         recording = read(journal)
@@ -66,7 +66,7 @@ def study_with(procedure):
 
 @pytest.mark.parametrize("easy", ["", "easy_share = 0.2"])
 @pytest.mark.parametrize("kind", RULES)
-def test_it_is_that_of_the_recorded_session(tmp_path, capsys, kind, easy):
+def test_rule_estimate_equals_that_of_recorded_session(tmp_path, capsys, kind, easy):
     content = study_with(f'kind = "{kind}"\n{RULES[kind]}\n{easy}')
     list(simulate(Simulation(content, "study", tmp_path / "d", 2, seed=3)))
     found = in_json(capsys, tmp_path / "d").set_index(["participant", "frequency_hz"])
@@ -82,7 +82,7 @@ def test_it_is_that_of_the_recorded_session(tmp_path, capsys, kind, easy):
         assert (row["rule_sd"], row["rule_n"]) == (pytest.approx(sd, rel=1e-12), n)
 
 
-def test_tracks_that_share_a_posterior_and_runs_of_several_sessions(capsys):
+def test_rule_estimates_cover_shared_tracks_and_sessions(capsys):
     found = in_json(capsys, RECORDED / "quest-plus-tracks")
     by_cell = {}
     for participant, track in tracks_at_the_end(RECORDED / "quest-plus-tracks"):
@@ -97,7 +97,7 @@ def test_tracks_that_share_a_posterior_and_runs_of_several_sessions(capsys):
     assert set(found.loc[found["rule_estimate"].isna(), "rule_note"]) <= {"the rule ended as censored_below"}
 
 
-def test_easy_trials_are_marked_fitted_and_no_reversals(tmp_path):
+def test_easy_trials_are_fitted_without_reversals(tmp_path):
     content = study_with(f'kind = "staircase"\n{RULES["staircase"]}\neasy_share = 0.25\neasy_level = 39.5')
     list(simulate(Simulation(content, "study", tmp_path / "d", 1, seed=3)))
     found = analyse(tmp_path / "d")
@@ -108,7 +108,7 @@ def test_easy_trials_are_marked_fitted_and_no_reversals(tmp_path):
     assert set(found.tables["tracks"]["procedure"]) == {"staircase"}
 
 
-def test_easy_trials_are_no_reversals_of_a_plain_table(tmp_path):
+def test_easy_trials_in_plain_table_add_no_reversals(tmp_path):
     lines = plain(tmp_path / "t.csv", "staircase,").read_text().splitlines()
     easy = [f"P1,1,{n}5,red,easy,40,dB,yes_no,1" for n in (3, 8)]
     (tmp_path / "easy.csv").write_text("\n".join([*lines[:4], easy[0], *lines[4:9], easy[1], *lines[9:]]) + "\n")
@@ -117,7 +117,7 @@ def test_easy_trials_are_no_reversals_of_a_plain_table(tmp_path):
     assert found[1]["n_trials"] == found[0]["n_trials"] + 2
 
 
-def test_trials_of_another_study_have_none(tmp_path, capsys):
+def test_trials_of_another_study_have_no_rule_estimate(tmp_path, capsys):
     root = shutil.copytree(RECORDED / "quest-plus-tracks", tmp_path / "d")
     (root / "study.toml").write_bytes((RECORDED / "electrovibration-threshold" / "study.toml").read_bytes())
     found = in_json(capsys, root)
@@ -136,7 +136,7 @@ def plain(path, procedure, header="procedure,"):
     return path
 
 
-def test_reversals_are_read_from_the_levels_of_a_plain_table(tmp_path):
+def test_reversals_are_found_in_plain_table(tmp_path):
     found = analyse(plain(tmp_path / "t.csv", "staircase,"), report=tmp_path / "r.html").tables["thresholds"].iloc[0]
     kept = TURNS[3:]
     assert (found["rule_estimate"], found["rule_sd"], found["rule_n"]) == (fmean(kept), stdev(kept), len(kept))
@@ -152,7 +152,7 @@ def test_reversals_are_read_from_the_levels_of_a_plain_table(tmp_path):
         ("", "", "no rule: the table does not say which chose the levels"),
     ],
 )
-def test_without_one_the_reason_stands_there(tmp_path, procedure, header, why):
+def test_missing_rule_estimate_has_reason(tmp_path, procedure, header, why):
     table = plain(tmp_path / "t.csv", procedure, header)
     found = analyse(table, within=["colour"]).tables["thresholds"].iloc[0]
     assert found[["rule_estimate", "rule_sd", "rule_n"]].isna().all()
@@ -160,7 +160,7 @@ def test_without_one_the_reason_stands_there(tmp_path, procedure, header, why):
 
 
 @given(answers=st.lists(st.booleans(), min_size=1, max_size=60), n_down=st.integers(1, 3))
-def test_levels_tell_the_reversals_of_a_staircase_but_the_last(answers, n_down):
+def test_levels_reveal_all_but_the_last_reversal(answers, n_down):
     rule = Staircase(0.0, (4.0, 2.0), -1e3, 1e3, n_down=n_down, n_reversals=100, n_trials=100)
     for answer in answers:
         rule = rule.after(answer)

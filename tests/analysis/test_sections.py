@@ -40,7 +40,7 @@ def figure() -> Figure:
 
 @pytest.fixture
 def added(monkeypatch) -> None:
-    """As by a file in `sections` and a line in `kinds`."""
+    """Add a custom section as a file in `sections` and an entry in `kinds`."""
     kind = ResultKind(
         lambda _: [Section("Reactions < all", (Lead("Means."), Details("More", (grid(ROWS, ()), figure()))))],
         lambda _: [TextTable(ROWS, "reactions", ["no test of reactions"])],
@@ -50,7 +50,7 @@ def added(monkeypatch) -> None:
         monkeypatch.setattr(module, "KINDS", (*KINDS, kind))
 
 
-def test_a_new_kind_of_result_is_told_on_page_terminal_and_in_json(found, added) -> None:
+def test_custom_section_appears_in_all_output(found, added) -> None:
     text = page.render(found)
     assert text.index("<h2>Reactions &lt; all</h2>") > text.index("<h2>Participants</h2>")
     assert "<summary>More</summary>" in text.split("Reactions &lt; all")[1]
@@ -61,12 +61,12 @@ def test_a_new_kind_of_result_is_told_on_page_terminal_and_in_json(found, added)
     assert list(json.summary(found))[-5:] == ["reactions", "report", "tables", "figures", "pdf"]
 
 
-def test_json_holds_the_tables_that_an_analysis_lacks_as_empty(found) -> None:
+def test_json_lists_absent_tables_as_empty(found) -> None:
     told = json.summary(found)
     assert told["loss"] == told["preference"] == []
     assert json.plain(dict(rows_of("thresholds")(found))["thresholds"]) == told["thresholds"]
 
 
-def test_element_names_of_figures_are_unique_in_the_page(found) -> None:
+def test_element_ids_are_unique_in_page(found) -> None:
     names = [part.split('"')[0] for part in page.render(found).split(' id="')[1:]]
     assert len(names) == len(set(names)) > 10

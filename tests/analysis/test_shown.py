@@ -22,14 +22,14 @@ def found(tmp_path_factory) -> Analysis:
     return analyse(path, plan=AnalysisPlan(hierarchical=False))
 
 
-def test_its_text_is_one_line_that_names_its_tables(found: Analysis) -> None:
+def test_analysis_repr_is_one_line_with_tables(found: Analysis) -> None:
     text = repr(found)
     assert re.match(rf"Analysis\({len(found.trials.rows)} trials of 2 participants, \d+ warnings?; ", text)
     assert all(name in text for name in found.tables)
     assert "\n" not in text
 
 
-def test_a_notebook_has_every_table_and_the_estimates_first(found: Analysis) -> None:
+def test_notebook_view_lists_all_tables_estimates_first(found: Analysis) -> None:
     shown = re.findall(r"<summary>(\w+) \((\d+) rows?\)</summary>", found._repr_html_())
     assert {name: int(n) for name, n in shown} == {name: len(table) for name, table in found.tables.items()}
     assert shown[0][0] == "thresholds"
@@ -41,5 +41,5 @@ def test_a_notebook_has_the_warnings_as_text(found: Analysis) -> None:
     assert "<li>one &lt; two</li><li>three</li>" in shown
 
 
-def test_trials_are_one_line_as_text() -> None:
+def test_trials_repr_is_one_line() -> None:
     assert repr(read_trials(RECORDED / "yes-no")) == "Trials(41 rows of 2 participants; frequency_hz)"

@@ -77,7 +77,7 @@ def test_weber_fraction_is_mean_jnd_over_standard(unit, fraction) -> None:
 
 
 @pytest.mark.parametrize(("status", "differs"), [("flat", None), ("threshold_above_range", True)])
-def test_flat_interval_is_no_test_of_standard(status, differs) -> None:
+def test_flat_interval_does_not_test_standard(status, differs) -> None:
     estimates_of, used = tables([None], status=status)
     table = standard_tests(estimates_of.assign(interval_low=42.0), used, [])
     assert (table["differs"].item(), table["n"].item(), table["n_without"].item()) == (differs, 0, 1)

@@ -1,5 +1,8 @@
-"""What a status promises: a criterion that spares tracks that aim at one part of the function, the same verdict in
-every analysis, and no number outside its own interval. The bias study has the shares (test_bias_study.py)."""
+"""Tests of statuses: verdicts, agreement and intervals.
+
+Tracks that aim at one part of the function are not penalised, every analysis has the same status, and no estimate lies
+outside of its interval. The bias study has the shares (test_bias_study.py).
+"""
 
 import math
 from dataclasses import asdict
@@ -18,7 +21,7 @@ RATES = (None, 0.0, 0.02)
 OUTSIDE = (Status.BELOW, Status.ABOVE, Status.FLAT)
 
 
-def test_a_track_that_aims_at_three_quarters_is_not_called_below() -> None:
+def test_track_at_three_quarters_correct_has_status_ok() -> None:
     """32 forced choices of a weighted staircase, 25 of them right; 7 % of the posterior lie below the lowest level."""
     levels_db, n_trials = [20, 22, 24, 26, 28, 30, 32, 34], [1, 4, 6, 6, 5, 5, 3, 2]
     found = fit(levels_db, [0, 2, 4, 5, 4, 5, 3, 2], n_trials, shape="gumbel", guess_rate=0.5, scale_free_width=True)
@@ -27,7 +30,7 @@ def test_a_track_that_aims_at_three_quarters_is_not_called_below() -> None:
     assert found.probability_within > 0.8
 
 
-def test_answers_of_one_rate_far_from_chance_and_ceiling_are_flat_but_guesses_are_above() -> None:
+def test_constant_rates_are_flat_above_or_below() -> None:
     flat, above, below = (fit(range(7), [k] * 7, 20, shape="normal", guess_rate=0.5) for k in (14, 10, 20))
     assert [one.status for one in (flat, above, below)] == [Status.FLAT, Status.ABOVE, Status.BELOW]
     assert above.probability_above > 0.8
@@ -45,7 +48,7 @@ SLOW = {"many": pytest.mark.slow}
 @pytest.mark.parametrize(
     "catch", [pytest.param(catch, id=name, marks=SLOW.get(name, ())) for name, catch in CATCH.items()]
 )
-def test_all_participants_at_once_have_the_verdicts_of_each_alone(catch) -> None:
+def test_hierarchical_statuses_equal_single_statuses(catch) -> None:
     levels = (1.0, 2.0, 3.0, 4.0)
     cells = [Cell(f"P{i}", (), "yes_no", levels, k, (10,) * 4, *catch[::-1]) for i, k in enumerate(ANSWERS)]
     alone = [each.fit.status for each in estimates(cells, "dB")]
@@ -74,7 +77,7 @@ def _nasty(draw: st.DrawFn) -> tuple[list[float], list[int], list[int]]:
 @pytest.mark.parametrize("method", METHODS)
 @examples(25, deadline=None)
 @given(_nasty(), st.sampled_from((None, 0.0, 0.5, 0.25)), st.sampled_from(RATES), st.booleans())
-def test_no_number_that_its_own_interval_does_not_hold(method, data, guess_rate, lapse_rate, scale_free_width) -> None:
+def test_every_estimate_is_within_its_interval(method, data, guess_rate, lapse_rate, scale_free_width) -> None:
     known = {"guess_rate": guess_rate, "lapse_rate": lapse_rate, "scale_free_width": scale_free_width}
     found = fit_many(*data, shape="normal", method=method, **known)[0]
     numbers = {name: value for name, value in asdict(found).items() if isinstance(value, float)}
@@ -94,7 +97,7 @@ def test_likelihood_without_curvature_has_status_and_posterior_interval() -> Non
     assert (found.threshold, found.width_high, found.method) == (None, None, "posterior")
 
 
-def test_estimates_stand_beside_each_other() -> None:
+def test_all_three_estimates_are_available() -> None:
     answers = ([1, 2, 3, 4, 5, 6, 7], [10, 11, 12, 15, 18, 19, 20], 20)
     each = {name: fit(*answers, shape="normal", guess_rate=0.5, estimate=name) for name in ("mode", "median", "mean")}
     one = each["mode"]

@@ -54,7 +54,7 @@ def test_reads_numbers_flags_and_factors(tmp_path: Path) -> None:
     ],
     ids=["byte-order mark", "Windows line ends", "blank lines", "no end of line", "quoted", "extra column"],
 )
-def test_reads_what_other_programs_write(tmp_path: Path, content: str) -> None:
+def test_csv_of_other_programs_is_read(tmp_path: Path, content: str) -> None:
     file = tmp_path / "trials.csv"
     file.write_bytes(content.encode())
     rows = read_trials(file).rows
@@ -70,19 +70,19 @@ def test_shuffled_columns_and_rows_are_read_alike(tmp_path: Path) -> None:
     assert (trials.factors, trials.rows["level"][0], trials.rows["response"][0]) == (("force_n",), 20.0, "1")
 
 
-def test_tab_separated_files_are_read_by_their_name(tmp_path: Path) -> None:
+def test_tab_separated_files_are_recognised_by_name(tmp_path: Path) -> None:
     file = tmp_path / "beh.tsv"
     file.write_text(f"{HEADER}\n{ROW}\n".replace(",", "\t"))
     assert len(read_trials(file).rows) == 1
 
 
-def test_invalid_unanswered_and_practice_rows_do_not_enter_a_fit(tmp_path: Path) -> None:
+def test_used_rows_exclude_invalid_unanswered_and_practice(tmp_path: Path) -> None:
     header = HEADER + ",practice"
     rows = [ROW + ",0", changed("valid", "0") + ",", changed("response", "") + ",", ROW + ",1"]
     assert used_rows(read_trials(written(tmp_path, header, *rows)))["row"].tolist() == [2]
 
 
-def test_a_foreign_table_is_read_through_a_column_map(tmp_path: Path) -> None:
+def test_foreign_table_is_read_with_column_map(tmp_path: Path) -> None:
     table = written(tmp_path, "subj,contrast,key,cond", "AB,0.1,1,x", "AB,0.2,0,y")
     mapping = tmp_path / "map.toml"
     mapping.write_text(
@@ -159,13 +159,13 @@ def test_a_foreign_table_is_read_through_a_column_map(tmp_path: Path) -> None:
         ([HEADER, '"P01' + ROW[3:]], "{}: found a quotation mark that is never closed, expected it in pairs"),
     ],
 )
-def test_a_damaged_table_is_refused_in_one_sentence(tmp_path: Path, lines: list[str], message: str) -> None:
+def test_damaged_table_is_rejected_with_one_sentence(tmp_path: Path, lines: list[str], message: str) -> None:
     file = written(tmp_path, *lines)
     with pytest.raises(InvalidFile, match=f"^{re.escape(message.format(file))}$"):
         read_trials(file)
 
 
-def test_bytes_that_are_no_text_are_refused_with_their_row(tmp_path: Path) -> None:
+def test_invalid_bytes_are_rejected_with_their_row(tmp_path: Path) -> None:
     file = tmp_path / "trials.csv"
     file.write_bytes(f"{HEADER}\n{ROW}\nP0".encode() + b"\xff\n")
     with pytest.raises(InvalidFile, match=re.escape("row 3: found the byte 0xff, expected UTF-8 text")):
@@ -175,7 +175,7 @@ def test_bytes_that_are_no_text_are_refused_with_their_row(tmp_path: Path) -> No
         read_trials(file)
 
 
-def test_what_is_not_there_is_said(tmp_path: Path) -> None:
+def test_missing_files_and_columns_are_named(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match="no such file or folder, expected a data set or a CSV file of trials"):
         read_trials(tmp_path / "nowhere")
     with pytest.raises(InvalidFile, match=re.escape("found no data/*_data.csv")):
@@ -217,7 +217,7 @@ def test_a_damaged_column_map_is_refused(tmp_path: Path, text: str, message: str
         read_column_map(file)
 
 
-def test_a_column_map_must_name_columns_that_exist(tmp_path: Path) -> None:
+def test_column_map_must_name_existing_columns(tmp_path: Path) -> None:
     file = written(tmp_path, HEADER, ROW)
     with pytest.raises(
         InvalidFile,
@@ -232,7 +232,7 @@ def test_a_column_map_must_name_columns_that_exist(tmp_path: Path) -> None:
 
 @given(content=st.binary(max_size=400))
 @examples(150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_random_bytes_are_refused_and_left_as_they_are(tmp_path: Path, content: bytes) -> None:
+def test_random_bytes_are_rejected_and_left_unchanged(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "trials.csv"
     file.write_bytes(content)
     with pytest.raises(TactometryError):
@@ -242,9 +242,7 @@ def test_random_bytes_are_refused_and_left_as_they_are(tmp_path: Path, content: 
 
 @given(data=st.data())
 @examples(150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_a_table_with_random_damage_is_analysed_or_refused_never_a_traceback(
-    tmp_path: Path, data: st.DataObject
-) -> None:
+def test_randomly_damaged_table_never_causes_traceback(tmp_path: Path, data: st.DataObject) -> None:
     content = bytearray("\n".join([HEADER, *[ROW] * 4, changed("level", "24")]).encode())
     for _ in range(data.draw(st.integers(1, 3))):
         place = data.draw(st.integers(0, len(content) - 1))

@@ -28,7 +28,7 @@ from tactometry.psychometric import PsychometricFunction
         ("speed_mean_m_per_s", "mm/s", "-50", -0.05),
     ],
 )
-def test_a_column_in_another_unit_comes_to_si(tmp_path, name, unit, cell, value):
+def test_column_is_converted_to_si(tmp_path, name, unit, cell, value):
     file = tmp_path / "t.csv"
     cells = {"participant": "P1", "side": "a", "level": "1", "task": "yes_no", "response": "1"} | {name: cell}
     file.write_text(f"{','.join(cells)}\n{','.join(cells.values())}\n")
@@ -46,7 +46,7 @@ def test_a_column_in_another_unit_comes_to_si(tmp_path, name, unit, cell, value)
         ('level_scale = "log"', "level_scale: found 'log', expected one of linear, log10, db"),
     ],
 )
-def test_a_map_with_an_impossible_unit_or_scale_is_refused(tmp_path, text, message):
+def test_map_with_invalid_unit_or_scale_is_rejected(tmp_path, text, message):
     (tmp_path / "m.toml").write_text(text)
     with pytest.raises(InvalidFile, match=re.escape(message)):
         read_column_map(tmp_path / "m.toml")
@@ -77,7 +77,7 @@ def contrasts(path: Path, *, unit: str = "") -> Path:
     return file
 
 
-def test_a_ratio_scale_on_a_linear_axis_is_warned_of(tmp_path, capsys):
+def test_wide_linear_levels_have_warning(tmp_path, capsys):
     file = contrasts(tmp_path)
     status, _, out = call(capsys, "analyse", file, "--within", "side", "--json")
     (warning,) = [text for text in json.loads(out)["warnings"] if "linear axis" in text]
@@ -88,7 +88,7 @@ def test_a_ratio_scale_on_a_linear_axis_is_warned_of(tmp_path, capsys):
     assert "linear axis" not in out
 
 
-def test_levels_in_decibels_or_of_a_small_factor_are_not_warned_of(tmp_path):
+def test_decibel_or_narrow_levels_have_no_warning(tmp_path):
     rows = read_trials(contrasts(tmp_path, unit="dB re 1 V"), within=["side"]).rows
     assert wide_levels(rows) == []
     few = read_trials(contrasts(tmp_path), within=["side"]).rows
@@ -97,7 +97,7 @@ def test_levels_in_decibels_or_of_a_small_factor_are_not_warned_of(tmp_path):
 
 
 @pytest.mark.parametrize(("scale", "unit"), [("log10", "log10 V"), ("db", "dB re 1 V")])
-def test_the_threshold_is_that_of_the_logarithm(tmp_path, scale, unit):
+def test_threshold_is_on_the_logarithmic_scale(tmp_path, scale, unit):
     found = analyse(contrasts(tmp_path, unit="V"), within=["side"], level_scale=scale)
     table = found.tables["thresholds"]
     assert set(table["level_unit"]) == {unit}
@@ -110,7 +110,7 @@ def test_the_threshold_is_that_of_the_logarithm(tmp_path, scale, unit):
     assert found.warnings == tuple(text for text in found.warnings if "linear axis" not in text)
 
 
-def test_both_logarithms_give_one_threshold(tmp_path):
+def test_log10_and_decibel_scales_have_same_threshold(tmp_path):
     file = contrasts(tmp_path)
     log10, db = (
         analyse(file, within=["side"], level_scale=scale).tables["thresholds"]["threshold"].to_numpy(float)
@@ -119,7 +119,7 @@ def test_both_logarithms_give_one_threshold(tmp_path):
     np.testing.assert_allclose(db, 20 * log10, rtol=1e-6)
 
 
-def test_the_map_states_the_scale_and_the_command_may_state_another(tmp_path, capsys):
+def test_command_option_overrides_scale_of_map(tmp_path, capsys):
     file = contrasts(tmp_path, unit="V")
     (tmp_path / "m.toml").write_text('level_scale = "db"\n')
     arguments = ("analyse", file, "--within", "side", "--json", "--columns", tmp_path / "m.toml")
@@ -129,7 +129,7 @@ def test_the_map_states_the_scale_and_the_command_may_state_another(tmp_path, ca
     assert json.loads(out)["level_unit"] == "log10 V"
 
 
-def test_settings_are_put_on_the_scale_and_magnitudes_are_not(tmp_path):
+def test_level_scale_converts_settings_but_not_magnitudes(tmp_path):
     file = tmp_path / "t.csv"
     file.write_text(
         "participant,side,level,level_unit,task,response\n"
@@ -142,7 +142,7 @@ def test_settings_are_put_on_the_scale_and_magnitudes_are_not(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["level", "level_delivered", "standard_level"])
-def test_a_level_without_a_logarithm_is_refused_with_its_row(tmp_path, name):
+def test_level_without_logarithm_is_rejected_with_its_row(tmp_path, name):
     file = tmp_path / "t.csv"
     file.write_text(f"participant,side,{name},x,task,response\nP1,a,1,1,yes_no,1\nP1,a,0,1,yes_no,1\n")
     columns = ColumnMap({} if name == "level" else {"level": "x"})

@@ -54,7 +54,7 @@ def test_maximum_likelihood_weibull_of_the_published_set() -> None:
     assert SHAPES["weibull"].z_width / found.width == pytest.approx(3.66883, rel=1e-5)
 
 
-def test_posterior_mode_and_interval_of_the_published_set_as_psignifit() -> None:
+def test_published_set_has_mode_and_interval_of_psignifit() -> None:
     """psignifit 4.3: threshold 0.0046464, width 0.0046632 (1 %); its interval contains overdispersion."""
     found = fitted(CORRECT, LEVELS, 90)
     assert found.threshold == pytest.approx(0.0046464, rel=0.01)
@@ -95,7 +95,7 @@ def test_palamedes_demonstration() -> None:
     ],
     ids=["all correct", "all yes", "all wrong", "all chance", "all no", "flat", "falling"],
 )
-def test_no_bare_number_where_the_data_say_nothing(n_correct, options, status, method) -> None:
+def test_uninformative_data_have_status_without_threshold(n_correct, options, status, method) -> None:
     found = fitted(n_correct, method=method, **options)
     assert found.status == status
     assert found.threshold is None
@@ -113,28 +113,28 @@ def test_no_bare_number_where_the_data_say_nothing(n_correct, options, status, m
     [([18, 19, 18, 20, 19, 20, 20], [False, True]), ([9, 12, 11, 10, 13, 12, 13], [True, False])],
     ids=["near the ceiling", "near chance"],
 )
-def test_flat_interval_is_open_where_threshold_may_be_beyond(n_correct, has_ends) -> None:
+def test_flat_interval_is_open_toward_possible_thresholds(n_correct, has_ends) -> None:
     found = fitted(n_correct)
     assert (found.status, found.threshold, found.method) == (Status.FLAT, None, "posterior")
     assert [end is not None for end in (found.interval_low, found.interval_high)] == has_ends
 
 
 @pytest.mark.parametrize(("of", "other"), [("lapse", "guess"), ("guess", "lapse")])
-def test_prior_of_each_rate_holds_its_own_rate(of, other) -> None:
+def test_prior_of_each_rate_affects_only_that_rate(of, other) -> None:
     free = {"guess_rate": None, "estimate": "mean"}
     wide, tight = (fitted([4, 3, 5, 10, 15, 17, 16], **free, **{f"{of}_beta": beta}) for beta in (10.0, 200.0))
     assert getattr(tight, f"{of}_rate") < 0.2 * getattr(wide, f"{of}_rate")
     assert getattr(tight, f"{other}_rate") > 0.6 * getattr(wide, f"{other}_rate")
 
 
-def test_bounds_lie_on_the_right_side_of_the_levels() -> None:
+def test_bounds_are_on_correct_side_of_levels() -> None:
     assert fitted([20] * 7).interval_high < 1.0
     assert fitted([0] * 7, guess_rate=None).interval_low > 7.0
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("guess_rate", [None, 0.0, 0.5])
-def test_a_perfect_step_has_a_threshold_between_its_levels_and_a_bound_of_the_width(method, guess_rate) -> None:
+def test_perfect_step_has_threshold_and_width_bound(method, guess_rate) -> None:
     low = 10 if guess_rate else 0
     found = fitted([low] * 3 + [20] * 4, guess_rate=guess_rate, method=method)
     assert found.status == Status.SEPARATED
@@ -144,13 +144,13 @@ def test_a_perfect_step_has_a_threshold_between_its_levels_and_a_bound_of_the_wi
     assert 0 < found.width_high < 6
 
 
-def test_a_step_lies_at_the_middle_for_maximum_likelihood() -> None:
+def test_likelihood_threshold_of_step_is_midpoint() -> None:
     assert fitted([0, 0, 0, 20, 20, 20, 20], guess_rate=0.0, method="likelihood").threshold == pytest.approx(
         3.5, rel=1e-12
     )
 
 
-def test_one_level_gives_the_proportion_with_its_exact_interval() -> None:
+def test_single_level_has_proportion_with_exact_interval() -> None:
     found = fitted([15], levels=[3.0])
     assert (found.status, found.threshold, found.interval_low) == (Status.TOO_FEW_LEVELS, None, None)
     assert found.note == "one level only: 15 of 20 answers, a rate from 0.509 to 0.913; no threshold"
@@ -163,12 +163,12 @@ def test_two_levels_are_fitted_and_flagged() -> None:
 
 
 @pytest.mark.parametrize(("levels", "n"), [([], []), (SEVEN, 0), ([math.nan], [0])])
-def test_nothing_gives_no_data(levels, n) -> None:
+def test_empty_data_have_status_no_data(levels, n) -> None:
     found = fit(levels, np.zeros(len(levels)), n, shape="normal", guess_rate=0.5)
     assert (found.status, found.threshold, found.n_trials) == (Status.NO_DATA, None, 0)
 
 
-def test_a_million_trials_per_level_leave_the_width_of_the_standard_error() -> None:
+def test_interval_matches_standard_error_for_million_trials() -> None:
     """psignifit's interval is 17 to 20 times too wide here."""
     levels = np.arange(-3.0, 4.0)
     k = np.round(1e6 * (0.5 + 0.48 * np.exp(SHAPES["normal"].log_cdf(levels))))
@@ -178,7 +178,7 @@ def test_a_million_trials_per_level_leave_the_width_of_the_standard_error() -> N
     hard_case("a million trials a level", reach, 2 * 0.003378, 0.005, against="the standard error")
 
 
-def test_every_fourth_answer_a_lapse_does_not_drag_the_threshold_away() -> None:
+def test_threshold_is_robust_to_many_lapses() -> None:
     found = fitted([0, 5, 37, 74, 75, 76, 75], guess_rate=0.0, n=100)
     assert found.lapse_rate == pytest.approx(0.25, abs=0.05)
     assert found.threshold == pytest.approx(3.0, abs=0.3)
@@ -187,7 +187,7 @@ def test_every_fourth_answer_a_lapse_does_not_drag_the_threshold_away() -> None:
 @pytest.mark.parametrize("method", METHODS)
 @given(scale=st.sampled_from([1e-12, 1e-9, 1e-3, 1e9]), offset=st.sampled_from([0.0, -5.0, 1e3]))
 @settings(max_examples=8, deadline=None)
-def test_scaling_and_shifting_the_levels_scales_and_shifts_the_threshold(method, scale, offset) -> None:
+def test_threshold_scales_and_shifts_with_levels(method, scale, offset) -> None:
     moved = [(x + offset) * scale for x in SEVEN]
     one, other = fitted(RISING, method=method), fitted(RISING, moved, method=method)
     assert other.status == one.status
@@ -228,7 +228,7 @@ def test_levels_that_differ_by_rounding_are_one_level() -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_stack_gives_what_single_fits_give(method: str) -> None:
+def test_batch_equals_single_fits(method: str) -> None:
     stack = [RISING, [20] * 7, [10, 10, 10, 20, 20, 20, 20], [10, 12, 11, 13, 17, 20, 19]]
     together = fit_many(SEVEN, stack, 20, shape="normal", guess_rate=0.5, method=method)
     for row, found in zip(stack, together, strict=True):
@@ -240,7 +240,7 @@ def test_a_stack_gives_what_single_fits_give(method: str) -> None:
             assert one is None or one == pytest.approx(other, rel=1e-6)
 
 
-def test_catch_trials_bear_on_a_free_guess_rate() -> None:
+def test_catch_trials_affect_free_guess_rate() -> None:
     k = [6, 7, 9, 12, 16, 19, 20]
     few = fitted(k, guess_rate=None, n_false_alarms=0, n_catch=200)
     many = fitted(k, guess_rate=None, n_false_alarms=60, n_catch=200)
@@ -249,7 +249,7 @@ def test_catch_trials_bear_on_a_free_guess_rate() -> None:
     assert few.threshold < many.threshold
 
 
-def test_overcertain_intervals_shrink_with_the_root_of_the_trials() -> None:
+def test_intervals_shrink_with_root_of_trials() -> None:
     once, many = fitted(RISING), fitted([16 * k for k in RISING], n=320)
     ratio = (once.interval_high - once.interval_low) / (many.interval_high - many.interval_low)
     assert 3.0 < ratio < 5.5
@@ -316,13 +316,13 @@ def test_no_warning_of_a_library_reaches_the_user(recwarn) -> None:
         ({"n_false_alarms": 3, "n_catch": 2}, "n_false_alarms: found [3], expected at most n_catch, [2]"),
     ],
 )
-def test_refuses_naming_what_was_found_and_where(change: dict, message: str) -> None:
+def test_invalid_arguments_are_rejected_with_place(change: dict, message: str) -> None:
     arguments = {"levels": [1, 2, 3], "n_correct": [1, 2, 3], "n_trials": [20, 20, 20], "shape": "normal"}
     with pytest.raises(InvalidParameter, match=f"^{re.escape(message)}$"):
         fit(**(arguments | {"guess_rate": 0.5} | change))
 
 
-def test_names_the_data_set_of_a_stack() -> None:
+def test_errors_name_the_data_set_of_batch() -> None:
     with pytest.raises(InvalidParameter, match=re.escape("n_correct, row 1 of data set 2: found 21")):
         fit_many([1, 2, 3], [[1, 2, 3], [1, 2, 3], [1, 21, 3]], 20, shape="normal", guess_rate=0.5)
 

@@ -22,7 +22,7 @@ def ends(found: ThresholdFit) -> np.ndarray:
 
 
 def converged(monkeypatch: pytest.MonkeyPatch, *arguments, **options) -> tuple[ThresholdFit, ...]:
-    """Grids of their own with four times as many nodes in double precision."""
+    """Fit on separate grids with four times the nodes, in double precision."""
     with monkeypatch.context() as patch:
         patch.setattr(shared_grid, "WORTH_SHARING", 10**9)
         patch.setattr(posterior, "FINAL_NODES", (75, 55))
@@ -35,7 +35,10 @@ def converged(monkeypatch: pytest.MonkeyPatch, *arguments, **options) -> tuple[T
 
 
 def test_ends_after_sparse_track_are_converged(monkeypatch) -> None:
-    """A staircase of 40 trials, of which equidistant nodes put an end off by 18 % of the interval."""
+    """Equidistant nodes put an end off by 18 % of the interval.
+
+    The track is a staircase of 40 trials.
+    """
     levels = [0, 3, 4, 8, 11, 12, 16, 19, 20, 24, 26, 27, 28, 30, 35]
     n_correct, n_trials = [4, 1, 0, 0, 1, 1, 0, 1, 0, 0, 1, 1, 14, 3, 1], [5, 1, 1, 1, 1, 2, 1, 1, 1, 1, 5, 1, 15, 3, 1]
     track = log_posterior(levels, n_correct, n_trials, shape="gumbel", guess_rate=0.5, scale_free_width=True)
@@ -48,7 +51,7 @@ def test_ends_after_sparse_track_are_converged(monkeypatch) -> None:
 
 @pytest.mark.parametrize("sharing", [8, 10**9], ids=["shared grid", "own grids"])
 @pytest.mark.parametrize(("n", "guess_rate"), [(20, 0.5), (60, 0.5), (400, 0.5), (20, None)])
-def test_ends_and_means_are_those_of_the_converged_posterior(monkeypatch, n, guess_rate, sharing) -> None:
+def test_intervals_and_means_match_converged_posterior(monkeypatch, n, guess_rate, sharing) -> None:
     """Within 0.4 % of the interval's width; the goal is 1 %, psignifit errs by 2.3 to 5.7 %."""
     n_sets = N_SETS if guess_rate else 8
     k, options = answers(n, guess_rate or 0.04, np.random.default_rng())[:n_sets], {"guess_rate": guess_rate}
@@ -74,7 +77,7 @@ def test_fewer_rate_nodes_suffice_for_few_trials(monkeypatch: pytest.MonkeyPatch
     assert np.array(found, float) == pytest.approx(np.array(reference, float), abs=1e-4, nan_ok=True)
 
 
-def test_chances_of_many_levels_may_be_multiplied_before_their_logarithm_is_taken(monkeypatch) -> None:
+def test_multiplied_probabilities_match_summed_logarithms(monkeypatch) -> None:
     rng = np.random.default_rng()
     x, n = rng.uniform(-4, 4, 60), rng.integers(1, 5, 60)
     k = rng.binomial(n, 1 / (1 + np.exp(-x)))
@@ -89,17 +92,17 @@ MANY = np.linspace(0.1, 4, 40)
 RISING = (MANY + 1.2 * np.sin(7 * np.arange(40)) > 2).astype(int)
 
 
-def test_rates_whose_product_is_no_float_are_as_good_as_none() -> None:
+def test_tiny_rates_equal_zero_rates() -> None:
     tiny, none = (fit(MANY, RISING, 1, shape="normal", guess_rate=rate, lapse_rate=rate) for rate in (1e-30, 0.0))
     assert ends(tiny) == pytest.approx(ends(none), rel=1e-6)
 
 
 @pytest.mark.parametrize("shape", ["gumbel", "weibull", "reversed_gumbel"])
-def test_steep_skewed_functions_with_free_rates_bring_no_warning(shape) -> None:
+def test_steep_skewed_functions_cause_no_warning(shape) -> None:
     assert fit(MANY, RISING, 1, shape=shape, guess_rate=None).status == "ok"
 
 
-def test_a_data_set_too_narrow_for_the_shared_grid_gets_its_own() -> None:
+def test_narrow_posterior_has_separate_grid() -> None:
     rng = np.random.default_rng()
     few, many = answers(20, 0.5, rng), np.round(1e6 * np.array([0.5, 0.5, 0.51, 0.7, 0.93, 0.98, 0.98]))
     k, n = np.vstack([few, many]), np.vstack([np.full((N_SETS, 7), 20), np.full((1, 7), 10**6)])
@@ -108,7 +111,7 @@ def test_a_data_set_too_narrow_for_the_shared_grid_gets_its_own() -> None:
     hard_case("one narrow set in a batch", ends(together), ends(alone), 1e-9, against="alone")
 
 
-def test_hard_sets_in_a_batch_have_the_status_and_bounds_they_have_alone() -> None:
+def test_hard_sets_in_batch_match_single_fits() -> None:
     hard = [[20] * 7, [10] * 7, [10, 10, 10, 20, 20, 20, 20], [15] * 7, [10, 14, 19, 20, 15, 11, 10]]
     k = np.vstack([answers(20, 0.5, np.random.default_rng()), hard])
     together = fit_many(LEVELS, k, 20, shape="normal", guess_rate=0.5)[-len(hard) :]

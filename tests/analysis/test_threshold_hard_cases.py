@@ -35,7 +35,7 @@ def exact(shape, z, guess, lapse, n_yes, n_no):
 @pytest.mark.parametrize("shape", list(CDF))
 @pytest.mark.parametrize("rates", [(0.5, 0.02), (0.0, 0.0), (0.5, 0.0), (0.03, 0.2)], ids=str)
 @pytest.mark.parametrize("answers", [(3, 17), (0, 20), (20, 0)], ids=str)
-def test_likelihood_and_derivatives_are_those_of_50_digits(shape, rates, answers) -> None:
+def test_likelihood_and_derivatives_match_50_digits(shape, rates, answers) -> None:
     """On the linear scale and in the tails where only logarithms live; z from -30 to 30."""
     places = [-30.0, -12.0, -3.0, -0.4, 0.0, 0.7, 2.5, 4.0]
     places = [*places, 9.0, 30.0] if shape in ("normal", "logistic") else places
@@ -85,7 +85,7 @@ def test_rows_without_trials_are_ignored() -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_asymptotes_that_all_but_meet_leave_nothing_to_tell(method) -> None:
+def test_nearly_equal_asymptotes_have_no_threshold(method) -> None:
     found = fit(
         SEVEN,
         [18, 18, 17, 18, 19, 18, 18],
@@ -113,7 +113,7 @@ def test_levels_of_any_size_give_the_same_curve(levels) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_levels_a_thousand_million_apart_from_their_spacing_are_fitted_or_said(method) -> None:
+def test_levels_with_extreme_spacing_are_pooled(method) -> None:
     """Three levels within 1e-9 of the fourth's distance are pooled: two levels are left."""
     found = fit(
         [0.0, 1e-10, 2e-10, 1.0],
@@ -127,7 +127,7 @@ def test_levels_a_thousand_million_apart_from_their_spacing_are_fitted_or_said(m
     assert found.status in (Status.TOO_FEW_LEVELS, Status.SEPARATED)
 
 
-def test_one_trial_at_each_of_two_levels_is_a_step_with_a_wide_interval() -> None:
+def test_two_single_trials_are_not_ok() -> None:
     found = fit([1.0, 2.0], [0, 1], 1, shape="normal", guess_rate=0.0)
     assert found.status != Status.OK
     assert found.note

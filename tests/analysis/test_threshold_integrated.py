@@ -55,7 +55,7 @@ def psignifit_log_posterior(data, parameters, threshold_range, smallest_gap) -> 
     return float(value + np.log(_priors.lambda_prior(np.array([lapse])))[0])
 
 
-def test_the_mode_is_at_least_as_probable_as_any_node_of_a_fine_grid() -> None:
+def test_mode_is_more_probable_than_fine_grid() -> None:
     """Under psignifit's own priors and likelihood."""
     pytest.importorskip("psignifit")
     rng = np.random.default_rng()
@@ -130,7 +130,7 @@ def ends_of(nodes, masses) -> np.ndarray:
     [(False, False, 6), (True, False, 1), (False, True, 1)],
     ids=["2AFC", "yes/no", "overdispersed"],
 )
-def test_means_and_ends_are_those_of_the_posterior_integrated_on_a_fine_grid(free_guess, overdispersed, n_sets) -> None:
+def test_means_and_intervals_match_fine_grid_integral(free_guess, overdispersed, n_sets) -> None:
     """Within 1 % of the interval's width of psignifit's posterior, integrated; 100 random sets of each in the soak."""
     pytest.importorskip("psignifit")
     rng, compared = np.random.default_rng(), 0

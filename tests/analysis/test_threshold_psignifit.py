@@ -54,7 +54,7 @@ def log_posterior(k, threshold, width, lapse, eta) -> float:
     return float(value + 9 * np.log1p(-lapse) + 9 * np.log1p(-eta))
 
 
-def test_our_mode_is_at_least_as_probable_as_its_own(pairs) -> None:
+def test_mode_is_at_least_as_probable_as_psignifits(pairs) -> None:
     for k, peer in pairs:
         found = ours(k)
         theirs = peer.parameter_estimate_MAP
@@ -63,7 +63,7 @@ def test_our_mode_is_at_least_as_probable_as_its_own(pairs) -> None:
         assert at_ours >= at_theirs - 1e-6
 
 
-def test_ends_are_those_of_its_marginals_integrated_and_above_those_it_prints(pairs) -> None:
+def test_intervals_match_integrated_psignifit_marginals(pairs) -> None:
     errors, printed = [], []
     for k, peer in pairs:
         found = ours(k)
@@ -100,7 +100,7 @@ def few_answers():
 
 
 @pytest.mark.parametrize("number", range(11))
-def test_overdispersed_estimates_agree_with_it(number) -> None:
+def test_overdispersed_estimates_agree_with_psignifit(number) -> None:
     levels, k, n = [DOCUMENTED, *few_answers()][number]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

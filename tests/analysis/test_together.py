@@ -38,7 +38,7 @@ def found(study, tmp_path_factory):
     return analyse(study[0], report=tmp_path_factory.mktemp("report") / "r.html")
 
 
-def test_participants_are_drawn_to_the_group_and_stay_near_the_truth(study, found) -> None:
+def test_hierarchical_thresholds_are_shrunken_and_near_truth(study, found) -> None:
     (fit,) = found.hierarchical
     errors = [
         row.threshold - study[1][row.participant, (row.force_n,)] for row in fit.participants.itertuples(index=False)
@@ -50,7 +50,7 @@ def test_participants_are_drawn_to_the_group_and_stay_near_the_truth(study, foun
     assert fit.participants["threshold"].std() < 1.1 * own
 
 
-def test_the_result_says_group_effects_variances_and_rates(found) -> None:
+def test_summary_reports_group_effects_variances_and_rates(found) -> None:
     told = summary(found)["hierarchical"][0]
     assert re.match(WALD, told["sentences"][0])
     assert told["sentences"][1].startswith("standard deviations between 5 participants: thresholds ")
@@ -59,7 +59,7 @@ def test_the_result_says_group_effects_variances_and_rates(found) -> None:
     assert len(told["participants"]) == 10
 
 
-def test_the_report_has_its_section_tables_figure_and_methods(found) -> None:
+def test_report_has_hierarchical_section_tables_and_methods(found) -> None:
     page = found.report.read_text()
     for text in (
         "<h2>All participants at once</h2>",
@@ -73,7 +73,7 @@ def test_the_report_has_its_section_tables_figure_and_methods(found) -> None:
     assert (found.tables_folder / "hierarchical_yes_no_participants.csv").exists()
 
 
-def test_a_plan_can_do_without_it(study) -> None:
+def test_plan_can_disable_hierarchical_fit(study) -> None:
     without = analyse(study[0], plan=AnalysisPlan(hierarchical=False))
     assert without.hierarchical == ()
     assert "hierarchical psychometric model" not in without.methods
@@ -100,7 +100,7 @@ def cell(who: str, condition: tuple = (), k=(0, 3, 7, 10), **options) -> Cell:
     return replace(made, **options)
 
 
-def test_one_participant_has_none() -> None:
+def test_single_participant_has_no_hierarchical_fit() -> None:
     assert group_fit([cell("A")], [], "") is None
 
 
@@ -131,7 +131,7 @@ def test_cells_that_were_fitted_are_not_fitted_again(monkeypatch, unit) -> None:
         pd.testing.assert_frame_equal(table, expected, rtol=1e-6)
 
 
-def test_false_alarms_on_catch_trials_raise_the_rate_of_guesses() -> None:
+def test_false_alarms_raise_guess_rate() -> None:
     rates = [
         group_fit([cell(who, n_catch=40, n_false_alarms=n) for who in ("P1", "P2", "P3")], (), "").fit.guess_rate
         for n in (0, 16)
@@ -139,7 +139,7 @@ def test_false_alarms_on_catch_trials_raise_the_rate_of_guesses() -> None:
     assert rates[1] > rates[0] + 0.1
 
 
-def test_a_threshold_above_the_levels_is_told_as_its_lower_end_and_one_below_as_its_upper() -> None:
+def test_thresholds_out_of_range_are_printed_as_bounds() -> None:
     ends = [{"interval_low": 2.0, "interval_high": None}, {"interval_low": None, "interval_high": 2.0}]
     told = [_text(pd.Series({"threshold": None} | end)) for end in ends]
     assert told == ["> 2.00", "< 2.00"]
@@ -168,7 +168,7 @@ def test_forced_choices_guess_at_their_chance() -> None:
         ([cell(who, levels=(), k=(), n_trials=()) for who in "AB"], "no hierarchical fit: no trial with a level"),
     ],
 )
-def test_what_tells_no_threshold_has_a_reason(found, note) -> None:
+def test_missing_hierarchical_fit_has_reason(found, note) -> None:
     told = group_fit(found, [], "")
     assert told.fit is None
     assert hierarchical_sentences(told, "")[0].startswith(note)
@@ -181,7 +181,7 @@ def test_very_many_cells_are_left_to_the_function(monkeypatch) -> None:
     assert group_fit([cell(who) for who in "AB"], [], "").fit is not None
 
 
-def test_comparison_states_its_own_model_and_tests_no_effect() -> None:
+def test_comparison_model_is_described_without_effect_test() -> None:
     answers = {"A": (1, 3, 7, 9), "B": (1, 4, 8, 10), "C": (0, 2, 7, 9)}
     each = [cell(who, task="comparison", k=k, condition=(x,)) for who, k in answers.items() for x in (1.0, 2.0)]
     outcome = group_fit(each, ["force_n"], "")
@@ -192,7 +192,7 @@ def test_comparison_states_its_own_model_and_tests_no_effect() -> None:
     assert told[-1].startswith("no test of effects: this model of comparisons has asymptotes of 0 and 1")
 
 
-def test_a_search_that_loses_all_digits_ends_with_a_reason() -> None:
+def test_failed_hierarchical_search_has_reason() -> None:
     """Two levels: a matrix of the search has no inverse at its end, which was a traceback."""
     answers = ((2, 38), (17, 37), (5, 18), (11, 22))
     found = [

@@ -56,7 +56,7 @@ def is_honest(found, levels) -> bool:
 
 @pytest.mark.parametrize("case", list(SETS))
 @pytest.mark.parametrize("method", METHODS)
-def test_every_method_and_family_gives_a_number_or_a_status(method, case) -> None:
+def test_every_fit_has_number_or_status(method, case) -> None:
     """All families in the soak, else one of them by turns."""
     levels, k, n, statuses = SETS[case]
     turn = METHODS.index(method) + list(SETS).index(case)
@@ -70,7 +70,7 @@ def test_every_method_and_family_gives_a_number_or_a_status(method, case) -> Non
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_stack_of_hard_cases_says_of_each_what_it_is_alone(method) -> None:
+def test_batch_of_hard_cases_equals_single_fits(method) -> None:
     """Data sets of different lengths and sizes side by side."""
     columns: list[list[np.ndarray]] = [[], [], []]
     for levels, k, n, _ in SETS.values():
@@ -141,7 +141,7 @@ TABLES = {
 
 @pytest.mark.parametrize("case", list(TABLES))
 @pytest.mark.parametrize("statistic", list(STATISTICS))
-def test_every_statistic_of_a_group_is_a_number_or_refused_with_its_status(statistic, case) -> None:
+def test_every_group_statistic_has_number_or_status(statistic, case) -> None:
     table, statuses = TABLES[case]
     if statistic in statuses:
         with pytest.raises(InvalidParameter, match=r"found .*expected") as refusal:
@@ -154,7 +154,7 @@ def test_every_statistic_of_a_group_is_a_number_or_refused_with_its_status(stati
     exact_case("every hard case by every statistic of a group", against="a number or a status")
 
 
-def test_means_over_cells_of_which_one_is_missing_say_so() -> None:
+def test_means_over_incomplete_cells_have_note() -> None:
     found = pairs(WHOLE.drop(index=7), factor="hz", **NAMES)
     assert found.attrs["notes"] == [
         "several values of one participant in one cell were averaged, from 1 to 2 in a cell: values are missing in some"
@@ -226,7 +226,7 @@ def check_that_a_step_has_no_test_of_its_width(hierarchical) -> None:
 
 
 @pytest.mark.parametrize("case", list(STUDIES))
-def test_the_command_tells_every_hard_case_for_what_it_is(tmp_path, case) -> None:
+def test_command_reports_status_of_every_hard_case(tmp_path, case) -> None:
     """Every task, with its report, in the soak; else one of them by turns."""
     drawn, n, status = STUDIES[case]
     turn = list(STUDIES).index(case) % len(TASKS)
@@ -246,7 +246,7 @@ def test_the_command_tells_every_hard_case_for_what_it_is(tmp_path, case) -> Non
     exact_case("every hard case by the command", against="a number or a status")
 
 
-def test_a_missing_cell_is_warned_of_first_and_named(tmp_path) -> None:
+def test_missing_cell_is_named_in_first_warning(tmp_path) -> None:
     file = written(tmp_path / "t.csv", rising(), 4, "comparison", without=[(1, 240)])
     found = analysed(file)
     assert found["warnings"][0] == "1 of 8 cells of comparison without a valid trial (P1 hz 240)"
@@ -259,7 +259,7 @@ def test_a_missing_cell_is_warned_of_first_and_named(tmp_path) -> None:
     ]
 
 
-def test_participants_who_are_all_alike_have_a_mean_and_no_interval(tmp_path) -> None:
+def test_identical_participants_have_mean_without_interval(tmp_path) -> None:
     file = written(tmp_path / "t.csv", constant([0, 1, 3, 6, 9, 11, 12]), 4, "comparison")
     found = analysed(file)
     first = found["outcomes"][0]["group"][0]

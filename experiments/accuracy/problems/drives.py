@@ -1,4 +1,7 @@
-"""Drives: one bit by sampling rate, sigma-delta modulation by bit rate, and the reversal time."""
+"""Accuracy problems of drives.
+
+They are one-bit sampling rate, sigma-delta bit rate, and reversal time.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -30,7 +33,10 @@ Complex = NDArray[np.complex128]
 
 
 def oversampling() -> Problem:
-    """Compare a sampled sign with a sign that changes at any time, at four foci."""
+    """Compare a sampled sign with one that changes at any time.
+
+    The comparison is at four foci.
+    """
     screen = replace(A4_PROTOTYPE, sources=A4_PROTOTYPE.sources[::8])
     return Problem(
         "rms error of the focus that a channel makes over the rms focus, one bit, modes below 10 kHz, 4 ms",
@@ -41,7 +47,10 @@ def oversampling() -> Problem:
 
 
 def _emission(screen: Screen, rate_hz: float) -> Real:
-    """Return the effect (n_foci, n_channels) of each channel's sign at the focus."""
+    """Return the effect of each channel's sign at the focus.
+
+    The shape is (n_foci, n_channels).
+    """
     timing: dict[str, Any] = {"rate_hz": rate_hz, "duration_s": ONE_BIT_LASTS_S, "f_max_hz": ONE_BIT_TO_HZ}
     heard = impulse_responses(screen, FOCI_M, **timing)
     drives = [drive(heard.at_point(n), 1.0).samples[:, ::-1] for n in range(heard.n_points)]
@@ -49,7 +58,10 @@ def _emission(screen: Screen, rate_hz: float) -> Real:
 
 
 def _at_crossings(screen: Screen) -> Real:
-    """Return integrals of |h| between its exact zeros, from the closed integrals of the modes."""
+    """Return integrals of |h| between its exact zeros.
+
+    The integrals of the modes have closed forms.
+    """
     modes = screen.oscillators(ONE_BIT_TO_HZ)
     forces = screen.modal_forces(ONE_BIT_TO_HZ) / screen.plate.mass_kg
     shapes = values_at(screen, FOCI_M, ONE_BIT_TO_HZ)
@@ -72,12 +84,12 @@ def _integral(modes: Oscillators, weights: Real) -> float:
 
 
 def first_order() -> Problem:
-    """Compare a tone in bits of first order with the tone."""
+    """Compare a first-order sigma-delta tone with the tone."""
     return _modulated(1)
 
 
 def second_order() -> Problem:
-    """Compare a tone in bits of second order with the tone."""
+    """Compare a second-order sigma-delta tone with the tone."""
     return _modulated(2)
 
 
@@ -102,12 +114,12 @@ def _modulation(order: int, rate_hz: float) -> Complex:
 
 
 def _spectrum(samples: NDArray[np.generic]) -> Complex:
-    """Return the amplitudes of the lines in the band."""
+    """Return the amplitudes of the spectral lines in the band."""
     return np.asarray(2 * np.fft.rfft(samples)[: round(BAND_HZ * TONE_LASTS_S) + 1] / samples.size)
 
 
 def reversal_amplitude() -> Problem:
-    """Compare the amplitude after a reversal time with that after twelve time constants."""
+    """Compare amplitudes after a reversal time and twelve time constants."""
     heard = _responses()
     return _against_time(
         "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
@@ -117,7 +129,10 @@ def reversal_amplitude() -> Problem:
 
 
 def reversal_contrast() -> Problem:
-    """Compare the contrast, the focus over the rms of the plate, in the same way."""
+    """Compare contrasts after a reversal time and twelve time constants.
+
+    Contrast is the focus over the rms of the plate.
+    """
     heard = _responses()
     return _against_time(
         "contrast of the focus (over the rms of the plate) that a shorter T loses (one bit, tau = 3.5 ms)",
@@ -152,7 +167,10 @@ def _contrast(heard: Responses, reversal_s: float) -> float:
 
 
 def _contrast_of_modes(heard: Responses) -> float:
-    """Return the contrast by exact steps of the modes, whose squares add up to that of the plate."""
+    """Return the contrast by exact steps of the modes.
+
+    The squares of the modes add up to that of the plate.
+    """
     signal = drive(heard, 1.0)
     modes = modal_history(A4_PROTOTYPE, signal, [signal.samples.shape[1] - 1], F_MAX_HZ)
     return abs(_emitted_m(heard)) / float(np.linalg.norm(modes))

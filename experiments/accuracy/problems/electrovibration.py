@@ -1,4 +1,4 @@
-"""Electrovibration: force of sampled voltages, and the time at which a finger breaks away."""
+"""Accuracy problems of electrovibration: force and break-away time."""
 
 from functools import partial
 from math import pi
@@ -24,7 +24,10 @@ SILENCE_DB_RE_1V = -120.0
 
 
 def skin_propagator() -> Problem:
-    """Compare the force of sampled voltages, linear between samples, with that of the sine, over its peak."""
+    """Compare the force of sampled voltages with that of the sine.
+
+    Voltages are linear between samples. The error is over the peak.
+    """
     area: dict[str, Any] = {"skin": Skin(), "area_m2": AREA_M2, "law": "sc_layer"}
 
     def sampled(factor: int) -> Real:
@@ -44,13 +47,16 @@ def skin_propagator() -> Problem:
 
 
 def sample_times_s(factor: int) -> Real:
-    """Return the times of the samples at so many times the coarsest rate."""
+    """Return sample times at a multiple of the coarsest rate."""
     rate_hz = COARSEST_HZ * factor
     return np.arange(round(SINE_LASTS_S * rate_hz)) / rate_hz
 
 
 def friction_events() -> Problem:
-    """Compare samples around the first break-away with its event, whose time without voltage is known."""
+    """Compare samples around the first break-away with its event.
+
+    The time of the event without voltage is known.
+    """
     finger, friction = pad(), DryFriction(gated=False)
     hold_n = friction.static * FORCE_N - finger.damping_n_s_per_m * SPEED_M_PER_S
     breakaway_s = hold_n / (finger.stiffness_n_per_m * SPEED_M_PER_S)
@@ -63,7 +69,7 @@ def friction_events() -> Problem:
 
 
 def pad() -> Finger:
-    """Return a finger pad that sticks and slips."""
+    """Return a finger pad with stick and slip."""
     return Finger.at_speed(SPEED_M_PER_S, DAMPING_N_S_PER_M)
 
 
@@ -75,7 +81,7 @@ def _motion(n_samples: int) -> StickSlip:
 
 
 def _read_off(n_samples: int) -> tuple[float, float]:
-    """Return the times of the last sample in stick and the first in slip."""
+    """Return the times of the last stick and the first slip sample."""
     motion = _motion(n_samples)
     first = int(np.argmax(motion.direction != 0))
     return float(motion.t_s[first - 1]), float(motion.t_s[first])

@@ -1,4 +1,4 @@
-"""Plates in time: modes under a tone, responses under a finger, and a finger that is thrown off and returns."""
+"""Accuracy problems of plates in time, with and without a finger."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -34,7 +34,10 @@ Event = Callable[[float, Real], float]
 
 
 def time_integration() -> Problem:
-    """Compare modes stepped with a force linear between samples with the exponential of mode and tone."""
+    """Compare stepped modes with the exponential of mode and tone.
+
+    The force of the steps is linear between samples.
+    """
     modes = A4_PROTOTYPE.oscillators(TONE_TO_HZ)
     return Problem(
         f"largest error of {modes.n} modal displacements over the largest, tone of 4 kHz from rest, 5 ms",
@@ -49,7 +52,7 @@ def _by_rate(rate_hz: float, factors: tuple[int, ...], run: Callable[[int], Real
 
 
 def times_s(factor: int) -> Real:
-    """Return the times of the samples at so many times the coarsest rate."""
+    """Return sample times at a multiple of the coarsest rate."""
     return np.arange(round(TONE_LASTS_S * TONE_RATE_HZ) * factor + 1) / (TONE_RATE_HZ * factor)
 
 
@@ -59,7 +62,7 @@ def _propagation(modes: Oscillators, factor: int) -> Real:
 
 
 def _mode_powers(modes: Oscillators) -> Real:
-    """Return powers of the exponential of each mode together with its tone."""
+    """Return powers of the exponential of each mode with its tone."""
     from scipy.linalg import expm
 
     tone, systems = OMEGA_RAD_PER_S, []
@@ -78,7 +81,10 @@ def _powers(step: Real, start: Real, n: int) -> Real:
 
 
 def finger_load() -> Problem:
-    """Compare a finger of 2 N, 20 mm from the point of the response, with all modes coupled at once."""
+    """Compare a finger of 2 N with all modes coupled at once.
+
+    The finger is 20 mm from the point of the response.
+    """
     load = Fingertip(mass_kg=1e-4, stiffness_n_per_m=1e3).load(PRESSED_M, 2.0)
     return Problem(
         "largest error of the responses under a finger of 2 N over the largest, modes below 4 kHz, 4 ms",
@@ -95,7 +101,7 @@ def _loaded_response(load: PlateLoad, factor: int) -> Real:
 
 
 def _coupled_modes(load: PlateLoad) -> Real:
-    """Return powers of the exponential of all modes, coupled by the finger."""
+    """Return powers of the exponential of modes coupled by the finger."""
     from scipy.linalg import expm
 
     modes, mass_kg = LOADED.oscillators(LOADED_TO_HZ), LOADED.plate.mass_kg
@@ -112,7 +118,10 @@ def _coupled_modes(load: PlateLoad) -> Real:
 
 
 def lift_off() -> Problem:
-    """Compare contact checked at samples with its events, for a tap that throws a finger of 0.5 N off twice."""
+    """Compare contact checked at samples with contact events.
+
+    A tap throws a finger of 0.5 N off twice.
+    """
     return Problem(
         "largest error of the displacement under a finger of 0.5 N that lifts off, over the largest, 3 ms",
         reference=Reference(
@@ -136,7 +145,7 @@ def _displacement_m(factor: int) -> Real:
 
 
 def by_events(finger: Fingertip, force_n: float, rate_hz: float) -> tuple[Real, Real, int]:
-    """Integrate modes and skin as one system that changes when contact is lost or made.
+    """Integrate modes and skin as one system with contact events.
 
     Returns the displacements of plate and skin, and the number of events.
     """
@@ -150,7 +159,7 @@ def by_events(finger: Fingertip, force_n: float, rate_hz: float) -> tuple[Real, 
     plate, skin = np.zeros(t.size), np.zeros(t.size)
     options: dict[str, Any] = {"method": "DOP853", "dense_output": True, "rtol": 1e-9, "atol": 1e-15}
     while now < t[-1]:
-        together = together and pressed_n(now, state) >= 0  # else the plate falls away faster than the skin
+        together = together and pressed_n(now, state) >= 0  # otherwise the plate recedes faster than the skin
         event = pressed_n if together else apart_m
         run = solve_ivp(partial(slope, together=together), (now, t[-1]), state, events=event, **options)
         during = (t >= now) & (t <= run.t[-1])
@@ -164,7 +173,10 @@ def by_events(finger: Fingertip, force_n: float, rate_hz: float) -> tuple[Real, 
 def _equations(
     modes: Oscillators, here: NDArray[np.float64], finger: Fingertip, force_n: float
 ) -> tuple[Callable[..., Real], Event, Event]:
-    """Return the slope of the state (modes, speeds, skin), the force of a closed and the gap of an open contact."""
+    """Return the derivative of the state and both event functions.
+
+    The state is modes, speeds and skin. The events are the force of a closed contact and the gap of an open one.
+    """
     load, n = finger.load(AT_M, force_n), modes.n
     resistance, stiffness = load.resistance_n_s_per_m, load.stiffness_n_per_m
 

@@ -1,4 +1,7 @@
-"""Frequencies and fields of plates: Ritz's method with edges S, F or both, and splines between grid points."""
+"""Accuracy problems of plates: frequencies and fields.
+
+Ritz's method is tested with edges S, F or both, and splines between grid points.
+"""
 
 import math
 from collections.abc import Iterator
@@ -32,7 +35,7 @@ def square(boundary: str) -> Plate:
 
 
 def simply_supported() -> Problem:
-    """Compare with Navier's closed form."""
+    """Compare frequencies with Navier's closed form."""
     plate = square("SSSS")
     return Problem(
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 m square, edges S",
@@ -43,7 +46,10 @@ def simply_supported() -> Problem:
 
 
 def free() -> Problem:
-    """Compare with far more functions, and these with six published values."""
+    """Compare frequencies with those of far more functions.
+
+    These are compared with six published values.
+    """
     plate = square("FFFF")
     constant = plate.wave_constant_m2_per_s / SIDE_M**2 / (2 * np.pi)
     return Problem(
@@ -56,7 +62,7 @@ def free() -> Problem:
 
 
 def _largest(found: Real, reference: Real) -> float:
-    """Return the largest relative error of the frequencies in both lists."""
+    """Return the largest relative error of common frequencies."""
     n = min(len(found), len(reference))
     return float(np.abs(found[:n] / reference[:n] - 1).max())
 
@@ -83,7 +89,10 @@ def _navier_hz(plate: Plate) -> Real:
 
 
 def mixed_edges() -> Problem:
-    """Compare edges S and F, of which Ritz's functions meet only S, with Levy's solution."""
+    """Compare a plate with edges S and F with Levy's solution.
+
+    Ritz's functions satisfy only the edges S.
+    """
     p_x, p_y = degrees(MIXED, MIXED_TO_HZ)
     ritz = partial(_ritz_hz, MIXED, MIXED_TO_HZ)
     return Problem(
@@ -97,9 +106,11 @@ def mixed_edges() -> Problem:
 
 
 def levy_hz() -> Real:
-    """Return the frequencies of a plate between two edges S: sines along x, four functions along y.
+    """Return Levy's frequencies of a plate between two edges S.
 
-    Leissa, Vibration of Plates, NASA SP-160 (1969), section 4.2; hyperbolic functions are divided by their growth.
+    The shapes are sines along x and four functions along y.
+
+    Leissa, Vibration of Plates, NASA SP-160 (1969), section 4.2. Hyperbolic functions are divided by their growth.
     """
     k_max = math.sqrt(2 * math.pi * MIXED_TO_HZ / MIXED.wave_constant_m2_per_s)
     n_max = math.ceil(MIXED.length_m * k_max / math.pi) + 1
@@ -108,7 +119,10 @@ def levy_hz() -> Real:
 
 
 def _wavenumbers(along_rad_per_m: float, k_max_rad_per_m: float) -> Iterator[float]:
-    """Yield the roots of the even and the odd condition, of which the lowest is just below the wavenumber along x."""
+    """Yield the roots of the even and the odd condition.
+
+    The lowest root is just below the wavenumber along x.
+    """
     from scipy.optimize import brentq
 
     scan = np.linspace(0.5 * along_rad_per_m, max(k_max_rad_per_m, along_rad_per_m), N_SCANNED)
@@ -122,7 +136,10 @@ def _wavenumbers(along_rad_per_m: float, k_max_rad_per_m: float) -> Iterator[flo
 
 
 def _condition(k: float, a: float, parity: int) -> float:
-    """Return moment and force at y = +-width / 2, for w = cosh(p y) and cos(q y), or their odd partners."""
+    """Return the determinant of moment and force at y = +-width / 2.
+
+    The functions are w = cosh(p y) and cos(q y), or their odd partners.
+    """
     half, bent = MIXED.width_m / 2, (1 - MIXED.poisson_ratio) * a * a
     p, moment, force = math.sqrt(k * k + a * a), k * k + bent, k * k - bent
     q2 = k * k - a * a
@@ -134,7 +151,10 @@ def _condition(k: float, a: float, parity: int) -> float:
 
 
 def field_grid() -> Problem:
-    """Compare cubic splines between the points of a grid with the field itself, in the maximum norm over the peak."""
+    """Compare splines between grid points with the field itself.
+
+    The error is the maximum norm over the peak.
+    """
     modes = modes_of(A4_SCREEN, FIELD_TO_HZ)
     amplitude = np.cos(np.arange(len(modes.frequency_hz)) * 2.4)
     n = np.arange(N_POINTS)
@@ -161,7 +181,7 @@ def _field_error(points: tuple[Real, Real], found: tuple[Real, Real, Real] | Rea
 
 
 def _sines(amplitude: Real, points: tuple[Real, Real]) -> Real:
-    """Return the sum of Navier's shapes, in the order of their frequencies."""
+    """Return the sum of Navier's shapes, in order of frequency."""
     m, n = np.meshgrid(np.arange(1, 80), np.arange(1, 80), indexing="ij")
     k2 = (m / A4_SCREEN.length_m) ** 2 + (n / A4_SCREEN.width_m) ** 2
     order = np.argsort(k2, axis=None, kind="stable")[: len(amplitude)]

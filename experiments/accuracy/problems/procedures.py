@@ -1,4 +1,4 @@
-"""Thresholds by trials of a procedure, and of a group by participants."""
+"""Accuracy problems of procedures: trials and participants."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -32,7 +32,7 @@ Run = tuple[Any, list[tuple[float, bool]]]
 
 @dataclass(frozen=True)
 class Method:
-    """A rule for a number of trials, its thresholds after some runs, and the chance at such a threshold."""
+    """Rule for a number of trials, with its thresholds and target rate."""
 
     rule: Callable[[int], Rule[Any]]
     thresholds_db: Callable[[Sequence[Run]], Sequence[float | None]]
@@ -40,7 +40,10 @@ class Method:
 
 
 def problem() -> Problem:
-    """Simulate two-alternative tasks with participants whose thresholds differ by 3 dB."""
+    """Simulate two-alternative tasks with varying thresholds.
+
+    The standard deviation between participants is 3 dB.
+    """
     return Problem(
         f"rms error of the threshold as a part of the amplitude, two alternatives, {N_RUNS} simulated runs",
         reference=Reference("the threshold that was simulated", lambda: np.zeros(1), 0.0),
@@ -55,7 +58,10 @@ def problem() -> Problem:
 
 
 def _errors_db(method: Method, n_trials: int) -> Real:
-    """Return the errors (n_runs,) for the same participants; a run without a threshold counts as the middle."""
+    """Return the errors (n_runs,) for the same participants.
+
+    A run without a threshold counts as the middle.
+    """
     rngs = [np.random.default_rng(seed) for seed in np.random.SeedSequence(0).spawn(N_RUNS)]
     true_db = [MIDDLE_DB + SD_DB * float(rng.standard_normal()) for rng in rngs]
     runs = [_run(method.rule(n_trials).begin(rng), own_db, rng) for own_db, rng in zip(true_db, rngs, strict=True)]
@@ -72,7 +78,10 @@ def _run(procedure: Procedure, threshold_db: float, rng: np.random.Generator) ->
 
 
 def _chance(above_db: float) -> float:
-    """Return Gumbel's function written out: half way at 0, from 0.05 to 0.95 over the width."""
+    """Return the Gumbel function in explicit form.
+
+    It is one half at 0 and rises from 0.05 to 0.95 over the width.
+    """
     spread = math.log(-math.log(0.05)) - math.log(-math.log(0.95))
     unscaled = -math.expm1(-math.log(2) * math.exp(spread * above_db / WIDTH_DB))
     return GUESS_RATE + (1 - GUESS_RATE - LAPSE_RATE) * unscaled
@@ -117,7 +126,12 @@ METHODS = {
 
 
 def group_threshold() -> Problem:
-    """Simulate groups whose thresholds differ by 5 dB, with 16 trials at each of ten levels."""
+    """Simulate groups of participants and their mean threshold.
+
+    The standard deviation of thresholds is 5 dB. There are 16 trials at each of ten levels.
+
+    There are 16 trials at each of ten levels.
+    """
     return Problem(
         f"standard error of the group's threshold as a part of the amplitude, {N_GROUPS} simulated groups",
         reference=Reference("the mean that was simulated", lambda: np.array([MIDDLE_DB]), 0.0),

@@ -1,4 +1,4 @@
-"""Built-in scenes as a whole, by the requested accuracy."""
+"""Accuracy problems of complete built-in scenes, by accuracy setting."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -33,7 +33,10 @@ Samples = tuple[Real, Real]
 
 
 def panel() -> Problem:
-    """Compare the electrostatic force of `electrovibration-panel`, linear between samples, over its peak."""
+    """Compare the electrostatic force of `electrovibration-panel`.
+
+    The force is linear between samples. The error is over its peak.
+    """
     scene = load_scene(path_of("electrovibration-panel"))
     force = partial(_samples, scene, "electrostatic_force_n")
     return Problem(
@@ -59,7 +62,7 @@ def _area_m2() -> float:
 
 
 def thin_screen() -> Problem:
-    """Compare 0.5 mm glass, 20 to 70 kHz, without a finger."""
+    """Compare 0.5 mm glass from 20 to 70 kHz without a finger."""
     return _problem("thin-screen", (), 1e-4)
 
 
@@ -106,7 +109,10 @@ def _samples(scene: SceneFile, output: str, accuracy: float) -> Samples:
 
 
 def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
-    """Return the displacement by a drive that is recorded and emitted sample by sample."""
+    """Return the displacement by a drive computed sample by sample.
+
+    The drive is recorded and then emitted.
+    """
     surface, (screen, cutoff_hz) = _surface(scene), _screen(scene)
     focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.f_max_hz, surface.flank_hz)
     timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.f_max_hz}
@@ -123,7 +129,7 @@ def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
 
 
 def _screen(scene: SceneFile) -> tuple[Screen, float]:
-    """Return the screen of the file, and the end of the audible band."""
+    """Return the screen of a scene, and the end of its audible band."""
     effects, surface = {effect.kind: vars(effect) for effect in scene.scene.effects}, _surface(scene)
     patches = time_reversal.border(surface.plate, surface.n_transducers, effects["patches"]["side_m"], surface.inset_m)
     shear_factor = 5 / 6 if "shear" in effects else None
@@ -132,7 +138,10 @@ def _screen(scene: SceneFile) -> tuple[Screen, float]:
 
 
 def _band_limited(signal: Signal, band: Band) -> Signal:
-    """Return finer samples of the signal below the end of the band, with equal margins before and after."""
+    """Return finer samples of the band-limited signal.
+
+    The margins before and after are equal.
+    """
     n = signal.samples.shape[1]
     gain = band.at(np.asarray(np.fft.rfftfreq(3 * n, 1 / signal.rate_hz), dtype=np.float64))
     lines = np.fft.rfft(np.pad(signal.samples, ((0, 0), (n, n)))) * gain

@@ -1,1 +1,1 @@
-"""Figures of the thesis, and how they are written."""
+"""Figures of the thesis, and their files."""

@@ -1,4 +1,7 @@
-"""Figures of chapter 3 that closed forms draw: resolution, stress, amplitude and contrast."""
+"""Closed-form figures of chapter 3.
+
+They are resolution, stress, amplitude and contrast.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -24,7 +27,7 @@ from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, de
 
 
 def resolution_over_bandwidth(plates: Mapping[str, Plate]) -> Figure:
-    """Resolution against bandwidth (thesis 3.9, 3.10)."""
+    """Plot resolution against bandwidth (thesis 3.9, 3.10)."""
     figure, (axes,) = sheet()
     f_max = np.linspace(2e3, 25e3, 60)
     for (name, plate), colour in zip(plates.items(), colours(), strict=False):
@@ -35,7 +38,7 @@ def resolution_over_bandwidth(plates: Mapping[str, Plate]) -> Figure:
 
 
 def resolution_over_mean_frequency(plate: Plate) -> Figure:
-    """Resolution against mean frequency (thesis 3.16, 4.23)."""
+    """Plot resolution against mean frequency (thesis 3.16, 4.23)."""
     figure, (axes,) = sheet()
     f = np.linspace(2e3, 60e3, 200)
     axes.plot(f / 1e3, half_wavelength_m(plate, f) * 1e3, color=BLUE, label="half a wavelength")
@@ -46,7 +49,10 @@ def resolution_over_mean_frequency(plate: Plate) -> Figure:
 
 
 def stress_and_deflection_over_thickness(plate: Plate, force_n: float = 2.0, contact_m: float = 10e-3) -> Figure:
-    """Bending stress and deflection under a force at the centre, against thickness (thesis 3.15), supported edges."""
+    """Plot bending stress and deflection against thickness (thesis 3.15).
+
+    The force is at the centre, the edges are supported.
+    """
     thickness = np.linspace(0.4e-3, 3e-3, 40)
     plates = [replace(plate, thickness_m=float(h), boundary="SSSS") for h in thickness]
     middle = (plate.length_m / 2, plate.width_m / 2)
@@ -61,7 +67,10 @@ def stress_and_deflection_over_thickness(plate: Plate, force_n: float = 2.0, con
 
 
 def amplitude_over_reversal(tau_s: float, reversal_s: FloatArray) -> Figure:
-    """Amplitude against reversal time relative to an endless one (thesis 3.18, 4.12)."""
+    """Plot amplitude against reversal time (thesis 3.18, 4.12).
+
+    The amplitude is relative to that of an endless reversal.
+    """
     figure, (axes,) = sheet()
     t = reversal_s * 1e3
     axes.plot(t, one_bit_amplitude_ratio(reversal_s, tau_s) * 100, color=BLUE, label="1 bit, 1 − exp(−T/τ)")
@@ -80,7 +89,10 @@ def contrast_over_transducers(
     n_channels: Sequence[int],
     reversal_s: FloatArray,
 ) -> Figure:
-    """Contrast against reversal time for numbers of transducers (thesis 3.21, 4.14)."""
+    """Plot contrast against reversal time (thesis 3.21, 4.14).
+
+    There is a curve for each number of transducers.
+    """
     figure, (axes,) = sheet()
     for q, colour in zip(n_channels, colours(), strict=False):
         rooms = [replace(room, n_channels=q, reversal_s=float(t)) for t in reversal_s]

@@ -29,7 +29,9 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)
 
 
 def input_against_position(textures: Mapping[str, Texture | Velvet], *, voltage_v: float = 100.0) -> "Figure":
-    """Plot voltage against finger position, a panel per texture: carrier (thin) and envelope (thick).
+    """Plot voltage against finger position, a panel per texture.
+
+    The carrier is thin, the envelope thick.
 
     The envelope is ``V0 sqrt(share)``. The carrier is lower than a real one so that it can be seen.
     """
@@ -50,7 +52,10 @@ def input_against_position(textures: Mapping[str, Texture | Velvet], *, voltage_
 
 
 def force_against_area(*, voltage_v: float = 100.0) -> "Figure":
-    """Plot electrostatic force just after a step against contact area, a line per law."""
+    """Plot the force just after a step against contact area.
+
+    The force is electrostatic, with a line per law.
+    """
     areas_m2 = np.geomspace(LARGEST_M2 / 100, LARGEST_M2, 60)
     figure, (ax,) = _panels(1, 1, (6.0, 4.0))
     for law, colour, dash in zip(LAWS, cycle(COLOURS), cycle(DASHES), strict=False):
@@ -64,7 +69,10 @@ def force_against_area(*, voltage_v: float = 100.0) -> "Figure":
 
 
 def skin_properties() -> "Figure":
-    """Plot resistivity and relative permittivity of two layers (unverified tables) against frequency."""
+    """Plot resistivity and relative permittivity against frequency.
+
+    Both are of two layers, from unverified tables.
+    """
     layers = {"stratum corneum (unverified)": STRATUM_CORNEUM, "deeper tissue (unverified)": DEEPER_TISSUE}
     figure, axes = _panels(1, 2, (8.0, 3.6))
     for (name, layer), colour, dash in zip(layers.items(), cycle(COLOURS), cycle(DASHES), strict=False):
@@ -83,7 +91,10 @@ def skin_properties() -> "Figure":
 def force_for_inputs(
     areas_m2: Sequence[float] = (0.5e-4, 1.0e-4, 1.5e-4),
 ) -> "Figure":
-    """Plot voltage and force over time of a step, a trapezoid and a sine, a line per contact area."""
+    """Plot voltage and force over time of a step, trapezoid and sine.
+
+    There is a line per contact area.
+    """
     shown = {
         "step": Step(onset_s=1e-3, duration_s=6e-3).pieces(LEVEL_DB),
         "trapezoid": Trapezoid(rise_s=1e-3, high_s=3e-3, fall_s=1e-3, low_s=3e-3, duration_s=16e-3).pieces(LEVEL_DB),
@@ -107,7 +118,10 @@ def force_for_inputs(
 
 
 def contact_ellipse(prints: Sequence[Print] = UNVERIFIED_PRINTS) -> "Figure":
-    """Plot the contact ellipse at each force, and its area with the power law that fits best."""
+    """Plot the contact ellipse at each force, and its area.
+
+    The area has the power law that fits best.
+    """
     from matplotlib.patches import Ellipse
 
     figure, (left, right) = _panels(1, 2, (8.0, 3.8))

@@ -1,4 +1,7 @@
-"""Figures of a focus: map, cross-section, scans per band, spectrum, time signal, the four driving signals."""
+"""Figures of a focus and of the four driving signals.
+
+They are maps, cross-sections, scans per band, spectra and time signals.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -25,7 +28,10 @@ N_X, N_Y = 301, 213
 
 
 def displacement_map(screen: Screen, focus: Point, emission: Emission) -> Figure:
-    """The plate at the focus instant, and the cross-section through the focus (thesis 3.8)."""
+    """Plot the plate at the focus instant (thesis 3.8).
+
+    A cross-section passes through the focus.
+    """
     figure, (left, right) = sheet(1, 2, width_in=9.6, height_in=3.4)
     x, y = grid(screen, N_X, N_Y)
     at_focus = _focus_instant(screen, focus, emission)
@@ -39,7 +45,7 @@ def displacement_map(screen: Screen, focus: Point, emission: Emission) -> Figure
 
 
 def scans_per_band(screen: Screen, focus: Point, bands: Sequence[Band], emission: Emission) -> Figure:
-    """The focus for several bands (thesis 3.13)."""
+    """Plot the focus for several bands (thesis 3.13)."""
     figure, axes = sheet(1, len(bands), width_in=3.4 * len(bands), height_in=2.8)
     for one, band in zip(axes, bands, strict=True):
         within = replace(emission, band=band)
@@ -49,7 +55,10 @@ def scans_per_band(screen: Screen, focus: Point, bands: Sequence[Band], emission
 
 
 def amplitude_over_bandwidth(screens: Mapping[str, Screen], focus: Point, emission: Emission) -> Figure:
-    """Focus amplitude against bandwidth for transducers of several sizes (thesis 3.11, 3.12)."""
+    """Plot focus amplitude against bandwidth (thesis 3.11, 3.12).
+
+    There is a curve per transducer size.
+    """
     figure, (axes,) = sheet()
     widths = np.linspace(2e3, emission.band.f_max_hz, 12)
     for (name, screen), colour in zip(screens.items(), colours(), strict=False):
@@ -60,7 +69,10 @@ def amplitude_over_bandwidth(screens: Mapping[str, Screen], focus: Point, emissi
 
 
 def frequency_response(responses: Responses, f_max_hz: float, voltage_v: float = VOLTAGE_V) -> Figure:
-    """Spectrum of the response at the focus, the mean over transducers, and the focus amplitude (thesis 3.14)."""
+    """Plot the response spectrum and the focus amplitude (thesis 3.14).
+
+    The spectrum at the focus is the mean over transducers.
+    """
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     f = np.fft.rfftfreq(responses.n_samples, 1 / responses.rate_hz)
     power = np.mean(np.abs(np.fft.rfft(responses.samples[0])) ** 2, axis=0)
@@ -73,7 +85,10 @@ def frequency_response(responses: Responses, f_max_hz: float, voltage_v: float =
 
 
 def decay_fit(response: FloatArray, rate_hz: float) -> Figure:
-    """A decaying exponential on an impulse response, by Schroeder's integration (thesis 4.11)."""
+    """Plot an impulse response with an exponential decay (thesis 4.11).
+
+    The decay is fitted by Schroeder's integration.
+    """
     fitted = tau_s(response, rate_hz)
     time_ms = np.arange(len(response)) / rate_hz * 1e3
     figure, (left, right) = sheet(1, 2, width_in=9.0, height_in=3.4)
@@ -92,7 +107,10 @@ def decay_fit(response: FloatArray, rate_hz: float) -> Figure:
 def noise_window(
     screen: Screen, focus: Point, emission: Emission, window_s: tuple[float, float] = (1e-3, 4e-3)
 ) -> Figure:
-    """Time signal at the focus with its amplitude and the window of the noise (thesis 4.13)."""
+    """Plot the time signal at the focus (thesis 4.13).
+
+    Its amplitude and the window of the noise are marked.
+    """
     time_ms, u = _course(screen, focus, emission)
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     axes.plot(time_ms, u, color=BLUE, linewidth=0.6)
@@ -104,7 +122,7 @@ def noise_window(
 
 
 def four_signals(screen: Screen, focus: Point, emissions: Mapping[str, Emission]) -> Figure:
-    """Temporal and spatial characteristics of the focus for each driving signal (thesis 4.15 to 4.22)."""
+    """Plot the focus in time and space per signal (thesis 4.15 to 4.22)."""
     figure, axes = sheet(2, len(emissions), width_in=3.0 * len(emissions), height_in=5.0)
     for i, (name, emission) in enumerate(emissions.items()):
         _focus_in_time(axes[i], screen, focus, emission, name)
@@ -130,7 +148,7 @@ def _focus_in_space(axes: Axes, screen: Screen, focus: Point, emission: Emission
 
 
 def _course(screen: Screen, focus: Point, emission: Emission) -> tuple[FloatArray, FloatArray]:
-    """Times from the focus instant (ms), and the displacement of the focus (um)."""
+    """Return times from the focus instant (ms) and displacement (um)."""
     responses = emission.responses(screen, [focus])
     signal = emission.drive(responses)
     u = emitted(signal, responses)[0] * 1e6
@@ -159,7 +177,10 @@ def _map(figure: Figure, axes: Axes, at_m: Grid, displacement: Callable[[Grid], 
 
 
 def modulator_noise(rate_hz: float = 1e6, f_max_hz: float = 25e3, n_samples: int = 1 << 18) -> Figure:
-    """Spectral density of what quantisation adds, 0 to 25 kHz, with the transfer functions (thesis 4.9)."""
+    """Plot the spectral density of quantisation noise (thesis 4.9).
+
+    The range is 0 to 25 kHz; transfer functions are included.
+    """
     from scipy.signal import welch
 
     rng = np.random.default_rng(0)
@@ -179,10 +200,13 @@ def modulator_noise(rate_hz: float = 1e6, f_max_hz: float = 25e3, n_samples: int
 
 
 def sound_spectra(spectra: Mapping[str, NoiseSpectrum], f_max_hz: float = 125e3) -> Figure:
-    """Sound pressure spectra of driving signals, 0 to 125 kHz (thesis 4.25 to 4.27), with the A-weighted levels."""
+    """Plot sound pressure spectra of driving signals (thesis 4.25 to 4.27).
+
+    The range is 0 to 125 kHz; A-weighted levels are included.
+    """
     figure, axes = sheet(2, (len(spectra) + 1) // 2, width_in=8.6, height_in=5.4)
     for one, (name, spectrum) in zip(axes, spectra.items(), strict=False):
-        # bands of 500 Hz; what lies above the last is drawn nowhere
+        # bands of 500 Hz; samples above the last band are not drawn
         n_bands = int(min(f_max_hz, spectrum.frequency_hz[-1]) / 500.0)
         bands = (spectrum.frequency_hz / 500.0).astype(int)
         mean = np.array([spectrum.pressure_pa2_per_hz[bands == n].mean() for n in range(n_bands)])
@@ -197,7 +221,7 @@ def sound_spectra(spectra: Mapping[str, NoiseSpectrum], f_max_hz: float = 125e3)
 
 
 def pattern_waveforms(patterns: Mapping[str, Pattern] = PATTERNS) -> Figure:
-    """When the foci of each pattern come, and how large (thesis 5.8)."""
+    """Plot times and amplitudes of the foci of each pattern (thesis 5.8)."""
     figure, axes = sheet(len(patterns), 1, width_in=6.4, height_in=1.1 * len(patterns) + 0.6)
     for one, (name, pattern) in zip(axes, patterns.items(), strict=True):
         one.vlines(pattern.times_s * 1e3, 0, pattern.weights, color=BLUE)

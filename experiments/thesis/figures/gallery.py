@@ -1,4 +1,7 @@
-"""Every figure of the thesis's time-reversal chapters, from the model with its default (unverified) parameters."""
+"""All figures of the thesis's time-reversal chapters.
+
+They use the model with its default (unverified) parameters.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
@@ -42,7 +45,10 @@ FOUR: Final[Mapping[str, Emission]] = {
 
 
 def rig(diameter_m: float, thickness_m: float = 2e-3) -> Screen:
-    """The rig of chapter 3: discs along two sides of thick glass; positions are an unverified default."""
+    """Return the rig of chapter 3: discs along two sides of thick glass.
+
+    Their positions are an unverified default.
+    """
     plate = BOROFLOAT_33.plate(0.297, 0.21, thickness_m, "SSSS")
     x = np.linspace(0.03, 0.267, 4)
     discs = tuple(DiscPatch(float(at), y, diameter_m) for y in (0.025, 0.185) for at in x)

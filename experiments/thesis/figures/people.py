@@ -1,4 +1,7 @@
-"""Figures of chapters 5 and 6 and of the appendices: detection, forces, questionnaires and electrovibration."""
+"""Figures of chapters 5 and 6 and of the appendices.
+
+They are about detection, forces, questionnaires and electrovibration.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -30,9 +33,11 @@ PEOPLE = "Participants are simulated (signal detection; spread, slope and lapses
 
 
 def share_of_yes(people: SignalDetectionObserver, level_db: float, spread_db: float) -> float:
-    """Return the mean rate of yes over people whose sensitivity differs by `spread_db`.
+    """Return the mean rate of "yes" over varying sensitivities.
 
-    By Gauss and Hermite's rule, of lapses / 2 + (1 - lapses) Phi(d' - c).
+    The sensitivity of participants varies by `spread_db`.
+
+    The rate is lapses / 2 + (1 - lapses) Phi(d' - c), integrated by the Gauss-Hermite rule.
     """
     nodes, weights = np.polynomial.hermite_e.hermegauss(N_NODES)
     d_primes = [people.d_prime(level_db + spread_db * float(node)) for node in nodes]
@@ -49,7 +54,10 @@ def _rate(study: str, cell: WiredCell, level_db: float) -> float:
 
 
 def rate_by_amplitude() -> Figure:
-    """Draw the detection rate against the amplitude of a focus, a curve per force (5.7)."""
+    """Draw the detection rate against the amplitude of a focus (5.7).
+
+    There is a curve per force.
+    """
     amplitudes_um, curves = [10 ** (level_db / 20) for level_db in FOCUS_LEVELS_DB], {}
     for cell in cells_of(FOCUS_STUDY):
         rates = [_rate(FOCUS_STUDY, cell, level_db) for level_db in FOCUS_LEVELS_DB]
@@ -69,7 +77,10 @@ def rate_by_frequency() -> Figure:
 
 
 def detection_rate(curves: Mapping[str, Curve], x_label: str, title: str = "", *, logarithmic: bool = False) -> Figure:
-    """Draw rates (of 1) with markers of falling size, so that equal curves stay visible."""
+    """Draw rates with markers of falling size.
+
+    Equal curves therefore stay visible.
+    """
     figure, (axes,) = sheet()
     looks = zip(colours(), "osD^v<>", (11, 8, 5, 4, 4, 4, 4), strict=False)
     for (name, (x, rates)), (colour, marker, size) in zip(curves.items(), looks, strict=False):
@@ -97,7 +108,7 @@ def mean_force_by_condition() -> Figure:
 
 
 def forces_of_trials() -> Figure:
-    """Draw how often each force was applied, a curve per condition (6.13)."""
+    """Draw the distribution of applied forces per condition (6.13)."""
     figure, (axes,) = sheet(width_in=7.2)
     for (asked, forces), colour in zip(touches().groupby(FORCE)["force_mean_n"], colours(), strict=False):
         asked_n = float(str(asked))
@@ -114,7 +125,7 @@ PATTERN_STUDY, N_RATERS = "time-reversal-patterns", 10
 
 @lru_cache(maxsize=1)
 def ratings_of_patterns() -> "Ratings":
-    """Return the simulated participants' ratings of the patterns."""
+    """Return the ratings of patterns by simulated participants."""
     from tactometry.analysis.outcomes.ratings import ratings
 
     [form] = ratings(simulated_trials(PATTERN_STUDY, N_RATERS))
@@ -127,7 +138,10 @@ def word_pairs(*patterns: str) -> Figure:
 
 
 def grouped_word_pairs(factor: str) -> Figure:
-    """Draw the mean profiles by frequency or by envelope, next to the single focus (5.12, 5.13)."""
+    """Draw the mean profiles by frequency or envelope (5.12, 5.13).
+
+    The single focus is shown for comparison.
+    """
     grouped = ratings_of_patterns().grouped
     assert grouped is not None, "the built-in study rates all patterns"
     profile = grouped[grouped["of"] == factor]

@@ -1,4 +1,7 @@
-"""Figures of chapters 3 and 4: those of the time-reversal gallery, and some of their own."""
+"""Figures of plates in chapters 3 and 4.
+
+They are those of the time-reversal gallery and some others.
+"""
 
 from collections.abc import Callable
 
@@ -26,7 +29,10 @@ N_COLUMNS, STEP_M, EDGE_M = 16, 18e-3, 13.5e-3
 
 
 def modal_density() -> Figure:
-    """Draw the characteristic time, which is the modal density, against thickness, with counted modes (3.4)."""
+    """Draw the characteristic time against thickness (3.4).
+
+    It equals the modal density and is compared with counted modes.
+    """
     figure, (axes,) = sheet()
     thickness_mm = np.linspace(0.4, 3.0, 40)
     plates = [BOROFLOAT_33.plate(0.297, 0.21, 1e-3 * h, "SSSS") for h in thickness_mm]
@@ -59,7 +65,10 @@ def _train(n_foci: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def time_constants() -> Figure:
-    """Draw reversal time, repetition time and attenuation constant, and the cost of a short T_r (3.20)."""
+    """Draw time and attenuation constants and their costs (3.20).
+
+    They are reversal time, repetition time, attenuation constant, and the cost of a short T_r.
+    """
     figure, (train, cost) = sheet(2, 1, width_in=7.2, height_in=6.0)
     t_ms, u_um = _train(2)
     train.plot(t_ms, u_um, color=BLUE, linewidth=0.6)
@@ -83,7 +92,10 @@ def time_constants() -> Figure:
 
 
 def one_sided() -> Screen:
-    """Return 32 square patches in two rows along one long side (unverified defaults)."""
+    """Return 32 square patches in two rows along one long side.
+
+    Positions are unverified defaults.
+    """
     places = [(EDGE_M + STEP_M * column, EDGE_M + STEP_M * row) for row in range(2) for column in range(N_COLUMNS)]
     return Screen(A4_SCREEN, tuple(Patch(x, y, SIDE_M, SIDE_M) for x, y in places), Attenuation(TAU_S))
 

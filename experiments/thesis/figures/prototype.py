@@ -1,4 +1,7 @@
-"""Figures of the prototype's variability (thesis 4.6), the force-loss study (5.4, 5.5)."""
+"""Figures of the prototype and the force-loss study.
+
+They are thesis 4.6 (variability), 5.4 and 5.5.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -16,7 +19,7 @@ from tactometry.stimuli.time_reversal.screen.transducer import Patch
 
 
 def layout(screen: Screen, foci: Sequence[Point]) -> Figure:
-    """Positions of transducers and foci (thesis 4.28)."""
+    """Plot positions of transducers and foci (thesis 4.28)."""
     figure, (axes,) = sheet(width_in=6.8, height_in=5.0)
     axes.add_patch(Rectangle((0, 0), screen.plate.length_m * 1e3, screen.plate.width_m * 1e3, fill=False))
     patches = [source for source in screen.sources if isinstance(source, Patch)]
@@ -33,7 +36,10 @@ def layout(screen: Screen, foci: Sequence[Point]) -> Figure:
 
 
 def amplitude_per_transducer(contributions_m: FloatArray) -> Figure:
-    """Mean amplitude of each transducer alone, with the standard deviation over foci (thesis 4.29)."""
+    """Plot the mean amplitude of each transducer alone (thesis 4.29).
+
+    Bars are standard deviations over foci.
+    """
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     number = np.arange(1, contributions_m.shape[1] + 1)
     mean, spread = contributions_m.mean(axis=0) * 1e6, contributions_m.std(axis=0, ddof=1) * 1e6
@@ -43,7 +49,10 @@ def amplitude_per_transducer(contributions_m: FloatArray) -> Figure:
 
 
 def amplitude_over_count(amplitudes_m: FloatArray) -> Figure:
-    """Amplitude against the number of transducers (thesis 4.30) from (n_draws, n_points, n_channels)."""
+    """Plot amplitude against the number of transducers (thesis 4.30).
+
+    Amplitudes have the shape (n_draws, n_points, n_channels).
+    """
     figure, (axes,) = sheet()
     number = np.arange(1, amplitudes_m.shape[2] + 1)
     low, middle, high = np.percentile(amplitudes_m, [5, 50, 95], axis=(0, 1)) * 1e6
@@ -54,7 +63,7 @@ def amplitude_over_count(amplitudes_m: FloatArray) -> Figure:
 
 
 def amplitude_by_subset(amplitudes_m: Mapping[str, FloatArray]) -> Figure:
-    """Amplitude of each focus by subset of transducers (thesis 4.31)."""
+    """Plot amplitude of each focus by transducer subset (thesis 4.31)."""
     figure, (axes,) = sheet(width_in=7.2)
     for (name, values), colour, marker in zip(amplitudes_m.items(), colours(), "osD^v<>", strict=False):
         axes.plot(np.arange(1, len(values) + 1), values * 1e6, marker, color=colour, label=name)
@@ -63,7 +72,10 @@ def amplitude_by_subset(amplitudes_m: Mapping[str, FloatArray]) -> Figure:
 
 
 def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
-    """Resolution of each focus along x and y (thesis 4.34), with that of a diffuse field."""
+    """Plot the resolution of each focus along x and y (thesis 4.34).
+
+    That of a diffuse field is included.
+    """
     figure, (axes,) = sheet(width_in=7.2)
     number = np.arange(1, len(widths_m) + 1)
     axes.plot(number, widths_m[:, 0] * 1e3, "o", color=BLUE, label="along x")
@@ -74,7 +86,10 @@ def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
 
 
 def loss_over_force(rows: Sequence[LossRow], measured: Sequence[LossRow] = ()) -> Figure:
-    """Amplitude loss against force, one panel per place (thesis 5.4, 5.5), measured rows as open markers if given."""
+    """Plot amplitude loss against force, a panel per place (5.4, 5.5).
+
+    Measured rows are open markers.
+    """
     places = list(dict.fromkeys(row.place for row in rows))
     figure, axes = sheet(1, len(places), width_in=4.6 * len(places) + 1.0, height_in=3.8)
     for one, place in zip(axes, places, strict=True):
@@ -92,6 +107,6 @@ def loss_over_force(rows: Sequence[LossRow], measured: Sequence[LossRow] = ()) -
 
 
 def _points(rows: Sequence[LossRow], kind: tuple[str, float], place: str) -> tuple[list[float], list[float]]:
-    """Forces (N) and losses (%) of a contactor at a place."""
+    """Return forces (N) and losses (%) of a contactor at a place."""
     chosen = [row for row in rows if (row.contactor, row.diameter_m) == kind and row.place == place]
     return [row.force_n for row in chosen], [100 * row.loss for row in chosen]

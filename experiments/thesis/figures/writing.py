@@ -1,4 +1,4 @@
-"""Drawings of reproductions as files: the picture, and its curves as numbers."""
+"""Files of a reproduced figure: the picture, and its curves as numbers."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +18,7 @@ HEAD = ("panel", "curve", "x_label", "x", "y_label", "y", "place")
 
 
 def write_drawing(figure: Figure, folder: Path, name: str) -> None:
-    """Write NAME.png, and NAME.csv with a row for each point of each curve.
+    """Write NAME.png, and NAME.csv with a row for each curve point.
 
     Raises `DeviceFailed` if a file cannot be written.
     """
@@ -30,7 +30,10 @@ def write_drawing(figure: Figure, folder: Path, name: str) -> None:
 
 
 def points(figure: Figure) -> Iterator[tuple[int | str | float, ...]]:
-    """Yield the points of all curves, bars and maps in the units of the axes; `place` is the name of a tick."""
+    """Yield the points of all curves, bars and maps.
+
+    They are in the units of the axes; `place` is the name of a tick.
+    """
     for panel, axes in enumerate(figure.axes, start=1):
         labels = axes.get_xlabel(), axes.get_ylabel()
         named = _tick_names(axes.xaxis), _tick_names(axes.yaxis)
@@ -61,7 +64,7 @@ def _bars(axes: Axes) -> Iterator[tuple[str, float, float]]:
 
 
 def _maps(axes: Axes) -> Iterator[tuple[str, float, float]]:
-    """Yield the place of the largest value of each map."""
+    """Yield the position of the largest value of each map."""
     for image in axes.get_images():
         values = np.asarray(image.get_array(), float)
         left, right, bottom, top = image.get_extent()

@@ -1,4 +1,4 @@
-"""The checks, each imported when it is requested."""
+"""Checks by name, each imported when it is requested."""
 
 from collections.abc import Mapping
 from typing import Final

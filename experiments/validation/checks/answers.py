@@ -1,4 +1,7 @@
-"""Tests and intervals of a group from answers, by fitted thresholds and by the hierarchical model."""
+"""Checks of group tests and intervals from answers.
+
+They use fitted thresholds and the hierarchical model.
+"""
 
 import math
 from collections.abc import Mapping
@@ -31,7 +34,10 @@ FIRST, LAST = 0.0, float(N_CONDITIONS - 1)
 
 
 def study(cell_sd_db: float, effect_db: float, rng: np.random.Generator) -> list[Cell]:
-    """Simulate cells of people whose thresholds rise from the first condition to the last in equal steps."""
+    """Simulate cells of participants.
+
+    Thresholds rise from the first condition to the last in equal steps.
+    """
     people = MEAN_DB + PARTICIPANT_SD_DB * rng.standard_normal((N_PARTICIPANTS, 1))
     own = cell_sd_db * rng.standard_normal((N_PARTICIPANTS, N_CONDITIONS))
     at = people + own + effect_db * (np.arange(N_CONDITIONS) / LAST - 0.5)
@@ -70,7 +76,7 @@ def _fitted(cells: list[Cell]) -> pd.DataFrame:
 
 
 def tested(cells: list[Cell]) -> dict[str, float]:
-    """Return p of each test of the factor, NaN without an answer."""
+    """Return p of each test of the factor, NaN without a result."""
     anova = outcome(_fitted(cells), [FACTOR], "forced_choice", "threshold").anova
     p_of_group = math.nan
     with suppress(InvalidParameter):
@@ -82,7 +88,10 @@ def tested(cells: list[Cell]) -> dict[str, float]:
 
 
 def estimated(cells: list[Cell]) -> dict[str, Estimate]:
-    """Return the last condition minus the first, with its interval, by each method."""
+    """Return the last condition minus the first by each method.
+
+    Each estimate has its interval.
+    """
     of_pairs = of_group = NO_ANSWER
     with suppress(InvalidParameter):  # a cell without a threshold
         compared = pairs(_fitted(cells), dependent="threshold", factor=FACTOR, subject="participant")
@@ -95,7 +104,7 @@ def estimated(cells: list[Cell]) -> dict[str, Estimate]:
 
 
 def false_alarms(cell_sd_db: float, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Test studies without an effect, and others with one."""
+    """Test studies without an effect, and others with an effect."""
     rows = [
         (effect, test, p)
         for effect in (0.0, EFFECT_DB)

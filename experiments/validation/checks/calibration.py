@@ -1,4 +1,6 @@
-"""Simulation-based calibration: the rank of a truth from the prior is uniform in its posterior.
+"""Simulation-based calibration of posteriors.
+
+The rank of a truth from the prior is uniform in its posterior.
 
 Talts, Betancourt, Simpson, Vehtari and Gelman (2018), arXiv 1804.06788.
 """
@@ -44,7 +46,10 @@ FINE: Final = 4001
 
 @dataclass(frozen=True)
 class FitModel:
-    """A fit: shape, guess rate (None: free), trials at each level, catch trials, and other options of its prior."""
+    """Fit to be calibrated.
+
+    It has a shape, guess rate (None: free), trials per level, catch trials, and other options of its prior.
+    """
 
     shape: str
     guess_rate: float | None
@@ -86,7 +91,10 @@ def of_fit(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
-    """Draw threshold, width, lapse rate and guess rate (n, 4) by inverse distribution functions."""
+    """Draw parameters (n, 4) from the prior.
+
+    They are threshold, width, lapse rate and guess rate, drawn by inverse distribution functions.
+    """
     none = np.zeros(1)
     prior = model.prior(np.array([LEVELS[1] - LEVELS[0]]), none, none)
     narrowest = prior.narrowest
@@ -108,12 +116,12 @@ def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
 
 
 def _log_rate(x: Array, beta: float) -> Array:
-    """Return the log density of a rate, without answers to catch trials."""
+    """Return the log density of a rate without answers to catch trials."""
     return log_rate(x, np.zeros(1), np.zeros(1), beta)[0]
 
 
 def inverse(log_density: Callable[[Array], Array], ends: tuple[float, float], uniform: Array) -> Array:
-    """Draw from a density between two ends, for uniform numbers."""
+    """Draw from a density between two ends, given uniform numbers."""
     x = np.linspace(ends[0], ends[1], FINE)
     with np.errstate(divide="ignore"):
         density = np.exp(log_density(x))
@@ -122,14 +130,20 @@ def inverse(log_density: Callable[[Array], Array], ends: tuple[float, float], un
 
 
 def rank(truth: Array, quantiles: Array, rng: np.random.Generator) -> Array:
-    """Rank truths (n_sets,) among quantiles (n_sets, 3, n_shares): uniform in the twentieth that contains them."""
+    """Rank truths (n_sets,) among quantiles (n_sets, 3, n_shares).
+
+    The rank is uniform within the twentieth that contains the truth.
+    """
     places = np.concatenate([quantiles[:, 0], quantiles[:, 1, :1], quantiles[:, 2]], axis=1)
     below = (np.sort(places, axis=1) < truth[:, None]).sum(axis=1)
     return np.asarray((below + rng.random(len(truth))) / (places.shape[1] + 1))
 
 
 def of_quest_plus(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Rank the threshold in the weights of QUEST+ after an adaptive track, uniform in the node that contains it."""
+    """Rank the threshold in the weights of QUEST+ after an adaptive track.
+
+    The rank is uniform within the node that contains it.
+    """
     guess_rate, n_trials = QUEST_PLUS[name]
     levels = tuple(np.arange(0.0, 41.0, 2.0).tolist())
     grid = ParameterGrid(levels, (4.0, 8.0, 16.0), (guess_rate,), (0.0, 0.02, 0.05))

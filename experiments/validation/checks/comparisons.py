@@ -1,4 +1,7 @@
-"""Points of subjective equality and just noticeable differences, by spread of the function, trials and lapses."""
+"""Checks of equality points and just noticeable differences.
+
+They are by spread of the function, trials and lapses.
+"""
 
 from functools import partial
 from typing import Final

@@ -1,4 +1,7 @@
-"""Tests and intervals of questionnaires, for people who rate patterns of focused pulses."""
+"""Checks of tests and intervals of questionnaires.
+
+Simulated participants rate patterns of focused pulses.
+"""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -38,7 +41,7 @@ RATERS: Final[Mapping[float, Raters]] = {
 
 
 def study(effect: float, seed: int) -> pd.DataFrame:
-    """Simulate a row for each answer, in whole steps of the scale as in a session."""
+    """Simulate a row for each answer, in whole steps of the scale."""
     rows = []
     for code in (f"P{number:02d}" for number in range(N_PARTICIPANTS)):
         rater = Rater(
@@ -80,7 +83,7 @@ TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
 
 
 def false_alarms(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Test studies without an effect, and others with one."""
+    """Test studies without an effect, and others with an effect."""
     rows = []
     for effect in RATERS:
         for table in (scored(effect, rng) for _ in range(n_sets)):
@@ -89,7 +92,10 @@ def false_alarms(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def effects(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Estimate means and differences of patterns that are rated alike: 0, as the scale is symmetric."""
+    """Estimate means and differences of patterns that are rated alike.
+
+    The truth is 0, as the scale is symmetric.
+    """
     rows = []
     for table in (scored(0.0, rng) for _ in range(n_sets)):
         pair = _against(table).iloc[0]

@@ -1,4 +1,4 @@
-"""Thresholds of one participant: every procedure with every fit."""
+"""Checks of thresholds of one participant by procedure and fit."""
 
 from collections.abc import Iterable, Mapping
 from functools import partial
@@ -39,13 +39,16 @@ POSTERIOR: Final = ("mode", "median", "mean")
 
 
 def method_of_limits(guess_rate: float) -> MethodOfLimits:
-    """Return alternating series that begin in the outer quarter; the track ends with its last trial."""
+    """Return alternating series that begin in the outer quarter.
+
+    The track ends with its last trial.
+    """
     del guess_rate
     return MethodOfLimits(LOW_DB, HIGH_DB, 4.0, n_series=1000, n_start_steps=2)
 
 
 def psi(guess_rate: float) -> Rule[Any]:
-    """Return psi for a cumulative normal with the lapse rate of the participants."""
+    """Return psi for a cumulative normal with the true lapse rate."""
     table = PsiSettings(
         LOW_DB, HIGH_DB, 41, 1.0, 6.0, 6, guess_rate=guess_rate, lapse_rate=LAPSE_RATE, n_trials=N_TRIALS
     )
@@ -67,7 +70,7 @@ Psychophys. 49, 227); others estimate the threshold."""
 
 
 def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Simulate a track of each participant, with all fits."""
+    """Simulate one track per participant, with all fits."""
     made = simulated.tracks(procedure, task, INSIDE, n_sets, rng, n_trials=N_TRIALS, procedures=PROCEDURES)
     n_catch = round(task.catch * N_TRIALS)
     catch = {"n_false_alarms": rng.binomial(n_catch, task.guess_rate, n_sets), "n_catch": np.full(n_sets, n_catch)}
@@ -79,7 +82,7 @@ def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Ge
 
 
 def _of_rule(procedure: str, task: SimulatedTask, made: Tracks) -> pd.DataFrame:
-    """Return the rule's own estimates, with its target as truth."""
+    """Return the estimates of the rule, with its target as the truth."""
     targets = {**TARGETS, "QUEST": 1 - (1 - task.guess_rate) / np.e}
     people = zip(made.thresholds_db, made.widths_db, strict=True)
     functions = [PsychometricFunction(SHAPE, at, width, task.guess_rate, LAPSE_RATE) for at, width in people]
@@ -100,13 +103,19 @@ def _of_fits(made: Tracks, told: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
 
 
 def _counts(made: Tracks) -> tuple[NDArray[np.float64], ...]:
-    """Return levels, answers and trials (n_sets, n_trials), with no trials after the end of a track."""
+    """Return levels, answers and trials (n_sets, n_trials).
+
+    There are 0 trials after the end of a track.
+    """
     asked = ~np.isnan(made.levels_db)
     return np.where(asked, made.levels_db, 0.0), np.where(asked, made.answers, 0.0), asked.astype(np.float64)
 
 
 def _table(made: Tracks, fits: Iterable[ThresholdFit], estimates: Iterable[float | None]) -> pd.DataFrame:
-    """Return estimates and intervals; fits without a threshold have only bounds."""
+    """Return estimates and intervals.
+
+    Fits without a threshold have only bounds.
+    """
     rows = [
         (None if fit.threshold is None else estimate, fit.interval_low, fit.interval_high)
         for fit, estimate in zip(fits, estimates, strict=True)

@@ -1,4 +1,7 @@
-"""Tests and intervals of values of participants in conditions, by their errors."""
+"""Checks of tests and intervals of values, by distribution of errors.
+
+The values are those of participants in conditions.
+"""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -31,9 +34,9 @@ FIRST, LAST = 0, N_CONDITIONS - 1
 def studies(
     errors: str, n_participants: int, n: int, rng: np.random.Generator, n_conditions: int = N_CONDITIONS
 ) -> NDArray[np.float64]:
-    """Draw values (n, n_participants, n_conditions) without effects.
+    """Draw null values (n, n_participants, n_conditions).
 
-    Errors of variance 1 are independent, correlated by 0.7 a step, or three times as large in the first condition.
+    Errors of variance 1 are independent, correlated by 0.7 per step, or three times as large in the first condition.
     """
     places = np.arange(n_conditions)
     covariance = {
@@ -46,7 +49,10 @@ def studies(
 
 
 def long_table(values: NDArray[np.float64]) -> pd.DataFrame:
-    """Return a row for each participant and condition of a study; `cut` has bounds in place of low values."""
+    """Return a row per participant and condition of a study.
+
+    With `cut` low values are replaced by bounds.
+    """
     shape = [range(length) for length in values.shape]
     table = pd.MultiIndex.from_product(shape, names=["participant", "condition"]).to_frame(index=False)
     y = values.ravel()
@@ -75,7 +81,7 @@ TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
 
 
 def p_of(test: str, table: pd.DataFrame) -> float:
-    """Return p, or NaN without an answer."""
+    """Return p, or NaN without a result."""
     try:
         return float(TESTED[test](table))
     except UndefinedStatistic:
@@ -83,7 +89,7 @@ def p_of(test: str, table: pd.DataFrame) -> float:
 
 
 def false_alarms(errors: str, n_participants: int, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Test each study without an effect, and with one."""
+    """Test each study without an effect, and with an effect."""
     rows = []
     for values in studies(errors, n_participants, n_sets, rng):
         for effect in (0.0, EFFECT):
@@ -94,7 +100,7 @@ def false_alarms(errors: str, n_participants: int, n_sets: int, rng: np.random.G
 
 
 def with_effect(values: NDArray[np.float64], effect: float) -> NDArray[np.float64]:
-    """Raise the last condition by an effect."""
+    """Add an effect to the last condition."""
     return np.asarray(values + effect * (np.arange(values.shape[-1]) == values.shape[-1] - 1))
 
 
