@@ -8,15 +8,17 @@ from typing import Any
 import numpy as np
 
 from tactometry.signal import Signal
-from tactometry.stimuli import time_reversal
 from tactometry.stimuli.electrovibration import AmplitudeModulated, Skin
 from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
 from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
-from tactometry.stimuli.time_reversal import Band, Fingertip, Screen
+from tactometry.stimuli.time_reversal import Band, Fingertip, Screen, drive, impulse_responses
+from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
-from tactometry.stimuli.time_reversal.responses.load import PlateLoad
+from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
+from tactometry.stimuli.time_reversal.responses.responses import band_limited, inaudible
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.transducer import border
 
 from ...scenes import path_of
 from ..problem import Problem, Real, Reference, Setting, over_largest
@@ -116,22 +118,22 @@ def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
     surface, (screen, cutoff_hz) = _surface(scene), _screen(scene)
     focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.f_max_hz, surface.flank_hz)
     timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.f_max_hz}
-    heard = time_reversal.impulse_responses(screen, focus, **timing)
-    learnt = time_reversal.inaudible(time_reversal.band_limited(heard, band), cutoff_hz, 2e3)
-    signal = _band_limited(time_reversal.drive(learnt, scene.given["voltage_v"], OneBit()), band)
+    heard = impulse_responses(screen, focus, **timing)
+    learnt = inaudible(band_limited(heard, band), cutoff_hz, 2e3)
+    signal = _band_limited(drive(learnt, scene.given["voltage_v"], OneBit()), band)
     courses = []
     for factor in HIGHER:
         timing = {"rate_hz": signal.rate_hz, "duration_s": HEARD_S, "f_max_hz": factor * surface.f_max_hz}
-        heard = time_reversal.loaded_responses(screen, focus, loads, **timing)
+        heard = loaded_responses(screen, focus, loads, **timing)
         last = FINER * (2 * learnt.n_samples - 1)
-        courses.append(time_reversal.emitted(signal, heard)[0, last - n + 1 : last + 1])
+        courses.append(emitted(signal, heard)[0, last - n + 1 : last + 1])
     return np.asarray(np.linalg.solve([[1.0, 1 / f, 1 / f**3] for f in HIGHER], courses)[0])
 
 
 def _screen(scene: SceneFile) -> tuple[Screen, float]:
     """Return the screen of a scene, and the end of its audible band."""
     effects, surface = {effect.kind: vars(effect) for effect in scene.scene.effects}, _surface(scene)
-    patches = time_reversal.border(surface.plate, surface.n_transducers, effects["patches"]["side_m"], surface.inset_m)
+    patches = border(surface.plate, surface.n_transducers, effects["patches"]["side_m"], surface.inset_m)
     shear_factor = 5 / 6 if "shear" in effects else None
     screen = Screen(surface.plate, patches, Attenuation(effects["attenuation"]["tau_s"]), shear_factor)
     return screen, effects["audible_filter"]["cutoff_hz"]
