@@ -98,7 +98,9 @@ class MeasuredHybrid:
 
 
 def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
-    """The same foci and friction from measured responses, both at the rate of these.
+    """Return the same foci and friction from measured responses.
+
+    Both have the sampling rate of the responses.
 
     Raises `InvalidParameter` if the responses do not suit the foci
     (`tactometry.stimuli.time_reversal.stimulus.focus_train.measured`).

@@ -45,7 +45,7 @@ class VoltageContent:
     steepest_db_per_hz: float = 0.0
 
     def __add__(self, other: "VoltageContent") -> "VoltageContent":
-        """Both at once: all adds up, but of two losses the stronger one counts."""
+        """Add the content of two effects; the lower resistivity counts."""
         both = {field.name: getattr(self, field.name) + getattr(other, field.name) for field in fields(self)}
         both["resistivity_ohm_m"] = min(self.resistivity_ohm_m, other.resistivity_ohm_m)
         return VoltageContent(**both)
@@ -88,7 +88,7 @@ class PlateContent:
     most_ritz_modes: float = inf
 
     def __add__(self, other: "PlateContent") -> "PlateContent":
-        """Both at once."""
+        """Combine the content of two effects."""
         return PlateContent(
             weakening=self.weakening * other.weakening,
             tau_s=min(self.tau_s, other.tau_s),

@@ -228,7 +228,7 @@ class Effect:
         return Stage(self.stage_name or self.kind, self.reads, self.gives, target, dict(vars(self)), size=self.size)
 
     def size(self, demand: "Demand") -> Size:
-        """How finely the value works; it refuses what no output can be had with."""
+        """Return settings, error and work; refuse an unreachable error."""
         return Size()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
@@ -310,7 +310,7 @@ class Surface:
         raise NotImplementedError
 
     def played(self, scene: Surroundings) -> "Surface":
-        """The same surface, where each run is given the signal that is played and the finger that feels it.
+        """Return this surface for runs that are given a signal and a contact.
 
         Raises `InvalidParameter` if no signal can be given to it.
         """

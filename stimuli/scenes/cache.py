@@ -69,7 +69,7 @@ def _read(path: Path) -> dict[str, Any] | None:
 
 
 def _write(path: Path, values: Mapping[str, Any]) -> None:
-    """Whole or not at all."""
+    """Write a result file atomically."""
     import numpy as np
 
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -211,7 +211,7 @@ def unit_of(name: str) -> str:
 
 
 def compute(plan: Plan, given: Mapping[str, float]) -> Result:
-    """A run of a plan, timed; what never changes between runs is computed before.
+    """Run a plan and time it, after computing what runs share.
 
     Raises `InvalidParameter` if it does not fit into memory.
     """

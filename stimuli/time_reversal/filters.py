@@ -24,7 +24,10 @@ class GainCurve(Protocol):
 
 @checked
 def filtered(samples: FloatArray, rate_hz: Positive, gain: GainCurve) -> FloatArray:
-    """Samples (..., n) behind a linear element; what rings beyond the end, or before the beginning, is cut off."""
+    """Return samples (..., n) filtered by a linear element.
+
+    Ringing before the beginning and beyond the end is cut off.
+    """
     n = samples.shape[-1]
     n_fft = fast_length(max(2 * n, 1))  # what wraps round falls into zeros that are cut off
     frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / rate_hz), float)

@@ -13,5 +13,5 @@ from tactometry.stimuli.arrays import COMPLEX, REAL, fast_length
 @example(n=2)
 @example(n=7)
 @example(n=3**15)
-def test_a_fast_length_is_that_of_scipy(factors: tuple[int, ...], real: bool, n: int) -> None:
+def test_fast_length_matches_scipy(factors: tuple[int, ...], real: bool, n: int) -> None:
     assert fast_length(n, factors) == next_fast_len(n, real=real)

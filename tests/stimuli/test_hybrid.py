@@ -23,7 +23,7 @@ FRICTION = AmplitudeModulated(frequency_hz=120.0, duration_s=0.5, rate_hz=50e3)
 SLIDING, AT_REST = Contact(1.0, 0.05), Contact(1.0)
 
 
-def test_every_channel_is_that_of_its_own_kind():
+def test_hybrid_channels_match_their_single_stimuli():
     signal = Hybrid(FOCUS, FRICTION, electrode_offset_db=4.0).at(20.0)
     foci, friction = FOCUS.at(20.0).samples, FRICTION.at(24.0).samples
     np.testing.assert_array_equal(signal.samples[:-1, : foci.shape[1]], foci)
@@ -62,7 +62,7 @@ def test_incompatible_hybrid_parts_are_refused(build, message):
         build()
 
 
-def test_the_study_plays_both_at_once_under_a_finger_that_slides():
+def test_hybrid_study_plays_both_under_sliding_finger():
     made = wire(load("hybrid-button")[0], "hybrid-button")
     cell = next(cell for cell in made.cells.values() if cell.condition.factors["feedback"] == "both")
     samples = cell.stimulus.at(24.0).samples

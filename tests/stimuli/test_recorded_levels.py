@@ -16,7 +16,7 @@ def check(found, was):
 
 
 @pytest.mark.parametrize("study", RECORDED["studies"])
-def test_the_stimuli_of_a_built_in_study_feel_as_they_did(study):
+def test_built_in_study_levels_match_recorded_values(study):
     check(study_levels(study), RECORDED["studies"][study])
 
 
@@ -24,5 +24,5 @@ SLOW = {"hybrid-screen": pytest.mark.slow}
 
 
 @pytest.mark.parametrize("scene", [pytest.param(name, marks=SLOW.get(name, ())) for name in RECORDED["scenes"]])
-def test_a_built_in_scene_gives_what_it_gave(scene):
+def test_built_in_scene_outputs_match_recorded_values(scene):
     check(scene_outputs(scene), RECORDED["scenes"][scene])

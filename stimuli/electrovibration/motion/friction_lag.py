@@ -94,7 +94,9 @@ def lagged_friction_n(
     force_n: float,
     speed_m_per_s: float,
 ) -> FloatArray:
-    """(n_times,) friction force (N) that lags behind ``mu (F_n + F_e)``, exactly; 0 for a finger at rest.
+    """Return the exact friction (N) that lags behind ``mu (F_n + F_e)``.
+
+    The shape is (n_times,). It is 0 for a finger at rest.
 
     The lag acts on the electrostatic part, from rest: ``f' = 2 pi f_c (mu F_e - f)``.
 

@@ -69,7 +69,10 @@ def phases(pieces: Pieces, relaxations: Relaxations, nodes: FloatArray) -> Phase
 
 
 def moving(since: FloatArray, relaxations: Relaxations) -> NDArray[np.bool_]:
-    """(n_nodes, n_relax): which relaxations still move behind a node; at the node that ends a decay it is over."""
+    """Return which relaxations still move after each node.
+
+    The shape is (n_nodes, n_relax). A decay has ended at its last node.
+    """
     return np.asarray(since[:, None] * np.array(relaxations.rates_per_s) < DECAYED * (1 - 1e-9))
 
 

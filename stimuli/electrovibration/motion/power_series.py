@@ -100,7 +100,10 @@ def _slope(c: FloatArray, x: float) -> float:
 
 @compiled
 def _falls(c: FloatArray) -> float:
-    """The first place in (0, 1] where the polynomial falls below 0, seen from `N_LOOKS` places; 2 if nowhere."""
+    """Return the first place in (0, 1] where the polynomial is below 0.
+
+    Searched at `N_LOOKS` places; 2 if there is none.
+    """
     low = 0.0
     for look in range(1, N_LOOKS + 1):
         high = look / N_LOOKS
@@ -302,7 +305,10 @@ def _go_on(circuit: CircuitState, layers: Layers, series: Series, reached: float
 
 @compiled
 def _next_event(skin: SkinState, contact: ContactConstants, h: float, series: Series, limit: FloatArray) -> float:
-    """The series of the skin over a step, and where in units of `h` its next event is; 2 if it has none."""
+    """Return the series of the skin over a step, and its next event.
+
+    The event is in units of `h`; 2 if there is none.
+    """
     if skin.direction == 0:
         _stick_series(skin, contact, h, series)
         return _breaks_loose(skin, contact, h, series.stretch, limit)

@@ -58,7 +58,7 @@ class SkinMobility(Effect):
     stiffness_exponent: float = 0.0
 
     def under(self, force_n: float) -> Self:
-        """The same with the stiffness that it has under a normal force, whatever the force is then."""
+        """Return the mobility with its stiffness fixed at a normal force."""
         if self.stiffness_exponent == 0:
             return self
         stiffness_n_per_m = self.stiffness_n_per_m * force_n**self.stiffness_exponent

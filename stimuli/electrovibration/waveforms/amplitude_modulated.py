@@ -150,7 +150,7 @@ class PulsedCarrier:
 
 
 def of_supply(waveform: AmplitudeModulated, rate_hz: float, supply_v: float) -> PulsedCarrier:
-    """The same waveform at the clock and the supply of an amplifier."""
+    """Return the waveform at the clock and supply of an amplifier."""
     return PulsedCarrier(replace(waveform, rate_hz=rate_hz), supply_v)
 
 

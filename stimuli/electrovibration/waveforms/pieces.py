@@ -80,7 +80,11 @@ class Pieces:
         return np.maximum(found, 0)
 
     def at(self, t_s: ArrayLike) -> FloatArray:
-        """The voltage, of the shape of `t_s`, from the right at a jump; 0 before 0, held at the end after it."""
+        """Return the voltage at times.
+
+        It has the shape of `t_s`. At a jump it is the value after the jump; before 0 it is 0, and after the end it
+        keeps its last value.
+        """
         t = np.minimum(np.asarray(t_s, dtype=np.float64), self.end_s)
         return np.where(t < 0, 0.0, self.value_in(self.index(t), t))
 
@@ -105,7 +109,7 @@ class Pieces:
         return np.asarray(after - before)
 
     def scaled(self, factor: float) -> "Pieces":
-        """The same course, `factor` times as high."""
+        """Return the pieces with the voltage multiplied by `factor`."""
         return replace(
             self,
             offsets_v=factor * self.offsets_v,
@@ -114,7 +118,7 @@ class Pieces:
         )
 
     def split_at(self, times_s: ArrayLike) -> "Pieces":
-        """The same voltage with more pieces: one starts at each of `times_s` inside of the signal."""
+        """Return the same voltage with additional pieces from `times_s`."""
         times = np.asarray(times_s, dtype=np.float64)
         starts = np.unique(np.r_[self.starts_s, times[(times > 0) & (times < self.end_s)]])
         piece = self.index(starts)

@@ -58,7 +58,10 @@ class CrossMasking(Effect):
 
 
 def masked(target_db: "float | FloatArray", masker_db: "float | FloatArray", slope: float) -> "float | FloatArray":
-    """The level above a threshold that a masker raises; one below its own threshold raises none."""
+    """Return the level above a threshold that a masker raises.
+
+    A masker below its own threshold has no effect.
+    """
     import numpy as np
 
     return target_db - slope * max(float(np.max(masker_db)), 0.0)

@@ -42,7 +42,7 @@ class Foci(Effect):
 
     @property
     def n(self) -> int:
-        """How many foci there are with that of the surface."""
+        """Number of foci, with that of the surface."""
         return len(self.x_m) + 1
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
@@ -54,5 +54,5 @@ class Foci(Effect):
         )
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        """Each focus keeps one over the root of their number."""
+        """Return a weakening by the root of the number of foci."""
         return PlateContent(weakening=sqrt(self.n), places_m=tuple(zip(self.x_m, self.y_m, strict=True)))

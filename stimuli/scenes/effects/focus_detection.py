@@ -47,7 +47,10 @@ class FocusDetection(Effect):
         return events, replace(self.stage(), needs=("felt_m",))
 
     def __call__(self, felt_at_1v_m: "float | FloatArray", voltage_v: float = 1.0) -> "float | FloatArray":
-        """Level above threshold at a voltage, of one finger or of each; ``-inf`` for silence."""
+        """Return the level above threshold at a voltage, per finger.
+
+        It is ``-inf`` for silence.
+        """
         import numpy as np
 
         with np.errstate(divide="ignore"):
@@ -64,7 +67,7 @@ def single_event_m_per_v(t_s: "FloatArray", course: "FloatArray") -> float:
 
 
 def under_finger(t_s: "FloatArray", courses: "FloatArray") -> float:
-    """The same, of the first of some courses."""
+    """Return the event amplitude per volt at the first finger."""
     return single_event_m_per_v(t_s, courses[0])
 
 

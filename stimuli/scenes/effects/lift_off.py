@@ -42,7 +42,10 @@ class LiftOff(Effect):
         )
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """None: each level and force would be a solution in time, of minutes; what is felt is of a linear contact."""
+        """Refuse lift-off in sensation, which uses a linear contact.
+
+        A solution in time would take minutes for each level and force.
+        """
         raise InvalidParameter(
             "effects: found 'lift_off' where signals are felt, expected the linear contact of 'finger_load'; remove "
             "'lift_off': a dry run tells from which level on contact is lost, `tactometry scene` what that changes"

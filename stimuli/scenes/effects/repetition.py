@@ -46,7 +46,7 @@ class Repetition(Effect):
 
     @property
     def n(self) -> int:
-        """How many foci there are."""
+        """Number of foci."""
         return max(round(self.duration_s * self.repetition_hz), 1)
 
     def __call__(self, learnt: "Responses", quantiser: "Quantiser") -> "EmittedSignal":

@@ -57,7 +57,7 @@ class PlateMotion:
         return self.screen.modes(self.static_to_hz)
 
     def among(self, part: slice) -> "PlateMotion":
-        """The same at some of the frequencies."""
+        """Return the motion at some of the frequencies."""
         return replace(self, amplitude=self.amplitude[:, part], played=self.played[:, part], s=self.s[part])
 
     def turning(self, t_s: FloatArray) -> ComplexArray:
@@ -179,7 +179,7 @@ def focus_value(motion: PlateMotion, foci: Points) -> FloatArray:
 
 
 def sampling(factor: int) -> int:
-    """How many times finer than the clock courses are given."""
+    """Return the oversampling of the courses relative to the clock."""
     return factor
 
 

@@ -37,7 +37,7 @@ def free_displacement(signal: "Signal", setup: "Setup", places_m: "Places") -> F
 
 
 def times(displacement_m: FloatArray, setup: "Setup") -> FloatArray:
-    """When the samples are."""
+    """Return the times of the samples."""
     return np.arange(displacement_m.shape[1]) / setup.rate_hz
 
 

@@ -70,7 +70,7 @@ def pieces(record: VoltageRecord) -> "Pieces":
 
 
 def times(record: VoltageRecord) -> FloatArray:
-    """When the samples are."""
+    """Return the times of the samples."""
     return record.t_s
 
 

@@ -127,7 +127,7 @@ class TimeReversal(GlassPanel, Surface):
 
     @property
     def margin_s(self) -> float:
-        """How far an emission is followed outside of itself when it is limited to the band."""
+        """Time before and after an emission that the band limit adds."""
         return MARGIN_FLANKS / self.flank_hz
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:
@@ -200,7 +200,7 @@ class TimeReversal(GlassPanel, Surface):
 
     @property
     def step_rad(self) -> float:
-        """How far the top of the band turns in a sample."""
+        """Phase (rad) that the top of the band advances in a sample."""
         return 2 * pi * self.f_max_hz / self.rate_hz
 
     def _map(self) -> tuple[Stage, ...]:
@@ -253,7 +253,7 @@ def _n_moved(demand: Demand) -> float:
 
 
 def _oversampling(demand: Demand) -> int:
-    """How many times finer than the clock straight lines between samples must be."""
+    """Return the oversampling that linear interpolation needs."""
     step_rad: float = demand.surface.step_rad
     return ceil(step_rad / sqrt(8 * demand.error))
 

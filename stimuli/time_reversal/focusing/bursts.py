@@ -104,7 +104,7 @@ class Bursts:
 
 
 def check_supply(owner: str, supply_v: float | None, quantiser: Quantiser | None) -> None:
-    """Refuse a supply of no size, or one that would have to scale; None is none."""
+    """Refuse a supply that is not positive or has an analogue drive."""
     if supply_v is None:
         return
     positive(owner, supply_v=supply_v)

@@ -134,7 +134,7 @@ class Pattern:
 
     @property
     def times_s(self) -> FloatArray:
-        """When each focus comes, from the first."""
+        """Times of the foci, from the first."""
         return np.arange(self.n_foci) / self.repetition_hz
 
     @property

@@ -183,7 +183,7 @@ def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
 
 @checked
 def degrees_called_for(plate: Plate, f_max_hz: float) -> tuple[int, int]:
-    """The same, however many they are: what a computation would cost."""
+    """Return the degrees without their limit, for a cost estimate."""
     half_k = math.sqrt(_wavenumber2_per_m2(plate, f_max_hz)) / 2
     p_x, p_y = (math.ceil(half_k * side) + MARGIN_DEGREES for side in (plate.length_m, plate.width_m))
     return p_x, p_y

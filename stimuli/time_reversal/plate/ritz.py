@@ -121,7 +121,7 @@ def _largest(mass: FloatArray, shifted: FloatArray, theta_min: float) -> tuple[F
 
 
 def _orthonormal(vectors: FloatArray, mass: FloatArray) -> FloatArray:
-    """The same modes with V M V^T = 1 to rounding: one Cholesky step removes what the solver left."""
+    """Return the modes orthonormalised by one Cholesky step."""
     from scipy.linalg import cholesky, solve_triangular
 
     if len(vectors) == 0:

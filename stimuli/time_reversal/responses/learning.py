@@ -123,7 +123,9 @@ def deconvolve(
 
 @checked
 def delay_s(played: Vector, recorded: Vector, rate_hz: Positive) -> float:
-    """How much later `recorded` is, s: the peak of the correlation, by a parabola to a part of a sample.
+    """Return the delay (s) of `recorded` by the correlation peak.
+
+    A parabola resolves fractions of a sample.
 
     >>> pulse = sequence(8, rate_hz=1e3).samples
     >>> delay_s(pulse, np.concatenate([np.zeros(7), pulse]), 1e3)

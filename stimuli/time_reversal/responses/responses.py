@@ -191,7 +191,9 @@ def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> Float
 
 @checked
 def through(responses: Responses, gain: GainCurve) -> Responses:
-    """The responses behind a linear element; the part that would precede time 0 is cut off.
+    """Return the responses filtered by a linear element.
+
+    The part before time 0 is cut off.
 
     >>> h = Responses(np.eye(1, 64)[None], 1e3)
     >>> from tactometry.stimuli.time_reversal.filters import Butterworth

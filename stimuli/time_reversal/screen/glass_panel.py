@@ -37,7 +37,7 @@ class GlassPanel:
         return self.focus_x_m, self.focus_y_m
 
     def _check_panel(self, *, highest_hz: str) -> None:
-        """Refuse what no panel is; `highest_hz` names the field that the clock must reach."""
+        """Refuse invalid panels; `highest_hz` names the field for the clock."""
         owner = type(self).__name__
         one_of(f"{owner}.glass", self.glass, tuple(GLASSES))
         whole(owner, lowest=1, highest=MAX_TRANSDUCERS, n_transducers=self.n_transducers)

@@ -175,8 +175,10 @@ class FingersSensation:
 
 @checked
 def check_fingers(where: str, setup: Setup, places: Mapping[str, Place], fingers: tuple[str, ...]) -> None:
-    """Refuse fingers that rest on no place of a plate, or nearer to each other than a fingertip is wide; where none is
-    named they rest on every place."""
+    """Refuse fingers without a place or closer than a fingertip's width.
+
+    Without names, fingers rest on every place.
+    """
     distinct(where, fingers, "each place once: two fingers do not fit on one")
     at_m = {name: lookup(where, name, places).on(setup) for name in fingers or places}
     for name, other in combinations(at_m, 2):

@@ -85,7 +85,7 @@ class Setup(GlassPanel):
 
     @property
     def heard_s(self) -> float:
-        """How long a response is followed: until it has fallen by 60 dB, at least `learnt_s`."""
+        """Duration of a response: until 60 dB of decay, at least `learnt_s`."""
         return max(self.learnt_s, self.screen.attenuation.t60_s)
 
     def responses_at(self, x_m: float, y_m: float) -> Responses:
@@ -93,7 +93,7 @@ class Setup(GlassPanel):
         return self.responses_at_each(((x_m, y_m),))
 
     def responses_at_each(self, places: Sequence[Point]) -> Responses:
-        """The same at some points, at least one."""
+        """Return the responses at points, at least one."""
         return _responses(self, tuple(places))
 
     def learnt(self) -> Responses:

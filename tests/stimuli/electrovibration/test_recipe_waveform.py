@@ -80,7 +80,7 @@ def test_custom_waveform_study_simulates_validates_and_replays(added):
     assert json.loads(added[-1])["status"] == [0, 0, 0, 2]
 
 
-def test_the_page_of_keys_and_the_laws_of_all_stimuli_have_it(added):
+def test_custom_waveform_appears_in_keys_and_laws(added):
     told = json.loads(added[-1])
     assert "stimulus.sawtooth" in told["keys"]
     assert "sawtooth" in told["laws"]

@@ -190,7 +190,7 @@ def test_stick_slip_friction_obeys_its_limits(
     assert (ahead[slips] >= -1e-9).all()
 
 
-def test_speed_0_has_no_effect_whatever_the_voltage() -> None:
+def test_zero_speed_has_no_effect_at_any_voltage() -> None:
     motion = run(travel=Travel(0.0))
     assert motion.events_s.size == 0
     assert not motion.lateral_n.any()

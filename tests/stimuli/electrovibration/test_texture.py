@@ -127,7 +127,7 @@ def test_resting_finger_leaves_velvet_pile_unchanged() -> None:
         (Velvet(tuft_depth=0.0), None),
     ],
 )
-def test_finest_period_sets_the_reports_that_a_texture_needs(texture: Texture, period_m: float) -> None:
+def test_finest_period_sets_required_report_rate(texture: Texture, period_m: float) -> None:
     followed, needed_hz = FollowedTexture(texture, carrier_hz=5e3), 0.0 if period_m is None else 0.2 / period_m
     followed.check_motion(0.1, needed_hz * 1.001 + 1e-3)
     if period_m is not None:

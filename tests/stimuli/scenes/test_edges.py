@@ -145,7 +145,7 @@ def test_accuracy_finer_than_polynomials_is_refused():
 
 
 @pytest.mark.parametrize(("boundary", "width_m"), [("SFSF", 0.09), ("FFFF", 0.09), ("FFFF", 0.12)])
-def test_the_strain_energy_may_take_further_modes_of_another_solution(boundary, width_m, on_exact_modes):
+def test_strain_energy_may_use_additional_modes(boundary, width_m, on_exact_modes):
     energy = replace(held(boundary, LOSSY, effect("drive_energy"), width_m=width_m), outputs=("energy_j",))
     far = {"modes_to_hz": 12e3, "static_to_hz": 16e3}
     mixed = replace(energy, settings={"motion": far, "strain_energy": {"static_to_hz": 32e3}})

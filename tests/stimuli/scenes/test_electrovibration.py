@@ -227,7 +227,7 @@ def test_stick_slip_events_are_exact(frequency_hz, ramp_s):
             assert error_of(got, reference, output) <= accuracy
 
 
-def test_the_voltage_does_not_hold_a_finger_that_sticks():
+def test_voltage_does_not_hold_a_stuck_finger():
     """Slip starts when the pad bears the static friction of the load."""
     pad, force_n, speed_m_per_s = Finger.at_speed(0.05), 0.5, 0.05
     at_rest_n = 0.6 * force_n - pad.damping_n_s_per_m * speed_m_per_s

@@ -196,7 +196,7 @@ NO_STIMULUS = {
 
 
 @pytest.mark.parametrize("name", NO_STIMULUS)
-def test_no_signal_is_felt_on_a_plate_that_no_stimulus_has(name):
+def test_plates_without_stimulus_are_refused(name):
     effects, sentence = NO_STIMULUS[name]
     with pytest.raises(InvalidParameter, match=sentence):
         Scene(small_screen(), effects, ("peak_m",)).sensation(Sine(60.0, 0.5).at(30.0), Contact(1.0))

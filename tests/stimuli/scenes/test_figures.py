@@ -46,7 +46,7 @@ def test_contact_force_figure_marks_static_load(draw):
     assert len(beside) == (2 if draw is focus_sheet else 1)  # from afar and near the focus
 
 
-def test_micrometres_are_written_one_way_and_levels_say_above_what():
+def test_figures_write_units_and_level_references_uniformly():
     outputs = ("t_s", "focus_displacement_m", "x_m", "y_m", "field_m", "peak_m", "sensation_db")
     result, figure = drawn(screen(effect("focus_detection"), outputs=outputs, accuracy=0.1), VOLT, focus_sheet)
     words = [label for axes in figure.axes for label in (axes.get_ylabel(), axes.get_xlabel(), axes.get_title())]

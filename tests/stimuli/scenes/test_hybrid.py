@@ -46,7 +46,7 @@ def test_sliding_finger_weakens_focus_under_resting_finger():
     assert both["peak_m"] < 0.995 * one["peak_m"]
 
 
-def test_those_at_rest_have_the_first_rows_and_feel_the_focus():
+def test_resting_fingers_come_first_and_feel_focus():
     felt = replace(
         HYBRID, effects=(*HYBRID.effects, effect("focus_detection")), outputs=("contact_force_n", "sensation_db")
     )

@@ -121,7 +121,7 @@ def test_sliding_finger_on_focus_is_refused_with_fix():
         slides.resolve()
 
 
-def test_losses_that_no_plate_has_are_refused_before_their_number_is_none():
+def test_impossible_losses_are_refused():
     with pytest.raises(
         InvalidParameter, match=r"attenuation\.exponent: found 1e\+08, by which tau changes .* lower it"
     ):

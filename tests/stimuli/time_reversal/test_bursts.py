@@ -24,7 +24,7 @@ def moved_m(signal, setup):
 
 @pytest.mark.parametrize("pattern", PATTERNS)
 @pytest.mark.parametrize("level", [12.0, 24.0])
-def test_each_focus_has_the_amplitude_asked_for_at_one_supply(pattern, level):
+def test_each_focus_has_requested_amplitude_at_one_supply(pattern, level):
     """The default screen; half of a per cent is the size of one sample of one channel at the lowest level."""
     train = FocusTrain(pattern=pattern, supply_v=SUPPLY_V)
     signal, asked_m = train.at(level), 1e-6 * 10 ** (level / 20)
@@ -46,7 +46,7 @@ def test_burst_drive_keeps_whole_focus_at_needed_voltage():
 
 
 @given(st.floats(0.5, 1.0), st.integers(0, 2**32 - 1))
-def test_any_focus_within_reach_is_made_to_the_step_of_one_sample(part, seed):
+def test_reachable_focus_is_exact_to_one_sample_step(part, seed):
     rng = np.random.default_rng(seed)
     heard = Responses(rng.normal(size=(1, 8, 60)), 1e3)
     bits = np.where(heard.samples[0, :, ::-1] >= 0, 1.0, -1.0)

@@ -47,7 +47,7 @@ def by_name() -> dict[str, dict[str, ast.expr]]:
 
 
 @pytest.mark.parametrize("field", sorted(by_name()))
-def test_a_field_of_one_name_has_one_default_from_one_place(field):
+def test_equally_named_fields_share_one_default(field):
     owners = by_name()[field]
     stated = {owner: ast.unparse(default) for owner, default in owners.items()}
     if field in TWO_QUANTITIES:

@@ -51,7 +51,7 @@ def test_an_emission_above_the_nyquist_frequency_is_refused():
         Emission(Band(200.0, 11e3), 4e-3, 20e3)
 
 
-def test_drives_that_overlap_take_their_penalty_from_the_amplitude():
+def test_overlapping_drives_reduce_design_amplitude():
     alone = Design(A4_SCREEN, Transducers(), Band(20e3, 60e3), 3e-3, 6e-3)
     train = Design(A4_SCREEN, Transducers(), Band(20e3, 60e3), 3e-3, 6e-3, repetition_s=3e-3)
     times = np.array([1e-3, 3e-3, 6e-3, 12e-3])
@@ -68,13 +68,13 @@ def test_long_train_penalty_is_finite_at_any_ratio():
     assert repetition_amplitude_ratio(1e-3, 1e9, 1e-9) == 1.0
 
 
-def test_patches_held_are_told_before_a_design_is_refused():
+def test_refused_design_reports_available_patches():
     held = n_held(A4_SCREEN, 35e-3)
     with pytest.raises(InvalidParameter, match=f"expected at most {held} along the edges"):
         Design(A4_SCREEN, Transducers(held + 1, 35e-3), Band(1e3, 25e3), 3e-3, 6e-3)
 
 
-def test_below_the_first_mode_nothing_moves_and_a_load_changes_nothing():
+def test_plate_is_still_below_its_first_mode():
     sampling = {"rate_hz": 2e3, "duration_s": 5e-3, "f_max_hz": 1.0}
     found = loaded_responses(SCREEN, [FOCUS], [PlateLoad(*FOCUS, 10.0)], **sampling)
     assert not found.samples.any()
@@ -104,7 +104,7 @@ def test_factored_overlap_matches_pairwise_exponentials(tau_s, reversal_s):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
-def test_waves_in_thick_glass_tend_to_thin_glass_and_to_shear():
+def test_thick_glass_waves_approach_thin_and_shear_limits():
     shear = math.sqrt(5 / 6 * 64e9 / 2.4 / 2230)
     phase = 2 * math.pi * 1e9 / mindlin_wavenumber_rad_per_m(A4_SCREEN, 1e9)
     assert float(phase) == pytest.approx(shear, rel=1e-5)
@@ -130,7 +130,7 @@ def test_heard_responses_are_refused_when_shape_differs():
         TimeReversalStimulus(MOVING, heard=MOVING.at_point(0))
 
 
-def test_a_train_in_a_study_takes_a_table_and_bursts():
+def test_study_train_accepts_table_and_bursts():
     setup = Setup(n_transducers=4, modes_to_hz=5e3, rate_hz=10e3, learnt_s=5e-3)
     train = FocusTrain(
         setup, f_max_hz=4e3, repetition_hz=100.0, train_s=0.03, envelope_table=(1.0, 0.2), modulation="burst"

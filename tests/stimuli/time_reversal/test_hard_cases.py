@@ -50,7 +50,7 @@ def difference(found, expected):
     return np.abs(found - expected).max() / np.abs(expected).max()
 
 
-def test_square_plate_with_degenerate_modes_is_the_50_digit_sum():
+def test_degenerate_square_plate_matches_50_digit_sum():
     """f(m, n) = f(n, m): separable modes to rounding, and a Ritz solution whose choice within each pair is its own."""
     square = BOROFLOAT_33.plate(0.21, 0.21, 1.1e-3, "SSSS")
     samples = np.arange(0, 200, 7)
@@ -67,7 +67,7 @@ def test_square_plate_with_degenerate_modes_is_the_50_digit_sum():
     hard_case("degenerate modes by Ritz", difference(response[samples], exact), 0, 1e-8, against="50 digits", floor=1)
 
 
-def test_square_free_plate_answers_the_same_with_x_and_y_exchanged():
+def test_square_free_plate_is_symmetric():
     square = BOROFLOAT_33.plate(0.21, 0.21, 1.1e-3, "FFFF")
     straight = learnt(square, [POINT])
     turned = learnt(square, [POINT[::-1]], source=SOURCE[::-1])
@@ -77,14 +77,14 @@ def test_square_free_plate_answers_the_same_with_x_and_y_exchanged():
 
 @pytest.mark.parametrize("quantity", ["displacement", "velocity"])
 @pytest.mark.parametrize("tau_s", [math.inf, 1e-6])
-def test_tau_of_infinity_and_of_a_microsecond_are_the_50_digit_sum(tau_s, quantity):
+def test_extreme_tau_matches_50_digit_sum(tau_s, quantity):
     samples = np.arange(0, 200, 11)
     exact = navier_response(A4_SCREEN, SOURCE, POINT, tau_s, F_MAX_HZ, RATE_HZ, samples, quantity)
     found = learnt(A4_SCREEN, [POINT], tau_s=tau_s, quantity=quantity).samples[0, 0, samples]
     hard_case("plate with tau of 1 us and infinite", difference(found, exact), 0, 2e-13, against="50 digits", floor=1)
 
 
-def test_a_mode_at_the_nyquist_frequency_is_the_50_digit_sum():
+def test_mode_at_nyquist_frequency_matches_50_digit_sum():
     """Its velocity is +1, -1, +1 ... at the samples: it is there, and above it nothing is."""
     frequency_hz = float(A4_SCREEN.frequencies_hz(3e3)[30])
     timing = {"rate_hz": 2 * frequency_hz, "f_max_hz": frequency_hz}
@@ -126,7 +126,7 @@ def test_ten_seconds_of_reversal_keep_phase_and_identity():
     assert focus_amplitude(drive(h, 30.0), h) == pytest.approx(30 * math.fsum(np.abs(h.samples[0, 0])), rel=1e-12)
 
 
-def test_a_million_steps_of_the_recurrence_drift_by_less_than_1e_10():
+def test_recurrence_does_not_drift_over_million_steps():
     omega = np.array([583.0, 1.2345678e4, 1.5e5])
     taps = np.zeros((3, 1_000_000))
     taps[:, 0] = 1.0
@@ -160,7 +160,7 @@ def below_and_near(stiffness, mass, shift):
 
 
 @pytest.mark.slow
-def test_2000_free_edge_modes_are_all_there_and_right_to_1e_9():
+def test_2000_free_edge_modes_are_complete_and_accurate():
     """Reference: 8 degrees more, counted by the inertia of K - s M and solved around s by shift and invert."""
     plate, f_max_hz = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF"), 106.1e3
     found_hz = plate.frequencies_hz(f_max_hz)
@@ -183,7 +183,7 @@ def one_bit_focus(response, voltage_v=30.0):
 
 
 @pytest.mark.parametrize("place", [(0.121, 0.0), (0.2, 0.21)])
-def test_focus_on_a_free_edge_is_levys_exact_plate(place):
+def test_focus_on_free_edge_matches_levy_solution(place):
     """Two edges supported, two free: shapes and frequencies from the roots of a transcendental equation."""
     plate = BOROFLOAT_33.plate(0.297, 0.21, 1.1e-3, "SFSF")
     modes = levy_modes(plate, F_MAX_HZ)
@@ -198,7 +198,7 @@ def test_focus_on_a_free_edge_is_levys_exact_plate(place):
 
 
 @pytest.mark.parametrize("place", [(0.297, 0.21), (0.0, 0.21), (0.297, 0.08)])
-def test_focus_on_a_free_corner_and_edge_is_another_ritz_solution(place):
+def test_focus_at_free_edges_matches_independent_ritz_solution(place):
     """All edges free has no closed form: Legendre products, integrals by Gauss's rule, one dense eigenproblem."""
     plate = BOROFLOAT_33.plate(0.297, 0.21, 1.1e-3, "FFFF")
     omega, shapes = dense_ritz(plate, 24)
@@ -242,7 +242,7 @@ def test_close_foci_match_50_digit_sums():
     assert found[0] - found[1] > 0
 
 
-def test_an_empty_band_is_refused_and_a_band_without_modes_cannot_focus():
+def test_empty_or_modeless_band_is_refused():
     with pytest.raises(InvalidParameter, match="which is empty"):
         Band(5e3, 5e3)
     below_all = 0.9 * float(navier_modes(A4_SCREEN, 100.0)[0][2]) / (2 * math.pi)

@@ -81,7 +81,7 @@ def test_a_reference_channel_takes_latency_and_converters_away():
     assert delay_s(pulse, heard, 1e3) >= 0.003
 
 
-def test_regularisation_keeps_what_was_not_played_from_becoming_noise(plate):
+def test_regularisation_suppresses_noise_outside_played_band(plate):
     """Half of the band was not played: without regularisation its noise drowns the response."""
     excitation = sweep(20e3, 40e3, rate_hz=RATE_HZ, duration_s=0.05)
     heard = recorded(plate, excitation, 10.0, 40.0, np.random.default_rng(5))
@@ -93,7 +93,7 @@ def test_regularisation_keeps_what_was_not_played_from_becoming_noise(plate):
     assert sizes[1] < 2 * np.abs(plate.samples).max()
 
 
-def test_a_sweep_fills_its_band_and_begins_and_ends_at_rest():
+def test_sweep_fills_its_band_between_zero_ends():
     excitation = sweep(15e3, 45e3, rate_hz=RATE_HZ, duration_s=0.1)
     power = np.square(np.abs(np.fft.rfft(excitation.samples)))
     frequency_hz = np.fft.rfftfreq(len(excitation.samples), 1 / RATE_HZ)
@@ -109,14 +109,14 @@ def test_a_sequence_is_white():
 
 
 @pytest.mark.parametrize("late", [-0.4, -0.2, 0.3])
-def test_a_delay_is_found_to_a_part_of_a_sample(late):
+def test_delay_is_found_with_subsample_precision(late):
     t = np.arange(400) - 100.0
     played, recorded = (np.exp(-(((t - shift) / 4) ** 2)) for shift in (0.0, 20.0 + late))
     assert delay_s(played, recorded, 1e3) * 1e3 == pytest.approx(20.0 + late, abs=0.01)
 
 
 @pytest.mark.parametrize(("quantity", "tolerance"), [("velocity", 0.02), ("acceleration", 0.06)])
-def test_velocity_and_acceleration_of_the_screen_become_its_displacement(quantity, tolerance):
+def test_velocity_and_acceleration_are_integrated_to_displacement(quantity, tolerance):
     """The acceleration leaves out the impulse at time 0, which costs a few percent."""
     timing = {"rate_hz": 150e3, "duration_s": 20e-3, "f_max_hz": 40e3}
     heard, expected = (
@@ -127,7 +127,7 @@ def test_velocity_and_acceleration_of_the_screen_become_its_displacement(quantit
     assert np.linalg.norm(found.samples - inside.samples) < tolerance * np.linalg.norm(inside.samples)
 
 
-def test_learnt_responses_are_kept_with_where_they_come_from(tmp_path, plate):
+def test_learnt_responses_are_saved_with_provenance(tmp_path, plate):
     path = tmp_path / "learnt.npz"
     write_learnt(plate, path, {"measured_by": "ZG", "excitation": "sweep", "voltage_v": 10.0})
     assert np.array_equal(read([path]).samples, plate.samples)

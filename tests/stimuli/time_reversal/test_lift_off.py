@@ -49,7 +49,7 @@ def test_hard_pressed_finger_matches_linear_contact():
     stiffness_n_per_m=st.one_of(st.just(0.0), st.floats(1.0, 1e4)),
 )
 @settings(max_examples=20, deadline=None)
-def test_a_finger_never_pulls_and_is_never_inside_of_the_plate(force_n, impulse_n_s, stiffness_n_per_m):
+def test_finger_never_pulls_or_penetrates_the_plate(force_n, impulse_n_s, stiffness_n_per_m):
     finger = Fingertip(stiffness_n_per_m=stiffness_n_per_m)
     course = free_m(100e3, impulse_n_s)
     found = one_sided_contact(SMALL, AT, course, 100e3, TO_HZ, force_n, finger)

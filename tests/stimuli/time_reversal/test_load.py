@@ -179,7 +179,7 @@ def screen(tau_s: float = 3e-3) -> Screen:
 SAMPLING = {"rate_hz": 60e3, "duration_s": 4e-3, "f_max_hz": 10e3}
 
 
-def test_loaded_responses_meet_a_fine_time_stepping_of_the_contact():
+def test_loaded_responses_match_fine_time_stepping():
     """A damper of 10 N s/m, against exact modes stepped at 100 times the rate with the force of the step
     before.
     """
@@ -311,12 +311,12 @@ def test_loss_after_relearning_is_ratio_of_response_sums():
     assert found == pytest.approx(1 - loaded / free, rel=1e-9)
 
 
-def test_modes_are_taken_to_a_tenth_above_the_band_within_nyquist():
+def test_modes_extend_a_tenth_above_the_band():
     assert Emission(Band(0.0, 10e3), 1e-3, 100e3).f_max_hz == pytest.approx(11e3)
     assert Emission(Band(0.0, 24e3), 1e-3, 50e3).f_max_hz == 25e3
 
 
-def test_a_few_kelvin_are_harmless_and_a_hundred_are_not():
+def test_focus_survives_small_temperature_drift_only():
     sampling = {"rate_hz": 100e3, "duration_s": 7e-3, "f_max_hz": 25e3}
     cold = impulse_responses(screen(), [FOCUS], **sampling)
     signal = drive(cold, 30.0)

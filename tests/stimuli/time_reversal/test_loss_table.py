@@ -50,7 +50,7 @@ def of_condition(table, contactor, place):
     return table[(table["contactor"] == contactor) & (table["place"] == place)].iloc[0]
 
 
-def test_a_measurement_only_data_set_gives_the_loss_of_each_condition(data_set):
+def test_measurement_data_set_reports_loss_per_condition(data_set):
     found = analyse(data_set)
     at_focus = of_condition(found.tables["loss"], "finger", "F")
     values = 0.30 + np.array(list(NOISE.values()))
@@ -78,7 +78,7 @@ def test_levels_in_metres_lose_the_same(tmp_path):
     np.testing.assert_allclose(in_m["mean"], in_db["mean"], rtol=1e-4)
 
 
-def test_an_amplitude_of_nothing_is_refused_with_its_row(tmp_path):
+def test_zero_amplitude_is_refused_with_its_row(tmp_path):
     with pytest.raises(InvalidFile, match="row 2, column 'level': found 0"):
         analyse(written(tmp_path / "a.csv", unit="m", level=0.0))
 
@@ -93,7 +93,7 @@ def test_report_and_figures_hold_the_loss(data_set, tmp_path):
     assert len(summary(found)["loss"]) == 3
 
 
-def test_the_figure_of_the_thesis_is_fed_from_the_data_set(data_set):
+def test_thesis_figure_uses_the_data_set(data_set):
     measured = measured_losses(data_set)
     assert {(row.contactor, row.diameter_m, row.place) for row in measured} == {
         ("finger", 1e-2, "F"), ("finger", 1e-2, "P1"), ("soft", 5e-3, "F"),

@@ -76,7 +76,7 @@ def write_numpy(h: Responses, folder) -> list:
     ("write", "scale", "tolerance"),
     [(write_wav, True, 1e-7), (write_numpy, False, 0.0), (write_hdf5, False, 0.0), (write_csv, False, 1e-15)],
 )
-def test_files_give_back_what_was_measured(recorded, tmp_path, write, scale, tolerance):
+def test_files_return_the_saved_responses(recorded, tmp_path, write, scale, tolerance):
     full_scale = np.abs(recorded.samples).max() / 0.9 if scale else 1.0
     back = read(write(recorded, tmp_path), full_scale=full_scale)
     assert back.rate_hz == recorded.rate_hz

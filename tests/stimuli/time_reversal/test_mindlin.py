@@ -96,7 +96,7 @@ def test_simply_supported_edges_are_exact():
     assert worst(thick, mindlin(p, 16)[:N]) < 1e-6
 
 
-def test_a_strip_loses_torsional_stiffness_as_an_elastic_bar_does():
+def test_strip_torsional_stiffness_matches_elastic_bar():
     """Torsion constant of a bar b x h: b h^3 / 3 (1 - 0.630 h / b) (Saint-Venant); h / (12 kappa)^(1/2) per edge."""
     wide, narrow = 1.0, 0.1
     p = Plate(wide, narrow, 4e-3, 70e9, 0.3, 2500.0, "FFFF")

@@ -30,7 +30,7 @@ def error(modes, weights, start, stop, quantity="displacement"):
 
 
 @pytest.mark.parametrize("spread", [0.1, 2.0, 20.0])
-def test_attenuation_that_differs_widely_between_modes_keeps_its_digits(spread, rng):
+def test_widely_varying_attenuation_keeps_precision(spread, rng):
     n_samples = 1000
     decay = 400.0 + spread / (n_samples / RATE_HZ) * np.linspace(-0.5, 5.0, 200) ** 2
     modes = oscillators(decay_per_s=decay)
@@ -40,7 +40,7 @@ def test_attenuation_that_differs_widely_between_modes_keeps_its_digits(spread, 
 
 @pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
 @pytest.mark.parametrize("n_samples", [SHORTEST, 129, 1000, 1001, 4097])
-def test_it_is_the_matrix_product(quantity, n_samples, rng):
+def test_modal_sum_matches_matrix_product(quantity, n_samples, rng):
     modes = oscillators()
     weights = rng.normal(size=(37, 200)) * modes.omega_rad_per_s
     assert error(modes, weights, 0, n_samples, quantity) < 3e-14
@@ -54,7 +54,7 @@ def test_it_is_the_matrix_product(quantity, n_samples, rng):
     tau_s=st.floats(1e-6, 10.0) | st.just(np.inf),
 )
 @settings(max_examples=60, deadline=None)
-def test_it_is_the_matrix_product_for_any_modes_and_times(seed, start, n_samples, n_modes, tau_s):
+def test_modal_sum_matches_matrix_product_for_any_input(seed, start, n_samples, n_modes, tau_s):
     rng = np.random.default_rng(seed)
     omega = np.sort(rng.uniform(0, np.pi * RATE_HZ, n_modes))
     modes = Oscillators(omega, np.full(n_modes, 1 / tau_s))
@@ -71,12 +71,12 @@ def test_frequencies_at_zero_and_at_nyquist_fold_right(rng):
     hard_case("modes at 0 Hz and at Nyquist", far, 0, 1e-13, against="matrix product", floor=1)
 
 
-def test_attenuation_that_depends_on_frequency_keeps_its_digits(rng):
+def test_frequency_dependent_attenuation_keeps_precision(rng):
     modes = oscillators(decay_per_s=300.0 * np.linspace(0.8, 1.2, 200))
     assert error(modes, rng.normal(size=(3, 200)) * modes.omega_rad_per_s, 0, 700) < 1e-13
 
 
-def test_modes_that_creep_or_decay_apart_are_added_exactly(rng):
+def test_creeping_and_fast_modes_are_added_exactly(rng):
     decay = np.full(200, 300.0)
     decay[[0, 7, 50]] = 1e5, 1e9, 5e3
     modes = oscillators(decay_per_s=decay)
@@ -84,7 +84,7 @@ def test_modes_that_creep_or_decay_apart_are_added_exactly(rng):
     hard_case("modes that creep", far, 0, 1e-13, against="matrix product", floor=1)
 
 
-def test_few_modes_and_short_signals_take_the_plain_product(monkeypatch, rng):
+def test_small_sums_use_the_plain_product(monkeypatch, rng):
     def never(*arguments):
         raise AssertionError(arguments)
 
@@ -93,7 +93,7 @@ def test_few_modes_and_short_signals_take_the_plain_product(monkeypatch, rng):
     modal_sums(oscillators(), rng.normal(size=(2, 200)), RATE_HZ, 0, SHORTEST - 1)
 
 
-def test_the_result_is_written_where_it_is_wanted(rng):
+def test_modal_sum_writes_to_given_output(rng):
     modes, weights, out = oscillators(), rng.normal(size=(40, 200)), np.zeros((40, 600))
     modal_sums(modes, weights, RATE_HZ, 0, 400, out=out[:, 100:500])
     assert np.array_equal(out[:, 100:500], modal_sums(modes, weights, RATE_HZ, 0, 400))

@@ -51,7 +51,7 @@ def test_structure_of_p1_to_p6(name, n_foci):
     assert pattern.repetition_hz == (200.0 if name in {"P1", "P2", "P3"} else 500.0)
 
 
-def test_foci_come_when_and_as_large_as_the_pattern_says(focus):
+def test_foci_match_times_and_weights_of_pattern(focus):
     """Without overlap each focus is the single one, plus the rest of the trains before."""
     pattern = Pattern(200.0, 50e-3, Exponential())
     signal = pattern_drive(focus, pattern, 30.0)
@@ -90,7 +90,7 @@ def test_repetition_slower_than_t_costs_nothing(focus):
     assert u[0] == pytest.approx(u[1], rel=0.05)
 
 
-def test_burst_modulation_keeps_the_voltage_and_reaches_the_weight(focus):
+def test_burst_modulation_keeps_voltage_and_reaches_weight(focus):
     long = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=RATE_HZ, duration_s=7e-3, f_max_hz=25e3)
     table = Pattern(100.0, 40e-3, Table((1.0, 0.5, -0.25, -0.75)))
     signal = pattern_drive(long, table, 30.0, modulation="burst", tau_s=3.5e-3)

@@ -67,13 +67,13 @@ def test_each_finger_feels_the_field_of_all_foci_under_it():
     assert skin.sensation_db(signal, TOUCH) == max(skin.fingers_db(signal, TOUCH))
 
 
-def test_a_finger_alone_feels_what_the_sensation_of_a_focus_says():
+def test_single_finger_sensation_matches_focus_sensation():
     signal, skin = foci("index").at(26.0), felt_under("middle")
     alone = felt_by(TimeReversalSensation(SETUP, finger_x_m=0.12))
     assert skin.fingers_db(signal, TOUCH) == (alone.sensation_db(signal, TOUCH),)
 
 
-def test_fingers_that_load_the_plate_damp_what_the_others_feel():
+def test_loading_fingers_damp_sensation_of_others():
     """Beside the responses of the plate that bears all of them, each under its share of the force."""
     near = {"index": Place(0.10), "middle": Place(0.11)}
     signal = replace(foci("index"), places=near).at(20.0)
@@ -98,7 +98,7 @@ def test_fingers_that_do_not_touch_feel_nothing():
     assert skin.sensation_db(silence, TOUCH) == -inf
 
 
-def test_foci_from_responses_that_were_learnt_at_all_places():
+def test_foci_use_responses_learnt_at_all_places():
     each = [SETUP.responses_at(*place.on(SETUP)).samples for place in PLACES.values()]
     learnt = Responses(np.concatenate(each), SETUP.rate_hz)
     for place in ("middle", "index + thumb"):
@@ -135,7 +135,7 @@ def test_switched_supply_makes_simultaneous_foci():
         ({"places": {**PLACES, "a+b": Place(0.2)}}, r"PlacedFoci.places: found 'a\+b', expected a name on one line"),
     ],
 )
-def test_places_that_cannot_be_are_refused(keys, said):
+def test_invalid_places_are_refused(keys, said):
     with pytest.raises(InvalidParameter, match=said):
         replace(foci("index"), **keys)
 
@@ -148,7 +148,7 @@ def test_places_that_cannot_be_are_refused(keys, said):
         (("index", "near"), "found index and near 5 mm apart, expected at least the 10 mm of a fingertip"),
     ],
 )
-def test_fingers_that_cannot_rest_so_are_refused(fingers, said):
+def test_invalid_finger_placement_is_refused(fingers, said):
     places = {"index": Place(0.10), "middle": Place(0.12), "near": Place(0.105)}
     with pytest.raises(InvalidParameter, match=said):
         FingersSensation(SETUP, places, fingers)

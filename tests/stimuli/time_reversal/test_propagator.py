@@ -75,7 +75,7 @@ def test_impulses_reproduce_the_impulse_response():
     assert found == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
-def test_a_run_is_its_steps_with_the_weights_of_both_ends():
+def test_run_equals_its_weighted_single_steps():
     oscillators = Oscillators(np.array([300.0, 2e3, 5e4]), np.array([10.0, 3e3, 500.0]))
     forces = np.random.default_rng(0).normal(size=(3, 40))
     step, weights = transition(oscillators, 1e-4), linear_input(oscillators, 1e-4)
@@ -92,7 +92,7 @@ def test_a_constant_force_ends_at_the_static_deflection():
     hard_case("constant force", q[:, -1], 1 / modes.omega_rad_per_s**2, 1e-10, against="static deflection")
 
 
-def test_a_sine_on_resonance_without_loss_grows_as_the_closed_form():
+def test_lossless_resonant_sine_matches_closed_form():
     """q'' + w^2 q = sin(w t): q = (sin wt - wt cos wt) / (2 w^2); the piecewise-linear force costs
     (wh)^2/12.
     """

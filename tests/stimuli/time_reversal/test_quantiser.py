@@ -79,7 +79,7 @@ def test_first_order_is_sound_up_to_full_scale():
     assert not stream.overloaded
 
 
-def test_second_order_at_full_scale_is_detected_and_not_emitted():
+def test_second_order_overload_is_refused_at_full_scale():
     sine = np.sin(2 * np.pi * 0.002 * np.arange(20000))[None]
     assert modulate(sine, 2).overloaded
     with pytest.raises(LimitExceeded, match=r"overloads; lower scale .* nothing is emitted"):
@@ -92,7 +92,7 @@ def test_second_order_overloads_on_fast_sine_only(period, sound):
     assert modulate(sine[None], 2).overloaded != sound
 
 
-def test_second_order_diverges_on_a_dc_of_1_01_and_says_so():
+def test_second_order_reports_divergence_on_large_dc():
     stream = modulate(np.full((1, 100_000), 1.01), 2)
     assert stream.overloaded
     assert stream.peak_state > 1e6
@@ -107,7 +107,7 @@ def test_second_order_stays_sound_up_to_0_7(seed, peak):
 
 
 @pytest.mark.parametrize("order", [1, 2])
-def test_sigma_delta_of_1e_9_is_finite_and_has_no_mean(order):
+def test_tiny_sigma_delta_input_is_finite_without_mean(order):
     stream = modulate(1e-9 * np.sin(0.01 * np.arange(20000))[None], order)
     assert set(np.unique(stream.bits)) == {-1.0, 1.0}
     assert not stream.overloaded
@@ -163,7 +163,7 @@ def test_pulse_width_has_carrier_line_unlike_sigma_delta():
 
 
 @pytest.mark.parametrize("share", [-0.6, 0.0, 0.3])
-def test_pulse_width_is_on_for_the_share_that_the_waveform_says(share):
+def test_pulse_width_duty_cycle_follows_waveform(share):
     """Over whole periods the mean is the waveform, to a sample at each edge."""
     wave = np.append(np.full(10_000, share), 1.0)[None]
     assert PulseWidth(1e3).quantise(wave, 1e5)[0, :-1].mean() == pytest.approx(share, abs=0.02)

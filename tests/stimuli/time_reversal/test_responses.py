@@ -72,7 +72,7 @@ def test_any_plate_is_finite_reciprocal_and_causal(aspect, thickness_m, glass, x
     tau_s=st.floats(1e-6, 1.0),
     n_modes=st.integers(1, 20),
 )
-def test_any_plate_with_any_edges_is_finite_reciprocal_and_causal(boundary, aspect, thickness_m, x, y, tau_s, n_modes):
+def test_any_plate_and_edges_are_reciprocal_and_causal(boundary, aspect, thickness_m, x, y, tau_s, n_modes):
     plate = Plate(0.3, 0.3 / aspect, thickness_m, 70e9, 0.22, 2400.0, boundary)
     p, q = (x * plate.length_m, y * plate.width_m), (0.4 * plate.length_m, 0.7 * plate.width_m)
     f_max = (n_modes + 2 * aspect) / plate.modal_density_s
@@ -309,7 +309,7 @@ def test_the_static_residual_saves_modes():
     assert corrected < error(static_responses(20e3)) / 5
 
 
-def test_with_the_static_residual_the_static_compliance_is_that_of_all_modes():
+def test_static_residual_restores_compliance_of_all_modes():
     static = static_responses(12e3, 190e3).samples.sum(axis=2)
     assert static == pytest.approx(static_responses(190e3).samples.sum(axis=2), rel=2e-3)
 

@@ -81,7 +81,7 @@ def test_more_force_on_a_loaded_plate_never_adds_sensation(forces_n):
     assert firm <= gentle + 1e-9
 
 
-def test_a_focus_of_the_reference_amplitude_is_at_threshold_under_every_force():
+def test_reference_focus_is_at_threshold_under_any_force():
     """The thesis found no effect; science note 5.3 keeps a force effect optional."""
     drive = train().at(20.0)
     felt = felt_by(TimeReversalSensation(SMALL))
@@ -102,7 +102,7 @@ def test_no_contact_and_no_voltage_are_not_felt():
 
 
 @pytest.mark.parametrize(("mass_kg", "stiffness_n_per_m"), [(0.0, 0.0), (1e-4, 0.0), (0.0, 1e5)])
-def test_the_displacement_under_the_finger_is_that_of_the_loaded_plate(mass_kg, stiffness_n_per_m):
+def test_finger_displacement_matches_loaded_plate(mass_kg, stiffness_n_per_m):
     drive = train().at(20.0)
     finger = Fingertip(mass_kg=mass_kg, stiffness_n_per_m=stiffness_n_per_m)
     heard = loaded_responses(
@@ -145,7 +145,7 @@ def test_the_foci_of_a_pattern_are_its_events(pattern):
     assert peaks_m.max() == pytest.approx(10e-6, rel=0.3)
 
 
-def test_drives_of_a_pattern_do_not_overlap_unless_asked_to():
+def test_pattern_drives_do_not_overlap_by_default():
     assert train(pattern="P4").emission_s == pytest.approx(2e-3)
     assert train(pattern="P4", reversal_s=5e-3).emission_s == 5e-3
 
@@ -160,12 +160,12 @@ def test_foci_half_a_millisecond_apart_add_up():
     assert felt_amplitude_m([0.0, 2e-3], [1.0, 1.0]) == 1.0
 
 
-def test_foci_a_second_apart_are_felt_as_one_from_their_drive_on():
+def test_foci_a_second_apart_feel_like_one():
     one, two = (felt_db(20.0, pattern="P1", repetition_hz=1.0, train_s=n, duration_s=2.0) for n in (1.0, 2.0))
     assert two - one == pytest.approx(0.0, abs=0.05)
 
 
-def test_side_lobes_of_an_envelope_are_events_and_reverberation_is_none():
+def test_side_lobes_are_events_and_reverberation_is_not():
     """Decaying noise of 1.5 % behind foci of 1, -0.2 and 0.13: those three, and what noise reaches by chance."""
     rng, rate_hz = np.random.default_rng(16), 100e3
     at, heights = np.array([1000, 2000, 3000]), np.array([1.0, -0.2, 0.13])
@@ -193,7 +193,7 @@ def test_lobes_of_a_pattern_above_its_reverberation_are_events(pattern):
     assert np.abs(np.subtract.outer(lobes_s, times_s)).min(axis=1).max() < 2e-4
 
 
-def test_events_nearer_than_a_millisecond_are_one_however_small_the_others():
+def test_events_within_a_millisecond_count_as_one():
     times_s, peaks_m = events(np.array([0, 1.0, 0, 0, 0, 2.0, 0]), 10e3)
     assert (times_s.tolist(), peaks_m.tolist()) == ([5e-4], [2.0])
     times_s, peaks_m = events(np.array([0, 2.0, 0, 0.9, 0, 1.1, 0]), 1e3)
@@ -206,7 +206,7 @@ def test_events_nearer_than_a_millisecond_are_one_however_small_the_others():
     height=st.floats(0, 5),
     apart=st.integers(1, 12),
 )
-def test_peaks_are_those_of_scipy(x, scale, height, apart):
+def test_peaks_match_scipy(x, scale, height, apart):
     """Few values, so that many are equal and flat."""
     signal = scale * np.array([0, *x, 0])
     expected, _ = find_peaks(signal, height=scale * height, distance=apart)
@@ -264,7 +264,7 @@ def test_replaced_parts_of_a_pattern_are_used():
     assert foci.weights[0] == pytest.approx((1 - np.cos(np.pi / 10)) / (1 - np.cos(np.pi * 0.9)))
 
 
-def test_a_drive_beyond_the_amplifier_is_refused_before_it_is_played():
+def test_drive_above_amplifier_limit_is_refused_before_playback():
     stimulus = train(voltage_max_v=200.0)
     with pytest.raises(LimitExceeded, match=r"above the 200 V of the amplifier"):
         stimulus.at(stimulus.level_max + 0.1)

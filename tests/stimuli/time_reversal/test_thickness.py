@@ -24,7 +24,7 @@ def test_best_sheet_keeps_plate_that_meets_target():
     assert best_sheet(among(Target(contrast=20.0)), 1.1e-3).thickness_m == 1.1e-3
 
 
-def test_more_contrast_than_the_plate_holds_gets_the_nearest_thinner_sheet():
+def test_high_contrast_target_gets_nearest_thinner_sheet():
     found = among(Target(contrast=28.0))
     best = best_sheet(found, 1.1e-3)
     assert best.thickness_m == 0.9e-3
