@@ -258,8 +258,6 @@ def false_positive_rates(n_studies: int, rng: np.random.Generator) -> np.ndarray
     """Return the shares of null studies that are significant at 5 %.
 
     Studies have 10 x 3 x 7 values. The shares are of corrected main effects, and of all effects by permutation.
-
-    They are at 5 %: corrected main effects, and all effects by permutation.
     """
     scale = np.sqrt(np.geomspace(1, 30, 21))
     mixing = np.linalg.cholesky(0.5 * np.eye(21) + 0.5)
