@@ -1,4 +1,4 @@
-"""Mixed models of censored values: restricted likelihood if none is, integrals in extended precision, recovery."""
+"""Tests of censored mixed models against exact likelihoods and truths."""
 
 from dataclasses import replace
 from itertools import product
