@@ -1,4 +1,4 @@
-"""The exact contrasts under the analysis of variance: peers side by side, sphericity, permutations, hard cases."""
+"""Tests of ANOVA contrasts: peers, sphericity, permutations, hard cases."""
 
 import warnings
 from itertools import product
