@@ -1,7 +1,8 @@
-"""Arrays as the estimators write them: their types, rounding, and a density with its derivatives."""
+"""Types of the estimators: arrays, sets of rows, a density with its derivatives, statuses with notes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from enum import StrEnum
 from typing import Any, Self
 
 import numpy as np
@@ -17,7 +18,7 @@ FLATTEST = 1e-8
 
 
 def size_of(values: Array) -> float:
-    """The power of two below the largest value: values over it lose no digit, and their squares stay finite.
+    """Return the power of two below the largest value: dividing by it loses no digit, and squares stay finite.
 
     >>> size_of(np.array([-5.0, 3.0])), size_of(np.array([1e308])) < 1e308
     (4.0, True)
@@ -25,10 +26,21 @@ def size_of(values: Array) -> float:
     return float(np.exp2(np.frexp(np.abs(values).max())[1] - 1.0))
 
 
+class StatusWithNote(StrEnum):
+    """Status of a fit as files contain it, with a note for the reader: ``NAME = "word", "note"``."""
+
+    note: str
+
+    def __new__(cls, word: str, note: str = "") -> Self:
+        status = str.__new__(cls, word)
+        status._value_ = word
+        status.note = note
+        return status
+
+
 @dataclass(frozen=True)
 class Rows:
-    """Arrays of one row for each of several things, to be chosen, joined and merged all at once. A field that is no
-    array is the same for all rows, and stays."""
+    """Arrays with one row for each of several fits; other fields are common to all rows."""
 
     def _of_each(self, rule: Callable[..., Any], *others: Self) -> Self:
         columns = ([getattr(rows, field.name) for rows in (self, *others)] for field in fields(self))
@@ -39,11 +51,11 @@ class Rows:
         return self._of_each(lambda values: values[which])
 
     def joined(self, other: Self) -> Self:
-        """The rows of this one, then those of the other."""
+        """Return the rows of this one, then those of the other."""
         return self._of_each(lambda *both: np.concatenate(both), other)
 
     def replaced(self, places: Indices, other: Self) -> Self:
-        """With the rows of the other at some places."""
+        """Return the rows with those of the other at some places."""
 
         def merged(ours: Any, theirs: Any) -> Any:
             if isinstance(ours, Rows):
@@ -55,7 +67,7 @@ class Rows:
         return self._of_each(merged, other)
 
     def where(self, chosen: Bools, other: Self) -> Self:
-        """The rows of this one where `chosen` (n,), else those of the other."""
+        """Return the rows of this one where `chosen` (n,), else those of the other."""
 
         def merged(ours: Any, theirs: Any) -> Any:
             if isinstance(ours, Rows):

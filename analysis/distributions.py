@@ -1,4 +1,4 @@
-"""The distributions of test statistics, by scipy.special: scipy.stats is slow to load."""
+"""Distributions of test statistics by scipy.special, as scipy.stats is slow to load."""
 
 from typing import Any
 

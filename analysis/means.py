@@ -1,5 +1,4 @@
-"""Tables by condition, a row for each combination of values of some columns; a mean with its t-interval, a rate with
-Wilson's or with the exact one."""
+"""Tables by condition, means with t-intervals, rates with Wilson's or exact intervals."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,15 +14,14 @@ from .distributions import Student
 
 
 def parts(table: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:
-    """The rows of each combination of values, sorted by these; all of them without keys."""
+    """Return the rows of each combination of values, sorted; all rows without keys."""
     return table.groupby(list(keys), sort=True, observed=True) if keys else [((), table)]
 
 
 def by_condition(
     table: pd.DataFrame, keys: Sequence[str], row_of: Callable[[pd.DataFrame], Mapping[str, object]]
 ) -> pd.DataFrame:
-    """A row for each combination: its values, and what `row_of` makes of its rows. Empty of an empty table, which may
-    lack the columns.
+    """Return a row for each combination: its values, and the result of `row_of` for its rows.
 
     >>> table = pd.DataFrame({"force_n": [3.0, 0.5, 3.0], "y": [1, 2, 3]})
     >>> by_condition(table, ["force_n"], lambda part: {"sum": part["y"].sum()}).values.tolist()
@@ -35,7 +33,7 @@ def by_condition(
 
 @dataclass(frozen=True)
 class Range:
-    """The possible values of a quantity, which the interval of a mean may not leave."""
+    """Possible values of a quantity, which limit the interval of a mean."""
 
     low: float = -np.inf
     high: float = np.inf
@@ -45,10 +43,9 @@ class Range:
         return bool(np.isfinite([self.low, self.high]).any())
 
     def around(self, mean: float, half: float) -> tuple[float, float]:
-        """Return the ends of the interval of a mean, given half its length without bounds.
+        """Return the interval of a mean, given half its length without bounds.
 
-        The interval is symmetric on the logit of the range (on the logarithm where one end is open), by the delta
-        method. Far from the bounds it is the mean plus or minus `half`.
+        It is symmetric on the logit of the range (the logarithm where one end is open), by the delta method.
 
         >>> [round(end, 3) for end in Range(0, 1).around(0.71, 0.75)]
         [0.06, 0.989]
@@ -77,15 +74,15 @@ MEAN = ("mean", "mean_low", "mean_high", "sd")
 
 
 def mean_row(values: Array, interval: float = INTERVAL, name: str = "mean", possible: Range = ANY) -> dict[str, object]:
-    """All columns of `MEAN`, of a value of this name: None where there is nothing to tell."""
+    """Return all columns of `MEAN` under a name, None where undefined."""
     row = dict.fromkeys(MEAN) | mean_with_interval(values, interval, possible)
     return {column.replace("mean", name): value for column, value in row.items()}
 
 
 def mean_with_interval(values: Array, interval: float = INTERVAL, possible: Range = ANY) -> dict[str, object]:
-    """Mean of one value at least, with SD of two, and t-interval where they differ.
+    """Return the mean, with SD of at least two values, and t-interval where they differ.
 
-    The interval stays within the `possible` range; fewer than `FEWEST_IN_RANGE` values of a bounded one have none.
+    The interval stays within the `possible` range; a bounded one needs `FEWEST_IN_RANGE` values.
 
     >>> {name: round(x, 3) for name, x in mean_with_interval(np.array([1.0, 2, 4]), 0.95).items()}
     {'mean': 2.333, 'mean_low': -1.461, 'mean_high': 6.128, 'sd': 1.528}
@@ -108,8 +105,7 @@ def mean_with_interval(values: Array, interval: float = INTERVAL, possible: Rang
 
 
 def rate_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTERVAL) -> tuple[Array, Array]:
-    """Both ends of Wilson's interval of rates, NaN of no trial (Wilson 1927, Journal of the American Statistical
-    Association 22, 209-212). Unlike Wald's it has a length at rates of 0 and 1, and it holds the rate.
+    """Return both ends of Wilson's interval of rates (1927, J. Am. Stat. Assoc. 22, 209-212).
 
     >>> [end.round(3).tolist() for end in rate_interval([0, 5, 10], [10, 10, 10])]
     [[0.0, 0.237, 0.722], [0.278, 0.763, 1.0]]
@@ -120,20 +116,19 @@ def rate_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTER
         rate = k / n
         middle = (rate + z**2 / (2 * n)) / (1 + z**2 / n)
         half = z * np.sqrt(rate * (1 - rate) / n + (z / (2 * n)) ** 2) / (1 + z**2 / n)
-    # By rounding an end may miss a rate of exactly 0 or 1, and a bar of an error has no negative length.
+    # Rounding may exclude a rate of exactly 0 or 1, and an error bar cannot be negative.
     return np.minimum(middle - half, rate), np.maximum(middle + half, rate)
 
 
 def exact_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTERVAL) -> tuple[Array, Array]:
-    """Both ends of the exact interval of rates (Clopper and Pearson 1934, Biometrika 26, 404-413): it holds the true
-    rate at least as often as it says, however few the trials (at least one).
+    """Return both ends of the exact interval of rates (Clopper and Pearson 1934, Biometrika 26, 404-413).
 
     >>> [end.round(3).tolist() for end in exact_interval([0, 5, 10], [10, 10, 10])]
     [[0.0, 0.187, 0.692], [0.308, 0.813, 1.0]]
     """
     k, n = (np.asarray(counts, dtype=np.float64) for counts in (n_yes, n_trials))
     tail = (1 - interval) / 2
-    # A beta function of no trial is none: the end is then that of the axis.
+    # Without successes or failures the beta function is undefined.
     low = np.where(k > 0, betaincinv(np.maximum(k, 1), n - k + 1, tail), 0.0)
     high = np.where(k < n, betaincinv(k + 1, np.maximum(n - k, 1), 1 - tail), 1.0)
     return low, high

@@ -1,7 +1,7 @@
-"""From a path to tables, warnings and a report: what `tactometry analyse` and `tactometry demo` call."""
+"""Analysis of a data set in five stages: trials, cells, estimates, outcomes, report."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +14,11 @@ from .outcomes.categories import categories
 from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, group_fit
 from .outcomes.outcome import outcome
-from .outcomes.ratings import ratings
+from .outcomes.ratings import Ratings, ratings
 from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
 from .reading.course import happenings, sittings
-from .reading.origin import of_one_kind
+from .reading.origin import Origin, of_one_kind
 from .reading.quality import exclude, frames, quality, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
@@ -26,15 +26,22 @@ from .report.methods import methods
 from .report.page import DrawEach, check_report, draw_figures, figures_of, sections_of, write_figures, write_report
 from .report.study_text import study_text
 from .result import Analysis
-from .tasks import cells
+from .tasks import cells as counting
 from .tasks.applied_force import force_of_participants, force_table, has_force
-from .tasks.cell import Estimate
+from .tasks.cell import Cell, Estimate
 from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.kinds import ANALYSES, CURVES, RESULTS
 from .tasks.lapses import LAPSES, lapse_table
 from .tasks.rule_estimate import Replay, rule_columns, tracks
 from .tasks.standard import FLOORS, TESTS, lowest_levels, standard_tests
 from .tasks.task_analysis import Results
+
+Tables = dict[str, pd.DataFrame]
+UNSCORED = "; a forced choice needs a column 'correct' or 'target'"
+NOTHING = (
+    f"no valid answer of a task ({', '.join((*CURVES, *RESULTS))}) nor to a known questionnaire, expected some to "
+    "analyse"
+)
 
 
 def analyse(
@@ -52,213 +59,263 @@ def analyse(
     touches: Callable[[], pd.DataFrame] | None = None,
     spread: DrawEach = map,
 ) -> Analysis:
-    """Analyse a data set's folder or a trials file; write the report and its tables if `report` names a file.
+    """Analyse a data set or a trials file, and write the report and figures that are named.
 
     Parameters
     ----------
     path : str or Path
-        Data set or CSV file of trials.
+        Data set folder or CSV file of trials.
     report : str or Path, optional
-        An HTML file to write; the tables go into the folder ``<name>_tables`` beside it.
+        HTML file to write; its tables go into the folder ``<name>_tables``.
     pdf : bool
-        Also print the report to ``<name>.pdf`` through an installed browser or WeasyPrint.
+        Also print the report to ``<name>.pdf`` with an installed browser or WeasyPrint.
     within : str or sequence of str, optional
-        Factors, or none where it is empty; by default the columns between ``trial`` and ``procedure``.
+        Factors; by default the columns between ``trial`` and ``procedure``.
     column_map : ColumnMap, optional
-        How a foreign table's columns are called.
+        Names of a foreign table's columns.
     level_scale : str, optional
-        ``linear``, ``log10`` or ``db``: the axis on which levels are fitted; by default that of the map, else linear.
+        ``linear``, ``log10`` or ``db``: axis of the fits; by default that of the map, else linear.
     plan : AnalysisPlan, optional
-        What is left out, and which differences count as none, stated before the data; by default what the study of
-        the data set states in its table ``[analysis]``.
+        Exclusions and equivalence bounds; by default those in ``[analysis]`` of the data set's study.
     figures : str or Path, optional
-        A folder for every figure as SVG and, at 300 dots per inch, PNG.
+        Folder for every figure as SVG and as PNG at 300 dots per inch.
     warnings : sequence of str
-        What is known of the data beside the table; it stands before the other warnings.
+        Further warnings, listed first.
     replay : callable, optional
-        What the rule that chose the levels makes of the answers of a block (`rule_estimate.Replay`); without it
-        only the reversals of staircases are known.
+        Estimates of the procedure that chose the levels of a block; by default the mean of staircase reversals.
     touches : callable, optional
-        Gives the courses of force and speed over the touches, for a report or figures: a row for each participant,
-        quantity, target and time from the onset, with percentiles.
+        Returns percentiles of force and speed by participant, quantity, target and time from onset.
     spread : callable
-        Distributes the drawing of figures, as `map` does in this process; with any the files are the same.
+        Distributes the drawing of figures, as `map` does in this process.
 
     Raises
     ------
     InvalidFile, InvalidParameter
-        If the table cannot be read or holds nothing to analyse.
+        If the table cannot be read or contains nothing to analyse.
     DeviceFailed
-        If the report cannot be written, or nothing prints it.
+        If the report cannot be written or printed.
     """
     expect(report is not None or not pdf, "--pdf", "no --report", "one: the PDF is printed from it")
-    path, report, figures = Path(path), _path(report), _path(figures)
+    path = Path(path)
     if report is not None:
-        check_report(report)  # before the analysis, which may take minutes
+        check_report(Path(report))  # before the analysis, which may take minutes
+
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
-    analysis = analyse_trials(
-        replace(trials, notes=(*warnings, *_group_notes(trials, trials.factors if within else ()), *trials.notes)),
-        plan or plan_of(path),
-        replay if level_scale in (None, "linear") else None,
-    )
+    notes = _group_notes(trials, trials.factors if within else ())
+    trials = replace(trials, notes=(*warnings, *notes, *trials.notes))
+    analysis = analyse_trials(trials, plan or plan_of(path), replay if level_scale in (None, "linear") else None)
     if report is None and figures is None:
         return analysis
+
     if touches is not None and len(courses := touches()):
         analysis = replace(analysis, tables={**analysis.tables, "touches": courses})
     sections = sections_of(analysis)
     if figures is not None:
-        svgs = write_figures(analysis, figures, sections, spread)
-        analysis = replace(analysis, figures_folder=figures)
+        svgs = write_figures(analysis, Path(figures), sections, spread)
+        analysis = replace(analysis, figures_folder=Path(figures))
     else:
         svgs = draw_figures(figures_of(analysis, sections), spread)
-    if report is None:
-        return analysis
-    return write_report(analysis, report, pdf=pdf, sections=sections, svgs=svgs)
+    return analysis if report is None else write_report(analysis, report, pdf=pdf, sections=sections, svgs=svgs)
 
 
 def _group_notes(trials: Trials, within: Sequence[str]) -> list[str]:
-    """Name the factors of `within` that no participant met at two levels, though others met another."""
+    """Name the factors of `within` that vary between participants only."""
     levels = trials.rows.groupby("participant")[list(within)].nunique() if within else pd.DataFrame()
     apart = [name for name in within if levels[name].max() < 2 and trials.rows[name].nunique() > 1]
     return [f"--within {name}: it differs between participants, each of whom has one of its levels" for name in apart]
 
 
-def _path(given: str | Path | None) -> Path | None:
-    return None if given is None else Path(given)
-
-
 def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:
-    """All estimates, tables and warnings of a trials table; nothing is written."""
-    plan = plan or AnalysisPlan()
+    """Return all estimates, tables and warnings of a trials table; nothing is written."""
+    trials = select_trials(everything, plan or AnalysisPlan())
+    cells = count_cells(trials)
+    estimates = estimate_cells(cells, replay)
+    outcomes = compare_conditions(estimates)
+    return report_outcomes(outcomes)
+
+
+@dataclass(frozen=True)
+class SelectedTrials:
+    """Stage 1: the trials that count; `everything` includes those that the plan leaves out."""
+
+    everything: Trials
+    trials: Trials
+    plan: AnalysisPlan
+    origin: Origin
+    quality: pd.DataFrame
+    excluded: pd.DataFrame
+
+
+def select_trials(everything: Trials, plan: AnalysisPlan) -> SelectedTrials:
+    """Apply the plan's exclusions to the trials of persons, or of simulated participants."""
     plan.check(everything.factors)
     everything, origin = of_one_kind(everything)
     recorded = quality(everything)
     trials, excluded = exclude(everything, plan.exclusion, recorded)
-    factors, all_used = trials.factors, used_rows(everything)
-    all_judged = cells.judgements(all_used)  # a rule was told the answers, too, that the plan leaves out
+    return SelectedTrials(everything, trials, plan, origin, recorded, excluded)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Stage 2: answers by participant and condition; `direct` are the tables of tasks without a curve.
+
+    `judged` are the used rows with a curve; `all_judged` include those that the plan leaves out.
+    """
+
+    selected: SelectedTrials
+    used: pd.DataFrame
+    judged: pd.DataFrame
+    all_judged: pd.DataFrame
+    cells: list[Cell]
+    direct: Tables
+    forms: tuple[Ratings, ...]
+
+    @property
+    def factors(self) -> tuple[str, ...]:
+        return self.selected.trials.factors
+
+
+def count_cells(selected: SelectedTrials) -> Cells:
+    """Count the answers of each participant in each condition, and score the questionnaires.
+
+    Raises
+    ------
+    InvalidFile
+        If there is nothing to analyse.
+    """
+    trials = selected.trials
+    all_used = used_rows(selected.everything)
+    all_judged = counting.judgements(all_used)
     used, judged = (rows[rows.index.isin(trials.rows.index)] for rows in (all_used, all_judged))
-    answers = cells.counted_answers(judged)
-    every, forms = cells.cells(answers, factors), ratings(trials, plan.primary)
-    direct = _direct_tables(used, factors)
-    if not every and not forms and not direct:
-        why = UNSCORED if all_used["task"].isin(cells.CHOICES).any() else ""
+    found = counting.cells(counting.counted_answers(judged), trials.factors)
+    forms, direct = ratings(trials, selected.plan.primary), _direct_tables(used, trials.factors)
+    if not (found or forms or direct):
+        why = UNSCORED if all_used["task"].isin(counting.CHOICES).any() else ""
         raise InvalidFile(f"{trials.path}: found {NOTHING}{why}")
-    unit = cells.level_unit(trials)
-    estimates = cells.estimates(every, unit)
-    table = cells.estimate_table(estimates, factors, unit)
-    if len(table):
-        table = table.join(rule_columns(cells.counted_answers(all_judged), factors, estimates, replay))
-        table = table.join(_goodness(answers, factors, estimates, unit))
-    forces = force_of_participants(used, factors) if has_force(used) else None
-    values = Analysis(
-        trials=trials,
-        unit=unit,
-        estimates=tuple(estimates),
-        outcomes=tuple(_outcomes(table, direct, factors, forces, plan)),
-        hierarchical=tuple(_hierarchical(estimates, factors, unit)) if plan.hierarchical else (),
-        forms=forms,
-        plan=plan,
-        tables={},
-        origin=origin,
-        study=study_text(everything.path, unit),
-    )
-    tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
-    tables |= _curve_tables(table, estimates, used, judged, factors) | _force_tables(forces, factors)
-    tables |= _compared_tables(values) | {TESTS: _standard(values, table, used), "categories": categories(trials)}
-    tables |= {"sittings": sittings(origin.heads), "happenings": happenings(everything.path)}
-    values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
-    return replace(values, warnings=warnings_of(values), methods=methods(values))  # last: they tell of all tables
+    return Cells(selected, used, judged, all_judged, found, direct, forms)
 
 
-UNSCORED = "; a forced choice needs a column 'correct' or 'target'"
-NOTHING = (
-    f"no valid answer of a task ({', '.join((*CURVES, *RESULTS))}) nor to a known questionnaire, expected some to "
-    "analyse"
-)
-
-
-def _goodness(answers: pd.DataFrame, factors: Sequence[str], estimates: Sequence[Estimate], unit: str) -> pd.DataFrame:
-    fitted = cells.curves_of([estimate.cell for estimate in estimates])
-    options = {(task, n): CURVES[task].options(n, unit) for task, n in fitted}
-    rng = np.random.default_rng(SEED)
-    return goodness_columns(answers, factors, estimates, options, rng, cells.COUNTING)
-
-
-def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
-    """What is read off the answers of a task without a curve: the tables of each task that has used rows."""
+def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
+    """Return the tables of each task without a curve."""
     rows_of = dict(iter(used.groupby("task")))
-    tables: dict[str, pd.DataFrame] = {}
+    tables: Tables = {}
     for task in (task for task in RESULTS if task in rows_of):
         tables |= {name: table_of(rows_of[task], factors) for name, table_of in RESULTS[task].tables.items()}
     return {name: table for name, table in tables.items() if len(table)}
 
 
-def _outcomes(
-    table: pd.DataFrame,
-    direct: Mapping[str, pd.DataFrame],
-    factors: Sequence[str],
-    forces: pd.DataFrame | None,
-    plan: AnalysisPlan,
-) -> Iterator[Outcome]:
-    """Of each dependent value of each task that has estimates."""
-    estimates = dict(direct)
+@dataclass(frozen=True)
+class CellEstimates:
+    """Stage 3: a fit of each cell, and their `table` with goodness of fit and the procedure's own estimate."""
+
+    cells: Cells
+    fits: list[Estimate]
+    table: pd.DataFrame
+    unit: str
+    forces: pd.DataFrame | None
+
+
+def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
+    """Fit a psychometric function to each cell, and average the measured force."""
+    factors, unit = cells.factors, counting.level_unit(cells.selected.trials)
+    fits = counting.estimates(cells.cells, unit)
+    table = counting.estimate_table(fits, factors, unit)
     if len(table):
-        estimates |= {str(task): rows for task, rows in table.groupby("task")}
-    for task in (task for task in ANALYSES if task in estimates):
+        # The procedure saw all answers, also those that the plan leaves out.
+        table = table.join(rule_columns(counting.counted_answers(cells.all_judged), factors, fits, replay))
+        options = {(task, n): CURVES[task].options(n, unit) for task, n in counting.curves_of(cells.cells)}
+        answers, rng = counting.counted_answers(cells.judged), np.random.default_rng(SEED)
+        table = table.join(goodness_columns(answers, factors, fits, options, rng, counting.COUNTING))
+    forces = force_of_participants(cells.used, factors) if has_force(cells.used) else None
+    return CellEstimates(cells, fits, table, unit, forces)
+
+
+@dataclass(frozen=True)
+class Outcomes:
+    """Stage 4: comparisons of conditions for each dependent value, and all participants fitted at once."""
+
+    estimates: CellEstimates
+    outcomes: tuple[Outcome, ...]
+    hierarchical: tuple[HierarchicalOutcome, ...]
+
+
+def compare_conditions(estimates: CellEstimates) -> Outcomes:
+    """Compare the conditions in each dependent value of each task."""
+    is_planned = estimates.cells.selected.plan.hierarchical
+    return Outcomes(estimates, tuple(_outcomes(estimates)), tuple(_hierarchical(estimates)) if is_planned else ())
+
+
+def _outcomes(estimates: CellEstimates) -> Iterator[Outcome]:
+    plan, factors = estimates.cells.selected.plan, estimates.cells.factors
+    tables = dict(estimates.cells.direct)
+    if len(estimates.table):
+        tables |= {str(task): rows for task, rows in estimates.table.groupby("task")}
+    for task in (task for task in ANALYSES if task in tables):
         results = RESULTS.get(task, Results({}))
-        compared = estimates[results.compared or task]
+        compared = tables[results.compared or task]
         conditions = [name for name in (*factors, *results.further) if name in compared.columns]
-        # the force applied is known by the factors alone
-        applied = forces if set(conditions) == set(factors) else None
-        # differences that count as none are in the unit of the levels, which an exponent has not
-        bounds = plan.equivalence if results.in_levels else {}
+        forces = estimates.forces if set(conditions) == set(factors) else None  # known by the factors alone
+        bounds = plan.equivalence if results.in_levels else {}  # in the unit of the levels
         for dependent in ANALYSES[task].dependents:
-            yield outcome(compared, conditions, task, dependent, forces=applied, bounds=bounds, primary=plan.primary)
+            yield outcome(compared, conditions, task, dependent, forces=forces, bounds=bounds, primary=plan.primary)
 
 
-def _hierarchical(estimates: Sequence[Estimate], factors: Sequence[str], unit: str) -> Iterator[HierarchicalOutcome]:
+def _hierarchical(estimates: CellEstimates) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
-        fits = {estimate.cell: estimate.fit for estimate in estimates if estimate.cell.task == task}
-        fit = group_fit(list(fits), factors, unit, fits) if fits else None
+        fits = {estimate.cell: estimate.fit for estimate in estimates.fits if estimate.cell.task == task}
+        fit = group_fit(list(fits), estimates.cells.factors, estimates.unit, fits) if fits else None
         if fit is not None:
             yield fit
 
 
-def _curve_tables(
-    table: pd.DataFrame,
-    estimates: Sequence[Estimate],
-    used: pd.DataFrame,
-    judged: pd.DataFrame,
-    factors: Sequence[str],
-) -> dict[str, pd.DataFrame]:
-    if not estimates:
+def report_outcomes(outcomes: Outcomes) -> Analysis:
+    """Stage 5: collect all tables, warnings and the methods text."""
+    estimates, cells = outcomes.estimates, outcomes.estimates.cells
+    selected = cells.selected
+    analysis = Analysis(
+        trials=selected.trials,
+        unit=estimates.unit,
+        estimates=tuple(estimates.fits),
+        outcomes=outcomes.outcomes,
+        hierarchical=outcomes.hierarchical,
+        forms=cells.forms,
+        plan=selected.plan,
+        tables={},
+        origin=selected.origin,
+        study=study_text(selected.everything.path, estimates.unit),
+    )
+    path = selected.everything.path
+    tables = {"quality": with_frames(selected.quality, frames(path)), "excluded": selected.excluded, **cells.direct}
+    tables |= _curve_tables(estimates) | _compared_tables(analysis)
+    if estimates.forces is not None:
+        tables |= {"force_participants": estimates.forces, "force": force_table(estimates.forces, cells.factors)}
+    jnds = next((one.group for one in outcomes.outcomes if one.dependent == "jnd"), None)
+    tables[TESTS] = standard_tests(estimates.table, cells.used, cells.factors, jnds)
+    tables |= {"categories": categories(selected.trials), "sittings": sittings(selected.origin.heads)}
+    tables["happenings"] = happenings(path)
+    analysis = replace(analysis, tables={name: rows for name, rows in tables.items() if len(rows)})
+    return replace(analysis, warnings=warnings_of(analysis), methods=methods(analysis))
+
+
+def _curve_tables(estimates: CellEstimates) -> Tables:
+    cells, factors = estimates.cells, estimates.cells.factors
+    if not estimates.fits:
         return {}
-    every = [estimate.cell for estimate in estimates]
-    counts = cells.count_table(every, factors)
+    counts = counting.count_table(cells.cells, factors)
     return {
-        "thresholds": table,
-        "goodness": goodness_table(table),
-        "rates": cells.detection_rates(counts, factors),
-        "mean_rates": cells.mean_rates(counts, factors),
+        "thresholds": estimates.table,
+        "goodness": goodness_table(estimates.table),
+        "rates": counting.detection_rates(counts, factors),
+        "mean_rates": counting.mean_rates(counts, factors),
         "counts": counts,
-        "tracks": tracks(judged, factors),
-        FLOORS: lowest_levels(every, factors),
-        LAPSES: lapse_table(estimates, factors),
+        "tracks": tracks(cells.judged, factors),
+        FLOORS: lowest_levels(cells.cells, factors),
+        LAPSES: lapse_table(estimates.fits, factors),
     }
 
 
-def _standard(analysis: Analysis, table: pd.DataFrame, used: pd.DataFrame) -> pd.DataFrame:
-    jnds = next((one.group for one in analysis.outcomes if one.dependent == "jnd"), None)
-    return standard_tests(table, used, analysis.factors, jnds)
-
-
-def _force_tables(forces: pd.DataFrame | None, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
-    return {} if forces is None else {"force_participants": forces, "force": force_table(forces, factors)}
-
-
-def _compared_tables(analysis: Analysis) -> dict[str, pd.DataFrame]:
-    """Of outcomes, hierarchical fits and questionnaires."""
-    tables: dict[str, pd.DataFrame] = {}
+def _compared_tables(analysis: Analysis) -> Tables:
+    tables: Tables = {}
     for compared in analysis.outcomes:
         tables |= compared.tables(analysis.stem(compared))
     for fit in analysis.hierarchical:

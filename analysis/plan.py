@@ -1,4 +1,4 @@
-"""A plan of analysis, stated before the data are seen: what is left out, and which differences count as none."""
+"""Analysis plan, stated before the data are seen: exclusions, equivalence bounds, primary analysis."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -18,9 +18,7 @@ from .reading.study_file import study_table
 
 @dataclass(frozen=True)
 class AnalysisPlan:
-    """Rules of exclusion, and per factor the bound within which its levels count as equivalent (in the unit of the
-    threshold; `equivalence`). `hierarchical`: whether all participants are also fitted at once. `primary`: the analysis
-    that answers (the others are checks); by default a rule chooses it (`outcomes.findings.primary_analysis`).
+    """Exclusions, equivalence bounds and primary analysis.
 
     Parameters
     ----------
@@ -52,31 +50,29 @@ class AnalysisPlan:
             expect(np.isfinite(bound) and bound > 0, f"equivalence.{name}", bound, "a difference above 0")
 
     def check(self, factors: Sequence[str]) -> None:
-        """Refuse a bound of a factor that is not there."""
+        """Refuse a bound of an unknown factor."""
         for name in self.equivalence:
             expected = f"some of {', '.join(factors)}{nearest(name, factors)}"
             expect(name in factors, f"equivalence.{name}", "no such factor", expected)
 
 
 def read_plan(path: str | Path) -> AnalysisPlan:
-    """A plan from a TOML file with the tables `[exclusion]` and `[equivalence]`.
+    """Read a plan from a TOML file with the tables `[exclusion]` and `[equivalence]`.
 
     Raises
     ------
     InvalidFile
-        If it cannot be read, or holds anything else.
+        If it cannot be read, or contains unknown keys.
     """
     return read_toml(AnalysisPlan, Path(path), "a plan of analysis")
 
 
 def plan_of(path: Path) -> AnalysisPlan:
-    """The plan that a data set's study states in its table `[analysis]`, with the keys of a plan's file.
-
-    Without one, or for a table of trials, the empty plan.
+    """Return the plan in `[analysis]` of a data set's study, else the empty plan.
 
     Raises
     ------
     InvalidFile
-        If the study cannot be read, or its table holds anything else.
+        If the study cannot be read, or its table contains unknown keys.
     """
     return study_table(path, "analysis", lambda table: build(AnalysisPlan, as_si(dict(table), "analysis"), "analysis"))

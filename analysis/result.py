@@ -1,4 +1,4 @@
-"""What was found in one data set: a value."""
+"""Result of the analysis of one data set."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -22,15 +22,16 @@ from .tasks.cells import CHOICES
 
 SHOWN_ROWS: Final = 20
 LAST_SHOWN: Final = ("quality", "excluded", "sittings", "happenings")
-"""Tables of how the data came about, which a notebook shows behind what was estimated."""
+"""Tables about the data, which a notebook shows after the estimates."""
 
 
 @dataclass(frozen=True)
 class Analysis:
-    """What was found in one data set.
+    """Result of one data set.
 
-    `tables` maps a name to the table that is written as NAME.csv.
-    `report`, `pdf` and `tables_folder` are None until written."""
+    `tables` maps a name to the table that is written as NAME.csv. `report`, `pdf` and `tables_folder` are None until
+    written.
+    """
 
     trials: Trials
     unit: str
@@ -51,45 +52,40 @@ class Analysis:
 
     @property
     def factors(self) -> tuple[str, ...]:
-        """The names of the conditions."""
         return self.trials.factors
 
     @property
     def n_choices(self) -> dict[int, list[tuple[float | str, ...]]]:
-        """Each number of alternatives of the forced choices, with the conditions that have it."""
-        found: dict[int, list[tuple[float | str, ...]]] = {}
-        for cell in (estimate.cell for estimate in self.estimates if estimate.cell.task in CHOICES):
-            conditions = found.setdefault(cell.n_choices, [])
-            conditions += [] if cell.condition in conditions else [cell.condition]
-        return dict(sorted(found.items()))
+        """Conditions by the number of alternatives in forced choices."""
+        cells = [estimate.cell for estimate in self.estimates if estimate.cell.task in CHOICES]
+        conditions: dict[int, list[tuple[float | str, ...]]] = {cell.n_choices: [] for cell in cells}
+        for number, condition in dict.fromkeys((cell.n_choices, cell.condition) for cell in cells):
+            conditions[number].append(condition)
+        return dict(sorted(conditions.items()))
 
     def __repr__(self) -> str:
-        """In one line: what was analysed, and which tables there are."""
+        """Return trials, participants, warnings and tables in one line."""
         participants = self.trials.rows["participant"].nunique()
         n_trials, of_whom = count_of(len(self.trials.rows), "trial"), count_of(participants, "participant")
         return f"Analysis({n_trials} of {of_whom}, {count_of(len(self.warnings), 'warning')}; {', '.join(self.tables)})"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the warnings, and each table behind its name, the first of them open."""
+        """Return warnings and tables for a notebook, the first table unfolded."""
         warnings = "".join(f"<li>{escape(warning)}</li>" for warning in self.warnings)
         tables = (
             f"<details{'' if n else ' open'}><summary>{escape(name)} ({count_of(len(table), 'row')})</summary>"
             f"{_as_html(table)}</details>"
-            for n, (name, table) in enumerate(self._estimates_first())
+            for n, (name, table) in enumerate(sorted(self.tables.items(), key=lambda item: item[0] in LAST_SHOWN))
         )
         return f"<p>{escape(repr(self))}</p><ul>{warnings}</ul>{''.join(tables)}"
 
-    def _estimates_first(self) -> list[tuple[str, pd.DataFrame]]:
-        return sorted(self.tables.items(), key=lambda item: item[0] in LAST_SHOWN)
-
     def stem(self, outcome: Outcome) -> str:
-        """What the files of an outcome are called: by its dependent value, and by the task too where several have
-        any."""
+        """Return the file name of an outcome: its dependent value, with the task if there are several."""
         several = len({other.task for other in self.outcomes}) > 1
         return f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
 
     def table(self, name: str) -> pd.DataFrame:
-        """One of the tables; an empty one where it has no rows."""
+        """Return one of the tables, or an empty one."""
         return self.tables.get(name, pd.DataFrame())
 
 

@@ -1,4 +1,4 @@
-"""Numbers, names, conditions and tables of these as text."""
+"""Numbers, names, conditions and tables as text."""
 
 import math
 import re
@@ -10,11 +10,11 @@ import pandas as pd
 
 DIGITS = 3
 SMALLEST, LARGEST = 1e-3, 1e6
-"""Numbers beyond are told with an exponent."""
+"""Numbers outside of this range have an exponent."""
 
 
 def decimals_of(x: float) -> int:
-    """The decimal places that show three significant digits; one at least.
+    """Return the decimal places of three significant digits; at least one.
 
     >>> decimals_of(0.213), decimals_of(-4.8), decimals_of(120.0), decimals_of(0.0)
     (3, 2, 1, 1)
@@ -31,8 +31,10 @@ def number_text(x: float) -> str:
 
 
 def interval_texts(value: float, low: float, high: float) -> tuple[str, str, str]:
-    """A value and the ends of its interval, in the same decimal places: those that show three significant digits of the
-    value, or of the larger end where the interval holds 0, and at least so many that the ends differ.
+    """Return a value and the ends of its interval with the same decimal places.
+
+    Three significant digits of the value, or of the larger end if the interval contains 0, and enough to separate the
+    ends.
 
     >>> interval_texts(1.25, 0.9, 1.61), interval_texts(0.2134, 0.1478, 0.2623), interval_texts(0.02, -1.5, 1.4)
     (('1.25', '0.90', '1.61'), ('0.213', '0.148', '0.262'), ('0.02', '-1.50', '1.40'))
@@ -48,7 +50,7 @@ def interval_texts(value: float, low: float, high: float) -> tuple[str, str, str
 
 
 def interval_text(value: Any, low: Any = None, high: Any = None, decimals: int | None = None) -> str:
-    """The value, with its interval if there is one; `decimals` where a column is to have the same everywhere.
+    """Return a value with its interval, if any; `decimals` fixes the decimal places.
 
     >>> interval_text(1.25, 0.9, 1.61), interval_text(1.25), interval_text(0.93, 0.87, 0.99)
     ('1.25 [0.90, 1.61]', '1.25', '0.930 [0.870, 0.990]')
@@ -65,7 +67,7 @@ def interval_text(value: Any, low: Any = None, high: Any = None, decimals: int |
 
 
 def ends_text(low: Any, high: Any) -> str:
-    """Write an interval without a value, of which one end may be open.
+    """Return an interval without a value, of which one end may be open.
 
     >>> ends_text(12.0, 25.5), ends_text(None, 25.5), ends_text(12.0, math.nan)
     ('[12.0, 25.5]', 'at most 25.5', 'at least 12.0')
@@ -76,7 +78,7 @@ def ends_text(low: Any, high: Any) -> str:
 
 
 def plain_text(value: object) -> str:
-    """A number as it was stated, anything else as its text.
+    """Return a number as it was stated, anything else as text.
 
     >>> plain_text(240.0), plain_text(0.5), plain_text("P0")
     ('240', '0.5', 'P0')
@@ -85,7 +87,7 @@ def plain_text(value: object) -> str:
 
 
 def cell_text(value: Any) -> str:
-    """A cell of a table for people: nothing where nothing is known.
+    """Return a cell of a table; empty for a missing value.
 
     >>> cell_text(240.0), cell_text(12345.0), cell_text(0.21349), cell_text(7), cell_text(None), cell_text(float("nan"))
     ('240', '12345', '0.213', '7', '', '')
@@ -108,7 +110,7 @@ def p_text(p: float) -> str:
 
 
 def share_text(x: float) -> str:
-    """A number that cannot pass 1, without its leading zero.
+    """Return a number of at most 1 without its leading zero.
 
     >>> share_text(0.8449), share_text(-0.043), share_text(1.0)
     ('.845', '-.043', '1.000')
@@ -133,11 +135,11 @@ DEPENDENT_NAMES = {
     "exponent": "exponent of magnitude estimates",
 }
 NAMED = 6
-"""So many cells or participants are named one by one."""
+"""At most so many cells or participants are named."""
 
 
 def split_unit(name: str) -> tuple[str, str]:
-    """A name in words, and the unit that its suffix says; without one an empty text.
+    """Return a name in words, and the unit of its suffix, if any.
 
     >>> split_unit("frequency_hz"), split_unit("speed_m_per_s"), split_unit("pattern")
     (('frequency', 'Hz'), ('speed', 'm/s'), ('pattern', ''))
@@ -149,7 +151,7 @@ def split_unit(name: str) -> tuple[str, str]:
 
 
 def title_of(name: str) -> str:
-    """A factor's name as a person writes it.
+    """Return a factor's name as a heading.
 
     >>> title_of("frequency_hz"), title_of("force_n"), title_of("pattern")
     ('Frequency (Hz)', 'Force (N)', 'Pattern')
@@ -159,7 +161,7 @@ def title_of(name: str) -> str:
 
 
 def dependent_title(name: str) -> str:
-    """What a dependent value is called where it stands alone.
+    """Return the heading of a dependent value.
 
     >>> dependent_title("pse"), dependent_title("threshold")
     ('Point of subjective equality', 'Detection threshold')
@@ -168,7 +170,7 @@ def dependent_title(name: str) -> str:
 
 
 def dependent_name(name: str) -> str:
-    """A dependent value as a person calls it.
+    """Return the name of a dependent value in words.
 
     >>> dependent_name("jnd"), dependent_name("tip_speed")
     ('just noticeable difference', 'tip speed')
@@ -177,17 +179,15 @@ def dependent_name(name: str) -> str:
 
 
 def with_unit(name: str, unit: str) -> str:
-    """A name with the unit in brackets, if there is one."""
     return f"{name} ({unit})" if unit else name
 
 
 def in_unit(number: str, unit: str) -> str:
-    """A number with its unit, if it has one."""
     return f"{number} {unit}" if unit else number
 
 
 def level_of(name: str, value: object) -> str:
-    """A factor's value with the unit, if its name has one.
+    """Return a factor's level with the unit of its name, if any.
 
     >>> level_of("frequency_hz", 240.0), level_of("pattern", "P0"), level_of("size", 3)
     ('240 Hz', 'P0', '3')
@@ -196,7 +196,7 @@ def level_of(name: str, value: object) -> str:
 
 
 def value_of(name: str, value: object) -> str:
-    """A factor's value that is told from those of other factors, such as ``240 Hz``.
+    """Return a factor's level, with the factor's name if it has no unit.
 
     >>> value_of("frequency_hz", 240.0), value_of("pattern", "P0"), value_of("size", 3)
     ('240 Hz', 'P0', 'size 3')
@@ -207,7 +207,7 @@ def value_of(name: str, value: object) -> str:
 
 
 def in_words(text: str, factors: Sequence[str]) -> str:
-    """A sentence with the names of factors as words, their values with units and a sign between those that interact.
+    """Replace the names of factors in a sentence by words, with units and × between factors.
 
     >>> in_words("force_n * frequency_hz: F(2, 4) = 1.20", ["frequency_hz", "force_n"])
     'force × frequency: F(2, 4) = 1.20'
@@ -224,7 +224,7 @@ def in_words(text: str, factors: Sequence[str]) -> str:
 
 
 def header_of(column: str, factors: Sequence[str]) -> str:
-    """The head of a column of a table for people.
+    """Return the heading of a column.
 
     >>> [header_of(name, ["frequency_hz", "force_n"]) for name in ("frequency_hz", "force_n = 0.5", "n_trials")]
     ['Frequency (Hz)', 'force = 0.5 N', 'n trials']
@@ -237,7 +237,7 @@ def condition_name(factors: Sequence[str], condition: Sequence[object]) -> str:
 
 
 def first_named(names: Sequence[str], most: int = NAMED) -> str:
-    """List the first names, and state how many more there are.
+    """Return the first names, and the number of further ones.
 
     >>> first_named(["P1", "P2"]), first_named(["P1", "P2", "P3"], most=2)
     ('P1, P2', 'P1, P2 and 1 more')
@@ -247,11 +247,9 @@ def first_named(names: Sequence[str], most: int = NAMED) -> str:
 
 
 def named_cells(table: pd.DataFrame, factors: Sequence[str]) -> str:
-    """Participants with their conditions, the first of them by name."""
-    names = [
-        f"{row['participant']} {condition_name(factors, [row[name] for name in factors])}"
-        for _, row in table.head(NAMED).iterrows()
-    ]
+    """Return participants with their conditions, the first of them by name."""
+    rows = table.head(NAMED).to_dict("records")
+    names = [f"{row['participant']} {condition_name(factors, [row[name] for name in factors])}" for row in rows]
     more = len(table) - len(names)
     return "; ".join(names) + (f"; and {more} more" if more else "")
 
@@ -260,7 +258,7 @@ REVERSALS, POSTERIOR_MEAN = "mean of the reversals without the first two or thre
 
 
 class ProcedureWords(NamedTuple):
-    """A procedure with its article, and what its own estimate is; empty where it has none."""
+    """A procedure with its article, and its own estimate, if any."""
 
     phrase: str
     estimate: str = ""
@@ -278,7 +276,7 @@ PROCEDURES = {
 
 
 def procedure_phrase(kind: str) -> str:
-    """By what levels were chosen.
+    """Return a procedure with its article.
 
     >>> procedure_phrase("staircase"), procedure_phrase("stochastic_approximation")
     ('a staircase', 'stochastic approximation')
@@ -287,7 +285,7 @@ def procedure_phrase(kind: str) -> str:
 
 
 def procedure_name(kind: str) -> str:
-    """Without its article; a kind that is not ours as the table has it.
+    """Return a procedure without its article; an unknown one unchanged.
 
     >>> procedure_name("staircase"), procedure_name("their_staircase")
     ('staircase', 'their_staircase')
@@ -296,12 +294,14 @@ def procedure_name(kind: str) -> str:
 
 
 MOST_COLUMNS = 8
-"""Conditions across a table of text."""
+"""Largest number of conditions across a table."""
 
 
 def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """The thesis's form: the factor with most levels (frequency) down, the others (force) across; cells as text. Where
-    that would be too wide, one factor, of numbers if there is one, runs across and the others down."""
+    """Return the texts of a table with the factor of most levels down and the others across.
+
+    If that is too wide, one factor, of numbers if there is one, runs across and the others down.
+    """
     if len(factors) < 2:
         return group[[*factors, "text"]].rename(columns={"text": "mean"})
     down = max(factors, key=lambda name: group[name].nunique())
@@ -311,10 +311,9 @@ def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
         across = [max(numeric or [down], key=lambda name: group[name].nunique())]
     others = [name for name in factors if name not in across]
     table = group.pivot(index=others, columns=across, values="text")
-    table.columns = [_column_name(across, key) for key in table.columns]
-    return table.reset_index()
-
-
-def _column_name(across: Sequence[str], key: object) -> str:
-    values = key if isinstance(key, tuple) else (key,)
-    return ", ".join(f"{name} = {plain_text(value)}" for name, value in zip(across, values, strict=True))
+    columns = []
+    keys: list[Any] = list(table.columns)
+    for key in keys:
+        levels = zip(across, key if isinstance(key, tuple) else (key,), strict=True)
+        columns.append(", ".join(f"{name} = {plain_text(level)}" for name, level in levels))
+    return table.set_axis(columns, axis="columns").reset_index()

@@ -1,4 +1,6 @@
-"""Sessions per second in batches, against loops with PsychoPy's StairHandler and questplus; and tracks with mode fits.
+"""Sessions per second in batches, compared with PsychoPy and questplus.
+
+The peers are loops with PsychoPy's StairHandler and questplus. Tracks with mode fits are timed too.
 
     OMP_NUM_THREADS=1 python benchmarks/batch.py [--sets 2000] [--peers 20] [--batches 4]
 
@@ -26,9 +28,10 @@ from pyarrow import parquet
 from tactometry.experiments.bias_study.batches import BATCH, Respondents, TrackRun, fitted_tracks, write_tracks
 from tactometry.experiments.harness import run_once, tell
 from tactometry.experiments.workers import workers
-from tactometry.protocols import ParameterGrid, QuestPlus, Staircase
+from tactometry.protocols import QuestPlus, Staircase
 from tactometry.protocols.batch.answers import LevelTable, criteria
 from tactometry.protocols.batch.tracks import tracks
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import shape_named
 
 N_TRIALS, N_TRIALS_QUEST, ENDLESS = 140, 60, 10**6

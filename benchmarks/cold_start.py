@@ -1,4 +1,6 @@
-"""Whole processes of commands and built-in scenes from a cold start, interleaved with bare interpreters.
+"""Time of commands and built-in scenes from a cold start.
+
+Runs of whole processes alternate with those of a bare interpreter.
 
 Times of commands are processor times of the child; those of scenes are by the clock, for a quiet machine.
 """

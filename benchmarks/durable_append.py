@@ -1,4 +1,7 @@
-"""Cost of a trial that is on the disk before the next request, over a plain fsync; an argument names a folder there."""
+"""Time to write a trial durably, compared with a plain fsync.
+
+An argument names a folder on the disk to measure.
+"""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""Skin and finger: the exact motion against `solve_ivp` and a compiled RK4, error beside time.
+"""Motion of skin and finger compared with `solve_ivp` and compiled RK4.
 
     OMP_NUM_THREADS=1 python benchmarks/electrovibration.py
 
@@ -18,19 +18,12 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from tactometry.experiments.harness import interleaved, run_once, tell
-from tactometry.stimuli.electrovibration import (
-    CoulombFriction,
-    Finger,
-    Pieces,
-    Sine,
-    Skin,
-    Solution,
-    Step,
-    Trapezoid,
-)
+from tactometry.stimuli.electrovibration import CoulombFriction, Finger, Sine, Skin, Step, Trapezoid
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.motion.driven_motion import plan_of
 from tactometry.stimuli.electrovibration.motion.finger import sliding
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
 
 Real = NDArray[np.float64]
 Solver = Callable[[Pieces, ForceForm], Real]

@@ -1,4 +1,6 @@
-"""Peaks between samples: error against an exact reference, and time of the guard over the duration of the signal.
+"""Peaks between samples: error and time of the output guard.
+
+Measured are:
 
 - error by the number of points per sample, against a dense interpolation;
 - error by the reach of the filter, for white noise, against the FFT of all samples with zeros around them;

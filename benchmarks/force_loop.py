@@ -1,4 +1,6 @@
-"""From a force sensor in another process to the decision, while a window draws at 60 Hz, idle or busy 8 ms a frame.
+"""Delay from a force sensor to the decision while a window draws.
+
+The window draws at 60 Hz, idle or busy for 8 ms per frame.
 
 For each connection (serial line, LSL, UDP): the delay from the sample that opens the gate to the decision in the
 reader's thread, by the `AppliedForce` and `Trigger` of a touch; that of PsychoPy's usual reading of the newest sample

@@ -11,7 +11,7 @@ from tactometry.experiments.accuracy.problems import posteriors
 from tactometry.psychometric import shape_named
 
 BINOMIAL = {"gamma": 0.5, "eta": 1e-9}
-"""Without overdispersion, as in our fit."""
+"""Options without overdispersion, as in our fit."""
 STEPS = {"default grid": {}, "80 x 60 x 40": {"threshold": 80, "width": 60, "lambda": 40}}
 
 

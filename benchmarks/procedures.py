@@ -19,9 +19,10 @@ import numpy as np
 from scipy.stats import norm
 
 from tactometry.experiments.harness import tell
-from tactometry.protocols import ParameterGrid, QuestPlus
+from tactometry.protocols import QuestPlus
 from tactometry.protocols.batch.answers import criteria
 from tactometry.protocols.batch.tracks import tracks
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.weighing import normalised
 
 SD_DB, LAPSE, GOAL_DB = 4.0, 0.02, 1.0

@@ -17,7 +17,8 @@ import questplus
 from scipy.stats import norm
 
 from tactometry.experiments.harness import tell
-from tactometry.protocols import ParameterGrid, QuestPlus
+from tactometry.protocols import QuestPlus
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import shape_named
 
 TIED = 1e-11

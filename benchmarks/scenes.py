@@ -1,4 +1,4 @@
-"""Scenes: time against the number of effects, and predicted against measured time, in one run on one thread."""
+"""Times of scenes by number of effects, measured and predicted."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

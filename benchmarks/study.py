@@ -1,7 +1,8 @@
-"""A study of 10 people, 21 conditions and 60 trials in each, simulated and analysed: `python benchmarks/study.py`.
+"""A study of 10 participants, simulated and analysed.
 
-In memory (sessions, fits, analysis of variance), and with a data set, figures and report; in one process, and with
-sessions on two that are started first, and that run already. Times are by the clock.
+21 conditions, 60 trials each: `python benchmarks/study.py`. Measured in memory (sessions, fits, analysis of variance),
+and with a data set, figures and report; in one process, and with sessions on two, cold and warm. Times are by the
+clock.
 """
 
 import tempfile

@@ -1,4 +1,6 @@
-"""From the position of a finger to the voltage of a texture: a session, a UDP sensor of 1 kHz, a sound server.
+"""Delay from a finger's position to the voltage of a texture.
+
+It uses a session, a UDP sensor of 1 kHz and a sound server.
 
 For some latencies and blocks of the output, each a whole session in this process: the delay from the finger crossing an
 edge of a square grating to the emitted edge, by the card's time of its frame, and the share of a core. Needs PulseAudio

@@ -1,4 +1,6 @@
-"""A focus on the simply supported plate: modes against a compiled finite-difference scheme, error beside time.
+"""A focus on a plate: modes compared with finite differences.
+
+The plate is simply supported; the finite-difference scheme is compiled.
 
     OMP_NUM_THREADS=1 python benchmarks/time_reversal_focus.py
 

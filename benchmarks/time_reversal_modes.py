@@ -1,4 +1,4 @@
-"""Free-edge modes by Ritz: error beside time, over one dense product, and against scikit-fem.
+"""Free-edge modes by Ritz compared with scikit-fem.
 
     OMP_NUM_THREADS=1 python benchmarks/time_reversal_modes.py
 

@@ -1,4 +1,6 @@
-"""Fields, impulse responses and designs as matrix products: against a loop over modes and the peak of BLAS.
+"""Fields, responses and designs as matrix products.
+
+Compared with a loop over modes and with the peak rate of BLAS.
 
 OMP_NUM_THREADS=1 python benchmarks/time_reversal_products.py
 """

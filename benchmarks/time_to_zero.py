@@ -1,4 +1,6 @@
-"""From the loss of a force to silence: a real sound server hears how long a stimulus continues, in a real window.
+"""Delay from the loss of force to silence of the output.
+
+A real sound server records how long a stimulus continues in a session with a real window.
 
 *decided* is the time from the last sample of a held force to the order to stop, *silent* that to the first zero that
 leaves the card. A silent sensor is lost after 100 ms. Needs a display or Xvfb, PulseAudio, and the extras window and

@@ -1,4 +1,4 @@
-"""Size of traces on the disk.
+"""Size of traces on disk.
 
 A finger holds 1 N and slides at 50 mm/s for two seconds of each of 720 touches an hour; sensors of 1 kHz count 0.2 mN
 and 1 um; a texture of a second has 48 kHz and 16 bits. Tremor, drift and noise are unverified defaults.

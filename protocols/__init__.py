@@ -1,30 +1,24 @@
-"""Procedures, tasks, blocks and their order. Classes refuse invalid arguments with `InvalidParameter`."""
+"""Procedures, tasks, blocks and their order.
+
+Classes raise `InvalidParameter` for invalid arguments.
+"""
 
 from tactometry.loading import named
 
-from .bayesian.outcome_model import (
-    FunctionModel as FunctionModel,
-    OutcomeModel as OutcomeModel,
-    TableModel as TableModel,
-)
-from .bayesian.parameter_grid import ParameterGrid as ParameterGrid
 from .bayesian.quest import Quest as Quest
-from .bayesian.quest_plus import QuestPlus as QuestPlus, SharedQuestPlus as SharedQuestPlus, SharedTrack as SharedTrack
-from .bayesian.settings import PsiSettings as PsiSettings, QuestPlusSettings as QuestPlusSettings, psi as psi
+from .bayesian.quest_plus import QuestPlus as QuestPlus
+from .bayesian.settings import QuestPlusSettings as QuestPlusSettings, psi as psi
 from .block import Block as Block
-from .block_state import BlockOptions as BlockOptions, Condition as Condition, Track as Track
-from .order import williams_square as williams_square
+from .block_state import Condition as Condition, Track as Track
 from .procedures.constant_stimuli import ConstantStimuli as ConstantStimuli
 from .procedures.method_of_limits import MethodOfLimits as MethodOfLimits
-from .procedures.procedure import Ending as Ending, Procedure as Procedure, after_answer as after_answer
 from .procedures.staircase import Staircase as Staircase, WeightedStaircase as WeightedStaircase
-from .session import Inquiry as Inquiry, session as session
+from .session import session as session
 from .tasks.adjustment import AdjustmentTask as AdjustmentTask
 from .tasks.comparison import Comparison as Comparison
 from .tasks.forced_choice import ForcedChoice as ForcedChoice
 from .tasks.localisation import Localisation as Localisation
 from .tasks.magnitude import Magnitude as Magnitude
-from .tasks.measurement import Measurement as Measurement
 from .tasks.preference import Preference as Preference
 from .tasks.rating import Rating as Rating
 from .tasks.same_different import SameDifferent as SameDifferent

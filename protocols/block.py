@@ -22,7 +22,7 @@ from .tasks.task import Presentation, Reply, Task, TrialOutcome
 FEEDBACK_S = 0.7
 """Duration of the feedback page (unverified default)."""
 UNTOUCHED = Touched(0.0, None, None)
-"""Touch in a row of a trial in which nothing was felt."""
+"""Touch in the row of a trial without a stimulus."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,10 @@ class Block:
 
 
 def run_block(block: Block, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
-    """Present until every track has ended; return the tracks and the number of the next trial."""
+    """Run a block until every track has ended.
+
+    Returns the tracks and the number of the next trial.
+    """
     state = begun = BlockState(block.options, block.tracks, first_trial)
     catches = [catch_schedule(block.catch_rate, rng) for _ in block.tracks]
     turn = turns(block.options.interleaving, rng)
@@ -106,7 +109,7 @@ def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
 def _intervene(
     begun: BlockState, number: int, state: BlockState, wanted: tuple[Intervention, ...]
 ) -> Course[BlockState]:
-    """Carry out all that the experimenter wants, also during a rest; return the state."""
+    """Carry out all interventions, also during a rest; return the state."""
     while wanted:
         intervention, *later = wanted
         is_open = bool(state.open())
@@ -130,7 +133,7 @@ def _intervene(
 def _without(
     begun: BlockState, number: int, state: BlockState, intervention: Intervention
 ) -> tuple[BlockState, Intervene]:
-    """Invalidate a trial; return the state and the request that says what follows."""
+    """Invalidate a trial; return the state and the request to report it."""
     of_block, trial, attempt = intervention.trial or (0, 0, 0)
     if of_block != number or any(track.skipped for track in state.tracks):
         return state, not_asked_again(intervention)
@@ -178,7 +181,10 @@ def _abortion(number: int, before: BlockState, after: BlockState) -> str | None:
 
 
 def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: TrialOutcome, reply: Reply) -> Trial:
-    """Return the row of a reply. If no touch's level counts, the first touch represents the trial."""
+    """Return the row of a reply.
+
+    If no touch's level counts, the first touch represents the trial.
+    """
     touch = outcome.stimulus or next(iter(outcome.touches), UNTOUCHED)
     is_catch, answer = slot.level is None, reply.answer
     return Trial(

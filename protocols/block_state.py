@@ -1,4 +1,4 @@
-"""State of a block: its tracks, what must be presented again, and which track is next."""
+"""State of a block: tracks, repeated presentations and turns."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,7 +24,7 @@ LEAST_RATE = 1e-6
 
 @dataclass(frozen=True)
 class Condition:
-    """Constants of a track: its factors, the stimulus (by name) and how it is touched."""
+    """Constants of a track: factors, stimulus (by name) and touch."""
 
     factors: Mapping[str, float | str]
     stimulus: str
@@ -111,7 +111,7 @@ class BlockOptions:
 
 @dataclass(frozen=True)
 class Slot:
-    """A presentation of a track: the number of the trial and its level (None: a catch trial)."""
+    """A presentation of a track: trial number and level (None: catch trial)."""
 
     track: int
     trial: int
@@ -143,13 +143,19 @@ class BlockState:
         return [n for n in going if n in owed or not self.tracks[n].procedure.finished]
 
     def due(self, index: int) -> Slot | None:
-        """Return the presentation of a track that comes again now: at once, or at the end of a fixed order."""
+        """Return the presentation of a track that must be repeated now.
+
+        It is repeated at once, or at the end of a fixed order.
+        """
         procedure = self.tracks[index].procedure
         owed = (slot for slot in self.again if slot.track == index)
         return next(owed, None) if isinstance(procedure, FixedOrder) == procedure.finished else None
 
     def after(self, slot: Slot, outcome: TrialOutcome | None) -> "BlockState":
-        """Return the state after a presentation; without an outcome it was taken back, and comes again."""
+        """Return the state after a presentation.
+
+        A presentation without an outcome was withdrawn and is repeated.
+        """
         state = replace(
             self,
             again=tuple(other for other in self.again if other.trial != slot.trial),
@@ -194,7 +200,7 @@ class BlockState:
         return replace(state, next_trial=self.next_trial), tuple(taken_back)
 
     def _follows(self, slot: Slot, answered: Slot) -> bool:
-        """Return True if the level of a presentation depends on the answer to an earlier one."""
+        """Return True if a presentation's level depends on an earlier answer."""
         if slot.level is None or answered.level is None:  # catch trials depend on nothing
             return False
         procedure, learner = (self.tracks[each.track].procedure for each in (answered, slot))
@@ -208,13 +214,13 @@ class BlockState:
         return replace(self, tracks=tracks, n_invalid_in_a_row=in_a_row, n_valid=self.n_valid + 1)
 
     def _answer(self, slot: Slot, outcome: TrialOutcome) -> tuple[Track, ...]:
-        """Return the tracks after an answer on one of them, which others may learn from."""
+        """Return all tracks after an answer on one of them."""
         procedure = self.tracks[slot.track].procedure
         if isinstance(procedure, FixedOrder):
             then = procedure if slot.attempt > 1 else procedure.skip()  # the level was left out before
             return self._with(slot.track, procedure=then if outcome.success is None else then.take(outcome.success))
         delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
-        success = outcome.success is not False  # a task that judges nothing moves an adaptive rule as a success does
+        success = outcome.success is not False  # a task without right answers counts as a success
         procedures = after_answer([track.procedure for track in self.tracks], slot.track, success, delivered)
         pairs = zip(self.tracks, procedures, strict=True)
         return tuple(replace(track, procedure=procedure) for track, procedure in pairs)

@@ -1,4 +1,4 @@
-"""Interventions of the experimenter: where a course receives them, and what they do between blocks."""
+"""Interventions of the experimenter during and between blocks."""
 
 from collections.abc import Iterable
 from typing import Any, Final, TypeVar
@@ -14,7 +14,7 @@ BETWEEN: Final = "the page that comes next waits for the participant: that is a 
 
 
 def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]:
-    """Make all requests; return what the experimenter wanted meanwhile."""
+    """Make all requests; return the experimenter's interventions."""
     wanted: list[Intervention] = []
     for request in requests:
         done: Done = yield request
@@ -23,7 +23,10 @@ def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]
 
 
 def hearing(course: Course[T], wanted: list[Intervention], felt: list[Trial]) -> Course[T]:
-    """Make the requests of a course; add interventions to `wanted`, and valid trials with a stimulus to `felt`."""
+    """Make the requests of a course and collect interventions.
+
+    Adds interventions to `wanted`, and valid trials with a stimulus to `felt`.
+    """
     answer: Any = None
     while True:
         try:
@@ -46,7 +49,10 @@ def not_asked_again(intervention: Intervention) -> Intervene:
 
 
 def between_blocks(wanted: Iterable[Intervention], ahead: str = "") -> Course[bool]:
-    """Carry out interventions between trials; return True if what is `ahead` (empty: nothing) is skipped."""
+    """Carry out interventions between trials.
+
+    Returns True if the part `ahead` (empty: none) is skipped.
+    """
     skipped = False
     for intervention in wanted:
         match intervention.wanted:

@@ -1,4 +1,4 @@
-"""Orders of conditions as pure functions of the participant's number and a seed, and random streams."""
+"""Orders of conditions and random streams, as pure functions."""
 
 import itertools
 import math

@@ -115,7 +115,7 @@ class Inquiry:
 
 
 def question_of(form: ChoiceForm, item: ChoiceItem) -> Choose:
-    """Return the request of a question; `words_of` gives the texts of its names."""
+    """Return the request of a question with its texts from `words_of`."""
     name = f"{ABOUT}{form.name}.{item.id}"
     if item.bounds is not None:
         return Choose(name, (1, NOT_SAID), (SAY, PREFER_NOT))
@@ -124,7 +124,7 @@ def question_of(form: ChoiceForm, item: ChoiceItem) -> Choose:
 
 
 def reply_to(form: ChoiceForm, item: ChoiceItem) -> Course[Reply]:
-    """Ask a question; return the code of the choice, or the number, or no response if the person prefers none."""
+    """Ask a question and return its code or number, or no response."""
     asked = question_of(form, item)
     chosen: Chosen = yield asked
     if item.bounds is None:
@@ -154,7 +154,7 @@ def _instructions(parts: Sequence[Part], number: int) -> Iterator[Show]:
 
 
 def _page(parts: Sequence[Part], number: int) -> Show:
-    """Return the page before a part, with its place among all parts and among the blocks."""
+    """Return the page before a part, with its number."""
     part = parts[number - 1]
     counts = {"block": number, "n_blocks": len(parts)}
     if isinstance(part, Inquiry):
@@ -202,7 +202,7 @@ def session(
         if at_s is None:
             tracks += [replace(track, skipped=True) for track in part.tracks]
             continue
-        # Between parts only: a part that has begun comes to its end, or to that of its own time.
+        # Checked between parts only: a part that has begun runs until it ends or times out.
         if longest_s is not None and at_s - begun.at_s > longest_s:
             tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break
@@ -232,7 +232,10 @@ def _practises_again(tracks: Sequence[Track], page: Show, wanted: list[Intervent
 
 
 def _opened(pages: Sequence[Show], ahead: str, wanted: list[Intervention]) -> Course[float | None]:
-    """Show the pages before a part; return when the last one was left, or None if the experimenter skips the part."""
+    """Show the pages before a part.
+
+    Returns the time when the last one was left, or None if the experimenter skips the part.
+    """
     at_s = 0.0
     for page in pages:
         shown: Done = yield page

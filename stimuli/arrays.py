@@ -1,4 +1,4 @@
-"""What arrays hold."""
+"""Array types, and operations on arrays."""
 
 from collections.abc import Sequence
 from typing import Final

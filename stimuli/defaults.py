@@ -1,5 +1,6 @@
-"""Numbers that several rooms take by default, each stated once; nothing here computes, so that an effect which is off
-brings no physics with its defaults.
+"""Defaults that several packages share, each stated once.
+
+The module computes nothing, so that an inactive effect imports no physics with its defaults.
 
 Facts (thesis): 2 N elsewhere than the focus cost 6 % of amplitude, 2 N at the focus up to 30 %. The finger, a damper of
 10 N s/m at 2 N that goes with losses of tau = 3.5 ms, is set to meet both in simulation: it is neither measured nor a

@@ -1,4 +1,4 @@
-"""A click and a friction at once, on one screen: foci by time reversal, and electrovibration of a finger that slides.
+"""Foci and electrovibration of a sliding finger on one screen.
 
 The outlook of Zophoniasson's thesis (2017): dynamic and static feedback on one surface.
 """
@@ -82,7 +82,7 @@ class Hybrid:
 
 @dataclass(frozen=True)
 class MeasuredHybrid:
-    """As `Hybrid`, with foci from responses that were measured on a bench; see `measured`."""
+    """A `Hybrid` whose foci come from responses measured on a bench."""
 
     focus: TimeReversalStimulus
     friction: AmplitudeModulated
@@ -93,7 +93,7 @@ class MeasuredHybrid:
         return self.focus.level_unit
 
     def at(self, level: float) -> Signal:
-        """As `Hybrid.at`."""
+        """Return the signal at a level; see `Hybrid.at`."""
         return _together(self.focus, self.friction, level, self.electrode_offset_db)
 
 
@@ -116,7 +116,7 @@ def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
 def _together(
     train: FocusTrain | TimeReversalStimulus, waveform: AmplitudeModulated, level: float, offset_db: float
 ) -> Signal:
-    """What switches the transducers switches the electrode too."""
+    """Add the channels; a supply voltage also switches the electrode."""
     foci, friction = train.at(level), waveform.at(level + offset_db)
     if train.supply_v is not None:
         friction = pulses(friction, train.supply_v)
@@ -128,8 +128,10 @@ def _together(
 
 @dataclass(frozen=True)
 class HybridSensation:
-    """What a scene of foci and friction together is made of, and nothing that computes
-    (`tactometry.stimuli.scenes.default_scenes.default_scene`): its level is that of the stronger one.
+    """Settings of a scene of foci and friction.
+
+    `tactometry.stimuli.scenes.default_scenes.default_scene` builds the scene. Its level is that of the stronger
+    stimulus.
 
     Neither masks the other (an unverified simplification): the foci are felt as if the finger rested at the focus and
     whatever its force, the friction only while it slides.

@@ -220,7 +220,9 @@ def nearest(found: str, names: Iterable[str], n: int = 1) -> str:
     >>> nearest("zzz", ["procedure", "task"])
     ''
     """
-    close = difflib.get_close_matches(found[:LONGEST_WORD], list(names), n=n)
+    known = list(names)
+    other_case = [name for name in known if name.casefold() == found.casefold()]
+    close = other_case[:n] or difflib.get_close_matches(found[:LONGEST_WORD], known, n=n)
     return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
 
 

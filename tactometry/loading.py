@@ -49,7 +49,7 @@ def named(package: str) -> Callable[[], list[str]]:
 
     >>> import tactometry.protocols
     >>> dir(tactometry.protocols)[:3]
-    ['AdjustmentTask', 'Block', 'BlockOptions']
+    ['AdjustmentTask', 'Block', 'Comparison']
     """
     things = vars(sys.modules[package])
     public = {name: thing for name, thing in things.items() if not (name.startswith("_") or ismodule(thing))}

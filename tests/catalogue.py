@@ -25,19 +25,14 @@ from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols import (
     Block,
-    BlockOptions,
     Condition,
     ConstantStimuli,
     ForcedChoice,
-    Inquiry,
     MethodOfLimits,
-    ParameterGrid,
     Pressing,
-    PsiSettings,
     Quest,
     QuestPlus,
     Rating,
-    SharedQuestPlus,
     Sliding,
     Staircase,
     Track,
@@ -45,7 +40,12 @@ from tactometry.protocols import (
     YesNo,
     session,
 )
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
+from tactometry.protocols.bayesian.quest_plus import SharedQuestPlus
+from tactometry.protocols.bayesian.settings import PsiSettings
 from tactometry.protocols.block import run_block
+from tactometry.protocols.block_state import BlockOptions
+from tactometry.protocols.session import Inquiry
 from tactometry.protocols.tasks.task import Alternative
 from tactometry.provenance import sha256
 from tactometry.questionnaire import load as load_form
@@ -56,18 +56,11 @@ from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.electrovibration import (
-    AmplitudeModulated,
-    FollowedTexture,
-    Grating,
-    Sampled,
-    Sine,
-    Square,
-    Step,
-    Trapezoid,
-    WithOffset,
-)
+from tactometry.stimuli.electrovibration import AmplitudeModulated, Grating, Sine, Square, Step, Trapezoid
+from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+from tactometry.stimuli.electrovibration.textures.followed_texture import FollowedTexture
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
+from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 from tactometry.stimuli.electrovibration.waveforms.wav_file import WavFile
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.scenes.scene import Scene

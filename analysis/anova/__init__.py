@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from .split_plot import mixed_anova as mixed_anova
-    from .within_subjects import permutation_test as permutation_test, repeated_measures as repeated_measures
+    from .within_subjects import repeated_measures as repeated_measures
 
 __getattr__, __dir__ = exports(__name__, __file__)

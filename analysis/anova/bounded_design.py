@@ -1,7 +1,4 @@
-"""A design of values of which some are bounds or missing, from a table in long form.
-
-The largest part of a within-participant design that has holes: complete, or with values enough for a model.
-"""
+"""Designs of values of which some are bounds or missing, and their largest complete or known part."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +11,8 @@ import pandas as pd
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
-from ..arrays import Array, Bools, size_of
+from ..arrays import Array, Bools, Indices, size_of
+from .bounded_fit import BoundedValues
 from .design import (
     MIN_PARTICIPANTS,
     DesignStatus,
@@ -26,17 +24,22 @@ from .design import (
     refuse_few,
 )
 from .split_plot import groups_of
-from .strata import BoundedValues
 
 MIN_KNOWN = 2
 """Known values that each condition needs (in each group)."""
 BOUND = "a value, or a bound below or above it, in this order; leave the row out"
+MAX_SUBSETS = 200_000
+
+Subset = tuple[tuple[int, ...], ...]
+"""Places of the levels of each factor that are kept."""
 
 
 @dataclass(frozen=True)
 class BoundedDesign:
-    """`data` is in units of `scale` about `centre`. `levels` are those of the `factors`, `groups` those of participants
-    (one, without a name, where there are none). `n_censored` values are bounds, `n_missing` are not known at all."""
+    """Values in units of `scale` about `centre`, with `levels` of the `factors` and `groups` of participants.
+
+    `n_censored` values are bounds, `n_missing` are unknown. Without a factor `between` there is one group.
+    """
 
     data: BoundedValues
     factors: tuple[str, ...]
@@ -49,7 +52,7 @@ class BoundedDesign:
     scale: float = 1.0
 
     def cells(self) -> list[dict[str, object]]:
-        """The names of the means: group by group the cells, the last factor fastest."""
+        """Return the condition of each mean, group by group, the last factor fastest."""
         names = [*([self.between] if self.between else []), *self.factors]
         levels = [*([self.groups] if self.between else []), *self.levels]
         return [dict(zip(names, cell, strict=True)) for cell in product(*levels)]
@@ -65,12 +68,12 @@ def bounded_design(
     between: str | None,
     subject: str,
 ) -> BoundedDesign:
-    """The design of a table: a row per value, at most one in each cell; a row without value and bounds is as no row.
+    """Return the design of a table with at most one row in each cell.
 
     Raises
     ------
     InvalidParameter
-        For a column that is not there, crossed bounds, several values in a cell, a participant in two groups.
+        For a missing column, crossed bounds, several values in a cell, a participant in two groups.
     UndefinedStatistic
         For too few participants, levels or known values in a cell, and the same value everywhere.
     """
@@ -80,6 +83,7 @@ def bounded_design(
     coded = [codes_of(table, name) for name in (subject, *within)]
     levels = tuple(tuple(different) for _, different in coded)
     refuse_few(levels, subject, within)
+
     groups = None if between is None else groups_of(table, levels[0], subject, between)
     of = np.zeros(len(levels[0]), dtype=np.int64) if groups is None else groups.of
     ends = _layout(ends_of(table, dependent, low, high), [codes for codes, _ in coded], levels, table, keys)
@@ -99,33 +103,24 @@ def bounded_design(
 
 
 def ends_of(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
-    """The interval (row, 2) of each value; both ends meet where it is known.
+    """Return the interval (row, 2) of each value; both ends are equal where it is known.
 
     Raises
     ------
     InvalidParameter
-        For what is no number, infinite values and crossed bounds, naming the row.
+        For text, infinite values and crossed bounds, naming the row.
     """
-    y, bottom, top = (numbers(table, name) for name in (dependent, low, high))
+    y, bottom, top = (_numbers(table, name) for name in (dependent, low, high))
     known = ~np.isnan(y)
-    bottom = np.where(np.isnan(bottom), -np.inf, bottom)
-    top = np.where(np.isnan(top), np.inf, top)
-    bottom, top = np.where(known, y, bottom), np.where(known, y, top)
+    bottom = np.where(known, y, np.where(np.isnan(bottom), -np.inf, bottom))
+    top = np.where(known, y, np.where(np.isnan(top), np.inf, top))
     bad = ~(bottom <= top) | (known & np.isinf(y))
     row = int(bad.argmax())
-    found = f"the bounds {bottom[row]:g} and {top[row]:g}"
-    expect(not bad.any(), f"{dependent}, row {row}", found, BOUND)
+    expect(not bad.any(), f"{dependent}, row {row}", f"the bounds {bottom[row]:g} and {top[row]:g}", BOUND)
     return np.stack([bottom, top], axis=1)
 
 
-def numbers(table: pd.DataFrame, name: str) -> Array:
-    """A column with NaN where it is empty.
-
-    Raises
-    ------
-    InvalidParameter
-        For what is no number, naming the row.
-    """
+def _numbers(table: pd.DataFrame, name: str) -> Array:
     values = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
     bad = np.isnan(values) & table[name].notna().to_numpy()
     row = int(bad.argmax())
@@ -135,21 +130,20 @@ def numbers(table: pd.DataFrame, name: str) -> Array:
 
 def _layout(
     ends: Array,
-    codes: Sequence["np.ndarray[tuple[int], np.dtype[np.int64]]"],
+    codes: Sequence[Indices],
     levels: Sequence[Sequence[object]],
     table: pd.DataFrame,
     keys: Sequence[str],
 ) -> tuple[Array, Array]:
-    """Low and high ends (participant, cell); infinite where the table has no row."""
+    """Return low and high ends (participant, cell), infinite where the table has no row."""
     shape = tuple(len(names) for names in levels)
     place = np.ravel_multi_index(list(codes), shape)
     order, n = np.unique(place, return_counts=True)
     if (n > 1).any():
-        rows = np.flatnonzero(place == order[n.argmax()])
-        row = table.iloc[int(rows[0])]
+        row = table.iloc[int(np.flatnonzero(place == order[n.argmax()])[0])]
         cell = ", ".join(f"{name} = {row[name]}" for name in keys[: len(codes)])
         raise InvalidParameter(f"{cell}: found {n.max()} values, expected one in each cell, as bounds have no mean")
-    laid = np.tile([-np.inf, np.inf], (int(np.prod(shape)), 1))  # a cell without a row may hold any value
+    laid = np.tile([-np.inf, np.inf], (int(np.prod(shape)), 1))
     laid[place] = ends
     low, high = laid.reshape(shape[0], -1, 2).transpose(2, 0, 1)
     return low, high
@@ -166,7 +160,7 @@ def _refuse_unknown(design: BoundedDesign) -> None:
 
 
 def _standardised(design: BoundedDesign, dependent: str) -> BoundedDesign:
-    """About the mean of the known values, in their standard deviations."""
+    """Centre and scale by mean and standard deviation of the known values."""
     data = design.data
     size = size_of(data.low[data.known])
     known = data.low[data.known] / size
@@ -176,16 +170,9 @@ def _standardised(design: BoundedDesign, dependent: str) -> BoundedDesign:
     return replace(design, data=replace(data, low=low, high=high), centre=centre * size, scale=scale * size)
 
 
-MAX_SUBSETS = 200_000
-
-Subset = tuple[tuple[int, ...], ...]
-"""Places of the levels of each factor that are kept."""
-
-
 @dataclass(frozen=True)
 class SubDesign:
-    """What is kept, and in words what was left out (empty: nothing); `within` names the factors that keep at least two
-    levels."""
+    """Part of a table, its factors with at least two levels, and the names of what was left out."""
 
     table: pd.DataFrame
     within: tuple[str, ...]
@@ -194,7 +181,7 @@ class SubDesign:
 
 @dataclass(frozen=True)
 class _Presence:
-    """`has` (participant, level of the first factor, ...): whether a table holds a value there."""
+    """`has` (participant, level of the first factor, ...) is True where a table has a value."""
 
     table: pd.DataFrame
     within: Sequence[str]
@@ -205,22 +192,15 @@ class _Presence:
 
     @classmethod
     def of(cls, table: pd.DataFrame, dependent: str, within: Sequence[str], subject: str) -> "_Presence":
-        levels = [sorted(table[name].unique()) for name in within]
-        axes = [sorted(table[subject].unique()), *levels]
+        axes = [sorted(table[name].unique()) for name in (subject, *within)]
         has = np.zeros([len(names) for names in axes], dtype=bool)
         present = table[table[dependent].notna()]
         columns = zip((subject, *within), axes, strict=True)
         has[tuple([names.index(value) for value in present[column]] for column, names in columns)] = True
-        return cls(table, within, subject, axes[0], levels, has)
-
-    def complete(self, chosen: Subset) -> Bools:
-        """The participants who have a value at all chosen levels."""
-        n = len(self.subjects)
-        has_chosen = self.has[np.ix_(range(n), *chosen)]
-        return np.asarray(has_chosen.reshape(n, -1).all(axis=1))
+        return cls(table, within, subject, axes[0], axes[1:], has)
 
     def part(self, chosen: Subset, complete: Bools) -> SubDesign:
-        """The table at the chosen levels, of the participants who are `complete`."""
+        """Return the table at the chosen levels, of the participants who are `complete`."""
         pairs = list(zip(self.subjects, complete.tolist(), strict=True))
         kept = self.table[self.table[self.subject].isin([code for code, ok in pairs if ok])]
         left_out = [f"participant {code}" for code, ok in pairs if not ok]
@@ -232,40 +212,38 @@ class _Presence:
 
 
 def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str) -> SubDesign | None:
-    """Participants and factor levels that are complete together, with as many values as possible.
+    """Return the participants and levels that are complete together and have most values; ties go to participants.
 
-    `table` then has a value in every cell. Every combination of subsets of levels is tried (of one level each beyond
-    `MAX_SUBSETS`: all levels only); ties go to more participants. None if no three participants share two levels of a
-    factor.
+    All combinations of subsets of levels are tried (with more than `MAX_SUBSETS`: all levels only). None if no three
+    participants share two levels of a factor.
     """
     presence = _Presence.of(table, dependent, within, subject)
-    ranks: dict[Subset, tuple[int, int]] = {}
+    n = len(presence.subjects)
+    best, best_rank, best_complete = None, (0, 0), np.zeros(n, dtype=bool)
     for chosen in _subsets(presence.levels):
-        n_complete = int(presence.complete(chosen).sum())
-        if n_complete >= MIN_PARTICIPANTS:
-            ranks[chosen] = (n_complete * _n_cells(chosen), n_complete)
-    if not ranks:
-        return None
-    best = max(ranks, key=lambda chosen: ranks[chosen])  # of equal choices the first
-    return presence.part(best, presence.complete(best))
+        complete: Bools = np.asarray(presence.has[np.ix_(range(n), *chosen)].reshape(n, -1).all(axis=1))
+        n_complete = int(complete.sum())
+        rank = n_complete * _n_cells(chosen), n_complete
+        if n_complete >= MIN_PARTICIPANTS and rank > best_rank:  # of equal choices the first
+            best, best_rank, best_complete = chosen, rank, complete
+    return None if best is None else presence.part(best, best_complete)
 
 
 def largest_known(
     table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str, between: str | None, at_least: int
 ) -> SubDesign | None:
-    """The factor levels of which every combination has at least so many known values (in each group of participants),
-    as many combinations as possible; all participants are kept. None if no factor keeps two levels."""
+    """Return the levels whose combinations all have `at_least` known values (in each group), as many as possible.
+
+    All participants are kept. None if no factor keeps two levels.
+    """
     presence = _Presence.of(table, dependent, within, subject)
     subjects, has = presence.subjects, presence.has
     by_subject = table.drop_duplicates(subject).set_index(subject)
     group = np.zeros(len(subjects)) if between is None else pd.factorize(by_subject.loc[subjects, between])[0]
     n_known = np.stack([has[group == g].sum(axis=0) for g in np.unique(group)]).min(axis=0)
-    subsets = _subsets(presence.levels)
-    held = [chosen for chosen in subsets if n_known[np.ix_(*chosen)].min() >= at_least]
-    if not held:
-        return None
-    everybody = np.ones(len(subjects), dtype=bool)
-    return presence.part(max(held, key=_n_cells), everybody)  # of equal choices the first
+    known = [chosen for chosen in _subsets(presence.levels) if n_known[np.ix_(*chosen)].min() >= at_least]
+    # Of equal choices the first.
+    return presence.part(max(known, key=_n_cells), np.ones(len(subjects), dtype=bool)) if known else None
 
 
 def _n_cells(chosen: Subset) -> int:
@@ -273,15 +251,9 @@ def _n_cells(chosen: Subset) -> int:
 
 
 def _subsets(levels: Sequence[Sequence[object]]) -> list[Subset]:
-    """Those in which a factor keeps two levels."""
-    # Floats: the number of subsets may pass any integer of numpy's.
-    n_subsets = np.prod([2.0 ** len(names) - 1 for names in levels])
-    if n_subsets > MAX_SUBSETS:
-        return [tuple(tuple(range(len(names))) for names in levels)]
-    by_factor = [_selections(len(names)) for names in levels]
+    """Return subsets in which a factor keeps two levels, the largest selections of each factor first."""
+    sizes = [len(names) for names in levels]
+    if np.prod([2.0**n - 1 for n in sizes]) > MAX_SUBSETS:  # floats, as the number may exceed any integer
+        return [tuple(tuple(range(n)) for n in sizes)]
+    by_factor = [[places for size in range(n, 0, -1) for places in combinations(range(n), size)] for n in sizes]
     return [chosen for chosen in product(*by_factor) if _n_cells(chosen) > 1]
-
-
-def _selections(n: int) -> list[tuple[int, ...]]:
-    """Some of n places, the largest selections first: of equal choices the first is taken."""
-    return [places for size in range(n, 0, -1) for places in combinations(range(n), size)]

@@ -1,8 +1,7 @@
-"""The effects of a within-participant design as orthonormal contrasts: epsilons, ranks of errors, permutations.
+"""Effects of a within-participant design as orthonormal contrasts.
 
-Each participant's values become scores of shape (participant, contrast). What pingouin and statsmodels do not give
-follows from them: Chi and Muller's epsilon, exact permutations, designs of three factors (Winer, Brown and Michels
-1991, chapter 7).
+Each participant's values become scores of shape (participant, contrast). They give what pingouin and statsmodels lack:
+Chi and Muller's epsilon, exact permutations, designs of three factors (Winer, Brown and Michels 1991, chapter 7).
 """
 
 from dataclasses import dataclass
@@ -16,13 +15,13 @@ from ..arrays import Array
 from .design import WithinDesign
 
 MOST_EXACT = 14
-"""Up to so many participants every change of signs is tried."""
+"""With at most so many participants every change of signs is tried."""
 RANK_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)
 class ContrastEffect:
-    """An effect of its factors with the scores of all participants, shape (participant, contrast)."""
+    """Effect of its factors with the scores of all participants, shape (participant, contrast)."""
 
     factors: tuple[str, ...]
     scores: Array
@@ -37,18 +36,20 @@ class ContrastEffect:
         return n_contrasts, n_contrasts * (n - 1)
 
     @property
-    def errors(self) -> Array:
-        """Deviations from the mean scores, shape (participant, contrast)."""
-        return np.asarray(self.scores - self.scores.mean(axis=0))
+    def f(self) -> float:
+        """F, or NaN without error."""
+        ss = len(self.scores) * float(np.sum(self.scores.mean(axis=0) ** 2))
+        return ss / self.df[0] / (self.ss_error / self.df[1]) if self.ss_error > 0 else np.nan
 
     @property
     def ss_error(self) -> float:
-        return float(np.sum(self.errors**2))
+        return float(np.sum((self.scores - self.scores.mean(axis=0)) ** 2))
 
     @property
     def covariance(self) -> Array:
         """Covariance of the scores, shape (contrast, contrast)."""
-        return np.asarray(self.errors.T @ self.errors / (len(self.scores) - 1))
+        errors = self.scores - self.scores.mean(axis=0)
+        return np.asarray(errors.T @ errors / (len(self.scores) - 1))
 
     @property
     def is_singular(self) -> bool:
@@ -67,11 +68,18 @@ def effects(design: WithinDesign) -> list[ContrastEffect]:
     >>> effect.name, effect.df, round(effect.ss_error, 3)
     ('force_n', (2, 4), 2.444)
     """
-    return [_effect(design, places) for places in effect_places(len(design.factors))]
+    found = []
+    for places in effect_places(len(design.factors)):
+        scores = design.cells @ contrasts(design.values.shape[1:], places).T
+        mean = scores.mean(axis=0)
+        if np.abs(scores - mean).max() <= design.rounding:
+            scores = np.broadcast_to(mean, scores.shape)  # an error of rounding alone is 0, and F undefined
+        found.append(ContrastEffect(tuple(design.factors[place] for place in places), scores))
+    return found
 
 
 def effect_places(n_factors: int) -> list[tuple[int, ...]]:
-    """The factors of each effect by their places: main effects first, then the interactions.
+    """Return the places of each effect's factors: main effects first, then the interactions.
 
     >>> effect_places(2)
     [(0,), (1,), (0, 1)]
@@ -79,22 +87,14 @@ def effect_places(n_factors: int) -> list[tuple[int, ...]]:
     return [places for r in range(1, n_factors + 1) for places in combinations(range(n_factors), r)]
 
 
-def _effect(design: WithinDesign, places: tuple[int, ...]) -> ContrastEffect:
-    scores = design.cells @ contrasts(design.values.shape[1:], places).T
-    mean = scores.mean(axis=0)
-    if np.abs(scores - mean).max() <= design.rounding:
-        scores = np.broadcast_to(mean, scores.shape)  # an error of rounding alone is 0, and F undefined, not huge
-    return ContrastEffect(tuple(design.factors[place] for place in places), scores)
-
-
 def participant_scores(design: WithinDesign) -> Array:
-    """One score per participant, whose sum of squares about the mean is that of the participants."""
+    """Return one score for each participant, whose sum of squares is that of the participants."""
     scores: Array = design.cells.sum(axis=1) / np.sqrt(design.cells.shape[1])
     return scores
 
 
 def contrasts(n_levels: tuple[int, ...], places: tuple[int, ...]) -> Array:
-    """Orthonormal rows, shape (contrast, cell): Helmert's along the factors at `places`, the mean along the others."""
+    """Return orthonormal rows (contrast, cell): Helmert's along the factors at `places`, else the mean."""
     from scipy.linalg import helmert  # slow to load
 
     whole = np.ones((1, 1))
@@ -105,14 +105,12 @@ def contrasts(n_levels: tuple[int, ...], places: tuple[int, ...]) -> Array:
 
 
 def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
-    """Greenhouse and Geisser's, Huynh and Feldt's, and Chi and Muller's epsilon of the covariance (contrast, contrast)
-    of orthonormal contrasts, estimated with `df` degrees of freedom.
+    """Return the epsilons of Greenhouse and Geisser, Huynh and Feldt, and Chi and Muller.
 
-    Huynh and Feldt's as Lecoutre corrected it for groups (1991, Journal of Educational Statistics 16, 371-372): it
-    comes close to 5 % of false alarms where the contrasts are spherical, and passes it where they are not. Chi and
-    Muller shrink it by what few degrees of freedom leave uncertain (Chi, Gribbin, Lamers, Gregory and Muller 2012,
-    Statistics in Medicine 31, 724-742); with very few that falls below Greenhouse and Geisser's, which is conservative
-    itself: it is the least here.
+    `covariance` (contrast, contrast) is that of orthonormal contrasts, estimated with `df` degrees of freedom. Huynh
+    and Feldt's is corrected for groups (Lecoutre 1991, Journal of Educational Statistics 16, 371-372). Chi and
+    Muller's accounts for few degrees of freedom (Chi, Gribbin, Lamers, Gregory and Muller 2012, Statistics in Medicine
+    31, 724-742); it is at least Greenhouse and Geisser's here.
     """
     p = len(covariance)
     squares = p * float(np.sum(covariance**2))
@@ -127,11 +125,10 @@ def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
 
 
 def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = None, n_resamples: int = 9_999) -> float:
-    """The chance of an effect as large or larger if each participant's contrasts could as well have the other sign.
+    """Return the probability of an effect as large if the signs of each participant's contrasts were random.
 
-    Exact for symmetric errors, whatever the sphericity and the rank of the error matrix; the sum of squares of effect
-    and error together does not change with the signs, so that the effect's own orders them as F does. Up to
-    `MOST_EXACT` participants all signs are tried and `rng` is not used.
+    Exact for symmetric errors, whatever the sphericity and rank of the error matrix: the sum of squares of effect and
+    error together is constant, so that the effect's own orders them as F does.
 
     >>> permutation_p(ContrastEffect(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]])))
     0.125
@@ -139,7 +136,7 @@ def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = N
     n = len(effect.scores)
     exact = n <= MOST_EXACT
     if exact:
-        # The first sign stays: turning all signs changes no square, and half of the cases need no look.
+        # The first sign stays: turning all signs changes no square.
         signs = np.array(list(product((1.0,), *[(1.0, -1.0)] * (n - 1))))
     elif rng is None:
         raise InvalidParameter(f"rng: found none for {n} participants, expected a Generator to draw signs with")
@@ -147,7 +144,6 @@ def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = N
         signs = rng.choice([-1.0, 1.0], size=(n_resamples, n))
     sums = np.sum((signs @ effect.scores) ** 2, axis=1)
     observed = float(np.sum(effect.scores.sum(axis=0) ** 2))
-    # What is equal but for rounding is as large.
-    n_as_large = int(np.sum(sums >= observed * (1 - 1e-12)))
-    # Drawn signs leave the answers' own out, which are as large as themselves: with them p is never 0.
+    n_as_large = int(np.sum(sums >= observed * (1 - 1e-12)))  # equal but for rounding counts
+    # Drawn signs leave out the observed ones, which are as large as themselves: p is never 0.
     return n_as_large / len(signs) if exact else (n_as_large + 1) / (n_resamples + 1)

@@ -1,4 +1,4 @@
-"""Within-participant designs: one value in every cell, checked so that a statistic of them has a meaning."""
+"""Within-participant designs: one value in every cell, checked so that statistics are defined."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,15 +9,14 @@ import pandas as pd
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
-from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
-from ..noted_status import NotedStatus
+from ..arrays import RELATIVE_ZERO, Array, Indices, StatusWithNote, size_of
 from ..reading.rows import no_column
 
 MIN_PARTICIPANTS, MAX_FACTORS = 3, 3
 AVERAGED = "several values of one participant in one cell were averaged"
 
 
-class DesignStatus(NotedStatus):
+class DesignStatus(StatusWithNote):
     """Why a design has no statistic; `OK` and `SINGULAR` have one."""
 
     OK = "ok", ""
@@ -40,7 +39,7 @@ class DesignStatus(NotedStatus):
 
 
 def reason_of(refusal: InvalidParameter) -> str:
-    """Return why an analysis has no answer, in words for a report.
+    """Return why an analysis has no result, in words for a report.
 
     >>> reason_of(UndefinedStatistic("y: found 3, expected more", DesignStatus.CONSTANT))
     'all values are equal'
@@ -50,25 +49,19 @@ def reason_of(refusal: InvalidParameter) -> str:
 
 
 class UndefinedStatistic(InvalidParameter):
-    """Values to which a test has no answer; `status` says why in one word."""
+    """Values for which a test is not defined, with the reason in `status`."""
 
     def __init__(self, message: str, status: DesignStatus) -> None:
         super().__init__(message)
         self.status = status
 
     def __reduce__(self) -> tuple[type["UndefinedStatistic"], tuple[str, DesignStatus]]:
-        """An error of a worker reaches the process that asked: pickle passes the message alone."""
+        """Keep the status when pickled, as pickle passes the message alone."""
         return type(self), (str(self), self.status)
 
 
 def expect_defined(holds: bool | np.bool_, status: DesignStatus, where: str, found: object, expected: str) -> None:
-    """As `expect`, of what a statistic needs to have a meaning.
-
-    Raises
-    ------
-    UndefinedStatistic
-        Unless it `holds`, with its `status`.
-    """
+    """Raise `UndefinedStatistic` with its status unless a condition of a statistic holds."""
     if not holds:
         raise UndefinedStatistic(f"{where}: found {found}, expected {expected}", status)
 
@@ -77,7 +70,7 @@ def expect_defined(holds: bool | np.bool_, status: DesignStatus, where: str, fou
 class WithinDesign:
     """Values of shape (participant, levels of the first factor, ...), with the names of all axes.
 
-    `notes` say what a reader must know of how they came about; differences of `rounding` are none.
+    `notes` are for the reader; smaller differences than `rounding` are none.
     """
 
     values: Array
@@ -100,12 +93,12 @@ class WithinDesign:
 def within_design(
     table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, subject: str, where: str
 ) -> WithinDesign:
-    """The design of a table in long form: a row per value; several values of one cell are averaged, which a note says.
+    """Return the design of a table in long form; several values of one cell are averaged, with a note.
 
     Raises
     ------
     InvalidParameter
-        For a column that is not there, or other than one to three different factors; `where` opens the sentence.
+        For a missing column, or other than one to three different factors.
     UndefinedStatistic
         For values that are not finite, missing cells, too few participants or levels.
 
@@ -118,32 +111,30 @@ def within_design(
     within = names_of(within)
     data = finite_rows(table, [dependent, subject, *within], dependent, where)
     are_different = len({dependent, subject, *within}) == len(within) + 2
-    holds = are_different and 1 <= len(within) <= MAX_FACTORS
-    expect(holds, "within", ", ".join(within), "one to three different factors")
+    is_possible = are_different and 1 <= len(within) <= MAX_FACTORS
+    expect(is_possible, "within", ", ".join(within), "one to three different factors")
+
     coded = [codes_of(data, name) for name in (subject, *within)]
     levels = tuple(tuple(different) for _, different in coded)
     refuse_few(levels, subject, within)
     shape = tuple(len(names) for names in levels)
     place = np.ravel_multi_index([codes for codes, _ in coded], shape)
     n_values = np.bincount(place, minlength=int(np.prod(shape))).reshape(shape)
-    if not n_values.all():
-        _refuse_holes(n_values, levels, (subject, *within), dependent)
+    _refuse_holes(n_values, levels, (subject, *within), dependent)
+
     y = data[dependent].to_numpy()
-    size = size_of(y)
-    # In units of the largest: a sum of values near the largest float stays finite.
-    sums = np.bincount(place, y / size, minlength=n_values.size).reshape(shape)
-    values = size * (sums / n_values)
+    size = size_of(y)  # in units of the largest, sums of values near the largest float stay finite
+    values = size * (np.bincount(place, y / size, minlength=n_values.size).reshape(shape) / n_values)
     rounding = RELATIVE_ZERO * float(np.abs(values).max())
     return WithinDesign(values, tuple(within), levels[1:], levels[0], _average_note(n_values), rounding)
 
 
 def names_of(within: Sequence[str] | str) -> list[str]:
-    """Of factors, or of the one that is named."""
     return [within] if isinstance(within, str) else list(within)
 
 
 def codes_of(data: pd.DataFrame, name: str) -> tuple[Indices, Sequence[object]]:
-    """The place of each row's value among the different values of a column, which are sorted.
+    """Return the place of each row's value among the sorted values of a column.
 
     Raises
     ------
@@ -159,27 +150,22 @@ def codes_of(data: pd.DataFrame, name: str) -> tuple[Indices, Sequence[object]]:
 
 
 def _average_note(n_values: Indices) -> tuple[str, ...]:
-    """A note where cells hold several values, and how many where they do not hold equally many."""
     few, many = int(n_values.min()), int(n_values.max())
     uneven = f", from {few} to {many} in a cell: values are missing in some" if few < many else ""
     return (AVERAGED + uneven,) if many > 1 else ()
 
 
 def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, where: str) -> pd.DataFrame:
-    """The named columns, with finite numbers in `dependent` and something in the others; a refusal names the first row
-    that has none."""
+    """Return the named columns, checked for finite values and named levels; an error names the first bad row."""
     expect_columns(table, columns, where)
     data = table[list(dict.fromkeys(columns))].reset_index(drop=True)
     values = pd.to_numeric(data[dependent], errors="coerce").to_numpy(dtype=np.float64)
     bad = ~np.isfinite(values)
-    if bad.any():
-        row = int(np.flatnonzero(bad)[0])
-        place = ", ".join(f"{name} = {data[name][row]}" for name in columns if name != dependent)
-        raise UndefinedStatistic(
-            f"{dependent}, row {row}: found {data[dependent][row]} ({place}), expected a finite number; leave the "
-            "participant or the condition out",
-            DesignStatus.NOT_FINITE,
-        )
+    row = int(bad.argmax())
+    place = ", ".join(f"{name} = {data[name][row]}" for name in columns if name != dependent)
+    found = f"{data[dependent][row]} ({place})"
+    expected = "a finite number; leave the participant or the condition out"
+    expect_defined(not bad.any(), DesignStatus.NOT_FINITE, f"{dependent}, row {row}", found, expected)
     expect_names(data, [name for name in columns if name != dependent])
     return data.assign(**{dependent: values})
 
@@ -217,13 +203,15 @@ def refuse_one(name: str, n: int, what: str) -> None:
 
 
 def refuse_constant(spread: float, size: float, dependent: str) -> None:
-    """Refuse values of which the spread is rounding, beside the size of the largest."""
+    """Refuse values whose spread is rounding relative to the largest."""
     has_spread = spread > RELATIVE_ZERO * size
     expect_defined(has_spread, DesignStatus.CONSTANT, dependent, "the same value everywhere", "values that differ")
 
 
 def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: Sequence[str], dependent: str) -> None:
     holes = np.argwhere(n_values == 0)
+    if not len(holes):
+        return
     axes = zip(names, levels, holes[0], strict=True)
     first = ", ".join(f"{name} = {values[i]}" for name, values, i in axes)
     whose = ", ".join(dict.fromkeys(str(levels[0][i]) for i in holes[:, 0]))
@@ -235,12 +223,12 @@ def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: 
 
 
 def spread(values: Array, dependent: str) -> float:
-    """The standard deviation of all values, shape (participant, cell).
+    """Return the standard deviation of all values (participant, cell).
 
     Raises
     ------
     UndefinedStatistic
-        If there is nothing to compare: no difference at all, none within participants, or the same in all of them.
+        Without any difference, without one within participants, or with the same in all of them.
     """
     unit = size_of(values)
     values = values / unit
@@ -248,14 +236,9 @@ def spread(values: Array, dependent: str) -> float:
     refuse_constant(sd, size, dependent)
     within = values - values.mean(axis=1, keepdims=True)
     has_differences = np.abs(within).max() > RELATIVE_ZERO * size
-    refuse_alike(has_differences, dependent, "F is undefined")
+    found = "no difference between the conditions of any participant"
+    expect_defined(has_differences, DesignStatus.NO_VARIANCE_WITHIN, dependent, found, "some: F is undefined")
     has_error = np.abs(within - within.mean(axis=0)).max() > RELATIVE_ZERO * size
     found, expected = "the same differences in all participants", "some to differ: the error is 0 and F is undefined"
     expect_defined(has_error, DesignStatus.ZERO_ERROR, dependent, found, expected)
     return sd * unit
-
-
-def refuse_alike(has_differences: bool | np.bool_, dependent: str, so: str) -> None:
-    """Refuse participants who have no difference between conditions; `so` says what follows from that."""
-    found = "no difference between the conditions of any participant"
-    expect_defined(has_differences, DesignStatus.NO_VARIANCE_WITHIN, dependent, found, f"some: {so}")

@@ -1,13 +1,9 @@
-"""Mean of a dependent value per condition, with its intervals, or how many bounds there are.
+"""Mean of a dependent value in each condition, with intervals, and the number of bounds.
 
-Intervals of the means of conditions within participants: without what participants differ by in all conditions.
-
-An interval between participants says where the mean of a condition may lie; it says little about the differences
-between conditions, from which what participants share drops out. An interval within participants says that: Cousineau's
-(2005, Tutorials in Quantitative Methods for Psychology 1, 42-45) with Morey's correction (2008, the same journal 4,
-61-64), from values less the participant's own mean. Of two conditions the interval of the difference is sqrt(2) times
-as wide; so two means differ where such intervals, shortened by sqrt(1 / 2), do not meet (Baguley 2012, Behavior
-Research Methods 44, 158-175). Of more conditions both hold on average over the pairs.
+An interval between participants covers the mean of a condition. An interval within participants shows differences
+between conditions: Cousineau's (2005, Tutorials in Quantitative Methods for Psychology 1, 42-45) with Morey's
+correction (2008, the same journal 4, 61-64), from values minus the participant's own mean. Two means differ where such
+intervals, shortened by sqrt(1 / 2), do not overlap (Baguley 2012, Behavior Research Methods 44, 158-175).
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,21 +22,21 @@ BOUNDS: Mapping[str, tuple[str, str]] = {
     "pse": ("interval_low", "interval_high"),
     "jnd": ("jnd_low", "jnd_high"),
 }
-"""Where a value that is not known may have a bound: its columns. Other values have none."""
+"""Columns of the bounds of an unknown value. Other values have none."""
 RANGES: Mapping[str, Range] = {"rate_correct": RATE, "jnd": POSITIVE}
-"""Possible values of the dependents that have bounds."""
+"""Possible values of bounded dependents."""
 LOW, HIGH = "lower_bound", "upper_bound"
 LEVELS = ("threshold", "pse")
 """Values whose bound is an end of the levels."""
 MEANS = ("mean", "mean_low", "mean_high", "sd", "within_low", "within_high")
+WITHIN = MEANS[4:]
 COUNTS = ("n", "n_below", "n_above", "n_interval", "n_missing")
-_SIDES = ((HIGH, LOW), (LOW, HIGH))
 OUT = ("threshold_below_range", "threshold_above_range")
-"""Statuses of values whose one bound says on which side of the levels they lie."""
+"""Statuses of values that lie outside of the levels, on the side that their one bound shows."""
 MODEL = "censored model"
 OF_FIT = "interval of the fit"
 DIFFERENCE = float(np.sqrt(0.5))
-"""What shortens an interval so that two which do not meet tell a difference (Baguley 2012)."""
+"""Factor on intervals that then do not overlap where means differ (Baguley 2012)."""
 
 
 def group_table(
@@ -51,15 +47,12 @@ def group_table(
     model: pd.DataFrame | None = None,
     possible: Range | None = None,
 ) -> pd.DataFrame:
-    """One row per condition: mean over participants with its interval between participants (t; `mean_low`,
-    `mean_high`), SD and n, and the interval within participants (Cousineau and Morey's; `within_low`, `within_high`).
+    """Return one row per condition: mean, t-interval between participants, SD, interval within participants, n.
 
-    `n_below` and `n_above` count the values below and above the levels, `n_interval` those with an interval only, such
-    as `flat` ones, and `n_missing` those of which nothing is known. A condition with bounds has no mean of its own:
-    that of `model` (as `CensoredAnova.means`) stands there, and `method` says so; without one the numbers are empty.
-    Of one participant alone it is the value with the interval of its fit, where it has one: `method` is `OF_FIT`.
-
-    Intervals of a bounded quantity stay within its `possible` range, by default that of `RANGES`.
+    `n_below` and `n_above` count values outside of the levels, `n_interval` those with an interval only, `n_missing`
+    unknown ones. A condition with bounds has the mean of `model` (as `CensoredAnova.means`), or none; `method` names
+    it. A single participant has the interval of the fit (`OF_FIT`). Intervals stay within the `possible` range, by
+    default that of `RANGES`.
     """
     possible = RANGES.get(dependent, ANY) if possible is None else possible
     halves = {} if model is not None else _within_halves(estimates, factors, dependent, interval)
@@ -76,7 +69,7 @@ def group_table(
 def _with_own_intervals(
     table: pd.DataFrame, estimates: pd.DataFrame, factors: Sequence[str], dependent: str
 ) -> pd.DataFrame:
-    """A table of one participant, with the intervals of the fits where a condition has one value."""
+    """Add the intervals of the fits to a table of one participant."""
     if dependent not in BOUNDS or not set(BOUNDS[dependent]) <= set(estimates.columns):
         return table
     rows: list[dict[Any, Any]] = table.to_dict("records")
@@ -91,34 +84,30 @@ def _with_own_intervals(
 
 
 def is_of_fit(means: pd.DataFrame) -> bool:
-    """Whether the intervals are those of one participant's fits, and none between participants."""
+    """Return True if the intervals are those of one participant's fits."""
     return "method" in means.columns and bool((means["method"] == OF_FIT).any())
 
 
 def bounds_of(estimates: pd.DataFrame, dependent: str) -> pd.DataFrame:
-    """The estimates with the bounds `lower_bound` and `upper_bound` of the values that are not known, where they have
-    any."""
-    unknown = estimates[dependent].isna()
+    """Add the columns `lower_bound` and `upper_bound` of unknown values."""
     ends = {}
     for name, column in zip((LOW, HIGH), BOUNDS.get(dependent, ("", "")), strict=True):
-        bounds = pd.Series(np.nan, estimates.index)
-        if column in estimates.columns:
-            bounds = estimates[column].astype(float)
-        ends[name] = bounds.where(unknown)
+        bounds = estimates[column].astype(float) if column in estimates.columns else pd.Series(np.nan, estimates.index)
+        ends[name] = bounds.where(estimates[dependent].isna())
     return estimates.assign(**ends)
 
 
 def _row_of(model: pd.DataFrame, names: Mapping[str, object]) -> "pd.Series[float] | None":
-    """The row of a condition, by those factors that the model has."""
+    """Return the model's row of a condition, or None if the model leaves it out."""
     shared = [name for name in names if name in model.columns]
     rows = model[(model[shared] == [names[name] for name in shared]).all(axis=1)]
-    return rows.iloc[0] if len(rows) == 1 else None  # none of a condition that the model leaves out
+    return rows.iloc[0] if len(rows) == 1 else None
 
 
 def _within_halves(
     estimates: pd.DataFrame, factors: Sequence[str], dependent: str, interval: float
 ) -> dict[tuple[object, ...], float]:
-    """Half the interval within participants of each condition, where every participant (of a group) has all values."""
+    """Return half the interval within participants of each condition, where all (of a group) have all values."""
     if "participant" not in estimates.columns or not factors:
         return {}
     varied = estimates.groupby("participant")[list(factors)].nunique().max() > 1
@@ -156,28 +145,30 @@ def _group(
     possible: Range,
 ) -> dict[str, object]:
     known = rows[dependent].dropna().to_numpy(dtype=np.float64)
+    has_low, has_high = rows[LOW].notna(), rows[HIGH].notna()
     is_out = rows["status"].isin(OUT) if "status" in rows.columns else True
-    n_below, n_above = (int((rows[side].notna() & rows[opposite].isna() & is_out).sum()) for side, opposite in _SIDES)
-    n_interval = int(rows[[LOW, HIGH]].notna().any(axis=1).sum()) - n_below - n_above
+    n_below, n_above = int((has_high & ~has_low & is_out).sum()), int((has_low & ~has_high & is_out).sum())
+    n_interval = int((has_low | has_high).sum()) - n_below - n_above
+    n_missing = len(rows) - len(known) - n_below - n_above - n_interval
+
     row: dict[str, Any] = dict.fromkeys(MEANS)
     if len(known) and not (n_below or n_above):
         row |= mean_with_interval(known, interval, possible)
     if half is not None and row["mean"] is not None and (len(known) >= FEWEST_IN_RANGE or not possible.is_bounded):
-        row |= dict(zip(MEANS[4:], possible.around(row["mean"], half), strict=True))
+        row |= dict(zip(WITHIN, possible.around(row["mean"], half), strict=True))
     is_whole = len(known) == len(rows)
     if model is not None:
-        row |= _of_model(model, MEANS[4:] if is_whole else MEANS, possible)
+        row |= _of_model(model, WITHIN if is_whole else MEANS, possible)
     method = "t" if is_whole or model is None else MODEL
     row |= {"method": "" if row["mean"] is None else method}
-    row |= {"n": len(known), "n_below": n_below, "n_above": n_above, "n_interval": n_interval}
-    row["n_missing"] = len(rows) - len(known) - n_below - n_above - n_interval
+    row |= {"n": len(known), "n_below": n_below, "n_above": n_above, "n_interval": n_interval, "n_missing": n_missing}
     return row | {"text": _text(row, len(rows), "the levels" if dependent in LEVELS else "a bound")}
 
 
 def _of_model(model: "pd.Series[float]", names: Sequence[str], possible: Range) -> dict[str, float]:
-    """The columns of a model's row, its symmetric intervals kept within the possible range."""
+    """Return columns of a model's row, with its symmetric intervals kept within the possible range."""
     row = {name: float(model[name]) for name in names}
-    for low, high in (MEANS[1:3], MEANS[4:]):
+    for low, high in (MEANS[1:3], WITHIN):
         if low in row:
             row |= dict(zip((low, high), possible.around(model["mean"], model[high] - model["mean"]), strict=True))
     return row
@@ -185,21 +176,20 @@ def _of_model(model: "pd.Series[float]", names: Sequence[str], possible: Range) 
 
 def _text(row: Mapping[str, Any], n: int, where: str) -> str:
     sides = [f"{row[f'n_{side}']} {side}" for side in ("below", "above") if row[f"n_{side}"]]
-    beside = [f"{', '.join(sides)} {where}"] if sides else []
+    unknown = [f"{', '.join(sides)} {where}"] if sides else []
     if row["n_interval"]:
-        beside.append(f"{row['n_interval']} with an interval only")
-    if row["n_missing"] and (beside or row["n"]):
-        beside.append(f"{row['n_missing']} missing")
+        unknown.append(f"{row['n_interval']} with an interval only")
+    if row["n_missing"] and (unknown or row["n"]):
+        unknown.append(f"{row['n_missing']} missing")
     if row["mean"] is None:
-        return f"of {n}: {', '.join(beside)}" if beside else f"none ({n} missing)"
+        return f"of {n}: {', '.join(unknown)}" if unknown else f"none ({n} missing)"
     alike = ["all alike"] if row["sd"] == 0 else []
-    counts = ", ".join([f"n = {row['n']}", *alike, *beside])
+    counts = ", ".join([f"n = {row['n']}", *alike, *unknown])
     return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} ({counts})"
 
 
 def within_variances(covariance: Array) -> Array:
-    """The variance of each condition without what participants share, from the covariance (condition, condition);
-    missing for one condition.
+    """Return the variance of each condition without what participants share; missing for one condition.
 
     >>> within_variances(np.array([[5.0, 4.0], [4.0, 6.0]])).tolist()
     [1.5, 1.5]

@@ -1,14 +1,10 @@
-"""Which conditions differ: paired comparisons, Holm's correction, simultaneous intervals, sizes, Bayes factors.
+"""Comparisons of conditions: pairs, corrections, Bayes factors, equivalence, simple effects.
 
-Equivalence: two one-sided tests (Schuirmann 1987) against a bound that is stated before the data are seen.
-
-That a test finds no difference does not show that there is none; this does, up to the bound.
-
-What an interaction consists of: the effect of one factor at each value of another.
+Equivalence is shown by two one-sided tests (Schuirmann 1987) against a bound that is stated before the data are seen.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations, permutations
 
 import numpy as np
@@ -21,10 +17,10 @@ from ..arrays import RELATIVE_ZERO, Array, size_of
 from ..distributions import ChiSquare, Student
 from .design import UndefinedStatistic, within_design
 
+ALPHA = 0.05
 SPREADS, FAR_T = 12.0, 1e4
 BAYES_SCALE, LOG_STEP, BELOW, BEYOND = 0.707, 0.02, 8.0, 60.0
-"""Of the Bayes factor: the scale of its prior; of its integral the step in the logarithm of g, and how far it reaches
-below g = 1 and beyond its peak."""
+"""Bayes factor: scale of the prior; step of the integral over log g, and its reach below g = 1 and above the peak."""
 CORRECTIONS = {"holm": "holm", "bonferroni": "bonf", "sidak": "sidak", "fdr_bh": "fdr_bh", "none": "none"}
 """Corrections of p for the number of tests, with pingouin's names."""
 _TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "dz_high", "bf10")
@@ -32,8 +28,10 @@ _TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "d
 
 @dataclass(frozen=True)
 class Pair:
-    """Two conditions `a` and `b`, at a level of another factor if there is one (`keys`: the columns that say so), with
-    the values of all participants in units of `size`."""
+    """Values of all participants under two conditions `a` and `b`, in units of `size`.
+
+    `keys` name the conditions, and the level of another factor if there is one.
+    """
 
     keys: dict[str, object]
     values: tuple[Array, Array]
@@ -41,12 +39,11 @@ class Pair:
 
     @property
     def differences(self) -> Array:
-        """Second less first."""
         return self.values[1] - self.values[0]
 
     @property
     def has_error(self) -> bool:
-        """Whether participants differ in their differences by more than rounding."""
+        """Return True if participants differ in their differences by more than rounding."""
         size = max(float(np.abs(values).max()) for values in self.values)
         return float(np.ptp(self.differences)) > RELATIVE_ZERO * size
 
@@ -62,25 +59,23 @@ def pairs(
     correction: str = "holm",
     interval: float = 0.95,
 ) -> pd.DataFrame:
-    """Paired t-tests between all levels of `factor`, or of all others against `reference`, at each level of `by` if
-    given; all corrected together.
+    """Compare all levels of `factor`, or all others with `reference`, by paired t-tests.
 
-    Each pair has its own error: pooling it would ask for sphericity. Other columns are averaged over, which
-    `attrs["notes"]` says.
+    At each level of `by` if given, with one correction for all. Each pair has its own error, as a pooled one needs
+    sphericity. Values are averaged over other columns, which `attrs["notes"]` states.
 
     Returns
     -------
     DataFrame
-        Per pair: `a`, `b`, `difference` (b less a) with the interval of this pair alone (`difference_low`,
-        `difference_high`; it goes with `p_unc`) and of all pairs together (`simultaneous_low`, `simultaneous_high`; it
-        goes with `p_corr`), `t`, `df`, `p_unc`, `p_corr`, `dz` (mean difference over the standard deviation of the
-        differences) with its interval by the noncentral t distribution, `bf10` (Rouder et al. 2009, scale 0.707), and a
-        `status`: `ok`, or `zero_error` where all participants differ alike, so that there is a difference and no test.
+        `a`, `b`, `difference` (b minus a) with its own interval (`difference_low`, `difference_high`) and that of all
+        pairs together (`simultaneous_low`, `simultaneous_high`), `t`, `df`, `p_unc`, `p_corr`, `dz` (mean over standard
+        deviation of the differences) with its interval, `bf10` (Rouder et al. 2009, scale 0.707), and a `status`: `ok`,
+        or `zero_error` where all participants differ alike.
 
     Raises
     ------
     InvalidParameter
-        As `repeated_measures`; and for a correction that is not known.
+        As `repeated_measures`; and for an unknown correction.
 
     >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [1, 2] * 4, "y": [1.0, 3, 2, 3, 2, 5, 1, 2]})
     >>> found = pairs(table, dependent="y", factor="force_n", subject="who")
@@ -96,38 +91,34 @@ def pairs(
 
 
 def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.DataFrame:
-    """With the p and the intervals of all rows together, after those of each alone.
+    """Add p and intervals of all rows together.
 
-    The intervals are Bonferroni's, for every correction but none: all of them hold their differences in at least
-    `interval` of studies. Holm's p has no intervals of its own that say where a difference lies; it steps further than
-    they do, so that a simultaneous interval may hold 0 where Holm's p is below 5 %, and never the other way round.
+    The intervals are Bonferroni's, for every correction but none: all cover their differences in at least `interval` of
+    studies. Holm's p steps further, so that an interval may contain 0 where Holm's p is below 5 %, never the reverse.
     """
     result = result.drop(columns=["simultaneous_low", "simultaneous_high", "p_corr"], errors="ignore")
-    # Pairs without error have no p, and count for none.
+    # Pairs without error have no p, and are not counted.
     n_tested = 1 if correction == "none" else max(1, int(result["p_unc"].notna().sum()))
     df = result["df"].astype(float).to_numpy()
     wider = Student.isf((1 - interval) / 2 / n_tested, df) / Student.isf((1 - interval) / 2, df)
     low, high = (result[f"difference_{end}"].astype(float) for end in ("low", "high"))
     # Halved first: a sum of large ends may overflow.
-    half = (high / 2 - low / 2) * wider
-    middle = low / 2 + high / 2
-    _insert_behind(result, "difference_high", "simultaneous_high", middle + half)
-    _insert_behind(result, "difference_high", "simultaneous_low", middle - half)
-    _insert_behind(result, "p_unc", "p_corr", adjusted_p(result["p_unc"], correction))
+    middle, half = low / 2 + high / 2, (high / 2 - low / 2) * wider
+    place = list(result.columns).index("difference_high") + 1
+    result.insert(place, "simultaneous_low", middle - half)
+    result.insert(place + 1, "simultaneous_high", middle + half)
+    place = list(result.columns).index("p_unc") + 1
+    result.insert(place, "p_corr", adjusted_p(result["p_unc"], correction))
     return result
 
 
-def _insert_behind(table: pd.DataFrame, name: str, column: str, values: "pd.Series[float]") -> None:
-    table.insert(list(table.columns).index(name) + 1, column, values)
-
-
 def adjusted_p(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
-    """Return p adjusted for the number of tests by `pingouin.multicomp`; a missing p stays missing and counts as none.
+    """Adjust p for the number of tests by `pingouin.multicomp`; a missing p is not counted.
 
     Raises
     ------
     InvalidParameter
-        If the correction is none of `CORRECTIONS`.
+        If the correction is not one of `CORRECTIONS`.
     """
     import pingouin  # slow to load
 
@@ -139,7 +130,7 @@ def adjusted_p(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
 def compare(
     table: pd.DataFrame, dependent: str, factor: str, subject: str, by: str | None, where: str
 ) -> tuple[list[Pair], list[str]]:
-    """All pairs of levels, of a complete design, and what a reader must know of it."""
+    """Return all pairs of levels of a complete design, and its notes."""
     factors = [factor] if by is None else [factor, by]
     design = within_design(table, dependent=dependent, within=factors, subject=subject, where=where)
     size, levels = size_of(design.values), design.levels[0]
@@ -154,17 +145,18 @@ def compare(
 
 
 def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[Pair]:
-    """The pairs that hold the reference, which comes first."""
+    """Return the pairs with the reference, which comes first."""
     levels = {pair.keys[side] for pair in compared for side in ("a", "b")}
     names = ", ".join(sorted(map(str, levels)))
     expect(reference in levels, "reference", f"{factor} = {reference}", f"one of {names}")
-    turned = [_turned(pair) if pair.keys["b"] == reference else pair for pair in compared]
-    return [pair for pair in turned if pair.keys["a"] == reference]
-
-
-def _turned(pair: Pair) -> Pair:
-    keys = pair.keys | {"a": pair.keys["b"], "b": pair.keys["a"]}
-    return replace(pair, keys=keys, values=pair.values[::-1])
+    chosen = []
+    for pair in compared:
+        if pair.keys["b"] == reference:
+            keys = pair.keys | {"a": pair.keys["b"], "b": pair.keys["a"]}
+            chosen.append(Pair(keys, (pair.values[1], pair.values[0]), pair.size))
+        elif pair.keys["a"] == reference:
+            chosen.append(pair)
+    return chosen
 
 
 def _row(pair: Pair, interval: float) -> dict[str, object]:
@@ -182,39 +174,37 @@ def _row(pair: Pair, interval: float) -> dict[str, object]:
 
 
 def dz_interval(t: float, n: int, interval: float) -> tuple[float, float]:
-    """The ends of the standardised mean difference: noncentralities of t over the root of n (Cumming 2012)."""
+    """Return the interval of dz: noncentralities of t over the root of n (Cumming 2012)."""
     tail = (1 - interval) / 2
-    low, high = (_noncentral(t, n - 1, chance) for chance in (1 - tail, tail))
+    low, high = (_noncentrality(t, n - 1, probability) for probability in (1 - tail, tail))
     return low / np.sqrt(n), high / np.sqrt(n)
 
 
-def _noncentral(t: float, df: int, chance: float) -> float:
-    """The noncentrality at which a t or less has this chance.
+def _noncentrality(t: float, df: int, probability: float) -> float:
+    """Return the noncentrality at which a t or smaller has this probability.
 
-    Far out the normal part of t has no share: t < x where the root of chi-square over its degrees of freedom is above
-    the noncentrality over x (to 20 / t^2; scipy's series takes seconds there, and then has no value).
+    For very large t, where scipy's series fails, the normal part of t is negligible (to 20 / t^2).
     """
     from scipy.optimize import brentq  # slow to load
 
     if abs(t) > FAR_T * np.sqrt(df):
-        return float(t * np.sqrt(ChiSquare.isf(chance if t > 0 else 1 - chance, df) / df))
+        return float(t * np.sqrt(ChiSquare.isf(probability if t > 0 else 1 - probability, df) / df))
 
     def above(x: float) -> float:
         share = float(nctdtr(df, x, t))
         # Far out the series has no value: all or nothing lies below t there.
-        return (share if np.isfinite(share) else float(x < t)) - chance
+        return (share if np.isfinite(share) else float(x < t)) - probability
 
     step = SPREADS * (1 + abs(t) / np.sqrt(2 * df))
     return float(brentq(above, t - step, t + step, xtol=1e-9))
 
 
 def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
-    """Return the Bayes factor of a difference, of one sample of differences or of two samples (Rouder, Speckman, Sun,
-    Morey and Iverson 2009, Psychonomic Bulletin & Review 16, 225-237, eq. 1 and 2; scale 0.707); infinite beyond the
-    floats.
+    """Return the Bayes factor of one sample of differences or of two samples; infinite beyond the floats.
 
+    Rouder, Speckman, Sun, Morey and Iverson 2009, Psychonomic Bulletin & Review 16, 225-237, eq. 1 and 2; scale 0.707.
     `pingouin.bayesfactor_ttest` misses the peak of the integrand from t of some hundreds on, and is negative there.
-    Over the logarithm of g the integrand falls exponentially on both sides, so that a sum is exact.
+    Over log g the integrand falls exponentially on both sides, so that a sum is exact.
 
     >>> [round(bayes_factor(t, 3), 2) for t in (2.0, 1e4)]
     [1.13, 6908.34]
@@ -222,20 +212,19 @@ def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
     n, df = float(n_first), n_first - 1
     if n_second is not None:
         n, df = n_first * n_second / (n_first + n_second), n_first + n_second - 2
-    log_null = -(df + 1) / 2 * float(np.log1p(t**2 / df))  # of the null hypothesis: what the integral is divided by
+    log_null = -(df + 1) / 2 * float(np.log1p(t**2 / df))
     # The prior has its peak below g = 1 and the likelihood about n g r^2 = t^2 / df; between them it may be flat.
     log_peak = float(np.log(max(1.0, t**2 / (df * n * BAYES_SCALE**2))))
     log_g = np.arange(-BELOW, log_peak + BEYOND, LOG_STEP)
     k = 1 + n * BAYES_SCALE**2 * np.exp(log_g)
     log_likelihood = -(df + 1) / 2 * np.log1p(t**2 / (df * k))
     height = log_likelihood - 0.5 * (np.log(2 * np.pi * k) + log_g + np.exp(-log_g))
-    log_integral = logsumexp(height) + np.log(LOG_STEP)
     with np.errstate(over="ignore"):
-        return float(np.exp(log_integral - log_null))
+        return float(np.exp(logsumexp(height) + np.log(LOG_STEP) - log_null))
 
 
 def evidence(bf10: float) -> str:
-    """A Bayes factor in words (Jeffreys 1961, as Lee and Wagenmakers 2013 name them).
+    """Describe a Bayes factor (Jeffreys 1961, as Lee and Wagenmakers 2013 name the grades).
 
     >>> evidence(12.0), evidence(0.2), evidence(1.5)
     ('strong evidence for a difference', 'moderate evidence for no difference', 'anecdotal evidence for a difference')
@@ -243,8 +232,8 @@ def evidence(bf10: float) -> str:
     side = "a difference" if bf10 >= 1 else "no difference"
     size = max(bf10, 1 / bf10) if bf10 > 0 else np.inf
     grades: Sequence[tuple[float, str]] = ((100, "extreme"), (30, "very strong"), (10, "strong"), (3, "moderate"))
-    word = next((word for bound, word in grades if size > bound), "anecdotal")
-    return f"{word} evidence for {side}"
+    grade = next((grade for bound, grade in grades if size > bound), "anecdotal")
+    return f"{grade} evidence for {side}"
 
 
 def equivalence(
@@ -257,14 +246,14 @@ def equivalence(
     by: str | None = None,
     alpha: float = 0.05,
 ) -> pd.DataFrame:
-    """Two one-sided paired t-tests between all levels of `factor`: is the difference within +-`bound`?
+    """Test all levels of `factor` for differences within `bound`, by two one-sided paired t-tests.
 
     Returns
     -------
     DataFrame
-        Per pair: `difference` (b less a) with its 1 - 2 alpha interval, `t_low` and `t_high` of the two tests, the
-        larger `p`, and whether they are `equivalent`. `attrs["p_all"]` is the largest p: the claim that *all* pairs are
-        equivalent needs no correction (Berger 1982), and holds at alpha if it is below alpha.
+        Per pair: `difference` (b minus a) with its 1 - 2 alpha interval, `t_low` and `t_high`, the larger `p`, and
+        whether they are `equivalent`. `attrs["p_all"]` is the largest p: the claim that *all* pairs are equivalent
+        needs no correction (Berger 1982).
 
     Raises
     ------
@@ -280,30 +269,29 @@ def equivalence(
     expect(0 < bound < np.inf, "bound", bound, f"a difference above 0, in the unit of {dependent}")
     between("equivalence", 0, 0.5, alpha=alpha)
     compared, notes = compare(table, dependent, factor, subject, by, "equivalence")
-    result = with_verdicts([_equivalence_row(pair, bound, alpha) for pair in compared], bound, alpha)
+    rows: list[dict[str, object]] = []
+    for pair in compared:
+        d = pair.differences
+        error = float(d.std(ddof=1)) / np.sqrt(len(d)) if pair.has_error else 0.0
+        tested = two_one_sided(float(d.mean()), error, len(d) - 1, bound, alpha, pair.size)
+        rows.append({**pair.keys, **tested, "bound": bound, "n": len(d)})
+    result = with_verdicts(rows, bound, alpha)
     result.attrs["notes"] = notes
     return result
 
 
 def with_verdicts(rows: Sequence[Mapping[str, object]], bound: float, alpha: float) -> pd.DataFrame:
-    """A table of pairs with the verdict on each, and that on all of them in `attrs`."""
+    """Return a table of pairs with the verdict on each, and that on all of them in `attrs`."""
     result = pd.DataFrame(rows)
     result["equivalent"] = result["p"] < alpha
     result.attrs |= {"p_all": float(result["p"].max()), "bound": bound, "alpha": alpha}
     return result
 
 
-def _equivalence_row(pair: Pair, bound: float, alpha: float) -> dict[str, object]:
-    d = pair.differences
-    error = float(d.std(ddof=1)) / np.sqrt(len(d)) if pair.has_error else 0.0
-    tested = two_one_sided(float(d.mean()), error, len(d) - 1, bound, alpha, pair.size)
-    return {**pair.keys, **tested, "bound": bound, "n": len(d)}
-
-
 def two_one_sided(
     difference: float, error: float, df: float, bound: float, alpha: float, unit: float
 ) -> dict[str, float]:
-    """The tests of a difference with a standard error, both in multiples of `unit`; without one it is what it is."""
+    """Test a difference with a standard error, both in multiples of `unit`; without error p is 0 or 1."""
     half, t_low, t_high = 0.0, np.inf, -np.inf
     p = float(abs(difference) >= bound / unit)
     if error > 0:
@@ -317,18 +305,16 @@ def two_one_sided(
 
 Analysis = Callable[[pd.DataFrame, Sequence[str]], pd.DataFrame]
 """From a table and its factors within participants to effects, in the columns of `repeated_measures`."""
-
-ALPHA = 0.05
-
 KEPT = ("F", "ddof1", "ddof2", "eps_CM", "p_CM_corr", "np2", "np2_low", "np2_high", "ng2")
 
 
 def simple_effects(
     analysis: Analysis, table: pd.DataFrame, factors: Sequence[str], factor: str, by: str
 ) -> pd.DataFrame:
-    """The effect of `factor` at each value of `by`, averaged over the other `factors`: each an analysis of the values
-    there alone, so that no error is shared (Keppel and Wickens 2004, Design and Analysis, chapter 18). `p_corr` is
-    Holm's over the values of `by`; where there is no answer `note` says why.
+    """Test `factor` at each value of `by`, averaged over the other `factors`.
+
+    Each test uses the values there alone (Keppel and Wickens 2004, Design and Analysis, chapter 18). `p_corr` is Holm's
+    over the values of `by`; without a result `note` states the reason.
 
     >>> from tactometry.analysis.anova.within_subjects import repeated_measures
     >>> values = [3.0, 4, 5, 9, 2, 5, 4, 9, 4, 4, 6, 9, 1, 3, 2, 8]
@@ -340,30 +326,27 @@ def simple_effects(
     [[1.0, 5.4], [2.0, 48.6]]
     """
     others = [name for name in factors if name != by]
-    rows = [
-        _simple_effect(analysis, there, others, factor) | {by: value} for value, there in table.groupby(by, sort=True)
-    ]
-    effects = pd.DataFrame(rows, columns=[by, "Source", *KEPT, "note"])
-    return effects.assign(p_corr=adjusted_p(effects["p_CM_corr"], "holm"))
-
-
-def _simple_effect(analysis: Analysis, there: pd.DataFrame, factors: Sequence[str], factor: str) -> dict[str, object]:
-    try:
-        effects = analysis(there, factors)
-    except UndefinedStatistic as refusal:
-        return {"Source": factor, "note": str(refusal)}
-    effect = effects[effects["Source"] == factor].iloc[0]
-    return {"Source": factor, "note": ""} | {name: effect[name] for name in KEPT}
+    rows: list[dict[str, object]] = []
+    for value, there in table.groupby(by, sort=True):
+        row: dict[str, object] = {by: value, "Source": factor, "note": ""}
+        try:
+            effects = analysis(there, others)
+        except UndefinedStatistic as refusal:
+            rows.append(row | {"note": str(refusal)})
+            continue
+        effect = effects[effects["Source"] == factor].iloc[0]
+        rows.append(row | {name: effect[name] for name in KEPT})
+    table = pd.DataFrame(rows, columns=[by, "Source", *KEPT, "note"])
+    return table.assign(p_corr=adjusted_p(table["p_CM_corr"], "holm"))
 
 
 def interaction_orders(effects: pd.DataFrame, factors: Sequence[str]) -> list[tuple[str, str]]:
-    """The pairs of factors whose interaction is told at 5 %, each in both orders.
+    """Return the pairs of factors with an interaction below 5 %, each in both orders.
 
     >>> effects = pd.DataFrame({"Source": ["a", "b", "a * b"], "p_CM_corr": [0.5, 0.2, 0.01]})
     >>> interaction_orders(effects, ["a", "b"])
     [('a', 'b'), ('b', 'a')]
     """
     significant = set(effects.loc[effects["p_CM_corr"] < ALPHA, "Source"])
-    # An interaction is named once, in the order of the factors; which order the pair has does not matter.
     orders = permutations(factors, 2)
     return [pair for pair in orders if {" * ".join(pair), " * ".join(pair[::-1])} & significant]

@@ -1,9 +1,7 @@
-"""Mixed analysis of variance: one factor between participants, one to three within.
+"""Mixed analysis of variance: one factor between participants, one to three within; comparisons of groups.
 
-By type III sums of squares of the contrasts, from statsmodels: group means weigh alike. pingouin takes one factor
-within, and with groups of unequal size tests another hypothesis for it (weighted means).
-
-Which groups of participants differ: Welch's t-tests of participants' means with Holm's correction.
+Type III sums of squares of the contrasts by statsmodels, so that group means have equal weight. pingouin takes one
+factor within, and with groups of unequal size tests weighted means.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +13,7 @@ import pandas as pd
 
 from tactometry.arguments.require import expect
 
-from ..arrays import RELATIVE_ZERO, Array, size_of
+from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
 from ..means import parts
 from .contrasts import effects, epsilons, participant_scores
 from .design import DesignStatus, expect_defined, finite_rows, names_of, refuse_one, within_design
@@ -23,6 +21,7 @@ from .post_hoc import all_together, bayes_factor
 from .within_subjects import INTERVAL, EffectTest, effect_table, scaled_design, with_notes
 
 MIN_GROUP = 2
+_TESTED = ("difference_low", "difference_high", "t", "df", "p_unc", "g", "bf10")
 
 
 def mixed_anova(
@@ -34,10 +33,9 @@ def mixed_anova(
     subject: str,
     interval: float = INTERVAL,
 ) -> pd.DataFrame:
-    """Mixed analysis of variance of a table in long form; columns as those of `repeated_measures`.
+    """Compute a mixed analysis of variance; columns as those of `repeated_measures`, without Mauchly's test.
 
-    The epsilons are those of the covariance pooled within groups; both the effect within and its interaction are
-    corrected by them. Mauchly's test is missing.
+    The epsilons are those of the covariance pooled within groups, for effects within and their interactions.
 
     Raises
     ------
@@ -56,57 +54,60 @@ def mixed_anova(
     design = within_design(rows, dependent=dependent, within=factors, subject=subject, where="mixed_anova")
     groups = groups_of(rows, design.participants, subject, between)
     scaled, scale = scaled_design(design, dependent)
+
     _, of_groups = _tests(between, participant_scores(scaled)[:, None], groups, between)
     tested = [replace(of_groups, name=between)]
     for effect in effects(scaled):
         tested += _tests(effect.name, effect.scores, groups, between)
-    # Every second one: an effect within and its interaction share their error.
+    # An effect within and its interaction share their error.
     residual = tested[0].ss_error + sum(within_effect.ss_error for within_effect in tested[1::2])
-    return with_notes(effect_table(tested, residual, scale, interval), design, tested)
+    return with_notes(effect_table(tested, residual, scale, interval), design, "statsmodels", tested)
 
 
 @dataclass(frozen=True)
 class Groups:
-    """`of` each participant its group's place; `sizes` and `names` of the groups."""
+    """Place of each participant's group, and sizes and names of the groups."""
 
-    of: "np.ndarray[tuple[int], np.dtype[np.int64]]"
+    of: Indices
     sizes: Array
     names: tuple[object, ...]
 
 
 def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, between: str) -> Groups:
-    """The group of each participant; refuses two groups of one, fewer than two groups, and a group of one."""
+    """Return the group of each participant.
+
+    Raises
+    ------
+    InvalidParameter
+        For a participant in two groups, fewer than two groups, or a group of one.
+    """
     n_groups = rows.groupby(subject, observed=True)[between].nunique(dropna=False)
     found = f"{n_groups.max()} groups of the participant {n_groups.idxmax()}"
     expect((n_groups == 1).all(), between, found, "one; name it as a factor within")
     group_of = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
-    by_participant = np.array([group_of[code] for code in participants])
-    of, names = pd.factorize(by_participant, sort=True)
+    of, names = pd.factorize(np.array([group_of[code] for code in participants]), sort=True)
     sizes = np.bincount(of)
     _refuse_small(between, dict(zip(names.tolist(), sizes.tolist(), strict=True)))
     return Groups(of, sizes.astype(np.float64), tuple(names.tolist()))
 
 
 def _refuse_small(between: str, sizes: Mapping[object, int]) -> None:
-    """Refuse fewer than two groups, and a group of one."""
     refuse_one(between, len(sizes), "group")
     smallest = min(sizes, key=lambda name: sizes[name])
-    where, expected = f"{between} = {smallest}", f"at least {MIN_GROUP} a group"
-    is_enough = sizes[smallest] >= MIN_GROUP
-    expect_defined(is_enough, DesignStatus.SMALL_GROUP, where, "one participant", expected)
+    is_enough, expected = sizes[smallest] >= MIN_GROUP, f"at least {MIN_GROUP} a group"
+    expect_defined(is_enough, DesignStatus.SMALL_GROUP, f"{between} = {smallest}", "one participant", expected)
 
 
 def _tests(name: str, scores: Array, groups: Groups, between: str) -> tuple[EffectTest, EffectTest]:
-    """Return the effect of the mean scores (participant, contrast), in which groups weigh alike, and its interaction
-    with the groups; they share their error."""
+    """Test the mean scores (participant, contrast), with equal weight of groups, and their interaction with groups."""
     from statsmodels.formula.api import ols  # slow to load
     from statsmodels.stats.anova import anova_lm
 
-    fits = [
-        ols("score ~ C(group, Sum)", pd.DataFrame({"score": column, "group": groups.of})).fit() for column in scores.T
-    ]
+    tables = [pd.DataFrame({"score": column, "group": groups.of}) for column in scores.T]
+    fits = [ols("score ~ C(group, Sum)", table).fit() for table in tables]
     ss, ss_of_groups, ss_error = np.sum([anova_lm(fit, typ=3)["sum_sq"] for fit in fits], axis=0)
     errors = np.stack([fit.resid for fit in fits], axis=1)
+
     p, n_groups = scores.shape[1], len(groups.sizes)
     df = len(scores) - n_groups
     shape = epsilons(errors.T @ errors / df, df)
@@ -127,20 +128,20 @@ def group_pairs(
     correction: str = "holm",
     interval: float = 0.95,
 ) -> pd.DataFrame:
-    """Welch's t-tests between all groups, at each level of `by` if given; all corrected together. Values of one
-    participant (at a level of `by`) are averaged.
+    """Compare all groups by Welch's t-tests, at each level of `by` if given, with one correction for all.
+
+    Values of one participant (at a level of `by`) are averaged.
 
     Returns
     -------
     DataFrame
-        Per pair: `a`, `b`, `difference` (b less a) with its intervals as in `pairs`, `n_a`, `n_b`, `t`, `df`, `p_unc`,
-        `p_corr`, Hedges' `g`, `bf10` (Rouder et al. 2009, scale 0.707, from Student's t), and a `status`: `ok`, or
-        `zero_error` where participants within groups do not differ.
+        `a`, `b`, `difference` (b minus a) with intervals as in `pairs`, `n_a`, `n_b`, `t`, `df`, `p_unc`, `p_corr`,
+        Hedges' `g`, `bf10` from Student's t, and a `status`: `ok`, or `zero_error` without variance within groups.
 
     Raises
     ------
     InvalidParameter
-        As `mixed_anova`; and for a correction that is not known.
+        As `mixed_anova`; and for an unknown correction.
 
     >>> table = pd.DataFrame({"who": list("abcdef"), "hand": ["left"] * 3 + ["right"] * 3, "y": [3.0, 4, 5, 6, 8, 7]})
     >>> found = group_pairs(table, dependent="y", between="hand", subject="who")
@@ -153,15 +154,12 @@ def group_pairs(
     compared = []
     for level, at_level in parts(means, keys[2:]):
         place: dict[str, object] = dict(zip(keys[2:], level, strict=True))
-        compared += [place | row for row in _rows(at_level, dependent, between, interval)]
+        by_group = at_level.groupby(between, sort=True, observed=True)[dependent]
+        groups = {name: values.to_numpy(float) for name, values in by_group}
+        _refuse_small(between, {name: len(values) for name, values in groups.items()})
+        for a, b in combinations(groups, 2):
+            compared.append(place | {"a": a, "b": b} | _welch_test(groups[a], groups[b], interval))
     return all_together(pd.DataFrame(compared), correction, interval)
-
-
-def _rows(means: pd.DataFrame, dependent: str, between: str, interval: float) -> list[dict[str, object]]:
-    by_group = means.groupby(between, sort=True, observed=True)
-    groups = {name: members[dependent].to_numpy(float) for name, members in by_group}
-    _refuse_small(between, {name: len(values) for name, values in groups.items()})
-    return [{"a": a, "b": b} | _welch_test(groups[a], groups[b], interval) for a, b in combinations(groups, 2)]
 
 
 def _welch_test(first: Array, second: Array, interval: float) -> dict[str, object]:
@@ -170,15 +168,12 @@ def _welch_test(first: Array, second: Array, interval: float) -> dict[str, objec
 
     size = size_of(np.concatenate([first, second]))
     first, second = first / size, second / size
-    counts = {"difference": float(second.mean() - first.mean()) * size, "n_a": len(first), "n_b": len(second)}
+    row = {"difference": float(second.mean() - first.mean()) * size, "n_a": len(first), "n_b": len(second)}
     if max(np.ptp(first), np.ptp(second)) <= RELATIVE_ZERO:
-        return counts | dict.fromkeys(_TESTED) | {"status": "zero_error"}
+        return row | dict.fromkeys(_TESTED) | {"status": "zero_error"}
     welch, student = (ttest_ind(second, first, equal_var=alike) for alike in (False, True))
     ends = welch.confidence_interval(interval)
     g = pingouin.compute_effsize(second, first, eftype="hedges")
     bayes = bayes_factor(float(student.statistic), len(second), len(first))
     tested = (ends.low * size, ends.high * size, welch.statistic, welch.df, welch.pvalue, g, bayes)
-    return counts | dict(zip(_TESTED, map(float, tested), strict=True)) | {"status": "ok"}
-
-
-_TESTED = ("difference_low", "difference_high", "t", "df", "p_unc", "g", "bf10")
+    return row | dict(zip(_TESTED, map(float, tested), strict=True)) | {"status": "ok"}

@@ -5,6 +5,6 @@ from typing import TYPE_CHECKING
 from tactometry.loading import exports
 
 if TYPE_CHECKING:
-    from .scoring import item_scores as item_scores, scores as scores
+    from .scoring import scores as scores
 
 __getattr__, __dir__ = exports(__name__, __file__)

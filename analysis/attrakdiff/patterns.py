@@ -1,6 +1,6 @@
-"""What the thesis asks of its patterns (figures 5.9 to 5.13): frequency by envelope, and each against the single focus.
+"""Comparisons of the thesis's patterns (figures 5.9 to 5.13): frequency by envelope, and each with the single focus.
 
-P0 has neither repetition frequency nor envelope: a crossed analysis leaves it out, and it is the reference of another.
+P0 has neither repetition frequency nor envelope: the crossed analysis leaves it out.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -32,10 +32,9 @@ BY = ("frequency", "envelope")
 def grouped_profile(
     profile: pd.DataFrame, *, design: Mapping[str, tuple[str, str]] = THESIS, reference: str = "P0"
 ) -> pd.DataFrame:
-    """Mean of each word pair over the patterns of one repetition frequency, and of one envelope, beside the reference's
-    own: rows as in `word_pairs`, `of` is ``frequency`` or ``envelope``.
+    """Return the mean of each word pair by repetition frequency and by envelope, with that of the reference.
 
-    `profile` has the columns `condition, item, dimension, negative, positive, mean`.
+    Columns as those of `profile` (`word_pairs`); `of` is ``frequency`` or ``envelope``.
     """
     words = ["item", "dimension", "negative", "positive"]
     grouped = []
@@ -51,11 +50,10 @@ def grouped_profile(
 def frequency_by_envelope(
     scored: pd.DataFrame, *, design: Mapping[str, tuple[object, object]] = THESIS, pattern: str = "pattern"
 ) -> pd.DataFrame:
-    """Repeated-measures analysis of variance, frequency by envelope, of each dimension; patterns outside of `design`
-    (the single focus) are left out.
+    """Analyse frequency by envelope in each dimension of `scores`, by repeated-measures analysis of variance.
 
-    `scored` is what `attrakdiff.scores` gives. Participants without a score in one of the patterns are left out of that
-    dimension; `left_out` names them. A dimension that has no answer has a row with the reason in `note`.
+    Patterns outside of `design` and participants without a score (`left_out`) are omitted. A dimension without a result
+    has a row with the reason in `note`.
 
     Raises
     ------
@@ -82,8 +80,7 @@ def _of_dimensions(
     test: Callable[[pd.DataFrame, str], pd.DataFrame],
     untested: Mapping[str, str],
 ) -> pd.DataFrame:
-    """The `test` of each dimension by the participants with a score in every pattern; of one without an answer a row,
-    `untested`, with the reason in `note`."""
+    """Test each dimension with the participants who have a score in every pattern."""
     tables = []
     for dimension in dimensions:
         whole, left_out = complete_participants(scored, dimension, pattern)
@@ -97,18 +94,19 @@ def _of_dimensions(
 
 
 def complete_participants(table: pd.DataFrame, dependent: str, condition: str) -> tuple[pd.DataFrame, list[str]]:
-    """The rows of participants with a value in every condition, and the names of the others (listwise deletion)."""
+    """Return the rows of participants with a value in every condition, and the names of the others."""
     known = table[table[dependent].notna()]
     n_conditions = known.groupby("participant")[condition].nunique()
-    # Of all conditions in the table, not of those with a known value: else one that nobody has would be forgotten.
+    # All conditions count, also those without any known value.
     whole = n_conditions.index[n_conditions == table[condition].nunique()]
     left_out = sorted(set(table["participant"]) - set(whole))
     return known[known["participant"].isin(whole)], [str(code) for code in left_out]
 
 
 def against_reference(scored: pd.DataFrame, *, reference: str = "P0", pattern: str = "pattern") -> pd.DataFrame:
-    """Paired t-tests of every pattern against the reference, Holm-corrected within each dimension; columns as those of
-    `pairs`, and `dimension`, `left_out` and `note` as in `frequency_by_envelope`.
+    """Compare every pattern with the reference by paired t-tests, Holm-corrected within each dimension.
+
+    Columns as those of `pairs`, with `dimension`, `left_out` and `note`.
 
     Raises
     ------

@@ -1,7 +1,4 @@
-"""AttrakDiff and other semantic differentials: scores, consistency, word pairs, portfolio.
-
-A participant is the unit: answers to the items of one participant are never counted as independent (science 9.1).
-"""
+"""Scores, consistency, word pairs and portfolio of AttrakDiff and other questionnaires."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -25,36 +22,34 @@ REGIONS = (
     ("task-oriented", "neutral", "self-oriented"),
     ("too task-oriented", "task-oriented", "desired"),
 )
-"""Of the portfolio: pragmatic quality grows from row to row, hedonic quality within a row; split at -1 and +1."""
+"""Regions of the portfolio by pragmatic (row) and hedonic quality (column), split at -1 and +1."""
 
 
 def scores(
     table: pd.DataFrame, *, questionnaire: str | Questionnaire = "", within: Sequence[str] | None = None
 ) -> pd.DataFrame:
-    """Scores of each participant in each condition.
+    """Return the scores of each participant in each condition.
 
     Parameters
     ----------
     table : DataFrame
-        A row per answer: `participant`, `item` and `response`, the raw value as presented (empty: left unanswered).
-        Several answers to one item in one condition are averaged.
+        A row per answer: `participant`, `item` and `response` (empty: unanswered). Several answers to one item in one
+        condition are averaged.
     questionnaire : str or Questionnaire
         By default the one that the column `procedure` names, or AttrakDiff.
     within : sequence of str
-        The columns of conditions; by default those between `trial` and `procedure`, or all that are no column of a
-        trials table.
+        Columns of conditions; by default those between `trial` and `procedure`, or all other columns.
 
     Returns
     -------
     DataFrame
-        `participant`, the conditions, a column per dimension (AttrakDiff: PQ, HQI, HQS, ATT, HQ; from -3 to +3, + is
-        good; missing if too few of its items are answered) and `n_answered`. `attrs["questionnaire"]` is it,
-        `attrs["within"]` the conditions.
+        `participant`, the conditions, a column per dimension (AttrakDiff: PQ, HQI, HQS, ATT, HQ; -3 to +3, + is good;
+        missing with too few answers) and `n_answered`; `attrs` has `questionnaire` and `within`.
 
     Raises
     ------
     InvalidParameter
-        For a column that is not there, an item of another questionnaire, or an answer beside the scale (with its row).
+        For a missing column, an item of another questionnaire, or an answer outside of the scale (with its row).
 
     >>> items = [item.id for item in load("attrakdiff").items]
     >>> table = pd.DataFrame({"participant": "P01", "pattern": "P0", "item": items, "response": 7})
@@ -70,7 +65,7 @@ def scores(
 def item_scores(
     table: pd.DataFrame, *, questionnaire: str | Questionnaire = "", within: Sequence[str] | None = None
 ) -> pd.DataFrame:
-    """The score of each answer, a row each, with its `dimension`; unanswered items are left out."""
+    """Return the score of each answered item with its `dimension`."""
     answers, form, factors = _answers(table, questionnaire, within)
     given = answers.dropna(subset="raw")
     scored = [form.score(item, raw) for item, raw in zip(given["item"], given["raw"], strict=True)]
@@ -81,7 +76,6 @@ def item_scores(
 
 
 def _with_origin(scored: pd.DataFrame, form: Questionnaire, factors: list[str]) -> pd.DataFrame:
-    """With what the functions below ask of a table: its questionnaire and its conditions."""
     scored.attrs |= {"questionnaire": form, "within": factors}
     return scored
 
@@ -137,7 +131,7 @@ Round = dict[str, float | None]
 
 
 def _rounds(answers: pd.DataFrame, keys: Sequence[str]) -> list[tuple[tuple[object, ...], list[Round]]]:
-    """Per participant and condition, sorted, the rounds of answers by item: mostly one."""
+    """Return the rounds of answers of each participant and condition, sorted; most have one."""
     by_key: dict[tuple[object, ...], list[Round]] = {}
     columns = [[None if pd.isna(level) else level for level in answers[name]] for name in keys]
     raw = [None if np.isnan(x) else x for x in answers["raw"].tolist()]
@@ -149,14 +143,13 @@ def _rounds(answers: pd.DataFrame, keys: Sequence[str]) -> list[tuple[tuple[obje
         if free is None:
             rounds.append(free := {})
         free[item] = value
-    # What was asked outside of the conditions, before or after them, has no level: it comes last.
+    # Answers outside of the conditions have no level and come last.
     return sorted(
         by_key.items(), key=lambda pair: [(level is None, 0 if level is None else level) for level in pair[0]]
     )
 
 
 def _mean_scores(rounds: Sequence[Round], form: Questionnaire) -> dict[str, float | None]:
-    """Scores of one participant in one condition: means over the rounds."""
     means = pd.DataFrame([form.scores(answers) for answers in rounds], dtype=np.float64).mean()
     named: dict[str, float | None] = {str(name): None if np.isnan(x) else float(x) for name, x in means.items()}
     values = [value for answers in rounds for value in answers.values()]
@@ -164,11 +157,7 @@ def _mean_scores(rounds: Sequence[Round], form: Questionnaire) -> dict[str, floa
 
 
 def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
-    """Per condition and dimension: mean over participants with its t-interval between them and (where no score is
-    missing) its interval within them, SD, n and how many scores are missing.
-
-    `scored` is what `scores` gives.
-    """
+    """Return mean, intervals, SD, n and number of missing scores of each condition and dimension of `scores`."""
     factors = list(scored.attrs["within"])
     names = sorted(dimensions_of(scored))
     of_dimensions = [
@@ -180,12 +169,11 @@ def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
 
 
 def _by_factors(table: pd.DataFrame, factors: list[str]) -> pd.DataFrame:
-    """Sorted by the conditions, within each in the order that the rows have."""
+    """Sort by the conditions, and keep the order within each."""
     return table.sort_values(factors, kind="stable").reset_index(drop=True) if factors else table
 
 
 def dimensions_of(scored: pd.DataFrame) -> list[str]:
-    """The dimensions of the questionnaire whose scores these are."""
     return list(scored.attrs["questionnaire"].dimensions)
 
 
@@ -220,8 +208,7 @@ def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float
 
 
 def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
-    """Per condition the means of PQ and HQ over participants with t-intervals (the confidence rectangle), and the
-    `region` of the portfolio in which the mean lies, split at -1 and +1.
+    """Return the means of PQ and HQ of each condition with t-intervals, and the `region` of the portfolio.
 
     Raises
     ------
@@ -240,7 +227,7 @@ def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
 
 
 def region(pq: float | None, hq: float | None) -> str | None:
-    """Where in the portfolio a point lies.
+    """Return the region of the portfolio.
 
     >>> region(2.0, 2.0), region(0.0, 0.0), region(2.0, -2.0), region(-2.0, 2.0), region(-2.0, -2.0)
     ('desired', 'neutral', 'too task-oriented', 'too self-oriented', 'superfluous')
@@ -254,8 +241,7 @@ def region(pq: float | None, hq: float | None) -> str | None:
 def consistency(scored_items: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     """Return Cronbach's alpha (pingouin) of each dimension in each condition, with its interval (Feldt 1965).
 
-    Participants count who answered all items of the dimension. `alpha` is empty, with a `note`, with fewer than three
-    of them or without variance between them.
+    It uses participants who answered all items; with fewer than three or without variance it is empty, with a `note`.
     """
     form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
     rows = []

@@ -1,1 +1,1 @@
-"""The figures of a report. Of the room, only they import matplotlib."""
+"""Figures of a report; only this package imports matplotlib."""

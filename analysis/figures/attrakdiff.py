@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_STEPS = 10
-"""A scale of more has a tick at each fifth of it."""
+"""A longer scale has a tick at each fifth of it."""
 SPREAD = 0.09
-"""Between series at one place, in steps of the axis."""
+"""Distance of series at one place, in steps of the axis."""
 CENTRES = (-2.0, 0.0, 2.0)
 FINE = {"capsize": 2, "elinewidth": 0.9}
 
@@ -23,11 +23,7 @@ FINE = {"capsize": 2, "elinewidth": 0.9}
 def scores_figure(
     summary: pd.DataFrame, names: Sequence[str], order: Sequence[str], low: float, high: float
 ) -> Drawing:
-    """Mean of each dimension over participants with its intervals, a series per condition.
-
-    `summary` has the columns `condition, dimension, mean, mean_low, mean_high, within_low, within_high`; `names` are
-    the conditions to draw.
-    """
+    """Draw the mean of each dimension in `summary` with intervals, a series for each condition in `names`."""
     with new_figure(6.6, 3.4) as figure:
         axes = figure.add_subplot()
         for n, name in enumerate(names):
@@ -50,15 +46,12 @@ def _scale(axes: "Axes", low: float, high: float) -> None:
 
 
 def _score_label(low: float) -> str:
-    """Of a semantic differential the sign tells what is good; of other scales the questionnaire does."""
+    # The sign has a meaning in semantic differentials only.
     return "Score (positive: good)" if low < 0 else "Score"
 
 
 def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high: float) -> Drawing:
-    """Means of the word pairs, a line per condition, negative words at the left and positive ones at the right.
-
-    `profile` has the columns `condition, item, dimension, negative, positive, mean`.
-    """
+    """Draw the means of the word pairs in `profile`, a line for each condition, negative words at the left."""
     words = profile.drop_duplicates("item")
     y = np.arange(len(words))
     with new_figure(6.6, 0.21 * len(words) + 1.0) as figure:
@@ -84,10 +77,7 @@ def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high
 
 
 def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
-    """Pragmatic against hedonic quality: the mean of each condition in its confidence rectangle.
-
-    `portfolio` has the columns `condition, PQ, PQ_low, PQ_high, HQ, HQ_low, HQ_high`.
-    """
+    """Draw pragmatic against hedonic quality: the mean of each condition in its confidence rectangle."""
     from matplotlib.patches import Rectangle
 
     with new_figure(5.4, 4.6) as figure:
@@ -103,13 +93,12 @@ def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
             axes.plot([row["PQ"]], [row["HQ"]], linestyle="none", label=row["condition"], **style)
         axes.set(xlim=(-3, 3), ylim=(-3, 3), xlabel="Pragmatic quality PQ", ylabel="Hedonic quality HQ")
         axes.set_aspect("equal")
-        axes.set_anchor("W")  # in the middle it is laid out for its full width, and the label leaves the page
+        axes.set_anchor("W")  # centred, the label would leave the page
         figure.legend(loc="outside right center")
         return drawing_of(figure)
 
 
 def _regions(axes: "Axes") -> None:
-    """Named above the rectangles and below the means."""
     halo = {"facecolor": "white", "alpha": 0.65, "linewidth": 0, "pad": 0.8}
     for edge in (-1, 1):
         axes.axhline(edge, color="#bbbbbb", linewidth=0.8)
@@ -127,9 +116,9 @@ def crossed_figure(
     reference: str,
     limits: tuple[float, float],
 ) -> Drawing:
-    """Envelope along x, a line per frequency, a panel per dimension; the reference as a line with its interval.
+    """Draw envelope along x, a line for each frequency, a panel for each dimension, the reference as a line.
 
-    `summary` is as for `scores_figure`; `design` maps a condition to frequency and envelope.
+    `design` maps a condition to frequency and envelope.
     """
     envelopes = list(dict.fromkeys(envelope for _, envelope in design.values()))
     with new_figure(1.75 * len(order) + 0.9, 3.2) as figure:

@@ -1,6 +1,6 @@
-"""The figure of a participant: a panel with rates and fitted curve for each condition.
+"""Figure of a participant: a panel with rates and fitted curve for each condition.
 
-All panels lie on one pair of axes in inches: a pair for each takes ten times as long to make as its curve.
+All panels share one pair of axes in inches, as a pair for each would take ten times as long.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MAX_PANELS = 36
-"""A participant's figure shows no more conditions than this."""
+"""Largest number of conditions in a figure."""
 RATES = (-0.12, 1.05)
-"""The axis of a panel: rates, and below 0 the threshold with its interval."""
+"""Range of a panel: rates, and below 0 the threshold with its interval."""
 BAR = -0.06
 TICKS = (0.0, 0.5, 1.0)
 MOST_TICKS = 3
@@ -35,7 +35,7 @@ TICK_IN = 2 * POINT_IN
 
 @dataclass(frozen=True)
 class Panel:
-    """An estimate at its spot, in inches: lower left corner, width and height; `low` and `high` end its levels."""
+    """An estimate with its lower left corner, width and height in inches, and the range of its levels."""
 
     estimate: Estimate
     left: float
@@ -46,7 +46,7 @@ class Panel:
     high: float
 
     def x(self, levels: ArrayLike) -> Array:
-        """Where levels lie; the end of the axis for those beyond it."""
+        """Return the positions of levels, clipped to the axis."""
         margin = 0.04 * (self.high - self.low)
         start, stop = self.low - margin, self.high + margin
         return np.asarray(self.left + self.width * (np.clip(levels, start, stop) - start) / (stop - start))
@@ -57,7 +57,7 @@ class Panel:
 
     @property
     def counts(self) -> tuple[Array, Array]:
-        """Of each level the answers that count, and all."""
+        """Successes and trials at each level."""
         return np.array(self.estimate.cell.n_yes), np.array(self.estimate.cell.n_trials)
 
     @cached_property
@@ -70,7 +70,7 @@ class Panel:
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """An end that is not known reaches to the end of the axis."""
+        """Interval of the threshold; an unknown end is that of the axis."""
         low, high = self.estimate.fit.interval_low, self.estimate.fit.interval_high
         if low is None and high is None:
             return None
@@ -78,8 +78,7 @@ class Panel:
 
 
 def curve_figure(estimates: Sequence[Estimate], factors: Sequence[str], *, unit: str) -> Drawing:
-    """One participant: in each condition the rate at each level with Wilson's 95 % interval, the fitted
-    curve, and the threshold with its interval as a bar at the bottom."""
+    """Draw the rates of a participant with Wilson's intervals, fitted curves, and thresholds with intervals."""
     shown = list(estimates)[:MAX_PANELS]
     columns = min(7, len(shown)) if len(shown) > 8 else min(4, len(shown))
     rows = -(-len(shown) // columns)  # rounded up
@@ -118,7 +117,6 @@ def _lines(axes: "Axes", lines: Sequence[Any], **style: Any) -> None:
 
 
 def _draw_frames(axes: "Axes", panels: Sequence[Panel]) -> None:
-    """The two axes of each panel with their ticks."""
     frames, ticks = [], []
     for panel in panels:
         left, bottom = panel.left, panel.bottom
@@ -130,7 +128,6 @@ def _draw_frames(axes: "Axes", panels: Sequence[Panel]) -> None:
 
 
 def _draw_rates(axes: "Axes", panels: Sequence[Panel]) -> None:
-    """A dot for each level, its size by the trials, with its interval."""
     bars, dots, areas = [], [], []
     for panel in panels:
         x, (k, n) = panel.x(panel.estimate.cell.levels), panel.counts
@@ -145,7 +142,6 @@ def _draw_rates(axes: "Axes", panels: Sequence[Panel]) -> None:
 
 
 def _draw_fits(axes: "Axes", panels: Sequence[Panel]) -> None:
-    """Curves, and below them the thresholds, which are where the rates have ended."""
     colour, curves, bars, marks = look(1)["color"], [], [], []
     for panel in panels:
         fit, bar = panel.estimate.fit, float(panel.y(BAR))
@@ -163,7 +159,7 @@ def _draw_fits(axes: "Axes", panels: Sequence[Panel]) -> None:
 
 
 def _write(axes: "Axes", panel: Panel, factors: Sequence[str], *, is_left: bool, is_last: bool) -> None:
-    """Title and status of a panel, and the numbers at its ticks where it stands at the edge."""
+    """Write title and status of a panel, and the numbers at its ticks if it is at the edge."""
     left, bottom, top = panel.left, panel.bottom, panel.bottom + panel.height
     title = condition_name(factors, panel.estimate.cell.condition)
     axes.text(left + panel.width / 2, top + 2 * POINT_IN, title, fontsize=7, ha="center", va="baseline")

@@ -1,4 +1,4 @@
-"""Figures of localisation: right answers against the distance between places, and what was taken for what."""
+"""Figures of localisation: right answers against the distance between places, and confusions."""
 
 from typing import TYPE_CHECKING
 
@@ -15,16 +15,15 @@ DISTANCE = "separation_m"
 DISTANCE_IN_MM = "distance_mm"
 MM = 1e3
 MOST_PANELS = 12
-"""More conditions than these are drawn together."""
+"""More conditions are drawn together."""
 BELOW = 0.06
-"""Where the bar of a resolution lies, and how far the next one lies below it."""
+"""Distance of the bars of resolutions below the axis."""
 DARK = 0.55
-"""A share above this is written in white."""
+"""A larger share is written in white."""
 
 
 def distance_figure(rates: pd.DataFrame, resolutions: pd.DataFrame, chance: float) -> Drawing:
-    """The rate of right answers with its interval against the distance between the places (mm), a line a condition;
-    below them a bar for each resolution with its interval."""
+    """Draw right answers against the distance between places (mm), and resolutions as bars below."""
     keys = list(rates.columns[: rates.columns.get_loc(DISTANCE)])
     with new_figure(5.4, 3.4) as figure:
         axes = figure.add_subplot()
@@ -52,7 +51,7 @@ def _draw_resolution(axes: "Axes", row: "pd.Series[float]", height: float, colou
 
 
 def confusion_figure(confusions: pd.DataFrame) -> Drawing:
-    """The share of each answer among those to each right place, a panel a condition and distance."""
+    """Draw the share of each answer at each right place, a panel for each condition and distance."""
     keys = list(confusions.columns[: confusions.columns.get_loc("right_place")])
     in_mm = confusions.assign(**{name: MM * confusions[name] for name in keys if name == DISTANCE})
     renamed = in_mm.rename(columns={DISTANCE: DISTANCE_IN_MM})

@@ -1,4 +1,4 @@
-"""The figure of paired preferences: how often each item was preferred."""
+"""Figure of paired preferences."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,15 +10,11 @@ from .style import SPREAD, Drawing, drawing_of, look, new_figure, series
 
 CHANCE = 0.5
 EDGE = 0.02
-"""Beside shares of 0 and 1, whose dots would else be cut."""
+"""Room for dots at shares of 0 and 1."""
 
 
 def share_figure(shares: pd.DataFrame, items: Sequence[str]) -> Drawing:
-    """The share of its pairs in which each item was preferred, with its interval; conditions one below the other.
-
-    `shares` has the conditions, then `item, n_pairs, n_preferred, share, share_low, share_high`; `items` are the lines
-    from the top.
-    """
+    """Draw the share of its pairs in which each item was preferred, with its interval, `items` from the top."""
     lines = series(shares, list(shares.columns[: shares.columns.get_loc("item")]))
     with new_figure(5.4, (0.3 + 0.1 * len(lines)) * len(items) + 0.9) as figure:
         axes = figure.add_subplot()

@@ -1,5 +1,4 @@
-"""Figures of the tracks of a participant, and of a group: means by condition, rates and numbers
-against the level, losses."""
+"""Figures of tracks, of means by condition, of rates and magnitudes against the level, and of losses."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -18,9 +17,7 @@ if TYPE_CHECKING:
 
 
 def track_figure(rows: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
-    """Staircases of one participant: level against trial, a panel per series (force), a line per value of the
-    main factor (frequency); filled where the answer was yes or correct, open where not, catch trials left
-    out."""
+    """Draw the level against the trial of one participant's tracks, filled where the answer was yes or correct."""
     axis = FactorAxis.of(rows, factors)
     labels = "Trial of the track", with_unit("Level", unit)
     return panels(rows, axis, partial(_draw_tracks, axis=axis), labels=labels, height_in=2.1, share_x=False)
@@ -39,11 +36,11 @@ def _draw_tracks(axes: "Axes", panel: pd.DataFrame, axis: FactorAxis) -> None:
 
 
 BESIDE = 0.4
-"""Of the step from one series to the next: where the dots of participants lie, so that no bar hides them."""
+"""Position of the dots of participants, as part of the step to the next series."""
 ROOM = 1.05
-"""Above the highest value of an axis that begins at 0."""
+"""Room above the highest value of an axis that begins at 0."""
 MOST_INSIDE = 4
-"""More series than these have their legend beside the figure."""
+"""More series have their legend outside of the axes."""
 OPEN = {"mfc": "none", "alpha": 0.8}
 RATES = (-0.03, 1.03)
 """An axis of rates, with room for dots at 0 and 1."""
@@ -59,10 +56,11 @@ def threshold_figure(
     targets: Sequence[float] = (),
     from_zero: bool = False,
 ) -> Drawing:
-    """Mean over participants with its 95 % interval against the main factor, a line per series: within participants
-    where `group` has such (`within_low`, `within_high`), with the one between them as a thin line behind it. Single
-    participants are faint dots, and open triangles where `individuals` have a bound (`LOW`, `HIGH`), `targets` dashed
-    lines. `from_zero` lets the axis of values begin at 0."""
+    """Draw means with intervals against the main factor, a line for each series.
+
+    Participants are faint dots, open triangles where `individuals` have a bound, `targets` dashed lines. `from_zero`
+    lets the axis of values begin at 0.
+    """
     axis = FactorAxis.of(group, factors)
     with new_figure(6.6, 3.6) as figure:
         axes = figure.add_subplot()
@@ -85,7 +83,7 @@ def threshold_figure(
 
 
 def _legend(axes: "Axes", n: int, *, beside: bool = False) -> None:
-    """Of `n` series: in the figure while they are few, `beside` it else."""
+    """Add the legend of `n` series, inside of the axes if they are few."""
     if n > MOST_INSIDE or (n and beside):
         axes.get_figure().legend(loc="outside right center")  # type: ignore[union-attr]
     elif n:
@@ -95,7 +93,6 @@ def _legend(axes: "Axes", n: int, *, beside: bool = False) -> None:
 def _draw_individuals(
     axes: "Axes", values: pd.DataFrame, axis: FactorAxis, where: Mapping[object, float], dependent: str, colour: str
 ) -> None:
-    """Values as dots, bounds as open triangles."""
     kinds: tuple[tuple[str, dict[str, Any]], ...] = (
         (dependent, {"marker": ".", "alpha": 0.6}),
         (LOW, {"marker": "^"} | OPEN),
@@ -109,15 +106,13 @@ def _draw_individuals(
 
 
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
-    """Detection rate against level, one panel per series (force), one line per value of the main factor
-    (frequency)."""
+    """Draw rates against the level, a panel for each series, a line for each value of the main factor."""
     labels = with_unit("Level", unit), CURVES[str(rates["task"].iloc[0])].rate_label
     return _level_figure(rates, factors, "rate", labels, 2.5, ylim=RATES)
 
 
 def growth_figure(growth: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
-    """Of magnitude estimates, geometric means against the level: a panel per series, a line per value of the main
-    factor; the numbers on a logarithmic axis, and the levels unless they are in decibels."""
+    """Draw geometric means of magnitudes against the level on logarithmic axes."""
     labels = with_unit("Level", unit), "Magnitude (geometric mean)"
     of_levels = "linear" if unit.startswith("dB") else "log"
     return _level_figure(growth, factors, "geometric_mean", labels, 2.7, yscale="log", xscale=of_levels)
@@ -126,7 +121,7 @@ def growth_figure(growth: pd.DataFrame, factors: Sequence[str], *, unit: str) ->
 def _level_figure(
     table: pd.DataFrame, factors: Sequence[str], column: str, labels: tuple[str, str], height_in: float, **scales: Any
 ) -> Drawing:
-    """A column against the level; `scales` are limits and scales of the axes."""
+    """Draw a column against the level; `scales` are limits and scales of the axes."""
     axis = FactorAxis.of(table, factors)
 
     def draw(axes: "Axes", panel: pd.DataFrame) -> None:
@@ -138,7 +133,7 @@ def _level_figure(
 
 
 def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
-    """Mean detection rate (all levels) against the main factor, a line per series."""
+    """Draw the mean rate over all levels against the main factor, a line for each series."""
     axis = FactorAxis.of(rates, factors)
     with new_figure(6.6, 3.0) as figure:
         axes = figure.add_subplot()
@@ -152,8 +147,7 @@ def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
 
 
 def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
-    """Mean loss (%) with its interval against the main factor (force): a panel per level of the factor with the fewest
-    (place), a line per condition of the others (contactor)."""
+    """Draw the mean loss (%) against the main factor, a panel for each level of the factor with fewest levels."""
     axis = FactorAxis.of(group, factors)
     panel_by = min(axis.series, key=lambda name: group[name].nunique()) if len(axis.series) > 1 else None
     places = series(group, [panel_by] if panel_by else [])

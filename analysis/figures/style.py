@@ -1,5 +1,4 @@
-"""What figures share: colours that the colour-blind tell apart, vector output with equal bytes for equal data, which
-factor runs along x and which make series."""
+"""Common parts of figures: style, reproducible output, and the factors along x and of the series."""
 
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,9 +21,9 @@ if TYPE_CHECKING:
 
 PRINT_DPI = 300
 PACKING = 2
-"""Of pixels, of 9: flat drawings take half of the time, and little more space."""
+"""Compression of pixels (0 to 9): half the time of the default for little more space."""
 LIGHTEST = 0.8
-"""Of viridis (dark to light): lighter is too faint on white."""
+"""Lightest part of viridis that is visible on white."""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _SETTINGS: dict[str, Any] = {
     "svg.fonttype": "none",  # text stays text, which a reader can search and an editor change
@@ -46,18 +45,18 @@ _SETTINGS: dict[str, Any] = {
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Draw within this."""
+    """Apply the settings of all figures."""
     import matplotlib as mpl
 
     with mpl.rc_context():
-        mpl.rcdefaults()  # what a user's own settings say does not change a figure
+        mpl.rcdefaults()  # a user's own settings do not change a figure
         mpl.rcParams.update(_SETTINGS)  # type: ignore[arg-type,unused-ignore]
         yield
 
 
 @contextmanager
 def new_figure(width_in: float, height_in: float) -> "Iterator[Figure]":
-    """A figure that no window knows of, in the house style."""
+    """Make a figure without a window, in the common style."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
@@ -74,45 +73,45 @@ class Drawing:
 
     figure: "Figure"
     svg: str
-    """An SVG element without date."""
+    """SVG element without date."""
     about: str | None = None
-    """What is drawn, in words that stand in the file."""
+    """Description in the file."""
 
     def png(self) -> bytes:
-        """Pixels for print."""
+        """Return pixels for print."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
 
         target, dpi = io.BytesIO(), self.figure.dpi
         with house_style():
             self.figure.set_dpi(PRINT_DPI)
-            # Else the version of matplotlib stands in the file.
             canvas: Any = FigureCanvasAgg(self.figure)
             about = {"Description": self.about} if self.about else {}
+            # Without "Software", which would contain the version of matplotlib.
             canvas.print_png(target, metadata={"Software": None, **about}, pil_kwargs={"compress_level": PACKING})
             self.figure.set_dpi(dpi)
         return target.getvalue()
 
 
 def drawing_of(figure: "Figure", about: str | None = None) -> Drawing:
-    """The figure as it stands, within the house style; `about` says in the file what is drawn."""
+    """Finish a figure; `about` describes it in the file."""
     target = io.StringIO()
-    # Not `savefig`, which draws all twice: it measures first what it may have to cut.
+    # Not `savefig`, which draws everything twice.
     metadata = {"Date": None, "Creator": "tactometry", "Description": about}
     figure.canvas.print_svg(target, metadata=metadata)  # type: ignore[attr-defined]
-    figure.set_layout_engine("none")  # all has its place: pixels need not seek it again
+    figure.set_layout_engine("none")  # the layout of the pixels is the same
     text = target.getvalue()
-    # Without the XML declaration: the page holds the drawing as one of its elements.
+    # Without the XML declaration, as the page contains the drawing as an element.
     return Drawing(figure, text[text.index("<svg") :], about)
 
 
 def look(place: int) -> dict[str, Any]:
-    """Colour and marker of the series at this place; open markers where the colours come again."""
+    """Return colour and marker of a series; markers are open where colours repeat."""
     style: dict[str, Any] = {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
     return style | ({"mfc": "white"} if place >= len(COLOURS) else {})
 
 
 def shades(n: int) -> Sequence[tuple[float, float, float, float]]:
-    """n ordered colours, dark to light, for an ordered factor of many levels."""
+    """Return n ordered colours, dark to light."""
     import matplotlib as mpl
 
     return [mpl.colormaps["viridis"](LIGHTEST * place / max(1, n - 1)) for place in range(n)]
@@ -126,21 +125,20 @@ STEP_ALONE = 1.0
 
 @dataclass(frozen=True)
 class FactorAxis:
-    """Which factor runs along x, which ones make the series; both may be missing."""
+    """Factor along x and factors of the series, if any."""
 
     along: str | None
     series: tuple[str, ...]
 
     @classmethod
     def of(cls, table: pd.DataFrame, factors: Sequence[str]) -> "FactorAxis":
-        """The numeric factor with most levels along x, the others as series."""
+        """Choose the numeric factor with most levels along x, the others as series."""
         numeric = [name for name in factors if pd.api.types.is_numeric_dtype(table[name])]
         along = max(numeric or list(factors), key=lambda name: table[name].nunique(), default=None)
         return cls(along, tuple(name for name in factors if name != along))
 
     def place(self, axes: "Axes", table: pd.DataFrame) -> dict[object, float]:
-        """Put the values of the factor along x on that axis, a logarithmic one where they span much, and say where each
-        lies; without a factor all rows lie at one place."""
+        """Set up the x axis, logarithmic for a wide range, and return the position of each level."""
         from matplotlib.ticker import NullLocator
 
         levels: list[Any] = ["all"] if self.along is None else sorted(set(table[self.along]))
@@ -155,18 +153,18 @@ class FactorAxis:
         return _centred(axes, {level: float(level) for level in levels})
 
     def x(self, rows: pd.DataFrame, where: Mapping[object, float]) -> Array:
-        """Where these rows lie."""
+        """Return the positions of rows."""
         values = ["all"] * len(rows) if self.along is None else rows[self.along]
         return np.array([where[value] for value in values])
 
     def lines(self, table: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame, tuple[float, float, float, float]]]:
-        """A part of the table for each value of the factor along x, with its name and colour."""
+        """Return a part of the table for each level along x, with name and colour."""
         groups = series(table, [self.along] if self.along else [])
         return ((name, rows, colour) for (name, rows), colour in zip(groups, shades(len(groups)), strict=True))
 
 
 def _centred(axes: "Axes", where: dict[object, float]) -> dict[object, float]:
-    """One place alone in the middle of its axis: what lies a little beside it would else take the other end."""
+    """Put a single position in the middle of its axis."""
     if len(where) == 1:
         (x,) = where.values()
         axes.set_xlim(x - STEP_ALONE / 2, x + STEP_ALONE / 2)
@@ -181,8 +179,10 @@ def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.Data
 
 
 def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **style: Any) -> None:
-    """Means with their intervals: within participants where the table has such (`within_low`, `within_high`), and then
-    the one between them (`mean_low`, `mean_high`) as a thin line behind it; `style` is that of `errorbar`."""
+    """Draw means with intervals within participants, and those between them as thin lines.
+
+    Without intervals within participants, bars are those between them. `style` is that of `errorbar`.
+    """
     mean = means["mean"].astype(float).to_numpy()
     known, between = np.isfinite(mean), _ends(means, "mean")
     within = _ends(means, "within") if "within_low" in means.columns else np.full_like(between, np.nan)
@@ -196,14 +196,15 @@ def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **s
 
 
 def _ends(means: pd.DataFrame, name: str) -> Array:
-    """How far the interval reaches below and above the mean, shape (2, condition)."""
+    """Return the reach of the interval below and above the mean, shape (2, condition)."""
     mean, low, high = (means[column].astype(float).to_numpy() for column in ("mean", f"{name}_low", f"{name}_high"))
     return np.stack([mean - low, high - mean])
 
 
 def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:
-    """Series side by side, so that their intervals do not hide each other: `n` of them take at most `MOST_SPREAD` of
-    the smallest step of the axis, and each at most `SPREAD`.
+    """Return positions of one of `n` series side by side.
+
+    Together they take at most `MOST_SPREAD` of the smallest step of the axis, each at most `SPREAD`.
 
     >>> {name: round(x, 6) for name, x in shift(1, 2, {"a": 0.0, "b": 1.0}, log=False).items()}
     {'a': 0.09, 'b': 1.09}
@@ -225,7 +226,7 @@ def panels(
     height_in: float,
     share_x: bool,
 ) -> Drawing:
-    """A panel per series, at most three side by side, each drawn by `draw`, with one legend for all."""
+    """Draw a panel for each series, at most three side by side, with one legend."""
     parts = series(table, axis.series)
     columns = min(3, len(parts))
     rows = -(-len(parts) // columns)  # rounded up

@@ -1,4 +1,4 @@
-"""How force or speed went around the onset of the stimulus, over the touches of each participant."""
+"""Figure of force or speed around the onset of the stimulus."""
 
 from typing import TYPE_CHECKING, Final
 
@@ -12,13 +12,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SCALES: Final = {"force_n": (1.0, "N", "Force (N)"), "speed_m_per_s": (1e3, "mm/s", "Speed (mm/s)")}
-"""Of each quantity what a value is times, in which unit, and the label of its axis."""
+"""Factor, unit and axis label of each quantity."""
 N_COLUMNS: Final = 3
 
 
 def courses_figure(table: pd.DataFrame, quantity: str) -> Drawing:
-    """A panel for each participant: medians over touches with the 5th to 95th percentile, and, dotted, the band to
-    keep; a colour for each target."""
+    """Draw medians over touches with the 5th to 95th percentile, and the target band, a panel for each participant."""
     rows = table[table["quantity"] == quantity]
     people, targets = sorted(rows["participant"].unique()), sorted(rows["target"].unique())
     n_columns = min(N_COLUMNS, len(people))

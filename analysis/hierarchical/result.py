@@ -11,13 +11,12 @@ import pandas as pd
 from tactometry.arguments.require import expect
 
 from ..anova.contrasts import epsilons
-from ..arrays import Array
+from ..arrays import Array, StatusWithNote
 from ..distributions import Fisher
-from ..noted_status import NotedStatus
 from .posterior import normal_chances, quantiles
 
 
-class GroupStatus(NotedStatus):
+class GroupStatus(StatusWithNote):
     OK = "ok", ""
     ONE_PARTICIPANT = (
         "one_participant",

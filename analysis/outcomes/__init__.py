@@ -1,1 +1,1 @@
-"""What participants say together of one dependent value: values, no sentences."""
+"""Results for the group, for each dependent value and questionnaire."""

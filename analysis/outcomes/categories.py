@@ -1,10 +1,10 @@
-"""Answers to questions with choices of their own, as those about a person: how many participants gave each."""
+"""Number of participants by their answers to questions with choices."""
 
 from collections.abc import Iterator
 
 import pandas as pd
 
-from tactometry.questionnaire import ChoiceForm, ChoiceItem
+from tactometry.questionnaire import ChoiceForm
 from tactometry.trials.tasks import FORM_TASK
 
 from ..reading.study_file import choices_of
@@ -15,9 +15,7 @@ COLUMNS = ("form", "item", "question", "code", "category", "n")
 
 
 def categories(trials: Trials) -> pd.DataFrame:
-    """A row for each category of each question that was asked: `form`, `item`, `question` and `category` in words,
-    `code`, and `n` participants, by what each of them answered last. Nothing is tested, and numbers are
-    not told."""
+    """Return the number of participants in each category of each question, by their last answers."""
     rows = asked_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
         return pd.DataFrame(columns=list(COLUMNS))
@@ -32,9 +30,5 @@ def _counts(form: ChoiceForm, answers: pd.DataFrame) -> Iterator[tuple[object, .
     for item in form.items:
         codes = pd.to_numeric(answers.loc[answers["item"] == item.id, "response"], errors="coerce")
         for code in item.codes if len(codes) and item.options else ():
-            words = item.category(code) or NOT_SAID
-            yield form.name, item.id, _question(item), code, words, int((codes == code).sum())
-
-
-def _question(item: ChoiceItem) -> str:
-    return item.prompt.get("en", next(iter(item.prompt.values())))
+            question = item.prompt.get("en", next(iter(item.prompt.values())))
+            yield form.name, item.id, question, code, item.category(code) or NOT_SAID, int((codes == code).sum())

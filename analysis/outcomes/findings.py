@@ -1,9 +1,7 @@
-"""What is said of one dependent value: group table, the primary analysis and its checks, comparisons.
+"""Results for one dependent value: group table, primary analysis and checks, comparisons.
 
-Which of several analyses answers the question of a study: the one that its plan names, else that of a stated rule.
-
-The rule looks at the design and at what is known of the values, never at their result. What the other analyses say are
-checks: the same question put to other assumptions, no second answer.
+The primary analysis is the one that the plan names, else that of a rule, which uses the design and the known values but
+never their result. Other analyses are checks under other assumptions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +20,7 @@ DIFFERENCES = ("jnd",)
 
 
 class Primary(StrEnum):
-    """The analyses that may answer: what a plan may name."""
+    """Analyses that a plan may name as primary."""
 
     ANOVA = "anova"
     CENSORED = "censored_anova"
@@ -46,11 +44,11 @@ RULE = (
 class Outcome:
     """One dependent value of one task.
 
-    `primary` names the analysis that answers and `reason` says why it does. The others that ran
-    are checks: `anova` of the largest complete part (`left_out` names what it lacks) with its `status` and assumptions
-    (`checks`), `censored` of all that is known, a `permutation` test, a mixed `model` by the measured force. `pairs`,
-    `equivalence`, `group_pairs` (by factor), `simple` and `simple_pairs` (by two factors: the first at each value of
-    the second) are those of the primary analysis. What could not be done is None, and `notes` say why.
+    `primary` is the analysis that answers, with a `reason`. The others are checks: `anova` of the largest complete part
+    (without `left_out`) with its `status` and assumptions (`checks`), `censored` of all known values, a `permutation`
+    test, a mixed `model` by the measured force. `pairs`, `equivalence`, `group_pairs` (by factor), `simple` and
+    `simple_pairs` (the first factor at each value of the second) belong to the primary analysis. What could not be
+    computed is None, and `notes` state why.
     """
 
     task: str
@@ -79,22 +77,21 @@ class Outcome:
 
     @property
     def factors(self) -> tuple[str, ...]:
-        """The names of the conditions."""
         return tuple(self.group.columns[: self.group.columns.get_loc("mean")])
 
     def unit(self, of_levels: str) -> str:
-        """Of the dependent value: an exponent has none, and a difference in decibels has no reference."""
+        """Return the unit of the dependent value; a difference in decibels has no reference."""
         if self.task in RESULTS and not RESULTS[self.task].in_levels:
             return ""
         return of_levels.partition(" re ")[0] if self.dependent in DIFFERENCES else of_levels
 
     @property
     def effects(self) -> pd.DataFrame | None:
-        """The table of the primary analysis."""
+        """Table of the primary analysis."""
         return None if self.primary is None else self.analyses()[self.primary]
 
     def analyses(self) -> dict[Primary, pd.DataFrame]:
-        """The tables of effects of all analyses that ran."""
+        """Return the tables of effects of all analyses that ran."""
         tables = {
             Primary.ANOVA: self.anova,
             Primary.CENSORED: None if self.censored is None or self.censored.table.empty else self.censored.table,
@@ -104,7 +101,7 @@ class Outcome:
         return {name: table for name, table in tables.items() if table is not None}
 
     def title(self, name: Primary) -> str:
-        """Of one of its analyses."""
+        """Return the title of an analysis."""
         # Without a factor within, groups are compared by one value of each participant.
         kind = ("mixed" if self.within else "between-groups") if self.between else "repeated-measures"
         if name is Primary.ANOVA:
@@ -117,12 +114,12 @@ class Outcome:
         }[name]
 
     def heading(self) -> str:
-        """Of the primary analysis."""
+        """Return the heading of the primary analysis."""
         assert self.primary is not None
         return f"Primary analysis: {self.title(self.primary)} ({self.reason})"
 
     def tables(self, name: str) -> dict[str, pd.DataFrame]:
-        """Every table, by the name of its file."""
+        """Return all tables by file name."""
         by_file: dict[str, pd.DataFrame | None] = {
             f"group_{name}": self.group,
             f"cross_{name}": self.cross,
@@ -139,7 +136,7 @@ class Outcome:
         return {key: table for key, table in by_file.items() if table is not None and len(table)}
 
     def roles(self) -> pd.DataFrame:
-        """Which analysis is the primary one, and which are checks."""
+        """Return which analysis is the primary one, and which are checks."""
         rows = []
         for name in self.analyses():
             role, reason = ("primary", self.reason) if name is self.primary else ("check", "")
@@ -150,7 +147,7 @@ class Outcome:
 def primary_analysis(
     named: str | None, *, is_whole: bool, between: str | None = None, within: Sequence[str] = ()
 ) -> tuple[Primary, str]:
-    """The primary analysis, and why it is.
+    """Return the primary analysis, and the reason.
 
     >>> primary_analysis(None, is_whole=False)
     (<Primary.CENSORED: 'censored_anova'>, 'by the rule: values are missing or bounds')

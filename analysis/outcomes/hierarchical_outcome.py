@@ -1,4 +1,4 @@
-"""All participants of a task at once: the hierarchical model as a part of an analysis."""
+"""Hierarchical fit of all participants of a task, as part of an analysis."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,10 +20,10 @@ from ..threshold.status import Status
 from ..wording import condition_name, interval_text, number_text
 
 MOST_CELLS = 500
-"""More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""
+"""More cells take too long for a report; `fit_hierarchical` has no such bound."""
 ALL = "condition"
 WITHOUT_LAPSES = {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0, "scale_free_width": False}
-"""Comparisons have the probit model as published (Moscatelli, Mezzetti and Lacquaniti 2012): a check without lapses."""
+"""Comparisons have the probit model as published (Moscatelli, Mezzetti and Lacquaniti 2012), without lapses."""
 OTHER_MODEL = (
     "no test of effects: this model of comparisons has asymptotes of 0 and 1, the fits of single participants "
     "have free ones, so that points of equality and just noticeable differences differ where a level is not always felt"
@@ -34,8 +34,7 @@ HAS_FIT = (GroupStatus.OK,)
 
 @dataclass(frozen=True)
 class HierarchicalOutcome:
-    """A task's hierarchical fit: `conditions` and `participants` as tables (for comparisons with `jnd`), `effects` by
-    quantity and factors; or None with the reason in `note`."""
+    """Hierarchical fit of a task, with tables and effects by factors; or None with the reason in `note`."""
 
     task: str
     fit: HierarchicalFit | None
@@ -45,7 +44,7 @@ class HierarchicalOutcome:
     effects: Mapping[str, FactorEffect] = field(default_factory=dict)
 
     def tables(self, name: str) -> dict[str, pd.DataFrame]:
-        """Every table, by the name of its file."""
+        """Return all tables by file name."""
         by_file = {f"hierarchical_{name}": self.conditions, f"hierarchical_{name}_participants": self.participants}
         return {key: table for key, table in by_file.items() if len(table)}
 
@@ -56,10 +55,7 @@ def group_fit(
     unit: str,
     fits: Mapping[Cell, ThresholdFit] = MappingProxyType({}),
 ) -> HierarchicalOutcome | None:
-    """The hierarchical fit of the cells of one task; None for fewer than two participants.
-
-    `fits` of `cells.estimates` are not made again where the model has the same curve.
-    """
+    """Fit the cells of one task; None for fewer than two participants. `fits` are reused for the same curve."""
     task = cells[0].task
     if len({cell.participant for cell in cells}) < 2:
         return None
@@ -69,15 +65,14 @@ def group_fit(
     if any(cell.n_choices != n_choices for cell in cells):
         return _no_outcome(task, "conditions differ in the number of alternatives, and the model has one guess rate")
     varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in cells}) > 1]
-    rows: list[tuple[float | str, ...]] = []
-    for cell in cells:
-        counts = zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
-        rows += [(cell.participant, *count, cell.n_false_alarms, cell.n_catch, *cell.condition) for count in counts]
-    if not rows:
+    table = _count_table(cells, factors)
+    if table.empty:
         return _no_outcome(task, "no trial with a level")
-    table = pd.DataFrame(rows, columns=[*COLUMNS, *factors])
-    # A fit needs a factor: without one that varies all cells are of one condition.
+    # A fit needs a factor: without a varied one all cells have the same condition.
     conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
+    places = [factors.index(name) for name in varied]
+    conditions_of = {cell: tuple(cell.condition[place] for place in places) or ("all",) for cell in fits}
+    known: Known = {(cell.participant, conditions_of[cell]): fit for cell, fit in fits.items()}
     curve = CURVES[task]
     options = WITHOUT_LAPSES if curve.has_difference else curve.options(n_choices, unit)
     fit = fit_hierarchical(
@@ -89,16 +84,18 @@ def group_fit(
         n_false_alarms=table["n_false_alarms"],
         n_catch=table["n_catch"],
         width_by=varied if curve.has_difference else (),
-        known={} if curve.has_difference else _known(fits, [factors.index(name) for name in varied]),
+        known={} if curve.has_difference else known,
         **options,
     )
     return _outcome(task, fit, varied, table)
 
 
-def _known(fits: Mapping[Cell, ThresholdFit], places: Sequence[int]) -> Known:
-    """Fits by participant and the values of the factors that vary."""
-    conditions = {cell: tuple(cell.condition[place] for place in places) or ("all",) for cell in fits}
-    return {(cell.participant, conditions[cell]): fit for cell, fit in fits.items()}
+def _count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
+    rows: list[tuple[float | str, ...]] = []
+    for cell in cells:
+        counts = zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
+        rows += [(cell.participant, *count, cell.n_false_alarms, cell.n_catch, *cell.condition) for count in counts]
+    return pd.DataFrame(rows, columns=[*COLUMNS, *factors])
 
 
 def _no_outcome(task: str, why: str) -> HierarchicalOutcome:
@@ -120,13 +117,13 @@ def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.D
 
 
 def _with_difference(table: pd.DataFrame) -> pd.DataFrame:
-    """With the just noticeable difference, a fixed part of the width."""
+    """Add the just noticeable difference, a fixed part of the width."""
     names = {"jnd": "width", "jnd_low": "width_low", "jnd_high": "width_high"}
     return table.assign(**{ours: table[width] * DIFFERENCE_PER_WIDTH for ours, width in names.items()})
 
 
 def _effects(fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> tuple[dict[str, FactorEffect], str]:
-    """Main effects and interactions within participants, and why there are none."""
+    """Return main effects and interactions within participants, or the reason for none."""
     between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
     if between:
         return {}, f"no test of effects: {', '.join(between)} does not vary within participants"
@@ -142,8 +139,7 @@ def _effects(fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -
 
 
 def _text(row: "pd.Series[Any]") -> str:
-    """The threshold with its interval; where the mean lies outside of the levels that end of it which the model holds,
-    and where no participant has a threshold on which side they lie."""
+    """Return the threshold with its interval, or the side of the levels on which it lies."""
     low, high = row["interval_low"], row["interval_high"]
     if pd.notna(row["threshold"]):
         return interval_text(row["threshold"], low, high)

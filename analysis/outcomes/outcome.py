@@ -1,4 +1,4 @@
-"""From a table of estimates to an `Outcome`: every analysis that its design allows, and the one that answers."""
+"""Compute the `Outcome` of a table of estimates: each analysis that its design allows."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,14 +24,14 @@ from .findings import FORCE, TITLES, Outcome, Primary, primary_analysis
 
 MEASURED = "log2 of the measured force"
 PERMUTATION_SEED = 20_170_522
-"""Of the changes of signs with many participants, so that the same data give the same report."""
+"""Of the permutation test with many participants, so that the same data give the same report."""
 SUBJECT = "participant"
 INTERVAL = 0.95
 
 
 @dataclass(frozen=True)
 class EstimateDesign:
-    """The estimates with their bounds (`group_means.LOW`, `HIGH`), and how the factors that have two levels vary."""
+    """Estimates with their bounds, and the factors with two levels that vary within or between participants."""
 
     table: pd.DataFrame
     dependent: str
@@ -42,7 +42,7 @@ class EstimateDesign:
     def of(cls, estimates: pd.DataFrame, factors: Sequence[str], dependent: str) -> "EstimateDesign":
         varied = [name for name in factors if estimates[name].nunique() > 1]
         fixed = [name for name in varied if estimates.groupby(SUBJECT)[name].nunique().max() < 2]
-        apart = len(fixed) == 1  # of two and more factors between participants no analysis here has a model
+        apart = len(fixed) == 1  # no analysis has a model of several factors between participants
         within = tuple(name for name in varied if not (apart and name in fixed))
         return cls(bounds_of(estimates, dependent), dependent, within, fixed[0] if apart else None)
 
@@ -56,7 +56,7 @@ class EstimateDesign:
 
     @property
     def is_whole(self) -> bool:
-        """Whether every participant has a value in every condition."""
+        """Return True if every participant has a value in every condition."""
         known = self.table[self.table[self.dependent].notna()]
         n_cells = int(np.prod([self.table[name].nunique() for name in self.within]))
         has = known.drop_duplicates([SUBJECT, *self.within]).groupby(SUBJECT).size()
@@ -74,9 +74,11 @@ def outcome(
     primary: str | None = None,
     compared: bool = True,
 ) -> Outcome:
-    """All that is said of `dependent` in a table of estimates; `forces` has the applied force per participant and
-    condition, `bounds` the differences that count as none, per factor; `primary` names the analysis that answers, else
-    the rule of `primary` does. Without `compared` nothing is said of pairs and simple effects."""
+    """Analyse `dependent` in a table of estimates.
+
+    `forces` has the applied force of each participant and condition, `bounds` the equivalence bound of each factor;
+    `primary` names the primary analysis, else the rule does. Without `compared`, pairs and simple effects are omitted.
+    """
     design = EstimateDesign.of(table, factors, dependent)
     group = group_table(table, factors, dependent)
     result = Outcome(task, dependent, table, group, cross_table(group, factors), design.within, design.between)
@@ -88,7 +90,7 @@ def outcome(
         result = _with_censored(result, design, factors)
     if forces is not None and FORCE in design.within:
         result = _with_model(result, design, forces)
-    if design.factors:  # last, as an analysis that has no answer cannot be the one that answers
+    if design.factors:  # last, as an analysis without a result cannot be the primary one
         result = _with_losses(_with_primary(result, primary, is_whole=design.is_whole))
     if not compared:
         return result
@@ -100,7 +102,7 @@ def outcome(
 
 
 def _complete_part(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str, ...]]:
-    """The largest complete part; or why there is none."""
+    """Return the largest complete part, or notes why there is none."""
     within = design.within
     if not design.factors:
         return None, ("no analysis of variance: no factor has two levels",)
@@ -121,8 +123,7 @@ def _complete_part(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str,
 
 
 def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *, permuted: bool) -> Outcome:
-    """The analysis of variance of a complete part; within participants with its assumptions and, where an error matrix
-    is singular or a permutation test is asked for, that."""
+    """Add the analysis of variance of a complete part, its assumptions, and a permutation test if needed."""
     within, arguments = list(complete.within), design.arguments
     result = replace(result, left_out=complete.left_out)
     try:
@@ -135,7 +136,7 @@ def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *,
     result = replace(result, anova=anova, status=status, notes=(*result.notes, *anova.attrs["notes"]))
     if design.between is not None:
         return result
-    result = replace(result, checks=checks(complete.table, within=within, **arguments))
+    result = replace(result, checks=checks(complete.table, anova, within=within, **arguments))
     if not (permuted or status is DesignStatus.SINGULAR):
         return result
     # Exact for few participants; the generator draws for more.
@@ -144,8 +145,7 @@ def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *,
 
 
 def _anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
-    """Of a complete table, by factors within participants."""
-    if not within:  # of known values it is the analysis of variance
+    if not within:  # with all values known it equals the analysis of variance
         return _censored_anova(design, table, within).table
     if design.between is None or table[design.between].nunique() < 2:
         return repeated_measures(table, within=within, **design.arguments)
@@ -153,7 +153,7 @@ def _anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -
 
 
 def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[str]) -> Outcome:
-    """The analysis of all that is known of all participants; the group's means are then those of its model."""
+    """Add the analysis of all known values; the group's means are then those of its model."""
     if len(design.within) > MAX_FACTORS:
         return result
     kept: SubDesign | None = SubDesign(design.table, (), ())
@@ -167,15 +167,16 @@ def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[st
         censored = _censored_anova(design, kept.table, kept.within)
     except InvalidParameter as refusal:
         return replace(result, notes=(*result.notes, f"no analysis of bounds: {reason_of(refusal)}"))
-    means = group_table(result.estimates, factors, result.dependent, model=_means(censored, kept.table, factors))
-    notes = (*result.notes, *_count_notes(censored), *_loss_notes(kept))
-    return replace(result, censored=censored, notes=notes, group=means, cross=cross_table(means, factors))
-
-
-def _means(model: CensoredAnova, table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """With the one level of each factor of which the others are left out: the means are of no other."""
-    means = model.means()
-    return means.assign(**{name: table[name].iloc[0] for name in factors if name not in means.columns})
+    means = censored.means()
+    # A factor with a single level left has the means of that level.
+    means = means.assign(**{name: kept.table[name].iloc[0] for name in factors if name not in means.columns})
+    group = group_table(result.estimates, factors, result.dependent, model=means)
+    notes = [*result.notes, *_count_notes(censored)]
+    if kept.left_out:
+        names = f"leaves out {', '.join(kept.left_out)}"
+        why = f"fewer than {MIN_KNOWN} participants have a value in one of its conditions"
+        notes.append(f"the analysis of values and bounds {names}: {why}")
+    return replace(result, censored=censored, notes=tuple(notes), group=group, cross=cross_table(group, factors))
 
 
 def _censored_anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:
@@ -184,7 +185,7 @@ def _censored_anova(design: EstimateDesign, table: pd.DataFrame, within: Sequenc
 
 
 def _count_notes(model: CensoredAnova) -> list[str]:
-    """How the values that are not known count."""
+    """Return a note of how unknown values count."""
     data = model.design.data
     n_intervals = int((~data.known & np.isfinite(data.low) & np.isfinite(data.high)).sum())
     kinds = [
@@ -196,18 +197,8 @@ def _count_notes(model: CensoredAnova) -> list[str]:
     return [f"the analysis of values and bounds counts {' and '.join(counts)}"] if counts else []
 
 
-def _loss_notes(kept: SubDesign) -> list[str]:
-    if not kept.left_out:
-        return []
-    names = ", ".join(kept.left_out)
-    return [
-        f"the analysis of values and bounds leaves out {names}: fewer than {MIN_KNOWN} participants have a value in "
-        "one of its conditions"
-    ]
-
-
 def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -> Outcome:
-    """A mixed model with the measured force instead of its target. A bound counts as a bound."""
+    """Add a mixed model with the measured force instead of its target."""
     keys = [SUBJECT, *design.factors]
     measured = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
     data = design.table.merge(measured[measured["force_mean_n"] > 0], on=keys, how="inner")  # 0 has no logarithm
@@ -227,7 +218,7 @@ def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -
 def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
     primary, reason = primary_analysis(named, is_whole=is_whole, between=result.between, within=result.within)
     if primary not in result.analyses():
-        if not result.analyses() and named in (None, Primary.ANOVA):  # the notes say already why there is none
+        if not result.analyses() and named in (None, Primary.ANOVA):  # a note states the reason already
             return result
         note = f"no primary analysis: {TITLES[primary]} ({reason}) has no answer here"
         return replace(result, notes=(*result.notes, note))
@@ -235,7 +226,7 @@ def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outc
 
 
 def _with_losses(result: Outcome) -> Outcome:
-    """Name what the analysis of the complete part leaves out, whether it is the primary one or a check."""
+    """Name what the analysis of the complete part leaves out."""
     if result.anova is None or not result.left_out:
         return result
     is_primary = result.primary in (Primary.ANOVA, Primary.PERMUTATION)
@@ -248,9 +239,7 @@ def _with_losses(result: Outcome) -> Outcome:
 
 @dataclass(frozen=True)
 class _Comparison:
-    """How an analysis with `effects` of a part of a table compares conditions and groups: `pairs` of a factor at each
-    level of another (None: over all), `equivalence` of a factor's levels within a bound, simple effects by `analysis`.
-    """
+    """Functions of an analysis that compare conditions and groups in a part of the table."""
 
     effects: pd.DataFrame
     kept: SubDesign
@@ -261,7 +250,6 @@ class _Comparison:
 
 
 def _with_comparisons(result: Outcome, comparison: _Comparison, bounds: Mapping[str, float]) -> Outcome:
-    """Pairs, groups and simple effects."""
     table, within, between = comparison.kept.table, comparison.kept.within, comparison.between
     orders = interaction_orders(comparison.effects, [*([between] if between else []), *within])
     tested = [name for name in bounds if name in within]
@@ -277,7 +265,6 @@ def _with_comparisons(result: Outcome, comparison: _Comparison, bounds: Mapping[
 
 
 def _comparison_of_complete(design: EstimateDesign, effects: pd.DataFrame, complete: SubDesign) -> _Comparison:
-    """Of the complete part."""
     table = complete.table
 
     def compare(factor: str, by: str | None) -> pd.DataFrame:
@@ -285,8 +272,7 @@ def _comparison_of_complete(design: EstimateDesign, effects: pd.DataFrame, compl
             return group_pairs(table, between=factor, by=by, **design.arguments)
         if by is None or by != design.between:
             return pairs(table, factor=factor, by=by, **design.arguments)
-        # Groups have other participants, so that `by` is no factor within: each group alone, then all corrected
-        # together.
+        # Groups have other participants, so that `by` is no factor within: each alone, then one correction.
         of_groups = []
         for value, members in table.groupby(by, sort=True):
             alone = pairs(members, factor=factor, correction="none", **design.arguments)
@@ -298,7 +284,6 @@ def _comparison_of_complete(design: EstimateDesign, effects: pd.DataFrame, compl
 
 
 def _comparison_of_censored(design: EstimateDesign, model: CensoredAnova) -> _Comparison:
-    """Of the model of all that is known."""
     table, within, between = design.table, model.design.factors, model.design.between
     for name, levels in zip(within, model.design.levels, strict=True):
         table = table[table[name].isin(levels)]

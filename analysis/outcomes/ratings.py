@@ -1,4 +1,4 @@
-"""The questionnaires of a data set, each with its scores, tables and comparisons."""
+"""Questionnaires of a data set with scores, tables and comparisons."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from ..attrakdiff.patterns import THESIS, against_reference, frequency_by_envelo
 from ..attrakdiff.scoring import consistency, item_scores, portfolio, scores, summary, word_pairs
 from ..reading.study_file import forms_of
 from ..reading.trials import Trials, asked_rows
-from ..wording import decimals_of, interval_text, value_of
+from ..wording import condition_name, decimals_of, interval_text
 from .findings import Outcome, Primary
 from .outcome import outcome
 
@@ -22,10 +22,11 @@ PATTERN, REFERENCE = "pattern", "P0"
 
 @dataclass(frozen=True)
 class Ratings:
-    """One questionnaire: `scores` per participant and condition, `summary` over participants, `profile` per item,
-    `consistency`; `portfolio` where it has pragmatic and hedonic quality; the comparisons of the thesis, and the
-    profile `grouped` by frequency and by envelope, where its patterns were rated (None: not), else for each dimension
-    an `outcome`: which conditions differ."""
+    """One questionnaire: `scores` per participant and condition, `summary` over participants, `profile` per item.
+
+    `portfolio` with pragmatic and hedonic quality; where the thesis's patterns were rated, its comparisons (`crossed`,
+    `against`) and `grouped` profile, else an outcome for each dimension.
+    """
 
     form: Questionnaire
     factors: tuple[str, ...]
@@ -45,11 +46,11 @@ class Ratings:
 
     @property
     def stem(self) -> str:
-        """What its files are called."""
+        """Start of its file names."""
         return self.name.replace("-", "_")
 
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Every table, by the name of its file."""
+        """Return all tables by file name."""
         stem = self.stem
         tables = {
             f"{stem}_scores": self.scores,
@@ -61,63 +62,56 @@ class Ratings:
             f"{stem}_frequency_by_envelope": self.crossed,
             f"{stem}_against_{REFERENCE}": self.against,
         }
-        return {name: table for name, table in tables.items() if table is not None} | self._effects(stem)
-
-    def _effects(self, stem: str) -> dict[str, pd.DataFrame]:
-        """Of all dimensions together: effects and comparisons, a file each."""
+        known = {name: table for name, table in tables.items() if table is not None}
+        # Effects and comparisons of all dimensions together.
         by_file: dict[str, list[pd.DataFrame]] = {}
         for dimension, one in self.outcomes.items():
             for name, table in one.tables(stem).items():
-                if not name.startswith(("group_", "cross_")):  # the summary says the means of all dimensions
+                if not name.startswith(("group_", "cross_")):  # the summary has the means of all dimensions
                     of_dimension = table.copy()  # the outcome keeps its own table as it is
                     of_dimension.insert(0, "dimension", dimension)
                     by_file.setdefault(f"{stem}_{name.replace(f'_{stem}', '', 1)}", []).append(of_dimension)
-        return {name: pd.concat(tables, ignore_index=True) for name, tables in by_file.items()}
+        return known | {name: pd.concat(tables, ignore_index=True) for name, tables in by_file.items()}
 
     @property
     def tests_effects(self) -> bool:
-        """Whether anything was tested by F."""
+        """Return True if anything was tested by F."""
         return self.crossed is not None or any(one.primary is not None for one in self.outcomes.values())
 
     @property
     def notes(self) -> list[str]:
-        """What a reader must know of the outcomes; what holds for all dimensions once."""
+        """Notes of the outcomes; those of all dimensions once."""
         dimensions_of: dict[str, list[str]] = {}
         for dimension, one in self.outcomes.items():
             for note in one.notes:
                 dimensions_of.setdefault(note, []).append(dimension)
-        notes = [f"{self.form.title}: {said}" for said in (self._apart, self._averaged) if said]
+        notes = [f"{self.form.title}: {note}" for note in self._score_notes()]
         for note, dimensions in dimensions_of.items():
             whose = "" if len(dimensions) == len(self.outcomes) else f", {', '.join(dimensions)}"
             notes.append(f"{self.form.title}{whose}: {note}")
         return notes
 
-    @property
-    def _apart(self) -> str:
-        """What is told of scores without a condition."""
-        n_apart = int(self._is_apart.sum()) if self.factors else 0
-        where = f"it was asked outside of the conditions, and is compared with none ({self.stem}_scores.csv)"
-        return f"{n_apart} of {len(self.scores)} scores without a condition: {where}" if n_apart else ""
-
-    @property
-    def _averaged(self) -> str:
-        """What is told of answers before and after the conditions, which one score holds."""
-        n_averaged = int((self._is_apart & (self.scores["n_answered"] > len(self.form.items))).sum())
-        told = "each is a mean of answers that were given at several times, as before and after the blocks"
-        return f"{n_averaged} of {len(self.scores)} scores: {told}; analyse them apart" if n_averaged else ""
-
-    @property
-    def _is_apart(self) -> "pd.Series[bool]":
-        """Which scores have no condition; in a study without factors all."""
+    def _score_notes(self) -> list[str]:
+        """Return notes on scores without a condition, which in a study without factors are normal."""
         known = self.scores[list(self.factors)].notna().all(axis="columns")
-        return ~known if self.factors else known
+        is_apart = ~known if self.factors else known
+        n_apart = int(is_apart.sum()) if self.factors else 0
+        n_averaged = int((is_apart & (self.scores["n_answered"] > len(self.form.items))).sum())
+        of_all, notes = f"of {len(self.scores)} scores", []
+        if n_apart:
+            where = f"it was asked outside of the conditions, and is compared with none ({self.stem}_scores.csv)"
+            notes.append(f"{n_apart} {of_all} without a condition: {where}")
+        if n_averaged:
+            why = "each is a mean of answers that were given at several times, as before and after the blocks"
+            notes.append(f"{n_averaged} {of_all}: {why}; analyse them apart")
+        return notes
 
     def cross(self) -> pd.DataFrame:
-        """Conditions down, dimensions across, each as mean with interval, in text."""
+        """Return means with intervals as text, conditions down and dimensions across."""
         decimals = decimals_of(self.form.score_high - self.form.score_low)
         long = self.summary.assign(text=[_mean_text(row, decimals) for _, row in self.summary.iterrows()])
         wide = long.pivot(index="condition", columns="dimension", values="text")
-        # pivot sorts by name; conditions and dimensions keep the order that they have in the summary and the form.
+        # Pivot sorts by name; conditions and dimensions keep their order in the summary and the form.
         return wide.loc[list(dict.fromkeys(long["condition"])), list(self.form.dimensions)].reset_index()
 
 
@@ -130,7 +124,7 @@ def _mean_text(row: "pd.Series[Any]", decimals: int) -> str:
 
 
 def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
-    """What is said of each questionnaire that anyone answered; `primary` as for `outcome`."""
+    """Return the ratings of each questionnaire with an answer; `primary` as for `outcome`."""
     return tuple(
         _ratings(_rows_of_forms(rows, trials.factors), trials.factors, form, primary)
         for form, rows in asked_forms(trials)
@@ -139,20 +133,19 @@ def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
 
 
 def asked_forms(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
-    """The questionnaires that were put, each with its rows."""
+    """Return the questionnaires that were presented, each with its rows."""
     rows = asked_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
         return []
     forms = forms_of(trials.path)
     rows = rows[(rows["task"] == FORM_TASK) & rows["procedure"].isin(forms)]
-    # An empty cell of texts is no level, as it is none of numbers.
+    # An empty text is no level, as is an empty number.
     rows = rows.assign(**{name: rows[name].mask(rows[name].astype(object) == "") for name in trials.factors})
     return [(forms[str(name)], answers) for name, answers in rows.groupby("procedure")]
 
 
 def _rows_of_forms(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """The answers, and the questions of each participant and condition in which nothing was answered: their scores are
-    missing, and are counted."""
+    """Return the answers, and the questions of conditions without any answer, whose scores are missing."""
     answered = rows["response"] != ""
     cells = [rows[name] for name in ("participant", *factors)]
     return rows[answered | ~answered.groupby(cells, dropna=False).transform("any").astype(bool)]
@@ -166,6 +159,7 @@ def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, pr
     has_patterns = are_patterns({name: scored[name].unique() for name in varied})
     has_reference = has_patterns and REFERENCE in set(scored[PATTERN])
     has_portfolio = {"PQ", "HQ"} <= set(form.dimensions)
+    in_conditions, compared = scored.dropna(subset=varied), () if has_patterns or not varied else form.dimensions
     return Ratings(
         form=form,
         factors=tuple(varied),
@@ -177,19 +171,18 @@ def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, pr
         crossed=frequency_by_envelope(scored) if has_patterns else None,
         against=against_reference(scored) if has_reference else None,
         grouped=grouped_profile(profile) if has_patterns else None,
-        outcomes={} if has_patterns or not varied else _outcomes(scored.dropna(subset=varied), varied, form, primary),
+        outcomes={name: score_outcome(in_conditions, varied, name, primary) for name in compared},
     )
 
 
 def form_scores(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire) -> pd.DataFrame:
-    """What `attrakdiff.scoring.scores` gives of the answers to a questionnaire, by the factors that vary."""
+    """Score the answers to a questionnaire by the factors that vary."""
     varied = [factor for factor in factors if rows[factor].nunique() > 1]
     return scores(rows, questionnaire=form, within=varied)
 
 
 def are_patterns(levels: Mapping[str, Collection[object]]) -> bool:
-    """Whether the factors that vary, with their levels, are the patterns of the thesis, whose scores are compared by
-    frequency and envelope, and with the single focus.
+    """Return True if the varied factors are the patterns of the thesis, which has its own comparisons.
 
     >>> are_patterns({"pattern": ["P0", *THESIS]}), are_patterns({"pattern": ["P1", "P2"]})
     (True, False)
@@ -197,24 +190,13 @@ def are_patterns(levels: Mapping[str, Collection[object]]) -> bool:
     return list(levels) == [PATTERN] and set(THESIS) <= set(levels[PATTERN])
 
 
-def _outcomes(
-    scored: pd.DataFrame, factors: Sequence[str], form: Questionnaire, primary: str | None
-) -> dict[str, Outcome]:
-    """Of each dimension."""
-    return {name: score_outcome(scored, factors, name, primary) for name in form.dimensions}
-
-
 def score_outcome(scored: pd.DataFrame, factors: Sequence[str], dimension: str, primary: str | None) -> Outcome:
-    """Which conditions differ in the score of a dimension. A mixed model by the measured force is none of a
-    questionnaire: the rule chooses then."""
+    """Compare the conditions in the score of a dimension."""
     named = None if primary == Primary.MIXED_MODEL else primary  # scores have no measured force
     return outcome(scored, factors, FORM_TASK, dimension, primary=named)
 
 
 def _with_condition(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """The conditions in one column, as a person writes them."""
-    names = []
-    for row in table[list(factors)].itertuples(index=False, name=None):
-        values = zip(factors, row, strict=True)
-        names.append(", ".join(value_of(name, value) for name, value in values) or "all")
-    return table.assign(condition=names)
+    """Add the conditions as text in one column."""
+    rows = table[list(factors)].itertuples(index=False, name=None)
+    return table.assign(condition=[condition_name(factors, row) for row in rows])

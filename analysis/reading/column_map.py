@@ -11,9 +11,10 @@ import pandas as pd
 from tactometry.arguments.require import expect
 from tactometry.config.quantity import si_unit, unit_suffix, units
 from tactometry.config.strict import read_toml
-from tactometry.errors import InvalidFile
+from tactometry.errors import InvalidFile, count_of
+from tactometry.trials.row_rules import NUMBERS
 
-from .file_text import plain_text
+from .file_text import plain_text, trimmed
 from .level_scale import PLACED, SETTINGS, LevelScale
 from .rows import expect_column, holds
 from .unfolded import POSITIVE, TOTAL, counted_trials, survey_answers, with_responses
@@ -55,8 +56,8 @@ class ColumnMap:
     Raises
     ------
     InvalidParameter
-        If the decimal sign is another, the separator is not one sign, both are the same, or a unit is unknown or of
-        another dimension than the column's name.
+        If the decimal sign is another, the separator is not one sign, both are the same, a column has two sources, or
+        a unit is unknown or of another dimension than the column's name.
     """
 
     columns: dict[str, str] = field(default_factory=dict)
@@ -74,6 +75,10 @@ class ColumnMap:
         expect(self.decimal in (".", ","), "decimal", repr(self.decimal), "'.' or ','")
         is_other = len(self.separator) <= 1 and (self.decimal == "." or self.separator not in ("", ","))
         expect(is_other, "separator", repr(self.separator), "one sign, and another than the decimal sign")
+        sources = ("columns", "constants", "from_name")
+        for name in {**self.columns, **self.constants, **self.from_name}:
+            of = [source for source in sources if name in getattr(self, source)]
+            expect(len(of) == 1, name, f"it in {' and '.join(of)}", "it in one of them")
         for name, unit in self.units.items():
             symbol, _ = si_unit(unit, f"units.{name}")
             suffix = unit_suffix(name)
@@ -94,12 +99,12 @@ def read_column_map(path: str | Path) -> ColumnMap:
 
 
 def _plain(value: Any) -> Any:
-    """Return the texts of a key as `plain_text` writes those of tables."""
+    """Return the texts of a key as `text_cells` reads those of tables."""
     if isinstance(value, Mapping):
-        return {plain_text(name): _plain(held) for name, held in value.items()}
+        return {trimmed(plain_text(name)): _plain(held) for name, held in value.items()}
     if isinstance(value, tuple):
         return tuple(map(_plain, value))
-    return plain_text(value) if isinstance(value, str) else value
+    return trimmed(plain_text(value)) if isinstance(value, str) else value
 
 
 def translate(
@@ -118,9 +123,13 @@ def translate(
     """
     if column_map == ColumnMap():
         return raw
+    for note in _unkept_notes(raw, column_map, file):
+        warn(note)
     # Their names and words come first: rows are kept, and cells are missing, as the file has them.
     whole = raw.assign(**dict.fromkeys(_optional(raw, column_map, elsewhere), ""))
     table = _with_our_names(_with_our_signs(_trial_rows(whole, column_map, file), column_map), column_map, file)
+    if column_map.decimal == ",":
+        _refuse_thousands(table, file)
     for name, text in {**column_map.constants, **_of_name(column_map, file)}.items():
         table[name] = _text(text)
     table = _with_our_values(survey_answers(table, file, warn), column_map, file)
@@ -139,6 +148,21 @@ def missing_notes(tables: Mapping[Path, pd.DataFrame], column_map: ColumnMap) ->
         lacking = [file.name for file, table in tables.items() if theirs not in table.columns]
         if lacking:
             yield f"found no column {theirs!r} in {', '.join(lacking)}: {ours} is empty there"
+
+
+def _unkept_notes(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> Iterator[str]:
+    """Warn of rows that are not kept as their value differs from a kept one by case or as a number of another form."""
+    for theirs, values in column_map.keep.items():
+        kept = {_folded(value) for value in values}
+        held = raw[theirs] if theirs in raw.columns else pd.Series(dtype=str)
+        like = held[~held.isin(values) & held.map(_folded).isin(kept)]
+        if len(like):
+            found = " and ".join(map(repr, sorted(like.unique())))
+            yield f"{file.name}: {count_of(len(like), 'row')} with {theirs} = {found} not kept; expected {values[0]!r}"
+
+
+def _folded(value: str) -> str:
+    return value.casefold().removesuffix(".0")
 
 
 def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
@@ -171,10 +195,10 @@ def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
 def _text(value: str | float | bool) -> str:
     """
-    >>> _text(True), _text(1.0), _text(0.5), _text("a")
-    ('1', '1', '0.5', 'a')
+    >>> _text(True), _text(1.0), _text(1234567.125), _text("a")
+    ('1', '1', '1234567.125', 'a')
     """
-    return value if isinstance(value, str) else f"{float(value):g}"
+    return value if isinstance(value, str) else repr(float(value)).removesuffix(".0")
 
 
 def _trial_rows(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
@@ -196,6 +220,18 @@ def _with_our_signs(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
             # Only cells that are a number as a whole: texts keep their commas.
             table[name] = table[name].str.replace(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", regex=True)
     return table
+
+
+def _refuse_thousands(table: pd.DataFrame, file: Path) -> None:
+    """Refuse numbers such as 6.125 where the decimal sign is a comma: they may be 6125."""
+    for name in (name for name in NUMBERS if name in table.columns):
+        pointed = table[table[name].str.fullmatch(r"[+-]?\d*\.\d+")]
+        if len(pointed) and pointed[name].str.fullmatch(r"[+-]?[1-9]\d{0,2}\.\d{3}").all():
+            first = pointed.iloc[0]
+            raise InvalidFile(
+                f"{file}, row {first['row']}, column {name!r}: found {first[name]!r}, expected a decimal comma, as the "
+                'column map states; take out points that group thousands, or write decimal = "."'
+            )
 
 
 def _with_our_names(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:

@@ -1,21 +1,28 @@
 """Warnings of columns that contradict each other, and of values that cannot be."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy.special import bdtr
 
 from tactometry.errors import count_of
 from tactometry.trials.tasks import tasks_with_level
 
 from .level_scale import is_logarithm
-from .rows import numbers_of
+from .rows import correctness, first_place, numbers_of
 
 CHOSEN = ("forced_choice", "localisation")
 """Tasks whose response is the number that `target` holds where it is correct."""
 OF_SIGN = ("comparison", "adjustment", "same_different")
 """Tasks whose levels may be differences, which have a sign in any unit."""
+
+FEWEST_CHOICES = 50
+"""Forced choices in which each alternative is expected to appear at least once."""
+LONG_S = 60.0
+"""A median latency above this is most likely in milliseconds (unverified default)."""
+BELOW_CHANCE_P = 1e-4
+"""Probability of so few correct answers by guessing, below which the coding is doubted (unverified default)."""
 
 
 def contradictions(rows: pd.DataFrame) -> Iterator[str]:
@@ -24,14 +31,16 @@ def contradictions(rows: pd.DataFrame) -> Iterator[str]:
         (_wrong_correctness(rows), "a value of 'correct' other than 'response' and 'target' say; 'correct' was used"),
         (_beyond_alternatives(rows), "a response or target above 'n_alternatives'; the stated number was used"),
         (_signed_amplitudes(rows), "a negative level in a unit that is not a logarithm; see 'level' and 'level_unit'"),
+        (_unused_alternatives(rows), "an 'n_alternatives' above each response and target; the stated number was used"),
+        (_stated_guessing(rows), "an 'n_alternatives', which the task yes_no does not use; see 'task'"),
+        (_long_latencies(rows), "a 'latency_s' above a minute; if they are milliseconds, state it in [units]"),
+        (_below_chance(rows), "answers of participants who are right less often than by guessing; check 'correct'"),
         (_column(rows, "latency_s") < 0, "a negative 'latency_s': the answer came before the question"),
     )
     for mask, what in checks:
         if mask.any():
-            first = rows[mask].iloc[0]
-            place = f"{Path(str(first['source'])).name}, row {first['row']}"
             verb = "has" if mask.sum() == 1 else "have"
-            yield f"{count_of(int(mask.sum()), 'row')} {verb} {what} (the first: {place})"
+            yield f"{count_of(int(mask.sum()), 'row')} {verb} {what} {first_place(rows[mask])}"
 
 
 def _column(rows: pd.DataFrame, name: str) -> "pd.Series[float]":
@@ -47,6 +56,35 @@ def _wrong_correctness(rows: pd.DataFrame) -> "pd.Series[bool]":
 def _beyond_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
     stated, of_choices = _column(rows, "n_alternatives"), rows["task"].isin(CHOSEN)
     return of_choices & ((_chosen(rows) > stated) | (_column(rows, "target") > stated))
+
+
+def _unused_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
+    """Find rows of which one alternative was never chosen and never the target, although the target varies."""
+    stated, is_choice = _column(rows, "n_alternatives"), rows["task"] == "forced_choice"
+    largest = pd.concat([_chosen(rows), _column(rows, "target")], axis=1).max(axis=1).where(is_choice)
+    groups = largest.groupby(stated)
+    varies = _column(rows, "target").groupby(stated).transform("nunique") > 1
+    return varies & (groups.transform("count") >= FEWEST_CHOICES) & (groups.transform("max") < stated)
+
+
+def _stated_guessing(rows: pd.DataFrame) -> "pd.Series[bool]":
+    return (rows["task"] == "yes_no") & _column(rows, "n_alternatives").notna()
+
+
+def _long_latencies(rows: pd.DataFrame) -> "pd.Series[bool]":
+    """Find latencies above `LONG_S`, if most are."""
+    is_long = _column(rows, "latency_s") > LONG_S
+    return is_long & (_column(rows, "latency_s").median() > LONG_S)
+
+
+def _below_chance(rows: pd.DataFrame) -> "pd.Series[bool]":
+    """Find forced choices of participants with fewer correct answers than guessing explains."""
+    known = rows[(rows["task"] == "forced_choice") & (rows["response"] != "")]
+    right, n = correctness(known), _column(known, "n_alternatives").fillna(_chosen(known).max())
+    by_code = pd.DataFrame({"right": right, "chance": 1 / n}).dropna().groupby(known["participant"])
+    found = by_code.agg(n=("right", "size"), right=("right", "sum"), chance=("chance", "mean"))
+    p = bdtr(found["right"], found["n"], found["chance"])
+    return rows["participant"].isin(found.index[p < BELOW_CHANCE_P]) & (rows["task"] == "forced_choice")
 
 
 def _chosen(rows: pd.DataFrame) -> "pd.Series[float]":

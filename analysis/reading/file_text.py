@@ -23,6 +23,7 @@ SIGNATURES = (
     (b"\xfe\xff", UTF_16),
 )
 """First bytes of files that hold no table of text, with what they are and how to get one."""
+_INVISIBLE = re.compile("[\u200b\u200e\u200f\u2060\ufeff]")
 _MINUS = re.compile("[\u2212\uff0d](?=[.,]?[0-9])")
 _JSON_LIST = re.compile(r"\s*\[\s*[{\]]")
 
@@ -66,12 +67,21 @@ def _kind_of_archive(content: bytes, kind: str) -> str:
 
 
 def plain_text(text: str) -> str:
-    r"""Return the text in composed form (NFC), with ASCII minus signs before digits.
+    r"""Return the text in composed form (NFC), with ASCII minus signs before digits and no invisible signs.
 
-    >>> plain_text("\u221212"), plain_text("gro\u0308\u00dfe") == "gr\u00f6\u00dfe"
+    >>> plain_text("\u221212\u200b"), plain_text("gro\u0308\u00dfe") == "gr\u00f6\u00dfe"
     ('-12', True)
     """
-    return text if text.isascii() else _MINUS.sub("-", unicodedata.normalize("NFC", text))
+    return text if text.isascii() else _MINUS.sub("-", _INVISIBLE.sub("", unicodedata.normalize("NFC", text)))
+
+
+def trimmed(text: str) -> str:
+    """Return the text without spaces around it; a text of spaces alone, as jsPsych's space bar, stays.
+
+    >>> trimmed(" S01 "), trimmed(" ")
+    ('S01', ' ')
+    """
+    return text.strip() or text
 
 
 def is_json_list(text: str) -> bool:

@@ -1,7 +1,7 @@
 """Codes of participants: written without separators, and compared with each other."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pandas as pd
@@ -55,16 +55,32 @@ def with_codes(tables: Mapping[Path, pd.DataFrame], path: Path, notes: list[str]
     return {file: table.assign(participant=table["participant"].replace(short)) for file, table in tables.items()}
 
 
+def _alike(words: Iterable[str], plain: Callable[[str], str]) -> list[str]:
+    """Return the groups of words that are one word in plain form."""
+    groups: dict[str, list[str]] = {}
+    for word in words:
+        groups.setdefault(plain(word), []).append(word)
+    return [" and ".join(sorted(group)) for group in groups.values() if len(group) > 1]
+
+
+def alike_values(rows: pd.DataFrame, factors: Iterable[str]) -> Iterator[str]:
+    """Warn of values of a factor that differ by case or spaces alone."""
+    for name in factors:
+        alike = _alike(map(repr, map(str, rows[name].unique())), lambda value: "".join(value.casefold().split()))
+        if alike:
+            yield (
+                f"{name} has values that differ only by case or spaces: {first_named(alike)}; each was analysed as a "
+                f"condition; where they are one, map them in [values.{name}] of a column map"
+            )
+
+
 def alike_notes(codes: Iterable[str]) -> Iterator[str]:
     """Warn of codes that differ by case, separators or leading zeros alone.
 
     >>> list(alike_notes(["01", "1", "S2"]))[0][:75]
     'participants that may be the same, as their codes differ only by case, sepa'
     """
-    groups: dict[str, list[str]] = {}
-    for code in codes:
-        groups.setdefault(_ZEROS.sub("", _SEPARATORS.sub("", code).casefold()), []).append(code)
-    alike = [" and ".join(sorted(group)) for group in groups.values() if len(group) > 1]
+    alike = _alike(codes, lambda code: _ZEROS.sub("", _SEPARATORS.sub("", code).casefold()))
     if alike:
         yield (
             "participants that may be the same, as their codes differ only by case, separators or leading zeros: "

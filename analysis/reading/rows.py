@@ -1,5 +1,7 @@
 """Rows of a table of trials: the numbers of their cells, what they say of a trial, and how a bad one is refused."""
 
+import json
+import re
 from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,14 @@ from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS, rows_text
 from tactometry.trials.tasks import FORM_TASK
 
 from ..arrays import Array
+
+NOT_MEASURED = frozenset(("none", "null", "nan", "na", "n/a", "-", "--", "undefined", "#n/a", "timeout"))
+"""What other programs write where nothing was measured."""
+NAMED_VALUES = ("response", "target", "session", "correct", "catch", "valid", "practice")
+"""Columns whose values other programs write in words."""
+NEGATIVE = frozenset(("n", "no", "nein", "false", "f", "wrong", "incorrect", "miss", "not felt"))
+"""Words that most likely mean 0."""
+_NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 
 
 def numbers_of(text: "pd.Series[str]") -> "pd.Series[float]":
@@ -71,8 +81,14 @@ def correctness(rows: pd.DataFrame) -> "pd.Series[float]":
 
 def place_of(rows: pd.DataFrame) -> str:
     """Where rows of a table of trials stand: the first of them, and how many more there are."""
-    numbers = rows["row"].tolist()
+    numbers = rows["row"].drop_duplicates().tolist()  # a row of counts holds several trials
     return f"{rows['source'].iloc[0]}{rows_text(numbers[0], numbers[1:], len(numbers))}"
+
+
+def first_place(rows: pd.DataFrame) -> str:
+    """Return where the first of the rows is, as the end of a warning."""
+    first = rows.iloc[0]
+    return f"(the first: {Path(str(first['source'])).name}, row {first['row']})"
 
 
 def bad_cell(row: "pd.Series[Any]", column: str, found: str, expected: str) -> InvalidFile:
@@ -80,10 +96,39 @@ def bad_cell(row: "pd.Series[Any]", column: str, found: str, expected: str) -> I
     return InvalidFile(f"{row['source']}, row {row['row']}, column {column!r}: found {found}, expected {expected}")
 
 
+def meaning(name: str, text: str) -> str:
+    """Return how a column map states what a word means.
+
+    >>> meaning("response", "y")
+    "; say what it means in a column map (--columns), below [values.response], for example: 'y' = 1"
+    >>> meaning("response", "None"), meaning("response", "7")
+    ("; say in a column map (--columns) that it was not measured: missing = ['None']", '')
+    """
+    if name == "participant" and text:
+        return f"; give each a code in a column map (--columns), below [values.participant]: {_toml_text(text)} = 'P1'"
+    word, plain = _toml_text(text), text.strip().lower()
+    if plain in NOT_MEASURED:
+        return f"; say in a column map (--columns) that it was not measured: missing = [{word}]"
+    if name not in NAMED_VALUES or not text or _NUMBER.fullmatch(text):
+        return ""
+    number = 0 if plain in NEGATIVE and name != "target" else 1
+    return f"; say what it means in a column map (--columns), below [values.{name}], for example: {word} = {number}"
+
+
+def _toml_text(text: str) -> str:
+    r"""
+    >>> print(_toml_text("y"), _toml_text("don't\n"))
+    'y' "don't\n"
+    """
+    if text.isprintable() and "'" not in text:
+        return f"'{text}'"
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON may hold it as it is, TOML may not
+
+
 def expect_column(table: pd.DataFrame, name: str, file: object, why: str) -> None:
     """Refuse a table of this file without a column; `why` ends the sentence."""
     if name not in table.columns:
-        raise InvalidFile(f"{file}: {no_column(name, table)}{why}")
+        raise InvalidFile(f"{file}: found no column {name!r}{why}{nearest(name, map(str, table.columns))}")
 
 
 def no_column(name: str, table: pd.DataFrame) -> str:
@@ -124,9 +169,7 @@ def unanswered_notes(rows: pd.DataFrame) -> list[str]:
     if silent.empty:
         return []
     verb = "was" if len(silent) == 1 else "were"
-    first = silent.iloc[0]
-    place = f"{Path(str(first['source'])).name}, row {first['row']}"
-    return [f"{count_of(len(silent), 'row')} without an answer {verb} left out (the first: {place})"]
+    return [f"{count_of(len(silent), 'row')} without an answer {verb} left out {first_place(silent)}"]
 
 
 def routine_notes(left: Mapping[Path, pd.DataFrame]) -> list[str]:

@@ -19,7 +19,7 @@ from tactometry.errors import InvalidFile
 from tactometry.files.json_file import json_items
 from tactometry.trials.row_rules import MOST_COLUMNS
 
-from .file_text import file_text, is_json_list
+from .file_text import file_text, is_json_list, trimmed
 
 TEXT = pd.StringDtype("python", na_value=np.nan)
 """Of a cell: the same whether pyarrow is installed or not, without which `str` is this."""
@@ -47,7 +47,8 @@ def text_cells(
     The `separator` is by default that of a first line ``sep=;``, else a comma, in ``.tsv`` a tab. Columns without a
     name that are empty throughout are left out: PsychoPy ends each row with a comma. So are, with a line in `notes`,
     a first column without a name that counts the rows, and columns of one name that are not `needed` (None: all are).
-    Text is brought to one form of Unicode (`plain_text`), unless it is to stay `verbatim`.
+    Text is brought to one form of Unicode (`plain_text`) and spaces around cells are left out, unless it is to stay
+    `verbatim`.
 
     Raises
     ------
@@ -58,7 +59,7 @@ def text_cells(
     text = file_text(file, verbatim=verbatim)
     notes = [] if notes is None else notes
     if file.suffix.lower() == ".json" or is_json_list(text):
-        return json_cells(text, file)
+        return _trimmed_cells(json_cells(text, file), "" if verbatim else text)
     text, stated, n_before = _without_sep_line(text)
     header = text[: text.find("\n")] if "\n" in text else text
     if not separator:
@@ -69,7 +70,16 @@ def text_cells(
     cells = plain_cells(text, separator)
     if cells is None:
         cells = _any_cells(text, separator, file, n_before)
-    return _with_header(cells.set_axis(cells.index + n_before), file, needed, notes)
+    table = _with_header(cells.set_axis(cells.index + n_before), file, needed, notes)
+    return _trimmed_cells(table, "" if verbatim else text, separator)
+
+
+def _trimmed_cells(table: pd.DataFrame, text: str, separator: str = ",") -> pd.DataFrame:
+    """Leave out spaces around cells, if the text of the file has any there."""
+    ends = (separator, "\n", "\r", '"')
+    if not any(f"{space}{end}" in text or f"{end}{space}" in text for end in ends for space in (" ", "\u00a0")):
+        return table
+    return table.assign(**{name: table[name].map(trimmed) for name in table.columns if name != "row"})
 
 
 def _without_sep_line(text: str) -> tuple[str, str, int]:

@@ -1,5 +1,6 @@
 """The files that hold trials: in a data set of ours, in BIDS, in a folder of another program."""
 
+import filecmp
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -55,7 +56,14 @@ def _refuse_folder(path: Path, *, foreign: bool) -> list[Path]:
             f"{path}: found another program's tables and {EXPORTED_MAP}, which says how they are read, expected "
             f"--columns {column_map}; its first line is a comment with the whole command"
         )
-    held = [file.name for file in _data_files(path)] if foreign else []
+    data_files = _data_files(path) if foreign else []
+    folders = {file.parent.name for file in data_files if file.suffix.lower() in TABLES and file.parent != path}
+    if folders:
+        raise InvalidFile(
+            f"{path}: found tables only in its subfolders ({first_named(sorted(folders), MOST_NAMED)}), expected them "
+            "in the folder itself; analyse one subfolder at a time, or move the tables into one folder"
+        )
+    held = [file.name for file in data_files]
     if held:
         raise InvalidFile(
             f"{path}: found no table of trials but {first_named(held, MOST_NAMED)}, expected CSV, TSV or JSON; save "
@@ -82,6 +90,21 @@ def unread_notes(path: Path, used: Sequence[Path]) -> Iterator[str]:
         unread = [file for file in others if file.stem not in names or file.suffix.lower() in TABLES]
     if unread:
         yield f"not read: {first_named([str(file.relative_to(path)) for file in unread], MOST_NAMED)}"
+
+
+def copy_notes(files: Sequence[Path]) -> Iterator[str]:
+    """Warn of files with the same content."""
+    by_size: dict[int, list[Path]] = {}
+    for file in files:
+        by_size.setdefault(file.stat().st_size, []).append(file)
+    for group in by_size.values():
+        for n, file in enumerate(group):
+            first = next((other for other in group[:n] if filecmp.cmp(file, other, shallow=False)), None)
+            if first is not None:
+                yield (
+                    f"{first.name} and {file.name} have the same content, and the trials of both were counted; remove "
+                    "one if it is a copy"
+                )
 
 
 def _tables_in(folder: Path) -> list[Path]:
@@ -136,5 +159,5 @@ def _run(file: Path) -> Path:
 
 
 def _visible_files(files: Iterable[Path]) -> list[Path]:
-    """Files, sorted, without those that a system hides beside them (``._x_data.csv``)."""
-    return sorted(file for file in files if file.is_file() and not file.name.startswith("."))
+    """Return the files, sorted, without hidden ones (``._x_data.csv``) and Excel's lock files (``~$x.csv``)."""
+    return sorted(file for file in files if file.is_file() and not file.name.startswith((".", "~$")))

@@ -21,18 +21,19 @@ from tactometry.trials.columns import ALWAYS, FIRST, FOREIGN, MAY_BE_FACTORS, OP
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
 
-from .cell_meaning import meaning
 from .column_map import ColumnMap, missing_notes, shared_name_notes, stated_codes, translate, trials_of
 from .contradictions import contradictions
 from .file_text import plain_text
 from .level_scale import on_scale, wide_levels
-from .participants import alike_notes, with_codes, without_separators
+from .participants import alike_notes, alike_values, with_codes, without_separators
 from .rows import (
     bad_cell,
     begun_notes,
     expect_column,
+    first_place,
     holds,
     is_catch,
+    meaning,
     numbers_of,
     place_of,
     routine_notes,
@@ -42,8 +43,8 @@ from .rows import (
     with_rows,
 )
 from .text_table import text_cells
-from .trial_files import trial_files, unread_notes
-from .unfolded import POSITIVE, TOTAL
+from .trial_files import copy_notes, trial_files, unread_notes
+from .unfolded import ALTERNATIVES, POSITIVE, TOTAL
 
 REQUIRED = ("participant", "level", "task", "response")
 READ = tuple(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL, *FOREIGN))
@@ -117,7 +118,7 @@ def read_trials(
     left_out = {file: table.drop(texts[file].index) for file, table in raw.items()}
     notes = [*unread_notes(path, files), *notes, *routine_notes(left_out), *begun_notes(read, raw)]
     notes += unanswered_notes(trials.rows) if column_map is not None else []
-    notes += shared_name_notes(files, given)
+    notes += [*shared_name_notes(files, given), *(copy_notes(files) if column_map is not None else ())]
     notes += [*_lost_notes(cells, given, trials.rows, path), *_between_notes(trials.rows, within or ())]
     return replace(trials, notes=(*notes, *trials.notes, *contradictions(trials.rows)))
 
@@ -183,7 +184,7 @@ def trials_in(
     for name in named:
         rows[name] = _factor_values(rows, name)
     factors = named if within is not None else tuple(name for name in named if _is_filled(rows[name]))
-    notes = (*repetitions(rows, named), *([] if level_scale else wide_levels(rows)))
+    notes = (*repetitions(rows, named), *alike_values(rows, factors), *([] if level_scale else wide_levels(rows)))
     return Trials(on_scale(rows, level_scale) if level_scale else rows, factors, path, len(tables), notes)
 
 
@@ -202,11 +203,10 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     if again.empty:
         return []
     alike = int(numbered.duplicated([name for name in rows.columns if name not in OWN]).sum())
-    first = again.iloc[0]
-    place = f"{Path(str(first['source'])).name}, row {first['row']}"
+    place = first_place(again).removesuffix(")")
     repeat = "repeats a trial that stands before it" if len(again) == 1 else "repeat trials that stand before them"
     return [
-        f"{count_of(len(again), 'row')} {repeat} (the first: {place}; {alike} of {len(again)} alike in every cell): "
+        f"{count_of(len(again), 'row')} {repeat} {place}; {alike} of {len(again)} alike in every cell): "
         "each counts as a trial of its own; take copies out, or number trials through the session"
     ]
 
@@ -316,8 +316,9 @@ def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":
 def _counts(table: pd.DataFrame, name: str) -> "pd.Series[float]":
     values = _numbers(table, name)
     n = values.to_numpy()
-    is_count = (n == np.floor(n)) & (n >= 0) | np.isnan(n)
-    _expect(table, name, pd.Series(is_count, table.index), "a whole number from 0")
+    lowest = 2 if name == ALTERNATIVES else 0
+    is_count = (n == np.floor(n)) & (n >= lowest) | np.isnan(n)
+    _expect(table, name, pd.Series(is_count, table.index), f"a whole number from {lowest}")
     return values
 
 

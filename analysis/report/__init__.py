@@ -1,1 +1,1 @@
-"""What is told: sentences, page, terminal, JSON, PDF; the last room, nothing computes here."""
+"""Report of an analysis: sentences, page, terminal, JSON, PDF."""

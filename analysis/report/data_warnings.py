@@ -1,4 +1,4 @@
-"""What a reader must know before the numbers."""
+"""Warnings about the data, which a reader sees before the results."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -25,7 +25,7 @@ from ..wording import first_named, named_cells, percent_text
 MANY_FALSE_ALARMS = 0.25
 MANY_INVALID = 0.2
 MANY_DROPPED = 0.01
-"""Shares above these are warned of; unverified defaults."""
+"""Shares above these cause a warning; unverified defaults."""
 FEW_TRIALS = 15
 STATUS_WORDS = {
     Status.BELOW: "with a threshold below the levels: its upper bound is given",
@@ -39,44 +39,31 @@ STATUS_WORDS = {
 
 
 def warnings_of(analysis: Analysis) -> tuple[str, ...]:
-    """All of them, in the order in which a report says them."""
-    trials, estimates = analysis.trials, analysis.tables.get("thresholds")
-    of_curves = () if estimates is None else _curve_warnings(analysis, estimates)
-    of_goodness = () if estimates is None else goodness_warnings(estimates, trials.factors)
-    resolutions = analysis.table(OF_PARTICIPANTS)
-    return (
-        *analysis.origin.warnings,
-        *trials.notes,
-        *_exclusion_warnings(analysis.tables.get("excluded")),
-        *_unused_warnings(trials),
-        *_missing_values(analysis),
-        *of_curves,
-        *_other_tasks(trials),
-        *_unanswered_forms(trials),
-        *_quality_warnings(analysis.tables["quality"]),
-        *_practice_warnings(analysis),
-        *of_goodness,
-        *(goodness_warnings(resolutions, conditions_of_fits(resolutions)) if len(resolutions) else ()),
-    )
-
-
-def _exclusion_warnings(excluded: pd.DataFrame | None) -> Iterator[str]:
-    """One for each rule that left something out."""
-    if excluded is not None:
-        for rule, lost in excluded.groupby("rule", sort=False):
-            numbers = ", ".join(f"{row.participant} {row.n_trials}" for row in lost.itertuples(index=False))
-            yield f"left out by the rule {rule} = {lost['bound'].iloc[0]:g}, numbers of trials: {numbers}"
-
-
-def _missing_values(analysis: Analysis) -> Iterator[str]:
-    """Of tasks whose values are read off the answers."""
+    """Return all warnings in the order of the report."""
+    trials, estimates, resolutions = analysis.trials, analysis.table("thresholds"), analysis.table(OF_PARTICIPANTS)
+    warnings = [*analysis.origin.warnings, *trials.notes]
+    warnings += _exclusion_warnings(analysis.table("excluded"))
+    warnings += _unused_warnings(trials)
     for outcome in analysis.outcomes:
-        if outcome.task in RESULTS:
-            yield from _missing_cells(outcome.estimates, outcome.factors)
+        if outcome.task in RESULTS:  # values without a curve
+            warnings += _missing_cells(outcome.estimates, outcome.factors)
+    warnings += _curve_warnings(analysis, estimates) if len(estimates) else ()
+    warnings += _other_tasks(trials)
+    warnings += _unanswered_forms(trials)
+    warnings += _quality_warnings(analysis.tables["quality"])
+    warnings += _practice_warnings(analysis)
+    warnings += goodness_warnings(estimates, trials.factors) if len(estimates) else ()
+    warnings += goodness_warnings(resolutions, conditions_of_fits(resolutions)) if len(resolutions) else ()
+    return tuple(warnings)
+
+
+def _exclusion_warnings(excluded: pd.DataFrame) -> Iterator[str]:
+    for rule, lost in excluded.groupby("rule", sort=False) if len(excluded) else ():
+        numbers = ", ".join(f"{row.participant} {row.n_trials}" for row in lost.itertuples(index=False))
+        yield f"left out by the rule {rule} = {lost['bound'].iloc[0]:g}, numbers of trials: {numbers}"
 
 
 def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str]:
-    """Of the fits of curves to the answers."""
     factors = analysis.factors
     yield from _missing_cells(estimates, factors)
     few = f"with fewer than {FEW_TRIALS} trials: such intervals rest on the priors"
@@ -87,33 +74,27 @@ def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str
             yield f"{len(cells)} of {len(estimates)} cells {text} ({named_cells(cells, factors)})"
     yield from floor_warnings(analysis.table(FLOORS), factors)
     yield from lapse_warnings(analysis.table(LAPSES), factors)
-    yield from _answer_warnings(analysis.trials, estimates)
+    for task, n_catch in estimates.groupby("task", sort=False)["n_catch"]:
+        if CURVES[str(task)].counts_catch and not n_catch.sum():
+            yield f"no catch trials where the task is {task}: the guess rate rests on its prior alone"
     yield from _alternatives_warnings(analysis)
 
 
 def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
-    """Conditions that others have and a participant has not; a factor that varies between participants alone is none of
-    theirs."""
+    """Yield the number of conditions that others have and a participant lacks, for each task."""
     for task, of_task in table.groupby("task", sort=False):
+        # A factor that varies between participants alone is not missing in any.
         inside = [name for name in factors if of_task.groupby("participant")[name].nunique().max() > 1]
         keys = ["participant", *inside]
         whole = of_task[["participant"]].drop_duplicates().merge(of_task[inside].drop_duplicates(), how="cross")
-        # A left merge says of each combination whether the participant has it.
         held = whole.merge(of_task[keys].drop_duplicates(), how="left", indicator=True)
         lost = held[held["_merge"] == "left_only"].sort_values(keys)
         if len(lost):
             yield f"{len(lost)} of {len(held)} cells of {task} without a valid trial ({named_cells(lost, inside)})"
 
 
-def _answer_warnings(trials: Trials, estimates: pd.DataFrame) -> Iterator[str]:
-    for task in (task for task, curve in CURVES.items() if curve.counts_catch):
-        n_catch = estimates.loc[estimates["task"] == task, "n_catch"]
-        if len(n_catch) and not n_catch.sum():  # a task that was not put lacks nothing
-            yield f"no catch trials where the task is {task}: the guess rate rests on its prior alone"
-
-
 def _unused_warnings(trials: Trials) -> Iterator[str]:
-    """Participants without an answer that counts, and forced choices of which nothing says whether they were right."""
+    """Yield participants without a valid answer, and forced choices without a known right answer."""
     used = used_rows(trials)
     lost = sorted(set(trials.rows["participant"].unique()) - set(used["participant"].unique()))
     if lost:
@@ -133,51 +114,48 @@ def _alternatives_warnings(analysis: Analysis) -> Iterator[str]:
     found, columns = analysis.n_choices, analysis.trials.rows.columns
     if not found or STATED in columns:
         return
-    numbers = " and ".join(map(str, found))
     if "target" not in columns:
+        numbers = " and ".join(map(str, found))
         yield f"no column 'target' in a forced choice: {numbers} alternatives were taken from the answers given"
     if len(found) > 1:
-        named = "; ".join(f"{n}: {', '.join(map(_condition_text, each))}" for n, each in found.items())
+        conditions = {n: ", ".join(" ".join(map(str, one)) for one in each) for n, each in found.items()}
+        named = "; ".join(f"{n}: {text}" for n, text in conditions.items())
         yield (
             f"conditions of the forced choice have different numbers of alternatives by their answers ({named}); if "
             f"that is wrong, state the column {STATED!r} in a column map"
         )
 
 
-def _condition_text(condition: Sequence[float | str]) -> str:
-    return " ".join(map(str, condition))
-
-
-def _other_tasks(trials: Trials) -> list[str]:
+def _other_tasks(trials: Trials) -> Iterator[str]:
     rows = trials.rows
     known = rows["task"].isin((*CURVES, *RESULTS))
     if "procedure" in rows.columns:
-        known |= (rows["task"] == FORM_TASK) & rows["procedure"].isin(
-            [*forms_of(trials.path), *choices_of(trials.path)]
-        )
+        forms = [*forms_of(trials.path), *choices_of(trials.path)]
+        known |= (rows["task"] == FORM_TASK) & rows["procedure"].isin(forms)
     other = rows[~known]
-    if not len(other):
-        return []
-    return [f"not analysed here, rows of other tasks: {len(other)} ({', '.join(sorted(other['task'].unique()))})"]
+    if len(other):
+        yield f"not analysed here, rows of other tasks: {len(other)} ({', '.join(sorted(other['task'].unique()))})"
 
 
-def _unanswered_forms(trials: Trials) -> list[str]:
-    """A warning for each questionnaire that was put and that nobody answered."""
-    return [
-        f"{form.title}: of {count_of(rows['participant'].nunique(), 'participant')} none answered, so it has no score"
-        for form, rows in asked_forms(trials)
-        if (rows["response"] == "").all()
-    ]
+def _unanswered_forms(trials: Trials) -> Iterator[str]:
+    for form, rows in asked_forms(trials):
+        if (rows["response"] == "").all():
+            who = count_of(rows["participant"].nunique(), "participant")
+            yield f"{form.title}: of {who} none answered, so it has no score"
 
 
 def _quality_warnings(quality: pd.DataFrame) -> Iterator[str]:
     many = quality[quality["false_alarm_rate"] > MANY_FALSE_ALARMS]
     if len(many):
         of_participants = zip(many["participant"], many["false_alarm_rate"], strict=True)
-        rates = [f"{code} {percent_text(rate)}" for code, rate in of_participants]
-        yield f"more than {percent_text(MANY_FALSE_ALARMS)} false alarms in catch trials: {', '.join(rates)}"
+        rates = ", ".join(f"{code} {percent_text(rate)}" for code, rate in of_participants)
+        yield f"more than {percent_text(MANY_FALSE_ALARMS)} false alarms in catch trials: {rates}"
     if "n_dropped_frames" in quality.columns:
-        yield from _frame_warnings(quality)
+        frames = quality.assign(n_due=quality["n_frames"] + quality["n_dropped_frames"])
+        lost = frames[frames["n_dropped_frames"] > MANY_DROPPED * frames["n_due"]]
+        numbers = ", ".join(f"{row.participant} {row.n_dropped_frames} of {row.n_due}" for row in lost.itertuples())
+        if numbers:
+            yield f"more than {percent_text(MANY_DROPPED)} of the screen's frames dropped: {numbers}"
     invalid = quality[quality["n_invalid"] > MANY_INVALID * quality["n_rows"]]
     if len(invalid):
         yield f"more than {percent_text(MANY_INVALID)} invalid trials: {', '.join(invalid['participant'])}"
@@ -187,19 +165,11 @@ def _practice_warnings(analysis: Analysis) -> Iterator[str]:
     """Name who missed the criterion of the practice, and what the experimenter chose each time."""
     quality, events = analysis.tables["quality"], analysis.table("happenings")
     if "practice_missed" in quality.columns and quality["practice_missed"].any():
-        missed = quality[quality["practice_missed"] == 1]
-        yield f"practice ended without meeting its criterion: {', '.join(missed['participant'])}"
+        missed = quality.loc[quality["practice_missed"] == 1, "participant"]
+        yield f"practice ended without meeting its criterion: {', '.join(missed)}"
     if len(events):
         asked = events[events["text"].str.startswith(PRACTICE_MISSED)]
         chosen = asked["text"].str.removeprefix(PRACTICE_MISSED).groupby(asked["participant"]).agg(", ".join)
         if len(chosen):
             choices = "; ".join(f"{participant} {words}" for participant, words in chosen.items())
             yield f"after a missed practice the experimenter chose: {choices}"
-
-
-def _frame_warnings(quality: pd.DataFrame) -> Iterator[str]:
-    frames = quality.assign(n_due=quality["n_frames"] + quality["n_dropped_frames"])
-    lost = frames[frames["n_dropped_frames"] > MANY_DROPPED * frames["n_due"]]
-    if len(lost):
-        numbers = [f"{row.participant} {row.n_dropped_frames} of {row.n_due}" for row in lost.itertuples(index=False)]
-        yield f"more than {percent_text(MANY_DROPPED)} of the screen's frames dropped: {', '.join(numbers)}"

@@ -1,5 +1,4 @@
-"""The report: one HTML file that needs nothing else, its tables beside it; figures as files; a PDF, printed by what is
-installed, a browser or WeasyPrint."""
+"""The report as one HTML file with its tables as CSV, figures as files, and a PDF by a browser or WeasyPrint."""
 
 import re
 import shutil
@@ -8,7 +7,6 @@ import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
 from typing import Protocol
 
@@ -24,16 +22,17 @@ from ..wording import in_words, split_unit
 from .kinds import KINDS
 from .methods import references
 from .section import Figure, Section
+from .texts import environment
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 WEASYPRINT = "weasyprint"
 PDF_TIMEOUT_S = 120.0
 Drawn = tuple[str, bytes | None]
-"""The SVG text of a figure, and its PNG."""
+"""SVG text of a figure, and its PNG."""
 
 
 class DrawEach(Protocol):
-    """Call a function with each figure, here (`map`) or in other processes, and return the results in their order."""
+    """Function that draws each figure, here (`map`) or in other processes, in their order."""
 
     def __call__(self, draw: Callable[[Figure], Drawn], figures: Iterable[Figure], /) -> Iterable[Drawn]: ...
 
@@ -46,9 +45,9 @@ def write_report(
     sections: Sequence[Section] | None = None,
     svgs: Mapping[str, str] | None = None,
 ) -> Analysis:
-    """Write the report to `path`, its tables to the folder ``<stem>_tables``, and a PDF if asked for.
+    """Write the report to `path`, its tables to the folder ``<stem>_tables``, and a PDF if requested.
 
-    Its `sections`, and the `svgs` of their figures by name, are made unless they are given.
+    Sections and `svgs` of the figures by name are made unless they are given.
 
     Raises
     ------
@@ -71,23 +70,16 @@ def write_report(
 
 
 def check_report(path: Path) -> None:
-    """Whether a report may have this name.
-
-    Raises
-    ------
-    InvalidParameter
-        If it does not end in ``.html``.
-    """
+    """Refuse a report whose name does not end in ``.html``."""
     expect(path.suffix.lower() in (".html", ".htm"), "--report", repr(path.name), "a file name that ends in .html")
 
 
 def write_figures(
     analysis: Analysis, folder: Path, sections: Sequence[Section] | None = None, spread: DrawEach = map
 ) -> dict[str, str]:
-    """Write every figure as SVG and PNG (300 dots per inch) and, beside them, the table that holds its numbers.
+    """Write every figure as SVG and PNG (300 dots per inch) with the table of its numbers; return the SVG texts.
 
-    Returns the SVG text of each figure by name. The `sections` are made unless they are given. `spread` distributes
-    the drawing over processes.
+    `spread` distributes the drawing over processes.
 
     Raises
     ------
@@ -119,19 +111,13 @@ def _drawn(figure: Figure, with_png: bool) -> Drawn:
 
 
 def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
-    """Each table as NAME.csv in the folder.
-
-    Raises
-    ------
-    OSError
-        If the disk is full or fails.
-    """
+    """Write each table as NAME.csv in the folder."""
     for name, table in tables.items():
         (folder / f"{file_text(name)}.csv").write_bytes(csv_bytes(table))
 
 
 def csv_bytes(table: pd.DataFrame) -> bytes:
-    """Format a table as CSV in which a spreadsheet computes no text; numbers stay as they are.
+    """Format a table as CSV whose texts a spreadsheet does not evaluate.
 
     >>> csv_bytes(pd.DataFrame({"@pattern": ["=1+1", "P0"], "threshold": [-1.5, None]}))
     b"'@pattern,threshold\\n'=1+1,-1.5\\nP0,\\n"
@@ -141,42 +127,42 @@ def csv_bytes(table: pd.DataFrame) -> bytes:
 
 
 def render(analysis: Analysis, sections: Sequence[Section] | None = None, svgs: Mapping[str, str] | None = None) -> str:
-    """The whole page; the same data give the same text."""
-    from jinja2 import Environment, StrictUndefined
-
-    factors = analysis.factors
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"words": lambda text: in_words(text, factors), "nonbreaking": nonbreaking}
-    template = environment.from_string((files(__package__) / "page.html").read_text("utf-8"))
+    """Return the whole page; the same data give the same text."""
     sections = sections_of(analysis) if sections is None else sections
     if svgs is None:
         svgs = draw_figures(figures_of(analysis, sections))
-    # The first line of the page says already that participants were simulated.
+    # The first line of the page states already that participants were simulated.
     warnings = [text for text in analysis.warnings if f"{text}." != analysis.origin.line]
-    return template.render(
-        analysis=analysis,
-        title=title_of(analysis),
-        svgs={name: _with_unique_names(svg, n) for n, (name, svg) in enumerate(svgs.items())},
-        data=data_line(analysis),
-        warnings=warnings + _notes(analysis),
-        sections=sections,
-        references=references(analysis.methods),
+    return (
+        environment(is_html=True)
+        .get_template("page.html")
+        .render(
+            words=partial(in_words, factors=analysis.factors),
+            nonbreaking=nonbreaking,
+            analysis=analysis,
+            title=title_of(analysis),
+            svgs={name: _with_unique_names(svg, n) for n, (name, svg) in enumerate(svgs.items())},
+            data=data_line(analysis),
+            warnings=warnings + _notes(analysis),
+            sections=sections,
+            references=references(analysis.methods),
+        )
     )
 
 
 def sections_of(analysis: Analysis) -> list[Section]:
-    """All sections between warnings and methods."""
+    """Return all sections between warnings and methods."""
     return [section for kind in KINDS for section in kind.sections(analysis)]
 
 
 def figures_of(analysis: Analysis, sections: Sequence[Section] | None = None) -> list[Figure]:
-    """Every figure of the report, in order."""
+    """Return every figure of the report, in order."""
     made = sections_of(analysis) if sections is None else sections
     return [figure for section in made for figure in section.figures()]
 
 
 def data_line(analysis: Analysis) -> str:
-    """What was read: participants, trials and files, factors and the unit of the levels."""
+    """Return participants, trials, files, factors and unit of the levels in one line."""
     trials, studies = analysis.trials, ", ".join(_studies(analysis))
     participants = count_of(len(analysis.tables["quality"]), "participant")
     read = f"{tally_of(trials)}, in {count_of(trials.n_files, 'file')}"
@@ -187,13 +173,12 @@ def data_line(analysis: Analysis) -> str:
 
 
 def _studies(analysis: Analysis) -> list[str]:
-    """The names of the studies that the rows are of."""
     rows = analysis.trials.rows
     return sorted(set(rows["study"]) - {""}) if "study" in rows.columns else []
 
 
 def nonbreaking(text: str) -> str:
-    """A cell that breaks between a value, its interval or spread and its number, and not within them.
+    """Prevent line breaks within an interval, a spread or a number of participants.
 
     >>> nonbreaking("0.29 [-0.78, 1.35] (n = 3)").replace(chr(160), "_").replace(chr(8209), "~")
     '0.29 [~0.78,_1.35] (n_=_3)'
@@ -206,25 +191,24 @@ def nonbreaking(text: str) -> str:
 
 
 def _notes(analysis: Analysis) -> list[str]:
-    """What a reader must know of the outcomes and questionnaires, each once."""
     notes = [note for outcome in analysis.outcomes for note in outcome.notes]
-    # Several outcomes may have the same note.
+    # Each note once.
     return list(dict.fromkeys([*notes, *(note for form in analysis.forms for note in form.notes)]))
 
 
 def _with_unique_names(svg: str, n: int) -> str:
-    """Element names are made unique in the page: a reference must not reach into another figure."""
+    """Make element names unique in the page, as a reference must not reach into another figure."""
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\1f{n}-", svg)
 
 
 def title_of(analysis: Analysis) -> str:
-    """The title of the study, else its name, else that of the file."""
+    """Return the title of the study, else its name, else that of the file."""
     title = analysis.study.title or ", ".join(_studies(analysis)) or analysis.trials.path.stem
     return f"{title} (simulated)" if analysis.origin.is_simulated else title
 
 
 def print_pdf(path: Path) -> Path:
-    """Print the page to a PDF beside it.
+    """Print the page to a PDF in the same folder.
 
     Raises
     ------
@@ -238,7 +222,7 @@ def print_pdf(path: Path) -> Path:
             "hand"
         )
     target = path.with_suffix(".pdf").resolve()
-    target.unlink(missing_ok=True)  # that of an earlier run would hide that this one failed
+    target.unlink(missing_ok=True)  # an earlier file would hide a failure
     with tempfile.TemporaryDirectory() as profile:
         command = _command(engine, path, target, profile)
         try:

@@ -1,10 +1,9 @@
-"""What a report is made of: kinds of results, which tell themselves in sections of blocks; tables as text, and as plain
-rows for JSON."""
+"""Parts of a report: kinds of results with sections of blocks, tables of the terminal and values of JSON."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import pandas as pd
 
@@ -15,15 +14,15 @@ from ..wording import cell_text, header_of, plain_text
 
 @dataclass(frozen=True)
 class TextGrid:
-    """A table as text for people, heads in words."""
+    """Table as text, with headings in words."""
 
     kind: ClassVar = "table"
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
-    @cached_property  # the page asks for it in every cell
+    @cached_property  # used in every cell of the page
     def is_text(self) -> tuple[bool, ...]:
-        """For each column whether it holds words: the first does, and each with a cell without a digit.
+        """True for each column of words: the first, and each with a cell without a digit.
 
         >>> TextGrid(("participant", "mean", "note"), (("P01", "1.2", "no pairs"), ("P02", "", ""))).is_text
         (True, False, True)
@@ -34,23 +33,23 @@ class TextGrid:
 
 
 def grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
-    """Values of factors as they were stated, other numbers with three significant digits.
+    """Format a table: levels of factors as they were stated, other numbers with three significant digits.
 
     >>> grid(pd.DataFrame({"force_n": [0.5], "mean": [0.5]}), ["force_n"])
     TextGrid(header=('Force (N)', 'mean'), rows=(('0.5', '0.500'),))
     """
-    columns = [[_text(value, is_level=name in factors) for value in table[name]] for name in table.columns]
+    columns = []
+    for name in table.columns:
+        known = table[name].notna() if name in factors else pd.Series(False, table.index)
+        values = zip(table[name], known, strict=True)
+        columns.append([plain_text(value) if is_level else cell_text(value) for value, is_level in values])
     heads = tuple(header_of(str(name), factors) for name in table.columns)
     return TextGrid(heads, tuple(zip(*columns, strict=True)) if columns else ())
 
 
-def _text(value: Any, *, is_level: bool) -> str:
-    return plain_text(value) if is_level and pd.notna(value) else cell_text(value)
-
-
 @dataclass(frozen=True)
 class Lead:
-    """A paragraph before what it explains."""
+    """An introductory paragraph."""
 
     kind: ClassVar = "lead"
     text: str
@@ -84,9 +83,9 @@ Draw = Callable[[], Drawing]
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure with its file name, caption, and the table of numbers: of them those rows that `of` holds.
+    """A figure with file name, caption, and table of its numbers, of which `of` (column, value) selects rows.
 
-    It is drawn when it is written, because all figures of a report would take 30 MiB for each participant.
+    It is drawn when written, as all figures of a report take 30 MiB for each participant.
     """
 
     kind: ClassVar = "figure"
@@ -97,13 +96,12 @@ class Figure:
     of: tuple[str, str] | None = None
 
     def rows(self, table: pd.DataFrame) -> pd.DataFrame:
-        """The rows of its table that it draws."""
         return table if self.of is None else table[table[self.of[0]] == self.of[1]]
 
 
 @dataclass(frozen=True)
 class Details:
-    """Blocks that a reader unfolds."""
+    """Folded blocks."""
 
     kind: ClassVar = "details"
     title: str
@@ -117,20 +115,20 @@ Blocks = Iterator[Content]
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the page; without a title it goes on with the one before."""
+    """Part of the page; without a title it continues the one before."""
 
     title: str
     blocks: tuple[Content, ...]
 
     def figures(self) -> list[Figure]:
-        """Those in its blocks and in what these unfold."""
+        """Return the figures of its blocks, folded ones included."""
         folded = [inner for block in self.blocks if isinstance(block, Details) for inner in block.blocks]
         return [block for block in (*self.blocks, *folded) if isinstance(block, Figure)]
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table of the terminal, with what is said below it; `across` names what its heads are."""
+    """Table of the terminal with sentences below; `across` names its headings."""
 
     cross: pd.DataFrame
     title: str
@@ -140,8 +138,7 @@ class TextTable:
 
 @dataclass(frozen=True)
 class ResultKind:
-    """A kind of result: its sections of the page, its tables of the terminal, and its values in JSON (tables as they
-    are), where an analysis holds it. Sections alone draw figures."""
+    """Kind of result: sections of the page, tables of the terminal, and values of JSON."""
 
     sections: Callable[[Analysis], Iterable[Section]] = field(default=lambda analysis: ())
     terminal: Callable[[Analysis], Iterable[TextTable]] = field(default=lambda analysis: ())
@@ -149,5 +146,5 @@ class ResultKind:
 
 
 def rows_of(*names: str) -> Callable[[Analysis], Iterable[tuple[str, object]]]:
-    """These tables as values in JSON, by their names; one that there is not has no rows."""
+    """Return a function that gives tables as values of JSON."""
     return lambda analysis: [(name, analysis.table(name)) for name in names]

@@ -1,10 +1,7 @@
-"""What a data set's study says of itself: its title, and its procedure as a paragraph for a methods section.
-
-The file of the study is quoted: what it leaves to a default is not told.
-"""
+"""Title and procedure of a data set's study, quoted from its file without defaults."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +12,7 @@ from tactometry.trials.tasks import TASKS
 from ..reading.study_file import StudyText
 from ..tasks.kinds import ANALYSES
 from ..wording import in_words, level_of, percent_text, procedure_phrase, split_unit
+from .texts import paragraph
 
 Table = Mapping[str, Any]
 STIMULI = {
@@ -64,14 +62,9 @@ WORDS = {
     "width_low": "smallest width",
     "voltage_peak_v": "peak voltage at most",
 }
-"""What a key is called where its own words would not do."""
+"""Words for keys that are not clear by themselves."""
 SHARES = ("catch_rate", "easy_share", "tolerance", "speed_tolerance")
 LEVELS = ("levels", "start", "easy_level", "low", "high", "standard_level")
-PLAN = {
-    "between": "Each participant met one level of {}.",
-    "sessions": "Each session held one level of {}.",
-    "interleave": "The levels of {} were interleaved within a block.",
-}
 ORDERS = {
     "williams": "changed with the participant's number by Williams squares",
     "complete": "changed with the participant's number over all orders",
@@ -80,7 +73,7 @@ ORDERS = {
 
 
 def study_text(path: Path, unit: str) -> StudyText:
-    """Of the data set in the folder `path` (empty without a study), whose levels are in `unit`.
+    """Return title, procedure and force of the study in the folder `path`; empty without a study.
 
     Raises
     ------
@@ -100,7 +93,7 @@ def study_text(path: Path, unit: str) -> StudyText:
 
 
 def procedure_text(study: Table, unit: str) -> str:
-    """How the study was done.
+    """Return the procedure of a study as a paragraph.
 
     >>> print(procedure_text({
     ...     "factors": {"frequency_hz": [60, 240]}, "counterbalance": ["frequency_hz"],
@@ -113,30 +106,31 @@ def procedure_text(study: Table, unit: str) -> str:
     felt a stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V,
     reversals 8).
     """
-    sentences = [*_design(study), *_tables(study, unit), *_variants(study), *_bounds(study, unit)]
-    return in_words(" ".join(sentences), list(_table(study, "factors")))
+    factors, plan = _table(study, "factors"), _table(study, "plan")
+    orders = dict(_table(plan, "orders"))
+    orders["williams"] = [*study.get("counterbalance", ()), *orders.get("williams", ())]
+    text = paragraph(
+        "study.j2",
+        study=study,
+        unit=unit,
+        conditions=[f"{split_unit(name)[0]} ({_levels(name, levels)})" for name, levels in factors.items()],
+        plan={key: plan.get(key) for key in ("between", "sessions", "interleave")},
+        orders=orders,
+        rules=ORDERS,
+        inquired=INQUIRED,
+        names=_names,
+        enumerated=_enumeration,
+        table_of=_table,
+        opening=_opening,
+        details=_details,
+    )
+    return in_words(text, list(factors))
 
 
 def _table(study: Table, name: str) -> Table:
-    """Empty in place of what is no table: the file is quoted, not checked."""
+    """Return a table, or an empty one, as the file is quoted and not checked."""
     table = study.get(name, {})
     return table if isinstance(table, Mapping) else {}
-
-
-def _design(study: Table) -> Iterator[str]:
-    factors, plan = _table(study, "factors"), _table(study, "plan")
-    if factors:
-        conditions = [f"{split_unit(name)[0]} ({_levels(name, levels)})" for name, levels in factors.items()]
-        kind = ", in all combinations" if len(conditions) > 1 and not _table(study, "nested") else ""
-        yield f"The conditions were {_enumeration(conditions)}{kind}."
-    for key, sentence in PLAN.items():
-        if plan.get(key):
-            yield sentence.format(_names(plan[key]))
-    orders = dict(_table(plan, "orders"))
-    orders["williams"] = [*study.get("counterbalance", ()), *orders.get("williams", ())]
-    for rule, names in orders.items():
-        if names:
-            yield f"The order of {_names(names)} {ORDERS.get(rule, rule)}."
 
 
 def _names(factors: Sequence[str]) -> str:
@@ -163,24 +157,7 @@ def _levels(name: str, stated: Any) -> str:
     return ", ".join(f"{level:g}" for level in levels) + (f" {unit}" if unit else "")
 
 
-def _tables(study: Table, unit: str) -> Iterator[str]:
-    """A sentence for each table that says how a trial went."""
-    for name in ("stimulus", "touch", "task", "procedure"):
-        if table := _table(study, name):
-            if "kind" in table:
-                yield f"{_opening(name, str(table['kind']), study)}{_details(table, unit)}."
-            elif keys := _keys(table, unit):
-                yield f"{name.capitalize()}: {keys}."
-    if practice := _table(study, "practice"):
-        yield f"Practice with feedback came first{_details(practice, unit)}."
-    for inquiry in _table(study, "inquiries").values():
-        if isinstance(inquiry, Mapping):
-            when = INQUIRED.get(str(inquiry.get("after", "session")), "in the session")
-            yield f"The questionnaire {inquiry.get('form', '')} was asked {when}."
-
-
 def _opening(name: str, kind: str, study: Table) -> str:
-    """How the sentence of a table begins."""
     words = kind.replace("_", " ")
     if name == "stimulus":
         return f"The stimulus was {STIMULI.get(kind, words)}"
@@ -194,18 +171,13 @@ def _opening(name: str, kind: str, study: Table) -> str:
 
 
 def _details(table: Table, unit: str) -> str:
-    """What else the table says, in brackets.
+    """Return the keys of a table in brackets.
 
     >>> _details({"kind": "press", "force_n": 1.5, "hold_s": "300 ms"}, "")
     ' (force 1.5 N, force held before each stimulus 300 ms)'
     """
-    keys = _keys(table, unit)
+    keys = ", ".join(_detail(key, value, unit) for key, value in table.items() if key != "kind")
     return f" ({keys})" if keys else ""
-
-
-def _keys(table: Table, unit: str) -> str:
-    """Every key of a table but its kind."""
-    return ", ".join(_detail(key, value, unit) for key, value in table.items() if key != "kind")
 
 
 def _detail(key: str, value: Any, unit: str) -> str:
@@ -220,21 +192,7 @@ def _detail(key: str, value: Any, unit: str) -> str:
         return f"{words}{_details(value, unit)}"
     if key in SHARES and isinstance(value, int | float):
         return f"{words} {percent_text(value)}"
-    # A text says its unit itself; and a step in decibels is a ratio, which has no reference.
+    # A text contains its unit, and a step in decibels is a ratio without a reference.
     stated = _levels(key, value) if isinstance(value, list) else level_of("" if isinstance(value, str) else key, value)
     suffix = unit if key in LEVELS else unit.partition(" re ")[0] if key == "steps" else ""
     return f"{words} {stated} {suffix}".rstrip()
-
-
-def _variants(study: Table) -> Iterator[str]:
-    """What a factor's level changes, other than of simulated participants."""
-    for factor in _table(study, "variants"):
-        levels = _table(_table(study, "variants"), factor)
-        for level in levels:
-            if sentences := list(_tables(_table(levels, level), "")):
-                yield f"{split_unit(factor)[0].capitalize()} {level.replace('_', ' ')}: {' '.join(sentences)}"
-
-
-def _bounds(study: Table, unit: str) -> Iterator[str]:
-    if limits := _details(_table(study, "limits"), unit):
-        yield f"Every signal was held within limits{limits}."

@@ -13,7 +13,7 @@ ORDER = (
     *("thresholds", "goodness", "outcomes", "hierarchical", "questionnaires", "questionnaire_statistics", "loss"),
     *("force", "same_different", "preference", "adjustment", "magnitude", "excluded"),
 )
-"""As earlier versions wrote them; what is new comes after them."""
+"""Order of earlier versions; new values follow."""
 
 
 def summary(analysis: Analysis) -> dict[str, object]:
@@ -31,15 +31,14 @@ def summary(analysis: Analysis) -> dict[str, object]:
         "simulated": analysis.origin.is_simulated,
         "seeds": list(analysis.origin.seeds),
         "warnings": list(analysis.warnings),
-        # Taken out, so that the line below holds what is left.
-        **{name: of_kinds.pop(name) for name in ORDER},
+        **{name: of_kinds[name] for name in ORDER},
         **of_kinds,
         **{name: None if place is None else str(place) for name, place in places.items()},
     }
 
 
 def plain(value: object) -> object:
-    """Tables as rows, wherever they stand; None for what is missing."""
+    """Return tables as rows, at any depth, and None for missing values."""
     if isinstance(value, pd.DataFrame):
         return plain(value.to_dict("records"))
     if isinstance(value, Mapping):

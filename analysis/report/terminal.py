@@ -31,15 +31,10 @@ def tables(analysis: "Analysis", width: int) -> "Iterator[tuple[Table | None, Se
 
 
 def text_table(cells: TextGrid, title: str, width: int, n_keys: int, across: str) -> "Table | None":
-    """Return a table that breaks no word and no value over lines.
+    """Return a table that breaks no word and no value over lines; None if it is too wide, or too long when folded.
 
     A table that is too wide has one row for each cell instead: the first `n_keys` columns, the head of the cell's
     column under `across`, and the cell.
-
-    Returns
-    -------
-    rich.table.Table | None
-        None if that is too wide as well, or has more than `MOST_FOLDED` rows.
     """
     from rich.table import Table
 

@@ -1,1 +1,1 @@
-"""One estimate per participant and condition, a file per task, as in protocols/tasks."""
+"""Estimates for each participant and condition, a file per task, as in protocols/tasks."""

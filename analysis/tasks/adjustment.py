@@ -1,7 +1,4 @@
-"""The method of adjustment: the mean of the levels that a participant set, and how much they vary.
-
-Gescheider, Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
-"""
+"""Method of adjustment: mean and spread of the levels that a participant set (Gescheider 1997, chapter 3)."""
 
 from collections.abc import Sequence
 
@@ -17,8 +14,7 @@ DEPENDENT = "setting"
 
 
 def adjustment_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, a row per participant and condition: the mean `setting` with its 95 % t-interval over
-    the settings, their standard deviation `sd` and number."""
+    """Return the mean `setting` of each participant and condition with its t-interval, `sd` and number."""
     return by_condition(rows, ["participant", *factors], _row)
 
 

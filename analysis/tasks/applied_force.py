@@ -1,4 +1,4 @@
-"""Whether the finger pressed as it was told: applied force per participant and condition, and time in band."""
+"""Applied force of each participant and condition, and time in the target band."""
 
 from collections.abc import Sequence
 
@@ -13,14 +13,15 @@ MEASURED = ("force_mean_n", "force_sd_n", "force_in_band")
 
 
 def has_force(rows: pd.DataFrame) -> bool:
-    """Whether the applied force was measured."""
+    """Return True if the applied force was measured."""
     return "force_mean_n" in rows.columns and bool(rows["force_mean_n"].notna().any())
 
 
 def force_of_participants(used: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Per participant and condition, over the trials that are used, of all tasks: mean applied force, mean of the
-    standard deviations within trials, share of time in band, number of trials with a measured force; and the deviation
-    from the target where the force is a factor."""
+    """Return mean force, mean standard deviation within trials, share of time in band and number of trials.
+
+    With the deviation from the target where the force is a factor.
+    """
     rows = used[used["force_mean_n"].notna()]
     keys = ["participant", *factors]
     known = [name for name in MEASURED if name in rows.columns]
@@ -32,8 +33,7 @@ def force_of_participants(used: pd.DataFrame, factors: Sequence[str]) -> pd.Data
 
 
 def force_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Per condition the mean applied force over participants with its 95 % t-interval (the thesis's table 6.2), the
-    mean time in band, and `text` for a table of text."""
+    """Return the mean force of each condition with its t-interval (the thesis's table 6.2) and time in band."""
     return by_condition(of_participants, factors, _force_row)
 
 

@@ -1,5 +1,4 @@
-"""A cell of a study: the counts of one participant in one condition, alone and stacked for a batch of fits; this module
-knows no task."""
+"""Counts of one participant in one condition, alone and stacked for a batch of fits."""
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
@@ -14,8 +13,8 @@ from ..threshold.fitting import ThresholdFit
 class Cell:
     """Answers of one participant in one condition: `levels`, `n_yes`, `n_trials` of equal length.
 
-    `n_yes` counts "yes", correct, or "more" answers. Catch trials stand apart. `n_choices` are the alternatives of a
-    forced choice.
+    `n_yes` counts "yes", correct, or "more" answers, without catch trials; `n_choices` are the alternatives of a forced
+    choice.
     """
 
     participant: str
@@ -38,26 +37,22 @@ class Estimate:
 
 
 def cell_keys(factors: Sequence[str]) -> list[str]:
-    """The columns by which trials are of one cell."""
+    """Return the columns that identify the cell of a trial."""
     return ["participant", *factors, "task"]
 
 
 def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:
-    """Levels, yes and trials of cells, (n_cells, most levels), filled up with places without trials."""
-    levels = _stack([cell.levels for cell in cells])
-    n_yes, n_trials = _stack([cell.n_yes for cell in cells]), _stack([cell.n_trials for cell in cells])
+    """Return levels, yes and trials of cells, (n_cells, most levels), padded with levels without trials."""
+    columns = [(cell.levels, cell.n_yes, cell.n_trials) for cell in cells]
+    # At least one place: a cell may have catch trials alone.
+    stacked = np.zeros((3, len(cells), max([1, *(len(cell.levels) for cell in cells)])))
+    for place, counts in enumerate(columns):
+        stacked[:, place, : len(counts[0])] = counts
+    levels, n_yes, n_trials = stacked
     return levels, n_yes, n_trials
 
 
 def catch_counts(cells: Sequence[Cell], counting: Container[str]) -> tuple[list[int], list[int]]:
-    """False alarms and catch trials of cells as a fit uses them: none but where the guess rate rests on them."""
+    """Return false alarms and catch trials of cells, 0 for tasks other than `counting`."""
     used = [(cell.n_false_alarms, cell.n_catch) if cell.task in counting else (0, 0) for cell in cells]
     return [n_false_alarms for n_false_alarms, _ in used], [n_catch for _, n_catch in used]
-
-
-def _stack(rows: Sequence[Sequence[float]]) -> Array:
-    """Rows of different lengths, filled up with zeros: no trials there."""
-    stacked = np.zeros((len(rows), max([1, *map(len, rows)])))  # a place at least: a cell may have catch trials alone
-    for place, row in enumerate(rows):
-        stacked[place, : len(row)] = row
-    return stacked

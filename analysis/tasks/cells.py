@@ -1,5 +1,4 @@
-"""Each participant in each condition: counts per level, then a threshold, or an equality point and a difference; and
-how often was felt what, against the level and over all levels."""
+"""Counts and fits of each participant in each condition, and rates against the level."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -34,17 +33,16 @@ COLUMNS = (
     *("threshold_median", "threshold_mean", "probability_below", "probability_within", "probability_above", "method"),
     *("shape", "interval", "note"),
 )
-"""Of the table of estimates, behind participant and condition."""
+"""Columns of the table of estimates after participant and condition."""
 
 
 def level_unit(trials: Trials) -> str:
-    """The one unit of the levels that are analysed, or of all where none are; empty if the table names none, or several
-    of levels that are not analysed.
+    """Return the unit of the analysed levels, else of all levels; empty without one common unit.
 
     Raises
     ------
     InvalidFile
-        If there is more than one.
+        If the analysed levels have several units.
     """
     if UNIT not in trials.rows.columns:
         return ""
@@ -61,28 +59,23 @@ def level_unit(trials: Trials) -> str:
 
 
 def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
-    """The cells of judgements that count (`counted_answers`), ordered by participant, condition and task."""
+    """Count the answers of each cell, ordered by participant, condition and task."""
     keys = cell_keys(factors)
-    counted = answers[[*keys, "is_catch", "x", "yes"]]  # parts of all columns take most of the time
+    counted = answers[[*keys, "is_catch", "x", "yes"]]  # groups of all columns would take most of the time
     counted = counted.assign(n_choices=alternatives(answers, factors))
     return [_cell(key, rows, len(factors)) for key, rows in parts(counted, keys)]
 
 
 def judgements(used: pd.DataFrame) -> pd.DataFrame:
-    """Of the used rows those to which a curve is fitted, as they stand, with `yes` (1 or 0; NaN: not known), `is_catch`
-    and the level `x`."""
+    """Return the used rows with a curve, with `yes` (1, 0; NaN: unknown), `is_catch` and the level `x`."""
     rows = used[used["task"].isin(CURVES)]
-    return rows.assign(yes=_yes(rows), is_catch=is_catch(rows), x=delivered_level(rows))
+    yes = numbers_of(rows["response"]).where(~rows["task"].isin(CHOICES), correctness(rows))
+    return rows.assign(yes=yes, is_catch=is_catch(rows), x=delivered_level(rows))
 
 
 def counted_answers(judged: pd.DataFrame) -> pd.DataFrame:
-    """The judgements that count."""
+    """Return the judgements with a known answer."""
     return judged[judged["yes"].notna()]
-
-
-def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
-    """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was right."""
-    return numbers_of(rows["response"]).where(~rows["task"].isin(CHOICES), correctness(rows))
 
 
 def _cell(key: tuple[Any, ...], rows: pd.DataFrame, n_factors: int) -> Cell:
@@ -103,7 +96,7 @@ def _cell(key: tuple[Any, ...], rows: pd.DataFrame, n_factors: int) -> Cell:
 
 
 def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
-    """A row per participant, condition and level: what the curves are fitted to."""
+    """Return a row per participant, condition and level."""
     rows: list[tuple[float | str, ...]] = []
     for cell in cells:
         names = (cell.participant, *cell.condition, cell.task)
@@ -112,10 +105,10 @@ def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
 
 
 def alternatives(answers: pd.DataFrame, factors: Sequence[str]) -> "pd.Series[float]":
-    """Return for each row how many alternatives a forced choice of its condition has; 2 in other tasks.
+    """Return the number of alternatives in the condition of each row; 2 in other tasks than forced choices.
 
-    It is the number stated in `n_alternatives`, else the largest interval that was chosen or a target in the condition.
-    A condition in which the largest of all is missing by chance, with a probability above `BY_CHANCE`, has that number.
+    It is stated in `n_alternatives`, else the largest interval chosen or a target; a condition that may lack the
+    largest of all by chance (a probability above `BY_CHANCE`) has that number.
 
     Raises
     ------
@@ -152,14 +145,21 @@ def _stated(rows: pd.DataFrame, conditions: Sequence["pd.Series[Any]"]) -> "pd.S
 
 
 def estimates(cells: Sequence[Cell], unit: str = "", interval: float = 0.95) -> list[Estimate]:
-    """Fit every cell, those of one task and number of alternatives in one batch; in the order of the cells.
-
-    By the posterior, its mode and marginal intervals, with what the curve of the task knows of its rates.
-    """
+    """Fit every cell, those of one task and number of alternatives in one batch; in the order of the cells."""
     fits: dict[Cell, ThresholdFit] = {}
-    for task, n_choices in curves_of(cells):  # cells of a batch share the options of the fit, and one call is faster
+    for task, n_choices in curves_of(cells):
         alike = [cell for cell in cells if (cell.task, cell.n_choices) == (task, n_choices)]
-        fits |= dict(zip(alike, _fits(alike, task, n_choices, unit, interval), strict=True))
+        n_false_alarms, n_catch = catch_counts(alike, COUNTING)
+        curve = CURVES[task]
+        fit_all = fit_comparisons if curve.has_difference else partial(fit_many, estimate=curve.estimate)
+        found = fit_all(
+            *stacked_counts(alike),
+            **curve.options(n_choices, unit),
+            interval=interval,
+            n_false_alarms=n_false_alarms,
+            n_catch=n_catch,
+        )
+        fits |= dict(zip(alike, found, strict=True))
     return [Estimate(cell, fits[cell]) for cell in cells]
 
 
@@ -169,50 +169,31 @@ def curves_of(cells: Sequence[Cell]) -> list[tuple[str, int]]:
     return [(task, n) for task in CURVES for n in sorted(n for name, n in found if name == task)]
 
 
-def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
-    n_false_alarms, n_catch = catch_counts(cells, COUNTING)
-    curve = CURVES[task]
-    fit_all = fit_comparisons if curve.has_difference else partial(fit_many, estimate=curve.estimate)
-    return fit_all(
-        *stacked_counts(cells),
-        **curve.options(n_choices, unit),
-        interval=interval,
-        n_false_alarms=n_false_alarms,
-        n_catch=n_catch,
-    )
-
-
 def estimate_table(estimates: Sequence[Estimate], factors: Sequence[str], unit: str) -> pd.DataFrame:
-    """One row per participant and condition; empty where the data do not tell.
+    """Return one row per participant and condition.
 
-    `threshold` is the detection threshold, or the point of subjective equality (also as `pse`) in a
-    comparison, where `jnd` is the distance from it to the level that is called "more" in 75 % of trials.
+    `threshold` is the detection threshold, or in a comparison the point of subjective equality (also as `pse`), where
+    `jnd` is the distance from it to the level called "more" in 75 % of trials.
     """
-    return pd.DataFrame([_row(estimate, factors, unit) for estimate in estimates])
-
-
-def _row(estimate: Estimate, factors: Sequence[str], unit: str) -> dict[str, object]:
-    cell, fit = estimate.cell, estimate.fit
-    values = vars(cell) | vars(fit) | {"level_unit": unit, "status": fit.status.value}
-    row: dict[str, object] = {"participant": cell.participant, **dict(zip(factors, cell.condition, strict=True))}
-    row |= {name: values[name] for name in COLUMNS}
-    return row | _difference(fit) if CURVES[cell.task].has_difference else row
-
-
-def _difference(fit: ThresholdFit) -> dict[str, float | None]:
-    return {"pse": fit.threshold, "jnd": fit.jnd, "jnd_low": fit.jnd_low, "jnd_high": fit.jnd_high}
+    rows = []
+    for cell, fit in ((estimate.cell, estimate.fit) for estimate in estimates):
+        values = vars(cell) | vars(fit) | {"level_unit": unit, "status": fit.status.value}
+        row: dict[str, object] = {"participant": cell.participant, **dict(zip(factors, cell.condition, strict=True))}
+        row |= {name: values[name] for name in COLUMNS}
+        if CURVES[cell.task].has_difference:
+            row |= {"pse": fit.threshold, "jnd": fit.jnd, "jnd_low": fit.jnd_low, "jnd_high": fit.jnd_high}
+        rows.append(row)
+    return pd.DataFrame(rows)
 
 
 MAX_LEVELS = 16
-"""More levels than this are drawn together for the rates."""
+"""More levels are pooled into classes for the rates."""
 
 
 def detection_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Rate of "yes", correct or "more" against the level in each condition, all participants together, from the
-    table of counts.
+    """Return the rate at each level of each condition with Wilson's interval, all participants together.
 
-    With Wilson's interval, which treats the answers as independent. Levels are drawn together into
-    `MAX_LEVELS` classes of equal width, named by their mean, where there are more.
+    More than `MAX_LEVELS` levels are pooled into classes of equal width, named by their mean.
     """
     table = counts.drop(columns="participant")
     levels, n_trials = (table[name].to_numpy(dtype=float) for name in ("level", "n_trials"))
@@ -233,8 +214,7 @@ def _classes(levels: Array, weights: Array) -> Array:
 
 
 def mean_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Mean over participants of the rate over all levels, in each condition (the thesis's detection
-    rates)."""
+    """Return the mean over participants of the rate over all levels, in each condition."""
     keys = [*factors, "task"]
     sums = counts.groupby(["participant", *keys], observed=True)[["n_yes", "n_trials"]].sum().reset_index()
     rates = sums.assign(rate=sums["n_yes"] / sums["n_trials"])

@@ -1,4 +1,4 @@
-"""Goodness of fit of each participant in each condition: columns of the estimates, and what is told of them."""
+"""Goodness of fit of each participant in each condition, and warnings about it."""
 
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from typing import Any
@@ -25,10 +25,10 @@ STRETCH = 10
 """Trials in a stretch of time; there are 2 to `MOST_STRETCHES`."""
 MOST_STRETCHES = 20
 MOST_PLACES = 20_000
-"""Stretches times levels of a cell: draws of more would take longer than a report should."""
+"""Stretches times levels of a cell; with more, draws take too long for a report."""
 FLAGGED_P = 0.01
 SURPRISING = 0.01
-"""As many flags as chance gives in at most this share of data sets are a warning."""
+"""A number of flags that chance gives in at most this share of data sets causes a warning."""
 TESTS = {
     "deviance": "the answers lie farther from it than chance explains",
     "level": "its residuals bend with the level, as where the true function has another form",
@@ -50,9 +50,10 @@ def goodness_columns(
     rng: np.random.Generator,
     counting: Container[str] = (),
 ) -> pd.DataFrame:
-    """A row for each estimate, in their order: the statistics of `goodness` but the deviance, each p, and in `misfit`
-    the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted. `options` are those of the fits, by
-    task and number of alternatives; the guess rate of those `counting` rests on catch trials."""
+    """Return for each estimate the statistics of `goodness`, each p, and in `misfit` the tests with a small p.
+
+    `options` are those of the fits, by task and number of alternatives; tasks `counting` use catch trials.
+    """
     rows = _in_order(answers, factors)
     values, p = (np.full((len(estimates), len(TESTS)), np.nan) for _ in range(2))
     for alike, of_fits in options.items():
@@ -61,26 +62,19 @@ def goodness_columns(
         for numbers in _of_like_size(estimates, fitted):
             tested = _goodness_of(rows, [estimates[n] for n in numbers], numbers, of_fits, rng, counting)
             values[numbers], p[numbers] = tested.statistics, tested.p
-    if "procedure" in rows.columns:  # counts say nothing of the order of the answers
+    if "procedure" in rows.columns:  # counts have no order of answers
         unordered = rows.loc[rows["procedure"] == COUNTED, "cell"].unique()
         values[unordered, OF_ORDER] = p[unordered, OF_ORDER] = np.nan
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
         columns |= {} if n == 0 else {value: values[:, n], name: p[:, n]}  # the estimates have the deviance already
-    return pd.DataFrame(columns | {MISFIT: [_flags(p_of_tests) for p_of_tests in p]})
-
-
-def _flags(p: Array) -> str:
-    """
-    >>> _flags(np.array([0.001, 0.2, 0.01, np.nan]))
-    'deviance, order'
-    """
-    return ", ".join(name for name, value in zip(TESTS, p, strict=True) if value <= FLAGGED_P)
+    flags = [[name for name, value in zip(TESTS, p_of_tests, strict=True) if value <= FLAGGED_P] for p_of_tests in p]
+    return pd.DataFrame(columns | {MISFIT: list(map(", ".join, flags))})
 
 
 def _in_order(answers: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """The answers to a level as they followed each other, with the number of their `cell`, their `stretch` of time in
-    it, and whether levels of theirs `follow` the answers (a table that names no procedure may hold such)."""
+    """Return the answers to a level in their order, with the number of the `cell`, the `stretch` of time in it, and
+    whether its levels `follow` the answers."""
     # Numbered before the catch trials go: a cell of these alone keeps its place among the estimates.
     rows = answers.assign(cell=answers.groupby(cell_keys(factors), sort=True, observed=True).ngroup())
     rows = rows[~rows["is_catch"]]
@@ -95,7 +89,7 @@ def _in_order(answers: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def _of_like_size(estimates: Sequence[Estimate], chosen: Sequence[int]) -> list[Indices]:
-    """Cells with few levels apart from those with many, which would fill them up with empty places."""
+    """Return groups of cells with similar numbers of levels, which need little padding."""
     n_levels = np.array([len(estimates[n].cell.levels) for n in chosen])
     size = np.ceil(np.log2(n_levels)) if len(n_levels) else n_levels
     places = n_levels * MOST_STRETCHES
@@ -111,7 +105,6 @@ def _goodness_of(
     rng: np.random.Generator,
     counting: Container[str],
 ) -> Goodness:
-    """The goodness of fit of estimates, which are those of the numbers `cells`."""
     curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
     fitted_cells = [estimate.cell for estimate in estimates]
     levels, n_yes, n_trials = stacked_counts(fitted_cells)
@@ -130,12 +123,11 @@ def _goodness_of(
 
 
 def _logarithm(levels: Array) -> Array:
-    """Of levels above 0; places without trials stay 0."""
-    return np.asarray(np.log(np.where(levels > 0, levels, 1.0)))
+    return np.asarray(np.log(np.where(levels > 0, levels, 1.0)))  # places without trials stay 0
 
 
 def _parameters(estimates: Sequence[Estimate], counts: Counts, on_axis: Callable[[Array], Array]) -> Array:
-    """Of the fitted functions, (n_sets, 4), on the scale of the counts."""
+    """Return the parameters (n_sets, 4) of the fitted functions on the scale of the counts."""
     fits = [estimate.fit for estimate in estimates]
     rows = [(f.threshold, f.width, f.lapse_rate, f.guess_rate) for f in (fit.function for fit in fits) if f]
     threshold, width, lapse, guess = np.array(rows, dtype=np.float64).T
@@ -145,8 +137,7 @@ def _parameters(estimates: Sequence[Estimate], counts: Counts, on_axis: Callable
 
 
 def _sequences(rows: pd.DataFrame, number: Indices, levels: Array, counts: Counts) -> Sequences:
-    """The answers of the sets with these `levels` (n_sets, n_levels), at the places of the levels in the counts, which
-    pool those that are equal but for rounding."""
+    """Return the answers of sets with these `levels` (n_sets, n_levels), at the places of the levels in the counts."""
     u = (levels - counts.centre[:, None]) / counts.spread[:, None]
     is_apart = np.diff(u, axis=1) > POOLED_BELOW
     first = np.zeros((len(levels), 1), dtype=np.int64)
@@ -161,19 +152,15 @@ def _sequences(rows: pd.DataFrame, number: Indices, levels: Array, counts: Count
 
 
 def goodness_table(estimates: pd.DataFrame) -> pd.DataFrame:
-    """For each test the number of functions tested, of those flagged, the number that chance would flag, and what a
-    flag means. Empty where nothing was tested."""
+    """Return for each test the numbers of functions tested, flagged and flagged by chance, and its meaning."""
     tested = {name: estimates[column].dropna() for name, column in P_COLUMNS.items()}
-    rows = []
-    for name, p in tested.items():
-        n_flagged = int((p <= FLAGGED_P).sum())
-        if len(p):
-            rows.append((name, len(p), n_flagged, FLAGGED_P * len(p), TESTS[name]))
+    counts = {name: (len(p), int((p <= FLAGGED_P).sum()), FLAGGED_P * len(p)) for name, p in tested.items() if len(p)}
+    rows = [(name, *numbers, TESTS[name]) for name, numbers in counts.items()]
     return pd.DataFrame(rows, columns=["test", "n_tested", "n_flagged", "n_by_chance", "meaning"])
 
 
 def goodness_warnings(estimates: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
-    """One for each test that flags more functions than chance does."""
+    """Warn of each test that flags more functions than chance does."""
     for name, column in P_COLUMNS.items():
         p = estimates[column].dropna()
         if _is_surprising(p):
@@ -185,13 +172,13 @@ def goodness_warnings(estimates: pd.DataFrame, factors: Sequence[str]) -> Iterat
 
 
 def _is_surprising(p: "pd.Series[float]") -> bool:
-    """More small p than uniform ones would be, at one of two bounds.
+    """Return True if there are more small p than uniform ones would have, at one of two bounds.
 
     >>> _is_surprising(pd.Series([0.001] + 9 * [0.5])), _is_surprising(pd.Series([0.009] + 9 * [0.5]))
     (True, False)
     """
     bounds = np.array([FLAGGED_P, FLAGGED_P / 10])
     n_small = (p.to_numpy()[:, None] <= bounds).sum(axis=0)
-    # The regularised incomplete beta function is the chance of at least as many, from one on.
+    # The regularised incomplete beta function is the probability of at least as many.
     chance_of_as_many = betainc(np.maximum(n_small, 1), len(p) - np.maximum(n_small, 1) + 1, bounds)
     return bool(((n_small > 0) & (chance_of_as_many <= SURPRISING)).any())

@@ -1,4 +1,4 @@
-"""Lapse rates of conditions, compared by a likelihood-ratio test: lapses shift thresholds."""
+"""Lapse rates of conditions, compared by a likelihood-ratio test, as lapses shift thresholds."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -16,20 +16,19 @@ from .kinds import CURVES
 
 TASKS = tuple(name for name, curve in CURVES.items() if not curve.has_difference)
 LAPSES = "lapse_rates"
-"""The name of the table."""
+"""Name of the table."""
 ALPHA, WARNED_P = 0.05, 0.02
-"""Of intervals; and of the test: with ten participants 9 % of null studies had p < .05 (11 of 120 with QUEST+)."""
+"""Levels of intervals and of the test: with ten participants 9 % of null studies had p < .05 (11 of 120, QUEST+)."""
 RATES = np.linspace(0.0, 0.3, 31)
 N_THRESHOLDS, N_WIDTHS, NARROWEST, WIDEST = 61, 15, 20.0, 3.0
-"""Grid over which the likelihood is maximised; widths are a part of the range of the levels to a multiple of it."""
+"""Grid of the maximum; widths are from a part to a multiple of the range of the levels."""
 LEAST = 1e-9
 
 
 def lapse_table(estimates: Sequence[Estimate], factors: Sequence[str]) -> pd.DataFrame:
     """Estimate one lapse rate for each condition, and test whether they are equal.
 
-    A row per condition, with the interval of the profile likelihood. Thresholds and widths of the participants are
-    maximised out, so that a condition without easy trials, which says nothing of lapses, differs from no other.
+    A row per condition with the interval of the profile likelihood, over thresholds and widths of participants.
     """
     keys = [*factors, "task"]
     known = [one for one in estimates if one.cell.task in TASKS and one.fit.threshold is not None]
@@ -58,11 +57,7 @@ def _tested(conditions: pd.DataFrame) -> pd.DataFrame:
 
 
 def profile(estimate: Estimate) -> Array:
-    """Return the log likelihood of each of `RATES`, the largest over thresholds and widths.
-
-    Thresholds are evenly spaced over a range of the levels about the fitted one, widths in their logarithm. The guess
-    rate is the fitted one.
-    """
+    """Return the log likelihood of each of `RATES`, maximised over thresholds and widths, at the fitted guess rate."""
     cell, fit = estimate.cell, estimate.fit
     shape = shape_named(fit.shape)
     levels, threshold = np.array(cell.levels), float(fit.threshold or 0.0)
@@ -83,10 +78,7 @@ def lapse_warnings(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]
     different = table[table["p"] < WARNED_P] if len(table) else table
     for task, conditions in different.groupby("task", sort=False) if len(different) else ():
         ordered = conditions.sort_values("lapse_rate", kind="stable")
-        least, most = (
-            f"{_rate_text(row)} at {condition_name(factors, [row[name] for name in factors])}"
-            for row in (ordered.iloc[0], ordered.iloc[-1])
-        )
+        least, most = (_rate_text(ordered.iloc[place], factors) for place in (0, -1))
         test = f"chi-square({ordered['df'].iloc[0]}) = {ordered['chi_square'].iloc[0]:.1f}"
         yield (
             f"lapse rates of {task} differ between conditions, from {least} to {most} (likelihood-ratio test: {test}, "
@@ -95,6 +87,6 @@ def lapse_warnings(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]
         )
 
 
-def _rate_text(row: "pd.Series[Any]") -> str:
+def _rate_text(row: "pd.Series[Any]", factors: Sequence[str]) -> str:
     rate, low, high = (100 * row[f"lapse_rate{end}"] for end in ("", "_low", "_high"))
-    return f"{rate:.1f} [{low:.1f}, {high:.1f}] %"
+    return f"{rate:.1f} [{low:.1f}, {high:.1f}] % at {condition_name(factors, [row[name] for name in factors])}"

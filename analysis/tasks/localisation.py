@@ -1,8 +1,7 @@
-"""Which of several places was it: right answers by the distance between the places, confusions, and the resolution, the
-distance at which places are told apart.
+"""Localisation: right answers by the distance between places, confusions, and the resolution.
 
-The right answers of m alternatives rise with their distance from 1/m to 1; the resolution is where they are halfway
-between: 75 % of two, as in any forced choice (Green and Swets 1966).
+The rate of right answers among m places rises with their distance from 1/m to 1; at the resolution it is halfway: 75 %
+of two, as in any forced choice (Green and Swets 1966).
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,49 +22,45 @@ TASK, RESOLUTION, CONFUSIONS, ERRORS = "localisation", "resolution", "confusions
 OF_PARTICIPANTS, RATES = "resolution_participants", "localisation_participants"
 DISTANCE, ERROR, RATE = "separation_m", "error_m", "rate_correct"
 SHAPE = "weibull"
-"""Of the right answers against the distance, which is above 0."""
+"""Shape of the right answers against the distance, which is above 0."""
 FEW_LEVELS = 8
-"""So many levels are conditions; more are those of an adaptive rule, and are taken together."""
+"""At most so many levels are conditions; more are those of an adaptive procedure."""
 
 
 def conditions_of(rows: pd.DataFrame, factors: Sequence[str]) -> list[str]:
-    """What differs between trials beside the places: the factors that say neither which place is the right one nor how
-    far the places lie apart, and the level, where there are several but few."""
-    kept = [name for name in factors if not _names_place(rows, name) and not _says_distance(rows, name)]
+    """Return the factors other than place and distance, and the level if there are several but few."""
+    places = {place_factor(rows, [name]) for name in factors}
+    kept = [name for name in factors if name not in places and not _is_distance(rows, name)]
     n_levels = rows["level"].nunique() if "level" in rows.columns else 0
     return [*kept, "level"] if 1 < n_levels <= FEW_LEVELS else kept
 
 
 def place_factor(rows: pd.DataFrame, factors: Sequence[str]) -> str | None:
-    """The factor whose levels are the alternatives."""
-    return next((name for name in factors if _names_place(rows, name)), None)
+    """Return the factor whose levels are the alternatives."""
+    for name in factors:
+        is_varied = rows[name].nunique() > 1
+        if is_varied and _follows(rows, "target", name) and _follows(rows, name, "target"):
+            return name
+    return None
 
 
 def n_alternatives(rows: pd.DataFrame) -> int:
-    """The largest number of an alternative that was stated, right or answered; at least 2."""
+    """Return the largest number of an alternative that was stated, right or answered; at least 2."""
     stated = rows["n_alternatives"].max() if "n_alternatives" in rows.columns else np.nan
     return int(np.fmax(max(2, rows["target"].max(), numbers_of(rows["response"]).max()), stated))
 
 
-def _names_place(rows: pd.DataFrame, name: str) -> bool:
-    """Whether each alternative is a level of this factor, and each level an alternative."""
-    is_varied = rows[name].nunique() > 1
-    return bool(is_varied and _follows(rows, "target", name) and _follows(rows, name, "target"))
-
-
-def _says_distance(rows: pd.DataFrame, name: str) -> bool:
-    """Whether a level of this factor has one distance, and others have others."""
+def _is_distance(rows: pd.DataFrame, name: str) -> bool:
     return DISTANCE in rows.columns and rows[DISTANCE].nunique() > 1 and _follows(rows, DISTANCE, name)
 
 
 def _follows(rows: pd.DataFrame, value: str, name: str) -> bool:
-    """Whether each level of a factor has one value."""
+    """Return True if each level of a factor has one value."""
     return bool((rows.groupby(name, observed=True)[value].nunique() <= 1).all())
 
 
 def right_answers(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, a row per condition and distance between the places, all participants together: right
-    answers and their rate with Wilson's 95 % interval, which treats answers as independent."""
+    """Return right answers by condition and distance, all participants together, with Wilson's interval."""
     judged = _judged(rows)
     counts = _counts(judged, [*conditions_of(judged, factors), *_distance(judged)])
     if counts.empty:
@@ -75,39 +70,32 @@ def right_answers(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def rates_of_participants(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, a row per participant, condition and distance: right answers and their rate."""
+    """Return right answers by participant, condition and distance."""
     judged = _judged(rows)
     counts = _counts(judged, ["participant", *conditions_of(judged, factors), *_distance(judged)])
     return counts if counts.empty else counts.assign(task=TASK, **{RATE: counts["n_correct"] / counts["n_trials"]})
 
 
 def resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, a row per participant and condition: the resolution (m) with its 95 % interval, by the
-    threshold fit of a forced choice to the right answers at each distance. Empty without two distances."""
+    """Return the resolution (m) of each participant and condition: the threshold of a forced choice over distance."""
     judged = _judged(rows)
     if not _distance(judged) or judged[DISTANCE].nunique() < 2:
         return pd.DataFrame()
     conditions = conditions_of(judged, factors)
-    offered = _on_offer(judged, conditions)
+    offered = pd.Series(0, judged.index)
+    for _, there in split(judged, conditions):
+        offered[there.index] = n_alternatives(there)
     parts = [_resolutions_among(judged[offered == m], int(m), conditions) for m in sorted(offered.unique())]
     return pd.concat(parts, ignore_index=True)
 
 
 def conditions_of_fits(each: pd.DataFrame) -> list[str]:
-    """The conditions of a table of `resolutions`."""
+    """Return the conditions of a table of `resolutions`."""
     return list(each.columns[1 : each.columns.get_loc("resolution_m")])
 
 
-def _on_offer(judged: pd.DataFrame, conditions: Sequence[str]) -> pd.Series:
-    """Of each row how many alternatives its condition has, as `n_alternatives` of all."""
-    offered = pd.Series(0, judged.index)
-    for _, rows in split(judged, conditions):
-        offered[rows.index] = n_alternatives(rows)
-    return offered
-
-
 def _resolutions_among(judged: pd.DataFrame, m: int, conditions: Sequence[str]) -> pd.DataFrame:
-    """Those of m alternatives, with what tells how well the function suits the answers."""
+    """Return the resolutions among m alternatives, with their goodness of fit."""
     keys = ["participant", *conditions]
     counts = _counts(judged, [*keys, DISTANCE])
     by_distance = counts.pivot(index=keys, columns=DISTANCE, values=["n_correct", "n_trials"]).fillna(0)
@@ -123,14 +111,11 @@ def _resolutions_among(judged: pd.DataFrame, m: int, conditions: Sequence[str]) 
 
 
 def _cells(judged: pd.DataFrame, keys: Sequence[str], m: int) -> list[Cell]:
-    """Right answers at each distance, of each participant and condition in their order."""
     cells = []
     for key, rows in split(judged, keys):
         counts = _counts(rows, [DISTANCE])
         levels, right, trials = (tuple(counts[name].tolist()) for name in (DISTANCE, "n_correct", "n_trials"))
-        cells.append(
-            Cell(str(key[0]), tuple(key[1:]), TASK, levels, right, trials, n_catch=0, n_false_alarms=0, n_choices=m)
-        )
+        cells.append(Cell(str(key[0]), tuple(key[1:]), TASK, levels, right, trials, 0, 0, n_choices=m))
     return cells
 
 
@@ -142,8 +127,7 @@ def _row(fit: ThresholdFit, m: int) -> dict[str, object]:
 
 
 def mean_resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, per condition the mean resolution (m) over the participants who have one, with its
-    t-interval, or that of a single participant's own fit."""
+    """Return the mean resolution (m) of each condition with its t-interval, or that of a single participant's fit."""
     each = resolutions(rows, factors)
     keys = [name for name in (*factors, "level") if name in each.columns]
     return by_condition(each, keys, _mean)
@@ -158,34 +142,24 @@ def _mean(each: pd.DataFrame) -> Mapping[str, Any]:
 
 
 def confusions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, a row per condition, distance, right place and answered place: how many answers, and
-    their share of those to this right place."""
+    """Return the number and share of each answered place, by condition, distance and right place."""
     judged = _judged(rows)
     if judged.empty:
         return pd.DataFrame()
-    factor = place_factor(judged, factors)
-    names = _names(judged, factor)
+    names = {n: f"{n}" for n in range(1, n_alternatives(judged) + 1)}
+    if (factor := place_factor(judged, factors)) is not None:
+        names |= {int(n): str(level) for n, level in zip(judged["target"], judged[factor], strict=True)}
     keys = [*conditions_of(judged, factors), *_distance(judged)]
     answers = judged.assign(target=judged["target"].astype(int), answer=numbers_of(judged["response"]).astype(int))
     counts = answers.groupby([*keys, "target", "answer"], observed=True).size().rename("n").reset_index()
     total = counts.groupby([*keys, "target"], observed=True)["n"].transform("sum")
-    said = {"right_place": counts["target"].map(names), "answered_place": counts["answer"].map(names)}
-    return counts.assign(**said, share_of_answers=counts["n"] / total).drop(columns=["target", "answer"])[
-        [*keys, "right_place", "answered_place", "n", "share_of_answers"]
-    ]
-
-
-def _names(judged: pd.DataFrame, factor: str | None) -> dict[int, str]:
-    """What each alternative is called: by the level of its factor, or its number."""
-    numbers = {n: f"{n}" for n in range(1, n_alternatives(judged) + 1)}
-    if factor is None:
-        return numbers
-    return numbers | {int(n): str(level) for n, level in zip(judged["target"], judged[factor], strict=True)}
+    places = {"right_place": counts["target"].map(names), "answered_place": counts["answer"].map(names)}
+    counts = counts.assign(**places, share_of_answers=counts["n"] / total)
+    return counts[[*keys, *places, "n", "share_of_answers"]]
 
 
 def errors(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, a row per condition, distance between the places and distance of the answered place from
-    the right one: how many answers, and their share. Empty without such distances."""
+    """Return the number and share of answers by condition, distance between places and error in distance."""
     judged = _judged(rows)
     if not _distance(judged):
         return pd.DataFrame()
@@ -195,7 +169,7 @@ def errors(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def _judged(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows that say what was right and what was answered."""
+    """Return the rows with a right place and an answer."""
     if "target" not in rows.columns:
         return rows.iloc[:0].assign(target=np.nan, is_right=np.nan)
     rows = rows.assign(is_right=correctness(rows))
@@ -203,7 +177,7 @@ def _judged(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _distance(judged: pd.DataFrame) -> list[str]:
-    """The column of the distance between places, where all rows have one."""
+    """Return the column of the distance between places, if all rows have one."""
     has_distances = DISTANCE in judged.columns and len(judged) > 0 and bool(judged[DISTANCE].notna().all())
     return [DISTANCE] if has_distances else []
 

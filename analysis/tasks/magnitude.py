@@ -1,7 +1,6 @@
-"""Magnitude estimation: the exponent of the power law, from geometric means of the numbers given to each level.
+"""Magnitude estimation: exponent of the power law psi = k A^n (Stevens 1957, Psychological Review 64(3), 153-181).
 
-psi = k A^n (Stevens 1957, Psychological Review 64(3), 153-181): in logarithms a straight line, whose slope n does not
-depend on the unit of the numbers, which each participant chooses.
+In logarithms it is the slope of a straight line, which does not depend on the participant's unit of numbers.
 """
 
 from collections.abc import Sequence
@@ -19,13 +18,12 @@ from .task_analysis import Results, TaskAnalysis
 TASK = "magnitude"
 DEPENDENT = "exponent"
 GROWTH = "magnitude_levels"
-"""The name of the table of `growth_table`."""
+"""Name of the table of `growth_table`."""
 FEW_LEVELS = "fewer than two levels with a number above 0: no exponent"
 
 
 def exponent(levels: Array, numbers: Array, interval: float = 0.95) -> dict[str, float | None]:
-    """The slope of log geometric means over log amplitudes (n,), by least squares with every level alike, and from
-    three levels on its t-interval.
+    """Return the slope of log geometric means over log amplitudes (n,), and from three levels on its t-interval.
 
     >>> x = np.log([1.0, 2.0, 4.0, 1.0])
     >>> {name: round(v, 3) for name, v in exponent(x, np.array([2.0, 4.0, 16.0, 8.0])).items()}
@@ -34,32 +32,33 @@ def exponent(levels: Array, numbers: Array, interval: float = 0.95) -> dict[str,
     from scipy.stats import linregress  # slow to load
 
     means = pd.Series(np.log(numbers)).groupby(levels).mean()
+    unknown: dict[str, float | None] = {"exponent": None, "exponent_low": None, "exponent_high": None}
     if len(means) < 2:
-        return {"exponent": None, "exponent_low": None, "exponent_high": None}
+        return unknown
     line, df = linregress(means.index.to_numpy(float), means.to_numpy()), len(means) - 2
     slope = float(line.slope)
     if not df:
-        return {"exponent": slope, "exponent_low": None, "exponent_high": None}
+        return unknown | {"exponent": slope}
     half = float(Student.ppf((1 + interval) / 2, df) * line.stderr)
     return {"exponent": slope, "exponent_low": slope - half, "exponent_high": slope + half}
 
 
 def magnitude_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, a row per participant and condition: the exponent with its interval, the numbers of
-    ratings, of those that were 0 (not felt; no logarithm, left out), and of levels.
+    """Return the exponent of each participant and condition; numbers of 0 (not felt) are left out and counted.
 
     Raises
     ------
     InvalidFile
-        For a level that is no amplitude: not above 0 in a unit other than decibels.
+        For a level not above 0 in a unit other than decibels.
     """
     return by_condition(_ratings(rows), ["participant", *factors], _row)
 
 
 def growth_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, a row per condition and level: the geometric mean over participants of their own
-    geometric means, after each participant's numbers were brought to the mean logarithm of all (modulus equalisation;
-    Lane, Catania and Stevens 1961, Journal of the Acoustical Society of America 33(2), 160-167)."""
+    """Return the geometric mean over participants at each level, after modulus equalisation.
+
+    Lane, Catania and Stevens 1961, Journal of the Acoustical Society of America 33(2), 160-167.
+    """
     felt = _ratings(rows)
     felt = felt[felt["number"] > 0]
     if felt.empty:
@@ -67,14 +66,14 @@ def growth_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     keys = [*factors, "x"]
     logs = felt.assign(log=np.log(felt["number"])).groupby(["participant", *keys], observed=True)["log"].mean()
     of_participants = logs.groupby("participant")
-    # Everyone chooses a unit of numbers: in logarithms a constant, which is brought to the mean of all.
+    # Each participant's unit of numbers is a constant in logarithms, which becomes the mean of all.
     logs = logs - of_participants.transform("mean") + of_participants.mean().mean()
     growth = logs.groupby(keys, observed=True).agg(geometric_mean="mean", n="size").reset_index()
     return growth.assign(geometric_mean=np.exp(growth["geometric_mean"])).rename(columns={"x": "level"})
 
 
 def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
-    """The numbers given to stimuli, with their levels and the logarithms of these."""
+    """Return the numbers given to stimuli, with levels and their logarithms."""
     rows = rows[rows["level"].notna()]
     x = delivered_level(rows)
     in_db = rows["level_unit"].str.startswith("dB") if "level_unit" in rows.columns else pd.Series(False, rows.index)

@@ -1,4 +1,4 @@
-"""Measurements: what was left of an amplitude, as its loss per condition with intervals."""
+"""Loss of amplitude by condition, from measured levels."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ NEEDED = ("level_unit", "level_measured")
 
 
 def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> "pd.Series[float]":
-    """1 - A' / A of levels in decibels, where `in_db`, or in an amplitude's own unit.
+    """Return 1 - A' / A of levels in decibels, where `in_db`, or in an amplitude's own unit.
 
     >>> loss_of(pd.Series([20.0, 4.0]), pd.Series([14.0, 3.0]), pd.Series([True, False])).round(3).tolist()
     [0.499, 0.25]
@@ -26,13 +26,12 @@ def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> 
 
 
 def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, per participant and condition: the mean `loss` of the readings with its 95 % t-interval
-    over them, their number, and the mean applied force where it was measured. Empty without a measured level.
+    """Return the mean `loss` of each participant and condition with its interval over readings, and the mean force.
 
     Raises
     ------
     InvalidFile
-        If a measured level is 0, which nothing can be lost of.
+        If a stated amplitude is 0.
     """
     if any(name not in rows.columns for name in NEEDED):
         return pd.DataFrame()
@@ -47,8 +46,7 @@ def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def loss_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, per condition the mean loss with its t-interval, over participants, or over the readings
-    of a single one. Empty without a measured level."""
+    """Return the mean loss of each condition with its interval over participants, or over one's readings."""
     return by_condition(losses(rows, factors), factors, _condition)
 
 
@@ -63,22 +61,15 @@ def _reading(readings: pd.DataFrame) -> dict[str, object]:
 
 def _condition(participants: pd.DataFrame) -> dict[str, object]:
     row = mean_row(participants["loss"].to_numpy(float), possible=AT_MOST_1)
-    if len(participants) == 1:  # then the interval is that of the participant's own readings
+    if len(participants) == 1:  # the interval is that of the participant's own readings
         row |= {f"mean{end}": participants[f"loss{end}"].iloc[0] for end in ("", "_low", "_high")}
     row |= {"n": len(participants), "n_readings": int(participants["n_readings"].sum())}
     if "force_mean_n" in participants.columns:
         row["force_mean_n"] = float(participants["force_mean_n"].mean())
-    return row | {"text": _text(row)}
-
-
-def _text(row: dict[str, object]) -> str:
-    if row["mean_low"] is None or row["mean_high"] is None:
-        return f"{_percent(row['mean'])} %"
-    return f"{_percent(row['mean'])} % [{_percent(row['mean_low'])}, {_percent(row['mean_high'])}]"
-
-
-def _percent(share: object) -> str:
-    return f"{100 * float(str(share)):.1f}"
+    text = f"{100 * float(str(row['mean'])):.1f} %"
+    if row["mean_low"] is not None and row["mean_high"] is not None:
+        text += f" [{100 * float(str(row['mean_low'])):.1f}, {100 * float(str(row['mean_high'])):.1f}]"
+    return row | {"text": text}
 
 
 ANALYSIS = TaskAnalysis(

@@ -1,9 +1,10 @@
-"""What is preferred to what: worths of items from paired comparisons.
+"""Worths of items from paired comparisons.
 
 The log odds that the first of a pair is preferred are the difference of the two items' worths plus an effect of the
 order (Bradley and Terry 1952, Biometrika 39, 324-345; order: Davidson and Beaver 1977, Biometrics 33, 693-702).
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import ndtri
+from scipy.special import expit
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, nearest
@@ -25,7 +26,6 @@ from ..means import exact_interval, parts
 from ..reading.rows import no_column, numbers_of, place_of
 from ..reading.trials import Trials
 from ..wording import level_of
-from .answer_odds import logistic_fit
 from .task_analysis import Results, TaskAnalysis
 
 Texts = NDArray[np.str_]
@@ -33,7 +33,10 @@ Texts = NDArray[np.str_]
 TASK, SHARES, ORDER = "preference", "preference_shares", "first of the pair"
 ALWAYS_FIRST = "which of a pair came first decided what was preferred: no finite worths"
 ROBUST_FROM = 5
-"""Participants from which standard errors count that the answers of one person are alike."""
+"""With so many participants, standard errors account for answers of one person being alike."""
+MOST_LOG_ODDS = 16.0
+"""Larger log odds mean that the predictors separate the answers (odds of 9e6)."""
+WORTH = ("worth", "standard_error", "low", "high")
 
 
 class WorthStatus(StrEnum):
@@ -43,12 +46,12 @@ class WorthStatus(StrEnum):
 
 @dataclass(frozen=True)
 class Worths:
-    """A Bradley-Terry model.
+    """Bradley-Terry model.
 
-    `worths` has a row per item: `item, n_pairs, n_preferred, worth, standard_error, low, high`; worths are logarithms
-    of odds with mean 0, missing unless the status is ``ok``. `order` is how much the first of a pair gains, with the
-    same columns. `disconnected`: some items were never preferred to some others, directly or through others, so that
-    worths have no finite maximum (Ford 1957), or the order of a pair decided; `note` says which.
+    `worths` has a row per item: `item, n_pairs, n_preferred, worth, standard_error, low, high`; worths are log odds
+    with mean 0, missing unless the status is ``ok``. `order` is the gain of the first of a pair. `disconnected`: some
+    items were never preferred to some others, directly or through others (Ford 1957), or the order decided; `note`
+    states which.
     """
 
     worths: pd.DataFrame
@@ -57,7 +60,7 @@ class Worths:
     note: str
 
     def probability(self, item: str, other: str) -> float:
-        """That `item` is preferred to `other`, without an effect of the order.
+        """Return the probability that `item` is preferred to `other`, without an effect of the order.
 
         Raises
         ------
@@ -70,7 +73,7 @@ class Worths:
             expected = f"an item with a worth of {', '.join(names)}{nearest(str(name), names)}"
             is_known = name in names and self.status is WorthStatus.OK
             expect(is_known, "item", f"{name!r} ({self.status.value})", expected)
-        return float(1 / (1 + np.exp(worth_of[other] - worth_of[item])))
+        return float(expit(worth_of[item] - worth_of[other]))
 
 
 def bradley_terry(
@@ -81,22 +84,22 @@ def bradley_terry(
     *,
     interval: float = 0.95,
 ) -> Worths:
-    """Worths of the items of paired comparisons, by maximum likelihood.
+    """Estimate the worths of the items of paired comparisons by maximum likelihood.
 
     Parameters
     ----------
     first, second : (n_trials,) sequence of str
-        The items of each pair, in their order.
+        Items of each pair, in their order.
     preferred : (n_trials,) sequence of int
         1 where the first, 2 where the second was preferred.
     participants : (n_trials,) sequence of str, optional
-        From 5 participants on standard errors are those of answers that go together within a participant (the sandwich
-        estimator), intervals t with n - 1 degrees of freedom; else answers count as independent.
+        From 5 participants on, standard errors are clustered by participant (Liang and Zeger's sandwich), intervals t
+        with n - 1 degrees of freedom; else answers count as independent.
 
     Raises
     ------
     InvalidParameter
-        For an answer other than 1 or 2, an item against itself, lengths that differ, or no trial.
+        For an answer other than 1 or 2, an item against itself, unequal lengths, or no trial.
 
     >>> found = bradley_terry(["a", "a", "b", "b", "c", "c"] * 4, ["b", "c", "a", "c", "a", "b"] * 4,
     ...     [1, 1, 2, 1, 1, 2, 1, 1, 2, 1, 2, 2, 1, 2, 2, 1, 2, 1, 2, 1, 1, 2, 2, 2])
@@ -109,26 +112,20 @@ def bradley_terry(
     items, places = np.unique(np.stack([a, b]), return_inverse=True)
     places = places.reshape(2, -1)  # of the first and of the second item of each pair
     winner, loser = np.where(answer == 1, places, places[::-1])
-    # An item that was never preferred has a count too: 0.
     numbers = {"n_pairs": np.bincount(places.ravel()), "n_preferred": np.bincount(winner, minlength=len(items))}
     counts = pd.DataFrame({"item": items.tolist(), **numbers})
+
     note = _gap(items, winner, loser)
-    if note:
-        return _without_worths(counts, note)
-    fitted = _fit_worths(places, answer == 1, participants)
+    fitted = None if note else _fit_worths(places, answer == 1, participants)
     if fitted is None:
-        return _without_worths(counts, ALWAYS_FIRST)
+        nothing = dict.fromkeys(WORTH, np.nan)
+        status = WorthStatus.DISCONNECTED
+        return Worths(counts.assign(**nothing), pd.DataFrame([nothing]), status, note or ALWAYS_FIRST)
     worth, error, df = fitted
-    tail = (1 + interval) / 2
-    reach = error * float(ndtri(tail) if np.isinf(df) else Student.ppf(tail, df))
-    table = pd.DataFrame({"worth": worth, "standard_error": error, "low": worth - reach, "high": worth + reach})
+    reach = error * Student.ppf((1 + interval) / 2, df)
+    table = pd.DataFrame(dict(zip(WORTH, (worth, error, worth - reach, worth + reach), strict=True)))
     worths = pd.concat([counts, table.iloc[:-1]], axis=1)
     return Worths(worths, table.iloc[-1:].reset_index(drop=True), WorthStatus.OK, "")
-
-
-def _without_worths(counts: pd.DataFrame, note: str) -> Worths:
-    nothing = dict.fromkeys(("worth", "standard_error", "low", "high"), np.nan)
-    return Worths(counts.assign(**nothing), pd.DataFrame([nothing]), WorthStatus.DISCONNECTED, note)
 
 
 def _check(a: Texts, b: Texts, answer: NDArray[Any], participants: Sequence[str] | None) -> None:
@@ -141,7 +138,7 @@ def _check(a: Texts, b: Texts, answer: NDArray[Any], participants: Sequence[str]
 
 
 def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
-    """Which items were never preferred to which others, directly or through others (Ford's condition)."""
+    """Name items that were never preferred to some others, directly or through others (Ford's condition)."""
     from scipy.sparse.csgraph import connected_components  # slow to load
 
     beats = np.zeros((len(items), len(items)))
@@ -157,27 +154,33 @@ def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
 def _fit_worths(
     places: Indices, prefers_first: Bools, participants: Sequence[str] | None
 ) -> tuple[Array, Array, float] | None:
-    """Worths and the order's effect (n_items + 1,) with standard errors, and degrees of freedom (infinite: normal) of
-    pairs of the items at these places (2, n_trials); None where the order parts the answers."""
-    n_items = int(places.max()) + 1
-    # worths have the mean 0: that of the last item is the opposite of the sum of the others
+    """Return worths and the order's effect (n_items + 1,), standard errors, and degrees of freedom (infinite: normal).
+
+    `places` (2, n_trials) are those of the items of each pair. None if the order separates the answers.
+    """
+    import statsmodels.api as sm  # slow to load
+
+    n_items, n_trials = int(places.max()) + 1, places.shape[1]
+    # Worths have the mean 0: that of the last item is minus the sum of the others.
     basis = np.vstack([np.eye(n_items - 1), np.full(n_items - 1, -1.0)])
-    n_trials = places.shape[1]
     design = np.column_stack([basis[places[0]] - basis[places[1]], np.ones(n_trials)])
     people = np.zeros(n_trials) if participants is None else np.asarray(participants, dtype=str)
-    codes, _ = pd.factorize(people)
-    n = int(codes.max()) + 1
-    fitted = logistic_fit(design, prefers_first, codes if n >= ROBUST_FROM else None)
-    if fitted is None:
+    codes, names = pd.factorize(people)
+    is_robust = len(names) >= ROBUST_FROM
+    errors: dict[str, Any] = {"cov_type": "cluster", "cov_kwds": {"groups": codes}} if is_robust else {}
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")  # of separated answers
+        fit = sm.GLM(prefers_first.astype(float), design, family=sm.families.Binomial()).fit(tol=1e-14, **errors)
+    if not np.abs(design @ fit.params).max() <= MOST_LOG_ODDS:
         return None
     whole = np.zeros((n_items + 1, n_items))
     whole[:-1, :-1], whole[-1, -1] = basis, 1.0
-    covariance = whole @ fitted[1] @ whole.T
-    return whole @ fitted[0], np.sqrt(np.diagonal(covariance)), n - 1 if n >= ROBUST_FROM else np.inf
+    covariance = whole @ fit.cov_params() @ whole.T
+    return whole @ fit.params, np.sqrt(np.diagonal(covariance)), len(names) - 1 if is_robust else np.inf
 
 
 def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, the worths of the items in each condition, then the order's effect.
+    """Return the worths of the items in each condition, then the order's effect.
 
     Raises
     ------
@@ -186,7 +189,13 @@ def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
     """
     _check_pairs(rows)
     varied = [name for name in factors if rows[name].nunique() > 1]
-    tables = [_of_a_condition(dict(zip(varied, key, strict=True)), pairs) for key, pairs in parts(rows, varied)]
+    tables = []
+    for key, pairs in parts(rows, varied):
+        condition: dict[str, Any] = dict(zip(varied, key, strict=True))
+        answers = numbers_of(pairs["response"]).astype(int).tolist()
+        model = bradley_terry(pairs["item"].tolist(), pairs["item_b"].tolist(), answers, pairs["participant"].tolist())
+        table = pd.concat([model.worths, model.order.assign(item=ORDER, n_pairs=len(pairs))], ignore_index=True)
+        tables.append(table.assign(note=model.note, **condition)[[*condition, *table.columns, "note"]])
     return pd.concat(tables)
 
 
@@ -202,21 +211,13 @@ def _check_pairs(rows: pd.DataFrame) -> None:
         raise InvalidFile(f"{place_of(rows[alike])}: {found}, expected {expected}")
 
 
-def _of_a_condition(condition: dict[str, Any], rows: pd.DataFrame) -> pd.DataFrame:
-    answers = numbers_of(rows["response"]).astype(int).tolist()
-    model = bradley_terry(rows["item"].tolist(), rows["item_b"].tolist(), answers, rows["participant"].tolist())
-    table = pd.concat([model.worths, model.order.assign(item=ORDER, n_pairs=len(rows))], ignore_index=True)
-    return table.assign(note=model.note, **condition)[[*condition, *table.columns, "note"]]
-
-
 def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, how often each item was preferred in each condition: its share of the pairs with it,
-    with the exact 95 % interval of answers that are independent.
+    """Return the share of its pairs in which each item was preferred, with the exact 95 % interval.
 
     Raises
     ------
     InvalidFile
-        If the table does not say which two items were compared.
+        As `preference_table`.
     """
     worths = preference_table(rows, factors)
     conditions = list(worths.columns[: worths.columns.get_loc("item")])
@@ -228,22 +229,18 @@ def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
-    """Items with the unit of their factor, within each condition in the order of their numbers."""
+    """Return items with the unit of their factor, within each condition in the order of their numbers."""
     del unit
-    factor = _compared_factor(trials)
-    if not factor:
+    # Each trial compares levels of a factor whose own column is empty.
+    stated = stated_factors(list(trials.rows.columns))
+    bare = [name for name in stated if not trials.rows[name].replace("", None).notna().any()]
+    if len(bare) != 1:
         return table
+    (factor,) = bare
     ordered = table.sort_values("item", key=lambda item: numbers_of(item).fillna(float("inf")), kind="stable")
     conditions = list(table.columns[: table.columns.get_loc("item")])
     ordered = ordered.sort_values(conditions, kind="stable") if conditions else ordered
     return ordered.assign(item=[text if text == ORDER else level_of(factor, text) for text in ordered["item"]])
-
-
-def _compared_factor(trials: Trials) -> str:
-    """The factor whose levels each trial compares: its column holds nothing. Empty if not just one is so."""
-    stated = stated_factors(list(trials.rows.columns))
-    bare = [name for name in stated if not trials.rows[name].replace("", None).notna().any()]
-    return bare[0] if len(bare) == 1 else ""
 
 
 ANALYSIS = TaskAnalysis(

@@ -1,5 +1,4 @@
-"""The rule that chose the levels: the levels that it went through, and what it made of the answers itself, the mean of
-reversals or the mean of a posterior."""
+"""Tracks of the procedure that chose the levels, and its own estimate: mean of reversals or of a posterior."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,17 +15,16 @@ from ..reading.unfolded import COUNTED
 from .cell import Estimate
 
 RUN = ("session", "study", "block")
-"""What, of one participant, tells one block from another."""
+"""Columns that identify a block of one participant."""
 DISCARDED = 2
-"""Reversals that do not count, as on the way to the threshold (Levitt 1971)."""
+"""First reversals that do not count (Levitt 1971)."""
 FIXED = ("constant", "constant_stimuli", COUNTED, EASY)
 """Procedures whose levels do not depend on the answers."""
 
 
 @dataclass(frozen=True)
 class RuleEstimate:
-    """The estimate of one run, its spread (standard deviation of the reversals, or of the posterior), from how many
-    reversals or answers, and what it is or why there is none."""
+    """Estimate of one run, standard deviation and number of its reversals or answers, and a note."""
 
     estimate: float | None = None
     sd: float | None = None
@@ -41,8 +39,7 @@ Replay = Callable[[pd.DataFrame], Mapping[str, RuleEstimate]]
 def rule_columns(
     answers: pd.DataFrame, factors: Sequence[str], estimates: Sequence[Estimate], replay: Replay | None = None
 ) -> pd.DataFrame:
-    """A row for each estimate, in their order, of all answers that the rule was told, left out later or not. Of several
-    runs the means of estimates and spreads, and all reversals or answers."""
+    """Return a row for each estimate, in their order; of several runs the means."""
     runs = _runs(answers[~answers["is_catch"]], factors, replay)
     keys = ((one.cell.participant, *one.cell.condition, one.cell.task) for one in estimates)
     return pd.DataFrame([_mean_estimate(runs.get(key, [])) for key in keys]).add_prefix("rule_")
@@ -51,11 +48,10 @@ def rule_columns(
 def _runs(
     rows: pd.DataFrame, factors: Sequence[str], replay: Replay | None
 ) -> dict[tuple[object, ...], list[RuleEstimate]]:
-    """The estimates of the runs of each participant, condition and task."""
     unsaid = {name: rows[name].fillna(0) for name in RUN if name in rows.columns}
     rows = rows.assign(track=rows["track"].fillna("") if "track" in rows.columns else "", **unsaid)
     of_block = ["participant", *(name for name in RUN if name in rows.columns)]
-    # By blocks, as tracks of one block may have learnt from each other's answers.
+    # By blocks, as tracks of one block may use each other's answers.
     replayed = {} if replay is None else {key: replay(block) for key, block in _groups(rows, of_block)}
     runs: dict[tuple[object, ...], list[RuleEstimate]] = {}
     for key, run in _groups(rows, [*of_block, "track", *factors, "task"]):
@@ -66,12 +62,10 @@ def _runs(
 
 
 def _groups(rows: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:
-    """The rows of each combination of values, in the order of these; what is missing is a value, too."""
     return rows.groupby(list(keys), sort=True, observed=True, dropna=False)
 
 
 def _mean_estimate(runs: Sequence[RuleEstimate]) -> RuleEstimate:
-    """That of several runs."""
     known = [(run.estimate, run.sd, run.n or 0) for run in runs if run.estimate is not None]
     notes = "; ".join(dict.fromkeys(run.note for run in runs)) or "no trial of a rule"
     if not known:
@@ -83,7 +77,7 @@ def _mean_estimate(runs: Sequence[RuleEstimate]) -> RuleEstimate:
 
 
 def from_rows(run: pd.DataFrame) -> RuleEstimate:
-    """The estimate of a run of which only the levels are known: the mean of a staircase's reversals."""
+    """Return the estimate from the levels of a run alone: the mean of a staircase's reversals."""
     run = run[run["procedure"] != EASY] if "procedure" in run.columns else run
     names = set(run["procedure"]) if "procedure" in run.columns else set()
     name = str(next(iter(names))) if len(names) == 1 else ""
@@ -97,18 +91,18 @@ def from_rows(run: pd.DataFrame) -> RuleEstimate:
 
 
 def reversals(levels: Sequence[float]) -> list[float]:
-    """The levels at which a track turns round; the last trial's turn, which no level follows, is not among them.
+    """Return the levels at which a track changes direction.
 
     >>> reversals([8, 6, 4, 4, 6, 6, 4, 6])
     [4, 6, 4]
     """
-    # Where a level is kept the track has not turned: a reversal is a change between moves.
+    # A repeated level is no move: a reversal is a change between moves.
     moves = [(level, np.sign(then - level)) for level, then in pairwise(levels) if then != level]
     return [level for (_, old_sign), (level, sign) in pairwise(moves) if old_sign != sign]
 
 
 def of_reversals(turns: Sequence[float], where: str) -> RuleEstimate:
-    """The mean of reversals without the first two, made even in number."""
+    """Return the mean of reversals without the first two, even in number."""
     kept = turns[DISCARDED + (len(turns) - DISCARDED) % 2 :]  # as many peaks as valleys
     if len(kept) < 2:
         return RuleEstimate(note=f"too few reversals: {len(turns)} {where}")
@@ -116,9 +110,7 @@ def of_reversals(turns: Sequence[float], where: str) -> RuleEstimate:
 
 
 def tracks(judged: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """A row per judgement on a level that a procedure chose by the answers, without catch trials: whose, under which
-    condition, in which track, of which task and procedure, `step` from 1, the level and whether the answer was yes,
-    correct or more. Empty where the table names no procedure."""
+    """Return the trials whose level follows the answers, without catch trials, with `step` from 1 in each track."""
     if "procedure" not in judged.columns:
         return pd.DataFrame()
     rows = judged[~judged["procedure"].isin(FIXED) & ~judged["is_catch"]]

@@ -1,7 +1,4 @@
-"""Sensitivity in same-different trials, under either rule of decision, per participant, condition and level.
-
-Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
-"""
+"""Sensitivity in same-different trials under two decision rules (Macmillan and Creelman 2005, chapter 9)."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -22,10 +19,10 @@ COUNTS = {"hits": ("n_hits", "n_different"), "false alarms": ("n_false_alarms", 
 
 
 def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> float:
-    """d' of an observer who answers "different" where the difference of the two sensations passes a criterion k.
+    """Return d' of an observer who answers "different" where two sensations differ by more than a criterion k.
 
     False alarms are 2 Phi(-k / sqrt 2), hits Phi((d' - k) / sqrt 2) + Phi((-d' - k) / sqrt 2), with the log-linear rule
-    for both rates. 0 where different pairs are called different no more often than the same ones.
+    for both rates. 0 if different pairs are not called different more often than same ones.
 
     Raises
     ------
@@ -50,8 +47,9 @@ def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int,
 
 
 def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> float:
-    """d' of an observer who names each of the two sensations on its own and compares the names (independent
-    observations): 2 z((1 + sqrt(2 p - 1)) / 2), where p = Phi((z(H) - z(F)) / 2) is the unbiased rate correct.
+    """Return d' of an observer who classifies each sensation separately (independent observations).
+
+    2 z((1 + sqrt(2 p - 1)) / 2), where p = Phi((z(H) - z(F)) / 2) is the unbiased rate correct.
 
     Raises
     ------
@@ -68,30 +66,25 @@ def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, 
 
 
 def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> tuple[float, float]:
-    """As standard normal deviates."""
-    return (
-        z_score("n_hits", n_hits, "n_different", n_different),
-        z_score("n_false_alarms", n_false_alarms, "n_same", n_same),
-    )
+    """Return the rates of hits and false alarms as standard normal deviates."""
+    hit = z_score("n_hits", n_hits, "n_different", n_different)
+    return hit, z_score("n_false_alarms", n_false_alarms, "n_same", n_same)
 
 
 def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Of the task's used rows, a row per participant, condition and level: counts, and d' by both rules, or a note why
-    there is none."""
+    """Return counts and d' by both rules, or a note, for each participant, condition and level."""
     rows = rows.assign(different=numbers_of(rows["response"]), is_same=is_catch(rows))
     keys = ["participant", *factors]
     other = rows[~rows["is_same"]].groupby([*keys, "level"])["different"].agg(n_hits="sum", n_different="size")
     same = rows[rows["is_same"]].groupby(keys)["different"].agg(n_false_alarms="sum", n_same="size")
     counts = other.reset_index().merge(same.reset_index(), how="left", on=keys)
-    nobody = dict.fromkeys(COUNTED, 0)  # need have met same pairs
-    counts = counts.fillna(nobody).astype(dict.fromkeys(COUNTED, np.int64))
+    counts = counts.fillna(dict.fromkeys(COUNTED, 0)).astype(dict.fromkeys(COUNTED, np.int64))
     sensitivities = [_sensitivities(*numbers) for numbers in counts[list(COUNTED)].values.tolist()]
     return counts.join(pd.DataFrame(sensitivities))
 
 
 def _sensitivities(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> dict[str, object]:
-    """d' by both rules, or why there is none. Of answers that are all alike the log-linear rule makes one from the
-    numbers of trials alone: 1.2 of no hit in 4 and no false alarm in 15."""
+    # For answers that are all alike the log-linear rule would give a d' from the numbers of trials alone.
     are_alike = n_hits + n_false_alarms in (0, n_different + n_same)
     note = "all answers alike" if are_alike else ""
     if not n_same:
@@ -104,7 +97,7 @@ RULES = {"d_prime_differencing": differencing_sensitivity, "d_prime_independent"
 
 
 def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
-    """d' under its own sign, a count and its number of trials in one column (``3 of 4``), the level with its unit."""
+    """Return the table with counts as ``3 of 4``, d' by its symbol, and the level with its unit."""
     del trials
     for name, (count, of) in COUNTS.items():
         shares = [f"{k} of {n}" for k, n in zip(table[count], table[of], strict=True)]

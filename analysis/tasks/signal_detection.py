@@ -1,5 +1,4 @@
-"""Signal detection: sensitivity and criterion from hits and false alarms, the chances of a forced choice, and whether
-one of its intervals was favoured, whatever it held.
+"""Signal detection: sensitivity, criterion, forced choice and interval bias.
 
 Green and Swets, Signal Detection Theory and Psychophysics (1966); Hautus 1995 for the log-linear rule.
 """
@@ -28,7 +27,7 @@ class SensitivityIndex:
 
 
 def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noises: int) -> SensitivityIndex:
-    """d' = z(H) - z(F) and c = -(z(H) + z(F)) / 2 with the log-linear rule: rates (k + 0.5) / (n + 1).
+    """Return d' = z(H) - z(F) and c = -(z(H) + z(F)) / 2 with the log-linear rule: rates (k + 0.5) / (n + 1).
 
     Raises
     ------
@@ -44,32 +43,6 @@ def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noise
     return SensitivityIndex(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)  # a zero without a sign
 
 
-def two_interval_sensitivity(
-    n_correct_first: int, n_first: int, n_correct_second: int, n_second: int
-) -> SensitivityIndex:
-    """d' and bias of a choice between two intervals, the stimulus in the first of `n_first` and in the second of
-    `n_second` trials.
-
-    With "first" when it is the first as hit H and when it is the second as false alarm F (log-linear rule),
-    d' = (z(H) - z(F)) / sqrt(2) and the bias c = -(z(H) + z(F)) / 2 is above 0 where the second interval is preferred
-    (Macmillan and Creelman 2005, chapter 7). The rate correct of both together hides such a bias and then gives too
-    small a d'.
-
-    Raises
-    ------
-    InvalidParameter
-        If a count is negative or above its number of trials, or there are no trials.
-
-    >>> fair, biased = two_interval_sensitivity(40, 50, 40, 50), two_interval_sensitivity(30, 50, 48, 50)
-    >>> [round(x, 3) for x in (fair.d_prime, fair.criterion, biased.d_prime, biased.criterion)]
-    [1.161, 0.0, 1.345, 0.703]
-    """
-    z_hit = z_score("n_correct_first", n_correct_first, "n_first", n_first)
-    # the rate at which the first is chosen when it is the second is 1 less that of right answers, in z its opposite
-    z_false_alarm = -z_score("n_correct_second", n_correct_second, "n_second", n_second)
-    return SensitivityIndex((z_hit - z_false_alarm) / 2**0.5, -(z_hit + z_false_alarm) / 2 + 0.0)
-
-
 def z_score(name: str, k: int, of: str, n: int) -> float:
     expect(n >= 1, of, n, "at least 1")
     expect(0 <= k <= n, name, k, f"a count from 0 to {of}, {n}")
@@ -77,7 +50,7 @@ def z_score(name: str, k: int, of: str, n: int) -> float:
 
 
 def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
-    """Chance of a correct, unbiased choice among m: the integral of phi(x - d') Phi(x)^(m - 1).
+    """Return the probability of a correct, unbiased choice among m: the integral of phi(x - d') Phi(x)^(m - 1).
 
     Raises
     ------
@@ -96,12 +69,12 @@ def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
 
 
 def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float:
-    """The d' at which an unbiased observer is correct at this rate: the inverse of `forced_choice_chance`.
+    """Return the d' of an unbiased observer with this rate correct: the inverse of `forced_choice_chance`.
 
     Raises
     ------
     InvalidParameter
-        If the rate is not between that of guessing the wrong way and 1 (a d' within 12 either side).
+        If the rate has no d' between -12 and 12.
 
     >>> [round(forced_choice_sensitivity(0.75, m), 4) for m in (2, 3, 4)]
     [0.9539, 1.4338, 1.6822]
@@ -116,20 +89,19 @@ def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float
 
 @dataclass(frozen=True)
 class IntervalBias:
-    """How often each interval held the stimulus and was chosen.
+    """Stimuli, choices and correct answers by interval.
 
     Parameters
     ----------
     n_target, n_chosen : tuple of int
-        By interval, from the first.
+        Number of times that each interval contained the stimulus, and was chosen.
     share_correct : tuple of float or None
-        Correct answers by the interval that held the stimulus; None where none did.
+        Share of correct answers by the interval with the stimulus; None without any.
     criterion : float or None
-        Of two intervals: -(z(H) + z(F)) / 2, where H and F are the log-linear rates at which the second was chosen
-        when it held the stimulus and when it did not; above 0 the first was favoured. Macmillan and Creelman, Detection
-        Theory, 2nd ed. (2005), chapters 2 and 7.
+        For two intervals: -(z(H) + z(F)) / 2 of the log-linear rates at which the second was chosen with and without
+        the stimulus; above 0 the first was favoured (Macmillan and Creelman 2005, chapters 2 and 7).
     p : float or None
-        Of a chi-square test of equal shares of correct answers in all intervals; None where it cannot be made.
+        Chi-square test of equal shares correct in all intervals; None if it is undefined.
     """
 
     n_target: tuple[int, ...]
@@ -140,7 +112,7 @@ class IntervalBias:
 
 
 def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals: int = 2) -> IntervalBias:
-    """Sum up a forced choice from the columns `target` and `response` of its valid trials, each from 1.
+    """Summarise a forced choice from the columns `target` and `response` of its valid trials, each from 1.
 
     Raises
     ------
@@ -155,11 +127,13 @@ def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals:
     n_target, n_correct = table.sum(axis=1), table.diagonal()
     shares = tuple(float(right / n) if n else None for right, n in zip(n_correct, n_target, strict=True))
     counts = tuple(n_target.tolist()), tuple(table.sum(axis=0).tolist())
-    return IntervalBias(*counts, shares, _criterion(table) if n_intervals == 2 else None, _equal_shares(table))
+    second = (table[:, 1] + 0.5) / (n_target + 1)
+    criterion = float(-ndtri(second).sum() / 2) if n_intervals == 2 else None
+    return IntervalBias(*counts, shares, criterion, _equal_shares(table))
 
 
 def _choices(targets: Sequence[int], responses: Sequence[int], n_intervals: int) -> Indices:
-    """Counts (target, response)."""
+    """Return counts (target, response)."""
     numbers = f"{len(targets)} targets and {len(responses)} responses"
     expect(len(targets) == len(responses) > 0, "interval_bias", numbers, "as many of both, at least one")
     intervals = range(1, n_intervals + 1)
@@ -170,11 +144,6 @@ def _choices(targets: Sequence[int], responses: Sequence[int], n_intervals: int)
         expect(known, f"interval_bias, trial {n}", given, f"intervals from 1 to {n_intervals}")
         table[target - 1, response - 1] += 1
     return table
-
-
-def _criterion(table: Indices) -> float:
-    second = (table[:, 1] + 0.5) / (table.sum(axis=1) + 1)
-    return float(-ndtri(second).sum() / 2)
 
 
 def _equal_shares(table: Indices) -> float | None:

@@ -20,10 +20,10 @@ from .kinds import CURVES
 TASKS = tuple(name for name, curve in CURVES.items() if curve.has_difference)
 STANDARD, UNIT = "standard_level", "level_unit"
 TESTS, FLOORS = "standard", "lowest_levels"
-"""The names of both tables."""
+"""Names of both tables."""
 JND = ("jnd", "jnd_low", "jnd_high")
 FEWEST = 3
-"""Fewer participants are tested one by one, each by the interval of the posterior."""
+"""Fewer participants are tested one by one, by the posterior interval."""
 HIGHEST_FLOOR = 0.05
 """The largest rate of "more" at the lowest level that lapses explain: half of 10 % lapses (unverified default)."""
 FLOOR_P = 0.01
@@ -34,10 +34,10 @@ def standard_tests(
 ) -> pd.DataFrame:
     """Test whether the points of subjective equality differ from the standard, with JND and Weber fraction.
 
-    A t-test of the mean difference needs `FEWEST` participants with a value in a condition. Of fewer, each one's
-    `differs` says whether the standard lies outside of the 95 % interval of the posterior, and is missing without an
-    interval. Mean JNDs are those of the group table `jnds`, which counts bounds. Empty without a standard.
-    `weber_fraction` is the JND as a share of the standard, in amplitude where levels are logarithms.
+    A t-test needs `FEWEST` participants; with fewer, `differs` is True where the standard lies outside of the 95 %
+    interval of the posterior, and missing without an interval. Mean JNDs are those of the group table `jnds`, which
+    counts bounds. Empty without a standard. `weber_fraction` is the JND as a share of the standard, in amplitude where
+    levels are logarithms.
     """
     compared = estimates[estimates["task"].isin(TASKS)] if len(estimates) else estimates
     if compared.empty or STANDARD not in used.columns:
@@ -48,7 +48,7 @@ def standard_tests(
     in_cell = standards.groupby(keys, observed=True)[STANDARD].agg(["first", "nunique"])
     one = in_cell.loc[in_cell["nunique"] == 1, "first"].rename(STANDARD).reset_index()
     compared = compared.merge(one, on=keys)
-    # The interval of a flat cell holds only if there is a point of equality at all.
+    # The interval of a flat cell is valid only if there is a point of equality at all.
     is_told = compared["pse"].notna() | compared["status"].isin((Status.BELOW, Status.ABOVE))
     for name, of in (("difference", "pse"), ("low", "interval_low"), ("high", "interval_high")):
         compared[name] = (compared[of].astype(float) - compared[STANDARD]).where(is_told)
@@ -74,7 +74,6 @@ def _weber_fraction(row: dict[str, Any], unit: str) -> float | None:
 def _tests(
     cells: pd.DataFrame, by: Sequence[str], key: tuple[object, ...], jnds: pd.DataFrame | None
 ) -> Iterator[dict[str, object]]:
-    """Yield the test of all participants of a condition, or that of each one."""
     condition = dict(zip(by, key, strict=True))
     known = cells["difference"].dropna()
     if len(known) >= FEWEST:
@@ -105,7 +104,7 @@ def _mean_jnd(
 
 
 def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
-    """The mean difference with its interval, and a two-sided t-test against 0; None where all are alike."""
+    """Return the mean difference with its interval and t-test; no test where all are alike."""
     row = mean_row(np.asarray(differences, dtype=np.float64), name="difference")
     sd, n = row.pop("sd"), len(differences)
     if not sd:
@@ -116,16 +115,10 @@ def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
 
 
 def lowest_levels(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
-    """Test the rate of "more" at the lowest level of each condition, over all participants.
-
-    The test is the exact binomial one of a rate of at most `HIGHEST_FLOOR`, one-sided.
-    """
+    """Test the rate of "more" at the lowest level of each condition against `HIGHEST_FLOOR` (one-sided, binomial)."""
     keys = [*factors, "task"]
-    rows = [
-        (*cell.condition, cell.task, cell.n_yes[0], cell.n_trials[0])
-        for cell in cells
-        if cell.task in TASKS and cell.levels
-    ]
+    compared = [cell for cell in cells if cell.task in TASKS and cell.levels]
+    rows = [(*cell.condition, cell.task, cell.n_yes[0], cell.n_trials[0]) for cell in compared]
     if not rows:
         return pd.DataFrame()
     counts = pd.DataFrame(rows, columns=[*keys, "n_more", "n_trials"])

@@ -1,4 +1,4 @@
-"""What is made of the answers of a task: the `ANALYSIS` of each task's file."""
+"""Analysis of a task: the `ANALYSIS` of each task's file."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -23,26 +23,24 @@ DIFFERENCE_PER_WIDTH = JND_PER_SD / SHAPES[SHAPE].z_width
 
 @dataclass(frozen=True)
 class Curve:
-    """How the answers of a task follow its levels.
+    """Psychometric function of a task.
 
     Parameters
     ----------
-    rate_label : str
-        What the rate of successes is called on an axis.
-    success : str
-        What a success is called in a caption.
+    rate_label, success : str
+        Names of the rate on an axis, and of a success in a caption.
     options : callable
-        From the number of alternatives and the unit of the levels to options of the fit.
+        Options of the fit, from the number of alternatives and the unit of the levels.
     scored_by : str
-        The column that says whether a trial was a success, 1 or 0.
+        Column with 1 for a success, 0 else.
     has_difference : bool
-        The threshold is a point of subjective equality, and the width a just noticeable difference.
+        The threshold is a point of subjective equality, the width a just noticeable difference.
     counts_catch : bool
-        Answers in catch trials tell the guess rate.
+        Catch trials determine the guess rate.
     methods : str
-        What the methods section says of the rates, with ``{guess_rate}``.
+        Sentence of the methods section, with ``{guess_rate}``.
     estimate : str
-        The threshold's point estimate. In forced choice the mode lies above the truth, the more the more lapses.
+        Point estimate of the threshold. In forced choice the mode is biased upwards by lapses.
     """
 
     rate_label: str
@@ -56,47 +54,46 @@ class Curve:
 
     @property
     def dependents(self) -> tuple[str, ...]:
-        """The values of each participant and condition that are compared."""
+        """Values that are compared between conditions."""
         return ("pse", "jnd") if self.has_difference else ("threshold",)
 
 
 def shape_of(unit: str) -> str:
-    """The psychometric function of detection: Weibull's of the amplitude, which is a Gumbel in decibels
-    (Watson 1979, Vision Res. 19, 515), where levels are logarithms; else the cumulative normal."""
+    """Return the function of detection: a Weibull of the amplitude, which is a Gumbel where levels are logarithms
+    (Watson 1979, Vision Res. 19, 515), else the cumulative normal."""
     return DETECTION_SHAPE_IN_DB if is_logarithm(unit) else SHAPE
 
 
 def detection(unit: str, guess_rate: float | None) -> Mapping[str, Any]:
-    """Options of the fit to a detection: a guess rate of None is free."""
+    """Return the options of a detection fit; a guess rate of None is free."""
     options = {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
     return options if guess_rate is None else options | {"lapse_beta": FORCED_CHOICE_LAPSE_BETA}
 
 
 @dataclass(frozen=True)
 class Results:
-    """Results of a task that no curve is fitted to.
+    """Results of a task without a curve.
 
     Parameters
     ----------
     tables : mapping of str to callable
-        By the name of its file each table, from the used rows of the task and the factors.
+        Tables by name, each from the used rows of the task and the factors.
     methods : str
-        What the methods section says of them.
+        Sentences of the methods section.
     works : tuple of str
-        The works that `methods` names.
+        References that `methods` cites.
     dependent : str
-        The column that is compared between conditions; empty: none is.
+        Column that is compared between conditions; empty: none.
     compared : str
-        The table that holds it, with a row for each participant and condition; by default that named as the task.
+        Table with that column, a row for each participant and condition; by default that named as the task.
     further : tuple of str
-        Columns of that table that are conditions beside the factors.
+        Columns of that table that are conditions in addition to the factors.
     in_levels : bool
-        The dependent value is in the unit of the levels, as are the differences that a plan counts as none.
+        The dependent value is in the unit of the levels, as are the equivalence bounds of a plan.
     title, lead, in_terminal : str
-        Of a table that is told as it stands, as that of a dependent value is not: the heading and the sentence of the
-        page, and the title of the terminal.
+        Heading and first sentence on the page, and title in the terminal, of a table that is shown as it is.
     view : callable
-        The table named as the task as a person reads it, from it, the trials and the unit of the levels.
+        The table named as the task for readers, from it, the trials and the unit of the levels.
     """
 
     tables: Mapping[str, Callable[[pd.DataFrame, Sequence[str]], pd.DataFrame]]
@@ -114,19 +111,19 @@ class Results:
 
 @dataclass(frozen=True)
 class TaskAnalysis:
-    """How a report speaks of a task, and what it makes of the answers.
+    """Text and analysis of a task.
 
     Parameters
     ----------
     course : str
-        What participants did in a trial, a sentence without its full stop.
+        Course of a trial, a sentence without its full stop.
     r_model : str
-        A model of the answers in R: ``{data}`` is the table, ``{times}`` crosses the level with the factors, ``{plus}``
+        Model of the answers in R: ``{data}`` is the table, ``{times}`` crosses the level with the factors, ``{plus}``
         are the factors alone, ``{n_choices}`` the alternatives.
     curve : Curve, optional
-        The psychometric function that is fitted.
+        Psychometric function that is fitted.
     results : Results, optional
-        What is told in place of a curve.
+        Results of a task without a curve.
     """
 
     course: str
@@ -136,13 +133,13 @@ class TaskAnalysis:
 
     @property
     def dependents(self) -> tuple[str, ...]:
-        """The values of each participant and condition that are compared."""
+        """Values that are compared between conditions."""
         if self.curve is not None:
             return self.curve.dependents
         return (self.results.dependent,) if self.results is not None and self.results.dependent else ()
 
 
 R_OF_LEVEL = 'lme4::glmer(as.integer(response) ~ level{times} + (1 + level | participant), {data}, binomial("probit"))'
-"""Of answers 1 and 0 that follow the level."""
+"""Model of answers 1 and 0 that depend on the level."""
 R_OF_FORM = "ordinal::clmm(factor(response, ordered = TRUE) ~ {plus} + (1 | participant) + (1 | item), data = {data})"
-"""Of points of a scale."""
+"""Model of points of a scale."""

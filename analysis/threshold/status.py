@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betainc, betaincinv, betaln, logsumexp
 
-from ..arrays import Array, Bools
+from ..arrays import Array, Bools, StatusWithNote
 from ..distributions import ChiSquare
-from ..noted_status import NotedStatus
 from .counts import Counts
 from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood, weighted
 from .log_posterior import LARGEST_RATE, LogPosterior, Prior, log_rate_mass
@@ -48,7 +47,7 @@ class StepFit:
     place: Array
 
 
-class Status(NotedStatus):
+class Status(StatusWithNote):
     """Status of a threshold: ``ok``, or why it is missing or only a bound."""
 
     OK = "ok", ""

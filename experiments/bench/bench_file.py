@@ -221,7 +221,7 @@ def _stated(bench: BenchFile) -> Facts:
 
 
 def _scalars(table: Mapping[str, Any]) -> Iterator[tuple[str, Fact]]:
-    """The keys of a table and of those within it, with values that a journal holds."""
+    """Yield the keys of nested tables whose values a journal can hold."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from ((f"{key}_{inner}", fact) for inner, fact in _scalars(value))
@@ -277,7 +277,6 @@ def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
 
 
 def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The keys of these names, and the others."""
     named = {key: value for key, value in table.items() if key in names}
     return named, {key: value for key, value in table.items() if key not in names}
 

@@ -2,9 +2,12 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from tactometry.arguments.require import expect, finite, not_zero, one_of, some, whole
+from annotated_types import Ge
+
+from tactometry.arguments.constraints import Finite, constrained
+from tactometry.arguments.require import expect, not_zero, one_of, some
 from tactometry.devices.kinds import OutputSettings
 from tactometry.devices.outputs.gain import Gain, required_gain
 from tactometry.devices.outputs.output import RAMP_S, NullSettings
@@ -22,11 +25,9 @@ LONGEST_DELAY_S = 0.05
 
 
 @dataclass(frozen=True)
+@constrained
 class DisplayTable:
-    """The participant's screen: full screen, or a window of `width_px` x `height_px` pixels; `height_m` as measured;
-    `screen` is its number, from 0, where several are connected.
-
-    Before the first touch of each kind it is shown and tried without a stimulus, unless `dry_run` is false.
+    """The participant's screen: full screen, or a window.
 
     Parameters
     ----------
@@ -52,12 +53,11 @@ class DisplayTable:
     height_m: float | None = None
     language: str = "en"
     dry_run: bool = True
-    screen: int = 0
+    screen: Annotated[int, Ge(0)] = 0
 
     def __post_init__(self) -> None:
         expect(self.width_px >= 320, "DisplayTable.width_px", self.width_px, "at least 320 pixels")
         expect(self.height_px >= 320, "DisplayTable.height_px", self.height_px, "at least 320 pixels")
-        whole("DisplayTable", lowest=0, screen=self.screen)
         one_of("DisplayTable.language", self.language, languages())
         if self.height_m is not None:
             expect(0 < self.height_m < 10, "DisplayTable.height_m", f"{self.height_m:g}", "above 0 and below 10 m")
@@ -79,9 +79,7 @@ class DisplayTable:
 
 @dataclass(frozen=True)
 class OutputPart:
-    """The output, what its numbers become, what it drives, and the ramps of its signals.
-
-    `ungated` says that it may play under a finger whose force nobody measures.
+    """The output, its gain and load, and the ramps of its signals.
 
     Parameters
     ----------
@@ -111,14 +109,14 @@ class OutputPart:
 
 @dataclass(frozen=True)
 class SensorPart:
-    """A sensor; `delay_s` is how long its stamps are after what they tell of, as measured.
+    """A sensor and the delay of its time stamps.
 
     Parameters
     ----------
     settings : SensorSettings
         The device.
     delay_s : float
-        How long its stamps are after what they tell of, as measured.
+        Measured delay of its time stamps after the event.
     """
 
     settings: SensorSettings
@@ -134,7 +132,7 @@ class SensorPart:
 
 @dataclass(frozen=True)
 class ForcePart:
-    """The force: one channel (from 0) of a sensor of the file; `release` if it must leave its band between touches.
+    """The force: one channel of a sensor, and its calibration.
 
     Parameters
     ----------
@@ -155,8 +153,9 @@ class ForcePart:
 
 
 @dataclass(frozen=True)
+@constrained
 class PositionPart:
-    """The finger's position: one channel (from 0) of a sensor per axis, which counts `zero_counts` at position 0.
+    """The finger's position: one channel of a sensor for each axis.
 
     Parameters
     ----------
@@ -177,7 +176,7 @@ class PositionPart:
     sensor: str
     channels: tuple[int, ...]
     metres_per_count: float
-    zero_counts: tuple[float, ...] = ()
+    zero_counts: tuple[Finite, ...] = ()
     count_low: float = -math.inf
     count_high: float = math.inf
 
@@ -186,14 +185,13 @@ class PositionPart:
         n_zeros = len(self.zero_counts)
         expect(n_zeros in (0, len(self.channels)), "PositionPart.zero_counts", n_zeros, "one for each channel, or none")
         not_zero("PositionPart", metres_per_count=self.metres_per_count)
-        finite("PositionPart", **{f"zero_counts[{n}]": zero for n, zero in enumerate(self.zero_counts)})
         rises = self.count_low < self.count_high
         expect(rises, "PositionPart.count_low", self.count_low, f"below count_high, {self.count_high}")
 
 
 @dataclass(frozen=True)
 class Learnt:
-    """Impulse responses of this bench: `responses` is the file that `tactometry calibrate responses` wrote.
+    """Measured impulse responses of this bench.
 
     Parameters
     ----------
@@ -206,7 +204,7 @@ class Learnt:
 
 @dataclass(frozen=True)
 class TracesTable:
-    """Which samples of each touch are kept: of the sensors, and of an output that followed the finger.
+    """Samples of each touch that are stored.
 
     Parameters
     ----------

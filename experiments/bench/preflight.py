@@ -24,9 +24,7 @@ from ..study.felt_effects import predict
 from ..study.study_file import folder_of, load
 from .bench_file import BenchFile
 from .calibration import tone
-from .finding import Finding, duration, findings_of
-from .preflight_computer import computer, disk, display, existing
-from .preflight_finger import force, position
+from .preflight_checks import Finding, computer, disk, display, duration, existing, findings_of, force, position
 from .stimuli import bank_on
 
 LISTEN_S = 2.0
@@ -126,7 +124,7 @@ def _short(value: str | float | None) -> str:
 
 
 def _gate(bench: BenchFile) -> Iterator[Finding]:
-    """What stops the output when the finger leaves; a bench that has no such thing and does not say so is not fine."""
+    """Check that a sensor stops the output when the finger leaves."""
     for words in bench.cautions:
         yield Finding("output", "caution", words)
     bench.check_gate()
@@ -193,7 +191,7 @@ def tone_of(output: Guarded) -> Signal:
 
 
 def _strongest(output: Guarded, experiment: Experiment, bench: BenchFile) -> Iterator[Finding]:
-    """Each stimulus at its highest level against the output; none is played."""
+    """Check each stimulus at its highest level without playing it."""
     for strongest in experiment.strongest(bank_on(experiment, bench)):
         words, fine, device = f"level {strongest.level:g}", True, False
         try:

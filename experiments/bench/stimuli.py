@@ -137,7 +137,7 @@ def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
 
 
 def _switch(name: str, stimulus: Stimulus, bounds: tuple[float, float], board: Board) -> Stimulus:
-    """As the board makes it, down to the lowest level; the highest is for the output to refuse, as of any other."""
+    """Switch a stimulus and check its lowest level."""
     lowest, highest = bounds
     with rewording(lambda words: f"output, {name}: {words}; nothing was played"):
         made = board.made(stimulus, highest)

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.threshold.fitting import ThresholdFit, fit_many
-from tactometry.protocols import ConstantStimuli, ParameterGrid, Quest, QuestPlus, Staircase, WeightedStaircase
+from tactometry.protocols import ConstantStimuli, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.batch import tracks as batch
 from tactometry.protocols.batch.answers import criteria
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.quest_plus import Aim
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.protocols.procedures.stepping import SteppingRule

@@ -197,7 +197,6 @@ def _score(value: float | None) -> str:
 
 
 def _level_texts(factors: Sequence[str], key: Sequence[object]) -> list[tuple[str, str]]:
-    """Each factor with its value as text; `key` goes on with the dimension."""
     texts = [value if isinstance(value, str) else f"{value:g}" for value in key]
     return list(zip(factors, texts, strict=False))
 

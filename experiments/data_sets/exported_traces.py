@@ -185,7 +185,7 @@ def _stim(traced: TracedSession, folder: str, task: str) -> Files:
 
 
 def _entities(folder: str) -> str:
-    """How the names of files in the folder of a session begin."""
+    """Return the prefix of file names in a session's folder."""
     return folder.replace("/", "_")
 
 

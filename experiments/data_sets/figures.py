@@ -111,13 +111,13 @@ def _span_s(touch: TouchTrace) -> tuple[float, float]:
 
 
 def _gate_s(touch: TouchTrace) -> float | None:
-    """When the gate opened, from the onset."""
+    """Return the time of the gate relative to the onset."""
     gate_s = touch.answer.gate_s if isinstance(touch.answer, Touched) else None
     return None if gate_s is None else gate_s - touch.answer.onset_s
 
 
 def _lasts_s(touch: TouchTrace) -> float:
-    """How long the stimulus was to last; 0 where nothing was to begin at a known time."""
+    """Return the planned duration; 0 if the onset was not planned."""
     request = touch.request
     return 0.0 if isinstance(request, Adjust) or not touch.played else request.duration_s
 

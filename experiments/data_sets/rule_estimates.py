@@ -66,7 +66,6 @@ class _Replay:
 
 
 def _text(value: Any) -> str:
-    """A factor's value as the study's file would have it written."""
     return value if isinstance(value, str) else cell(float(value))
 
 
@@ -83,6 +82,6 @@ def _procedures_after(ready: ReadyProcedure, block: pd.DataFrame, names: list[st
 
 
 def _with_easy(procedure: Procedure, rows: pd.DataFrame) -> Procedure:
-    """The procedure of a track with its easy trials where the table has them."""
+    """Add the easy trials of the table to the procedure of a track."""
     places = np.flatnonzero(rows["procedure"] == EASY)
     return EasyTrials(procedure, np.nan, frozenset(places.tolist())) if len(places) else procedure

@@ -86,7 +86,7 @@ class ExportedDataSet:
 
 
 def _whose(row: Row) -> tuple[str, str]:
-    """The session as a whole number: other programs write it as 1.0, or 001."""
+    """Parse the session number, which other programs write as 1.0 or 001."""
     session = row.get("session")
     return row["participant"], str(int(float(session))) if session else "1"
 
@@ -142,7 +142,7 @@ def _rows(table: pd.DataFrame, names: Sequence[str]) -> list[Row]:
 
 
 def _check_study(table: pd.DataFrame, file: Path) -> None:
-    """The study names files."""
+    """Refuse a study name that cannot be part of a file name."""
     rule = RULES["study"]
     for text in table["study"].unique() if "study" in table.columns else ():
         if text and not rule.holds(text):

@@ -112,7 +112,7 @@ def _wanted(touch: RecordedTouch, quantity: str, target: float, tolerance: float
 
 
 def _rising(touch: RecordedTouch, table: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Stamps from the onset and values of the first quantity, without lost samples and stamps that stand or go back."""
+    """Return known samples of the first quantity with rising time stamps."""
     known = np.isfinite(table[:, 1]) & (np.diff(np.maximum.accumulate(table[:, 0]), prepend=-np.inf) > 0)
     return table[known, 0] - touch.answer.onset_s, table[known, 1]
 

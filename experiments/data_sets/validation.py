@@ -26,8 +26,16 @@ from tactometry.trials.trial import tally
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
-from .positions import positions_defects
-from .session_files import OTHER_STUDY, derived_defects, has_rows, header_of, n_rows, name_defect, trials_defects
+from .session_files import (
+    OTHER_STUDY,
+    derived_defects,
+    has_rows,
+    header_of,
+    n_rows,
+    name_defect,
+    positions_defects,
+    trials_defects,
+)
 from .traces import trace_defects
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
@@ -104,7 +112,7 @@ def _refusals(path: Path) -> Iterator[Defect]:
 
 
 def _with_unreadable(root: Path, name: str, unsound: Iterator[Defect]) -> Iterator[Defect]:
-    """Defects, the last of which may be that a file cannot be read."""
+    """Yield defects; an unreadable file ends them with one of its own."""
     try:
         yield from unsound
     except InvalidFile as error:
@@ -119,7 +127,7 @@ def _unreadable(root: Path, name: str, error: TactometryError) -> Defect:
 
 
 def _read(file: Path, name: str, unsound: list[Defect], what: str = "a trials file") -> bytes | None:
-    """The content of a file, or a defect more."""
+    """Read a file, or add a defect."""
     try:
         return read_file(file, what)
     except InvalidFile as error:
@@ -172,7 +180,7 @@ def _erasures(root: Path, unsound: list[Defect], notes: list[str]) -> int:
 
 
 def _study(root: Path, unsound: list[Defect]) -> Experiment | None:
-    """The study that ran, or a defect more."""
+    """Wire the study of the data set, or add a defect."""
     content = _read(root / "study.toml", "study.toml", unsound, "the study that ran")
     try:
         return None if content is None else wire(parse(content, "study.toml"), "study.toml", plays=False)

@@ -18,7 +18,6 @@ OF_STUDY = ("study", "bench", "factors")
 
 
 def _params_of_study() -> dict[str, Param]:
-    """What every part has."""
     return {
         "study": Param(
             "touch.toml", valType="str", inputType="file", categ="Basic", updates="constant",
@@ -63,7 +62,6 @@ class _GuestComponent(BaseComponent):  # type: ignore[misc]
 
     @property
     def _made(self) -> str:
-        """The arguments of the part, beside its study."""
         return ""
 
     def writeInitCode(self, buff: Any) -> None:  # noqa: N802

@@ -28,8 +28,7 @@ from ..study.experiment import wire
 from ..study.session_plan import key_of
 from ..study.study_file import load
 from ..study.task_table import choices_named, form_of
-from .columns import of_reply
-from .loop import Loop
+from .loop import Loop, of_reply
 
 T = TypeVar("T")
 SHOWN_CELLS = 3
@@ -189,7 +188,7 @@ class Guest:
         return Loop(name, self.procedure(**factors), self.experiment.table.options.n_attempts)
 
     def _carry_out(self, course: Course[T]) -> T:
-        """As a session does, with no record: that is the script's."""
+        """Carry out a request; the script records it."""
         answer: Any = None
         while True:
             try:

@@ -9,9 +9,8 @@ from tactometry.errors import Stopped
 from tactometry.protocols.tasks.task import TrialOutcome
 from tactometry.rigs.touch.touch import ConcurrentPlay
 
-from .columns import Values, of_stimulus, of_touch, of_trial
 from .guest import Guest
-from .loop import Loop
+from .loop import Loop, Values, of_stimulus, of_touch, of_trial
 
 Factors = Mapping[str, float | str]
 

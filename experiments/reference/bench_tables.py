@@ -8,8 +8,8 @@ from typing import Any, Final
 from tactometry.devices.kinds import OUTPUTS, SENSORS
 from tactometry.loading import resolve
 
-from .key_table import KeyTable, Values
 from .study_tables import limits
+from .tables import KeyTable, Values
 
 _OUTPUTS: Final[Mapping[str, Values]] = {
     "file": {"folder": "played"},

@@ -4,21 +4,22 @@ A range is what the class itself says when it is given what cannot be: nothing h
 """
 
 import dataclasses
+import inspect
 import math
 import re
 import types
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import cache
+from importlib import import_module
+from typing import Any, Final
 
 from tactometry.config.quantity import unit_in
 from tactometry.config.strict import fields_of, is_required, words_of
 from tactometry.errors import TactometryError
 
-from .key_table import KeyTable, toml_value
-from .meanings import meanings, summary
-from .tables import inner_name
+from .tables import KeyTable, inner_name, toml_value
 
 ASKED = "table"
 """The path under which a table is built to hear what it refuses."""
@@ -124,24 +125,22 @@ def _example(table: KeyTable, one: dataclasses.Field[Any]) -> str:
 
 
 def _parts(hint: Any) -> tuple[Any, ...]:
-    """The types that a key may have."""
     several = typing.get_origin(hint) in (typing.Union, types.UnionType)
     return typing.get_args(hint) if several else (hint,)
 
 
 def _classes(hint: Any) -> tuple[type, ...]:
-    """The dataclasses that a key holds: as such, or several in a list or by name."""
+    """Return the dataclasses that a key holds, alone or in a container."""
     inner = [each for part in _parts(hint) for each in (part, *typing.get_args(part))]
     return tuple(each for each in inner if isinstance(each, type) and dataclasses.is_dataclass(each))
 
 
 def _in_python_only(hint: Any) -> bool:
-    """Whether no table of a file can be made into it."""
     return any(getattr(part, "_is_protocol", False) for part in _parts(hint))
 
 
 def _expectations(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
-    """What the class expects of a key, as it says itself when it is given something else; each said once."""
+    """Yield the class's own refusals of probe values, each once."""
     said: list[str] = []
     for probe in (probe for kind in _parts(hint) for probe in _probes(kind)):
         expected = _expectation(table, name, probe)
@@ -159,7 +158,7 @@ def _probes(part: Any) -> tuple[object, ...]:
 
 
 def _expectation(table: KeyTable, name: str, probe: object) -> str:
-    """What is expected in place of a probe, without values of the example; nothing if the probe is taken."""
+    """Return what the class expects instead of a probe; empty if accepted."""
     try:
         table.read({**table.instead.get(name, table.shown), name: probe}, ASKED)
     except TactometryError as error:
@@ -191,3 +190,126 @@ def _otherwise(one: dataclasses.Field[Any]) -> str:
     if value in (None, "", (), {}):
         return "none"
     return "its own" if dataclasses.is_dataclass(value) else toml_value(value)
+
+
+_SECTION: Final = re.compile(r"^Parameters\n-+\n(.*?)(?=^\w[\w ]*\n-{3,}$|^>>> |\Z)", re.MULTILINE | re.DOTALL)
+_ENTRY: Final = re.compile(r"^(\w[\w, ]*?)(?: :[^\n]*)?\n((?:[ ]{4}[^\n]*\n|\n)*)", re.MULTILINE)
+_ITEM: Final = re.compile(r"^- ((?:`\w+`(?:, )?)+): ([^\n]*\n(?:[ ]{2}[^\n]*\n)*)", re.MULTILINE)
+_AS_IN: Final = re.compile(r"^As in `(?:([\w.]+)\.)?(\w+)`")
+
+
+@cache
+def meanings(kind: type) -> Mapping[str, str]:
+    """What each key of a class means, where its docstring or that of a base says so. A class with one key says it in
+    its first paragraph.
+
+    >>> from tactometry.observers.changes import SlowLearning
+    >>> meanings(SlowLearning)["gain_db"]
+    'By how much less is felt at the first trial.'
+    """
+    of_bases: dict[str, str] = {}
+    for base in reversed(kind.__mro__):
+        own = _parameters(base)
+        of_bases |= {name: text for name, text in own.items() if name not in of_bases or not _AS_IN.match(text)}
+    said = {name: _followed(kind, name, text) for name, text in of_bases.items()}
+    names = list(fields_of(kind))
+    return {names[0]: summary(kind), **said} if len(names) == 1 else said
+
+
+def summary(kind: type) -> str:
+    """The first paragraph of its docstring, on one line.
+
+    >>> from tactometry.protocols.tasks.touch import Pressing
+    >>> summary(Pressing)
+    'A finger that rests.'
+    """
+    return " ".join(inspect.cleandoc(kind.__doc__ or "").partition("\n\n")[0].split())
+
+
+def _parameters(kind: type) -> dict[str, str]:
+    text = inspect.cleandoc(vars(kind).get("__doc__") or "") + "\n"
+    section = _SECTION.search(text)
+    entries = [*_ITEM.findall(text), *(_ENTRY.findall(section[1] + "\n") if section else ())]
+    return {name.strip(" `"): " ".join(meaning.split()) for names, meaning in entries for name in names.split(",")}
+
+
+def _followed(kind: type, name: str, text: str) -> str:
+    """A text that says ``As in `Other```: what the other class says, and the rest of the text."""
+    named = _AS_IN.match(text)
+    other = _named_by(kind, named[1], named[2]) if named else None
+    if named is None or other is None or name not in meanings(other):
+        return text
+    rest = text[named.end() :].strip(" .,;")
+    return f"{meanings(other)[name]} {rest[:1].upper()}{rest[1:]}".strip()
+
+
+def _named_by(kind: type, module: str | None, name: str) -> type | None:
+    other = getattr(import_module(module or kind.__module__), name, None)
+    return other if isinstance(other, type) else None
+
+
+def heading(table: KeyTable) -> str:
+    """Where it stands, and what it is.
+
+    >>> from tactometry.experiments.reference.tables import tables
+    >>> heading(tables()["touch.press"])
+    '[touch] with kind = "press". A finger that rests.'
+    """
+    place = table.header or "the top of the file"
+    kind = f' with kind = "{table.kind}"' if table.kind else ""
+    return " ".join(filter(None, [f"{place}{kind}.", summary(table.reader), table.note]))
+
+
+def holds(key: Key) -> str:
+    """Type, unit and range of a key.
+
+    >>> holds(Key("force_n", "a number", "N", "above 0", ""))
+    'a number, N, above 0'
+    """
+    return ", ".join(filter(None, [key.holds, key.unit, key.within]))
+
+
+def block(table: KeyTable) -> str:
+    """Return the table as a file may hold it: required keys, and the others as comments.
+
+    Tables at the top of a file follow both.
+
+    >>> from tactometry.experiments.reference.tables import tables
+    >>> print(block(tables()["touch.press"]), end="")
+    [touch]
+    kind = "press"
+    force_n = 1.0
+    hold_s = 0.3
+    timeout_s = 10.0
+    # tolerance = 0.15
+    """
+    return _block(table, comments=True)
+
+
+def example(table: KeyTable) -> str:
+    """Return the table with the keys that an example needs.
+
+    >>> from tactometry.experiments.reference.tables import tables
+    >>> print(example(tables()["limits"]), end="")
+    [limits]
+    voltage_peak_v = 200.0
+    """
+    return _block(table, comments=False)
+
+
+def _block(table: KeyTable, *, comments: bool) -> str:
+    keys = [key for key in keys_of(table) if key.example]
+    stated = [key for key in keys if key.required or key.name in table.shown]
+    others = [f"# {key.name} = {key.example}" for key in keys if key not in stated]
+    if not stated and not comments:  # one optional key shows how the table is written
+        others = [line.removeprefix("# ") for line in others[:1]]
+
+    apart = [] if table.header else [key for key in stated if isinstance(table.shown.get(key.name), Mapping)]
+    lines = [f"{key.name} = {key.example}" for key in stated if key not in apart]
+    parts = [line for key in apart for line in ("", f"[{key.name}]", *_lines(table.shown[key.name]))]
+    shown = others if comments or not stated else []
+    return "".join(f"{line}\n" for line in [*filter(None, [table.header]), *lines, *shown, *parts])
+
+
+def _lines(values: Mapping[str, object]) -> list[str]:
+    return [f"{name} = {toml_value(value)}" for name, value in values.items()]

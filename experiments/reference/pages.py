@@ -11,11 +11,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Final
 
-from .block import example, holds
-from .key_table import KeyTable
-from .keys import Key, keys_of
-from .meanings import summary
-from .tables import PAGES, tables_of_page
+from .keys import Key, example, holds, keys_of, summary
+from .tables import PAGES, KeyTable, tables_of_page
 
 BEGIN, END = "<!-- keys: written by `make keys` -->", "<!-- end of keys -->"
 ROOT: Final = Path(__file__).resolve().parents[2]
@@ -60,14 +57,13 @@ def _slug(heading: str) -> str:
 
 
 def _sections(page: str) -> list[list[KeyTable]]:
-    """The tables of a page, those of one class together."""
     tables = tables_of_page(page)
     return [list(alike) for _, alike in groupby(tables, lambda table: (table.reads, table.header))]
 
 
 @cache
 def _places() -> Mapping[str, tuple[str, str]]:
-    """Of each table its page and its anchor there."""
+    """Return the page and anchor of each table."""
     return {table.name: (page, _slug(_names(alike))) for page in PAGES for alike in _sections(page) for table in alike}
 
 
@@ -116,7 +112,6 @@ def _row(key: Key, alike: list[KeyTable], page: str) -> str:
 
 
 def _otherwise(key: Key) -> str:
-    """What is taken in its place: a value as a file writes it, or that it must be there."""
     in_words = key.required or key.otherwise in ("none", "its own")
     return (key.otherwise or "**required**") if in_words else f"`{key.otherwise}`"
 

@@ -7,8 +7,8 @@ from tactometry.observers.changes import CHANGES
 from tactometry.observers.kinds import OBSERVERS, USUAL
 
 from ..study.kinds import ELECTROVIBRATION, STIMULI
-from .key_table import KeyTable, Values
 from .study_tables import stimulus_gives
+from .tables import KeyTable, Values
 
 _SKIN: Final = "tactometry.stimuli.electrovibration"
 _OF_SETUP: Final = ("focus", "measured_focus", "foci", "hybrid")

@@ -1,15 +1,97 @@
 """Every table of every file that users write, by its name and by the page that holds it."""
 
+import json
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from datetime import date
 from difflib import get_close_matches
 from functools import cache
 from itertools import chain
-from typing import Final
+from typing import Any, Final
 
+from tactometry.config.strict import build, build_kind
 from tactometry.errors import InvalidParameter
 from tactometry.loading import resolve
 
-from .key_table import KeyTable
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class KeyTable:
+    """A table of a file. Nothing of its class is imported before it is asked for.
+
+    Parameters
+    ----------
+    name : str
+        What it is called at the prompt, as ``touch.slide``.
+    header : str
+        The line that begins it in a file, as ``[touch]``; empty for what stands at the top.
+    reads : str
+        Target string of the class that reads it.
+    kind : str
+        The value of its key ``kind``; empty where it has none.
+    usual : bool
+        Whether ``kind`` may be left out.
+    note : str
+        What its class does not say of it.
+    example : mapping or str
+        A table that is valid, with its required keys at least; or the target string of one.
+    samples : mapping
+        Values of keys that are in no example and have no default.
+    instead : mapping of str to mapping
+        By key, another example, where the key does not go with the first.
+    also : tuple of str
+        The names of tables whose keys may stand in it too.
+    given : callable
+        Fields that come from elsewhere.
+    made : callable
+        What is made of it, which may refuse more.
+    in_levels : tuple of str
+        Keys in the unit of the level.
+    kinds : mapping of str to mapping of str to str
+        Keys that hold a table of one of these kinds, each with the target string of its class.
+    """
+
+    name: str
+    header: str
+    reads: str
+    kind: str = ""
+    usual: bool = False
+    note: str = ""
+    example: Values | str = field(default_factory=dict)
+    samples: Values = field(default_factory=dict)
+    instead: Mapping[str, Values] = field(default_factory=dict)
+    also: tuple[str, ...] = ()
+    given: Callable[[], Values] = dict
+    made: Callable[[Any], object] = field(default=lambda built: built)
+    in_levels: tuple[str, ...] = ()
+    kinds: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+
+    @property
+    def reader(self) -> type:
+        """The class that reads it."""
+        kind: type = resolve(self.reads)
+        return kind
+
+    @property
+    def shown(self) -> Values:
+        """The example."""
+        found: Values = resolve(self.example) if isinstance(self.example, str) else self.example
+        return found
+
+    def read(self, values: Values, path: str) -> object:
+        """What a file that holds these values makes of them.
+
+        Raises
+        ------
+        InvalidParameter
+            If the class refuses them; `path` opens the sentence.
+        """
+        parts = {name: build_kind(values.get(name, {}), f"{path}.{name}", kinds) for name, kinds in self.kinds.items()}
+        own = {name: value for name, value in values.items() if name not in parts}
+        return self.made(build(self.reader, own, path, **self.given(), **parts))
+
 
 _HERE: Final = __package__
 PAGES: Final[Mapping[str, tuple[str, ...]]] = {
@@ -20,7 +102,7 @@ PAGES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "procedures": (f"{_HERE}.study_tables:procedure_tables",),
     "bench": (f"{_HERE}.bench_tables:bench_tables",),
-    "scenes": (f"{_HERE}.scene_tables:scene_tables", f"{_HERE}.scene_tables:plate_tables"),
+    "scenes": (f"{_HERE}.study_tables:scene_tables", f"{_HERE}.study_tables:plate_tables"),
     "maps": (f"{_HERE}.people_tables:map_tables",),
 }
 """By the page that holds them, what gives the tables of a file."""
@@ -112,3 +194,30 @@ def _nearest(name: str) -> list[str]:
     last = name.rpartition(".")[2]
     close = get_close_matches(name[:100], tables(), n=3)
     return list(dict.fromkeys([*close, *(each for each in tables() if last and last in each)]))[:6]
+
+
+def toml_value(value: object) -> str:
+    """A value on one line.
+
+    >>> toml_value(True), toml_value(0.05), toml_value("a"), toml_value([1, 2])
+    ('true', '0.05', '"a"', '[1, 2]')
+    >>> toml_value({"kind": "grating", "period_m": 1e-3})
+    '{ kind = "grating", period_m = 0.001 }'
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, date):
+        return value.isoformat()
+    if isinstance(value, float):
+        digits = f"{value:.6g}"
+        return digits if set(digits) & set(".einf") else f"{digits}.0"
+    if isinstance(value, Mapping):
+        parts = ", ".join(f"{_key(key)} = {toml_value(item)}" for key, item in value.items())
+        return f"{{ {parts} }}" if parts else "{}"
+    return f"[{', '.join(map(toml_value, value))}]" if isinstance(value, list | tuple) else str(value)
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name, ensure_ascii=False)

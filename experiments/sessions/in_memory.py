@@ -88,7 +88,6 @@ def trials_of(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None 
 
 
 def _table_of(simulation: Simulation, who: Who) -> tuple[Path, pd.DataFrame]:
-    """Of one session, in a process that wires the study once."""
     return _table(simulation.experiment(), who)
 
 

@@ -78,7 +78,7 @@ class Simulation:
 
 @lru_cache(maxsize=1)
 def _wired(study_toml: bytes, where: str, code_from: Path | None, state: str) -> Experiment:
-    """One for all sessions of a process, which share what they render and feel, until the code is in another state."""
+    """Wire a study once for all sessions of a process."""
     del state
     return wire(parse(study_toml, where), where, code_from)
 

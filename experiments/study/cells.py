@@ -204,7 +204,6 @@ class Wiring:
 
 
 def _default_scene(model: Any, duration_s: float) -> Sensation:
-    """The scene that a model stands for."""
     with rewording(lambda words: f"sensation: {words}"):
         scene = resolve(DEFAULT_SCENE)(model, duration_s)
         scene.felt().resolve()
@@ -212,7 +211,7 @@ def _default_scene(model: Any, duration_s: float) -> Sensation:
 
 
 def _keys(table: Mapping[str, Any], factors: Factors, kind: type) -> dict[str, Any]:
-    """The keys of a table, with the factors that are fields of what it is read by."""
+    """Add the factors that are fields of the reading class to a table."""
     return {**without(table, "kind"), **_fields(factors, kind)}
 
 

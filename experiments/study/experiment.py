@@ -210,14 +210,14 @@ class Experiment(SessionPlan):
         return factors
 
     def _shift(self, participant: str, n_session: int, seed: int) -> Callable[[int, Sequence[Answer]], Shift]:
-        """By how much a simulated participant is off after so many trials of a session."""
+        """Return the shift of a simulated participant after some trials."""
         return lambda n_trials, answers: self.people.shift(
             n_trials, answers, lambda *words: stream(seed, participant, n_session, *words)
         )
 
     @cached_property
     def _rendered(self) -> Rendering:
-        """What the simulated sessions share."""
+        """Return the rendered stimuli that simulated sessions share."""
         return rendering(self.bank, self.study.limits)
 
     def design(self, study_toml: bytes) -> StudyDescription:
@@ -333,7 +333,7 @@ def _levels_of(cells: Mapping[Key, WiredCell]) -> dict[str, list[float | str]]:
 
 
 def _cells(wiring: Wiring, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
-    """The cells of the design, wired, each of which is asked in so many tracks, until they are too much for anybody."""
+    """Wire the cells of the design, up to the limit of trials."""
     n_trials = 0.0
     for factors in all_cells(wiring.study):
         cell = wiring.cell(factors)

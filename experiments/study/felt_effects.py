@@ -178,7 +178,6 @@ def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: C
 
 
 def _exclude(surface: Surface, effect: Effect, other: type[Effect]) -> bool:
-    """Whether two effects cannot be in one scene."""
     return effect.slot == other.slot or effect.kind in surface.excluded(other) or other.kind in surface.excluded(effect)
 
 

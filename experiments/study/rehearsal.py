@@ -98,7 +98,6 @@ def _refuse_idle(experiment: Experiment) -> None:
 
 
 def _pages(experiment: Experiment) -> Iterator[Show]:
-    """The pages of every session of every group."""
     study = experiment.study
     for number in range(1, prod(len(study.factors[name]) for name in study.plan.between) + 1):
         n_sessions = len(all_sessions(study, experiment.table.over, number, 0)) if study.plan.sessions else 1

@@ -148,13 +148,12 @@ def _parts_of_scene(name: str, surface: str) -> Parts:
 
 
 def _stated(surface: Surface) -> dict[str, Any]:
-    """What of the surface of a scene a stimulus does not state."""
+    """Return the values of a surface that the stimulus leaves open."""
     if surface.kind == "hybrid":
         return {"electrovibration": _stated(vars(surface)["electrovibration"])}
     return without(vars(surface), *TONE) if surface.kind == "electrovibration" else {}
 
 
 def _in_study(refusal: str) -> str:
-    """A refusal of a scene in terms of the study."""
     words = refusal.removeprefix("Scene.")
     return f"scene.{words}" if words.startswith(("effects", "accuracy", "surface")) else f"scene: {words}"

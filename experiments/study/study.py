@@ -270,7 +270,7 @@ def _check_plan(study: Study) -> None:
 
 
 def _check_places(plan: PlanTable) -> None:
-    """Whether each factor has one place at most: between participants, between sessions or within a block."""
+    """Refuse a factor that varies in two places."""
     placed: dict[str, str] = {}
     for key in ("between", "sessions", "interleave"):
         for name in getattr(plan, key):

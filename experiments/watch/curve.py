@@ -25,8 +25,21 @@ from tactometry.errors import count_of
 from tactometry.session.progress import Progress
 from tactometry.trials.trial import Trial
 
-from .condition import condition_words
-from .plots import BOTTOM, LEFT, RIGHT, TOP, Mark, Plot, Ruler, Stroke, last_presented, polyline, ruler_over, success
+from .plots import (
+    BOTTOM,
+    LEFT,
+    RIGHT,
+    TOP,
+    Mark,
+    Plot,
+    Ruler,
+    Stroke,
+    condition_words,
+    last_presented,
+    polyline,
+    ruler_over,
+    success,
+)
 
 N_PLACES = 61
 FEWEST_ANSWERS = 6
@@ -148,7 +161,7 @@ def _along(x: Ruler, y: Ruler, levels: np.ndarray, rates: np.ndarray) -> str:
 
 
 def _around(x: Ruler, y: Ruler, band: CurveBand) -> str:
-    """The outline of a band: along its lower end and back along its upper one."""
+    """Return the outline of a band."""
     return f"{_along(x, y, band.levels, band.low)} {_along(x, y, band.levels[::-1], band.high[::-1])}"
 
 

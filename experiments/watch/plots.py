@@ -1,10 +1,10 @@
 """Plots as values: what a template draws as SVG, in the units of its view box. Nothing here knows a colour."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from tactometry.analysis.wording import in_unit, plain_text, with_unit
+from tactometry.analysis.wording import condition_name, in_unit, plain_text, with_unit
 from tactometry.errors import count_of
 from tactometry.session.progress import Progress, TrackProgress
 from tactometry.trials.tasks import TASKS, YES_OR_NO
@@ -185,3 +185,13 @@ def samples_plot(
 def _box(x: Ruler, y: Ruler, across: tuple[float, float], up: tuple[float, float], kind: str) -> Stroke:
     corners = [(across[0], up[0]), (across[1], up[0]), (across[1], up[1]), (across[0], up[1])]
     return Stroke(polyline(x, y, corners), kind)
+
+
+def condition_words(factors: Mapping[str, float | str]) -> str:
+    """A condition in words; empty without factors.
+
+    >>> condition_words({"frequency_hz": 240.0, "force_n": ""})
+    '240 Hz'
+    """
+    stated = {name: level for name, level in factors.items() if level != ""}
+    return condition_name(tuple(stated), tuple(stated.values())) if stated else ""

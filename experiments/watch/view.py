@@ -11,8 +11,7 @@ from tactometry.session.request import Fact
 from tactometry.trials.tasks import TASKS, YES_OR_NO
 from tactometry.trials.trial import REASON_WORDS, Trial
 
-from .condition import condition_words
-from .plots import Plot, last_presented, levels_plot
+from .plots import Plot, condition_words, last_presented, levels_plot
 from .sight import Sight
 
 MOST_PLOTS = 4
@@ -231,7 +230,7 @@ def _ms(lasting_s: float) -> str:
 
 
 def _clock(facts: Mapping[str, Fact]) -> str:
-    """What is known of a clock: its drift, from the second block of a sitting on."""
+    """Describe the drift of a clock, known from the second block on."""
     drift = facts.get("clock_drift")
     return f"drift {1e6 * drift:.3g} µs/s" if isinstance(drift, int | float) else "drift not known yet"
 

@@ -1,1 +1,1 @@
-"""Thousands of tracks at once, without a session: a procedure's own transition as machine code."""
+"""Simulation of thousands of tracks at once in machine code."""

@@ -1,6 +1,6 @@
-"""Levels as delivered and felt, and the criteria above which they are answered with 1.
+"""Delivered and perceived levels of a batch, and response criteria.
 
-A psychometric function is a distribution of criteria, so all that is random is drawn before the first trial.
+A psychometric function is a distribution of criteria, so all random numbers are drawn before the first trial.
 """
 
 import math
@@ -38,11 +38,11 @@ class LevelTable:
         object.__setattr__(self, "felt", np.atleast_2d(felt))
 
     def rows(self, sets: slice) -> Self:
-        """Return the table of some of the sets."""
+        """Return the table of some sets."""
         return self if len(self.felt) == 1 else type(self)(self.levels, self.felt[sets])
 
     def at(self, levels: Array, sets: NDArray[np.intp]) -> Array:
-        """Return what each of some sets feels at its level, (n,)."""
+        """Return the perceived level of each set, (n,)."""
         if len(self.felt) == 1:
             return np.asarray(np.interp(levels, self.levels, self.felt[0]))
         pairs = zip(levels.tolist(), self.felt[sets], strict=True)

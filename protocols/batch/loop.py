@@ -1,4 +1,4 @@
-"""The loop over sets and trials that a transition of plain numbers is compiled into."""
+"""The compiled loop over sets and trials for a transition."""
 
 from collections.abc import Callable
 from functools import cache
@@ -14,7 +14,7 @@ from .answers import nearest
 
 
 def _felt(level: float, levels: Any, felt: Any) -> Any:
-    """As `numpy.interp`; what is at a place of the table is the table's."""
+    """Interpolate like `numpy.interp`, exact at the table's levels."""
     n = len(levels)
     if n == 0:
         return level
@@ -29,7 +29,7 @@ def _felt(level: float, levels: Any, felt: Any) -> Any:
 
 @cache
 def loop_of(transition: Transition) -> Callable[..., None]:
-    """The loop of a transition; it is compiled once, and kept on disk."""
+    """Compile the loop of a transition once and cache it on disk."""
     start: Any = called(transition.start)
     level_of: Any = called(transition.level)
     after: Any = called(transition.after)

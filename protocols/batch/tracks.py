@@ -1,4 +1,4 @@
-"""Many tracks of one rule at once: in machine code, or in products of matrices."""
+"""Many tracks of one rule at once, in machine code or matrix products."""
 
 from dataclasses import dataclass
 from typing import Any, Self
@@ -55,11 +55,11 @@ class TrackBatch:
         )
 
     def rows(self, sets: slice) -> Self:
-        """Return some of the sets, as views."""
+        """Return views of some sets."""
         return type(self)(**{name: values[sets] for name, values in vars(self).items()})
 
     def ending(self, i: int) -> Ending | None:
-        """Return the ending of a track, None if it goes on."""
+        """Return the ending of a track, or None if it has not ended."""
         return ending_of(int(self.endings[i]))
 
 
@@ -125,7 +125,10 @@ def _step(
 
 
 def _arrays(numbers: Numbers) -> tuple[Any, ...]:
-    """Return numbers with an array for each sequence: for each length of a tuple, numba would compile anew."""
+    """Convert each sequence to an array.
+
+    Otherwise numba would compile anew for each length of a tuple.
+    """
     arrays = [np.array(value, dtype=np.float64) if isinstance(value, tuple) else value for value in numbers]
     return type(numbers)(*arrays) if arrays else ()
 
@@ -139,7 +142,7 @@ def weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, deliver
 
 
 def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delivery: Delivery, made: TrackBatch) -> None:
-    """Of sets that go on together; one that has ended is left out."""
+    """Fill in sets of equal length; a set leaves when its track ends."""
     prior, going = rule.prior_state, np.arange(len(criteria))
     logs, weights = (np.tile(each, (len(criteria), 1)) for each in (prior.log_weights, prior.weights))
     n_trials = min(criteria.shape[1], rule.n_trials)
@@ -151,10 +154,10 @@ def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delive
         made.asked[going, n], made.levels[going, n], made.answers[going, n] = asked, levels, answers
         learnt = logs + rule.log_likelihoods(levels, answers)
         possible = np.isfinite(learnt.max(axis=1))
-        learnt[~possible] = logs[~possible]  # what no cell allows leaves the weights of before
+        learnt[~possible] = logs[~possible]  # impossible answers leave the weights unchanged
         logs, weights = normalised(learnt)
         codes = np.full(len(going), GOES_ON, dtype=np.int8)
-        if rule.sd_stop is not None or n + 1 == n_trials:  # most trials need no look at the weights
+        if rule.sd_stop is not None or n + 1 == n_trials:  # most trials do not need the weights
             made.thresholds[going], _, codes = judged(rule, weights, n + 1)
         codes[~possible] = ABORTED
         made.endings[going] = codes

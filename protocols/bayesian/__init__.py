@@ -1,1 +1,1 @@
-"""Rules that weigh a grid of psychometric functions: QUEST, QUEST+, psi."""
+"""Bayesian procedures on a grid of parameters: QUEST, QUEST+, psi."""

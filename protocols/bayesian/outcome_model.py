@@ -1,4 +1,4 @@
-"""Models of answers for Bayesian procedures: parameters, and the probability of each outcome at a level."""
+"""Models of answers for Bayesian procedures."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -37,7 +37,10 @@ class Likelihoods(Protocol):
 
 @runtime_checkable
 class OutcomeModel(Protocol):
-    """Combinations of parameters as cells in C order; the first parameter is the threshold."""
+    """Combinations of parameters as cells in C order.
+
+    The first parameter is the threshold.
+    """
 
     @property
     def parameters(self) -> Mapping[str, tuple[float, ...]]: ...
@@ -52,7 +55,7 @@ class OutcomeModel(Protocol):
 
 
 def size(model: OutcomeModel) -> tuple[int, int]:
-    """Return the number of values of the first parameter, and of combinations of the others."""
+    """Return the numbers of first values and of other combinations."""
     first, *rest = map(len, model.parameters.values())
     return first, math.prod(rest)
 
@@ -183,7 +186,10 @@ class TableModel:
 
 
 def tabulate(model: OutcomeModel, levels: Sequence[float]) -> DenseLikelihoods:
-    """Tabulate a model at some levels; over outcomes its probabilities must add up to 1."""
+    """Tabulate a model at some levels.
+
+    The probabilities of all outcomes must add up to 1.
+    """
     rows = [[np.exp(model.log_likelihood(level, outcome)) for level in levels] for outcome in range(model.n_outcomes)]
     table = np.array(rows).reshape(model.n_outcomes, len(levels), *size(model))
     for n, level in enumerate(levels):

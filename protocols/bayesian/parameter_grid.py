@@ -13,9 +13,9 @@ from tactometry.psychometric import shape_named
 from .outcome_model import Array, p_log_p, size
 
 EQUAL = 1e-13
-"""Distances that differ by less, relative to the greatest, are one."""
+"""Distances that differ by less, relative to the greatest, are equal."""
 NARROWEST = 1e-100
-"""A width below it: distances over it would overflow."""
+"""Lower bound of widths: distances divided by less would overflow."""
 BLOCK = 512
 """Combinations of the other parameters that are summed at a time: a table of them stays in a core's own cache."""
 
@@ -113,7 +113,10 @@ def _check(name: str, values: tuple[float, ...], low: float, high: float) -> Non
 
 @dataclass(frozen=True, eq=False)
 class MixtureLikelihoods:
-    """Likelihoods of P(1) = g + (1 - g - l) S: sums over guess and lapse rates are taken before the product with S."""
+    """Likelihoods of P(1) = g + (1 - g - l) S.
+
+    Sums over guess and lapse rates are computed before the product with S.
+    """
 
     grid: ParameterGrid
     levels: tuple[float, ...]

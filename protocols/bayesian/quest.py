@@ -1,4 +1,4 @@
-"""QUEST: a Bayesian estimate of one threshold, presented where it stands."""
+"""QUEST: Bayesian estimation of one threshold."""
 
 import math
 from dataclasses import dataclass
@@ -19,14 +19,15 @@ from .weighing import Posterior, WeighingRule, WeighingRun
 
 Placing = Literal["quantile", "mean", "mode"]
 N_STEPS = 1_000_000
-"""Of the finest grid: a trial then takes about a tenth of a second."""
+"""Steps of the finest grid. A trial then takes about 0.1 s."""
 
 
 @dataclass(frozen=True, eq=False)
 @constrained
 class Quest(WeighingRule):
-    """The threshold's posterior under a Weibull function of known slope; the next level is its quantile, mean or mode.
+    """Bayesian placement for one threshold under a Weibull of known slope.
 
+    The next level is the quantile, mean or mode of the posterior.
     Watson and Pelli, Perception & Psychophysics 33, 113 (1983), in the form of Psychtoolbox and PsychoPy:
     ``P(1) = d g + (1 - d) (1 - (1 - g) exp(-10^(slope (x - t + e))))`` with x in decades of amplitude, g `guess_rate`,
     d `blind_share`, and e such that P(1) is `target` at the threshold t. The prior is normal, the quantile that of
@@ -43,7 +44,7 @@ class Quest(WeighingRule):
     - `slope`: Exponent of the Weibull function; the default is that of Watson and Pelli.
     - `blind_share`: Share of answers given without regard to the stimulus; the default is that of Watson and Pelli.
     - `guess_rate`: Chance of the answer 1 where nothing is felt.
-    - `placing`: What of the posterior the next level is.
+    - `placing`: Statistic of the posterior that sets the next level.
     - `n_trials`: Largest number of trials of a track.
     - `sd_stop`: It ends when the posterior's standard deviation is so small, in the unit of the levels.
 
@@ -131,7 +132,7 @@ class Quest(WeighingRule):
 
     @property
     def lapse_rate(self) -> float:
-        """Share of blind answers that are no lucky guess."""
+        """Share of blind answers that are wrong."""
         return self.blind_share * (1 - self.guess_rate)
 
     @cached_property

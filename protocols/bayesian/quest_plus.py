@@ -1,4 +1,4 @@
-"""QUEST+: the level whose answer is expected to tell most, on one track or several that share all but a threshold."""
+"""QUEST+ for one track, or for several that share all but a threshold."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -42,7 +42,7 @@ class QuestPlus(WeighingRule):
       first parameter is the threshold.
     - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
-    >>> from tactometry.protocols import ParameterGrid
+    >>> from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
     >>> levels = tuple(range(-40, 1))
     >>> rule = QuestPlus(levels, ParameterGrid(levels, widths=(10.0,)), n_trials=2)
     >>> rule.level, rule.after(1).level, rule.after(1).after(0).ending
@@ -189,7 +189,7 @@ class SharedQuestPlus:
     ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. A track that was within `sd_stop` may go on
     again after answers on another track; `n_trials` bounds each.
 
-    >>> from tactometry.protocols import ParameterGrid
+    >>> from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
     >>> rule = QuestPlus((0.0, 5.0, 10.0), ParameterGrid((0.0, 5.0, 10.0), (4.0, 8.0)), n_trials=2)
     >>> pool = SharedQuestPlus(rule, ("30 Hz", "240 Hz")).after("30 Hz", 1)
     >>> len(pool.procedure("30 Hz").responses), len(pool.procedure("240 Hz").responses)
@@ -234,7 +234,7 @@ class SharedQuestPlus:
         for track in self.tracks:
             of_others = sum((each for name, each in evidence.items() if name != track), start=shared)
             state = Posterior.of((joint[track] + of_others).ravel())
-            assert state is not None  # answers that nothing allows are not taken in
+            assert state is not None  # impossible answers are ignored
             views[track] = replace(self.runs.get(track, self.rule.begin()), state=state)
         return views
 
@@ -243,7 +243,7 @@ class SharedQuestPlus:
         with rewording(lambda words: f"SharedQuestPlus track {track!r}, {words}"):
             run = self.procedure(track).after(response, delivered)
         pool = replace(self, runs={**self.runs, track: run})
-        if run.contradicted:  # what nothing allows would leave no weight to the other tracks
+        if run.contradicted:  # an impossible answer would leave the other tracks without weights
             return pool
         log_likelihood = self.rule.grid.log_likelihood(run.delivered[-1], run.responses[-1])
         table = self.log_likelihoods.get(track, 0.0) + log_likelihood.reshape(size(self.rule.grid))

@@ -1,4 +1,4 @@
-"""QUEST+ and the psi method from plain numbers, as a study file gives them."""
+"""QUEST+ and the psi method with plain numbers, as in a study file."""
 
 import math
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from .quest_plus import Aim, Criterion, QuestPlus
 
 Spacing = Literal["linear", "log"]
 MOST_VALUES = 10_000
-"""Of one grid."""
+"""Largest number of values in one grid."""
 
 
 def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
@@ -43,7 +43,7 @@ def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...
 
 @dataclass(frozen=True)
 class QuestPlusSettings:
-    """QUEST+: each trial presents the level that is expected to tell most about the psychometric function.
+    """QUEST+: place each trial where its expected information is largest.
 
     - `low`: Lowest level that is presented.
     - `high`: Highest level that is presented.

@@ -19,7 +19,7 @@ from .outcome_model import Array
 HIGHEST = 1 + 1e-9
 """Factor by which the weight of an end must exceed all others to be the highest."""
 LOWEST = -1e300
-"""Stands for log 0 in a product with 0."""
+"""Replaces log 0 in a product with 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,10 @@ def judged(rule: "WeighingRule", weights: Array, n_answers: int) -> tuple[Array,
 
 
 class WeighingRule(Rule[Any]):
-    """Numbers of a rule that ends after `n_trials`, or at a posterior standard deviation of `sd_stop`."""
+    """Settings of a rule that weighs a grid of parameters.
+
+    It ends after `n_trials`, or at a posterior standard deviation of `sd_stop`.
+    """
 
     sd_stop: float | None
     learns_from_easy = True
@@ -124,7 +127,10 @@ RuleT = TypeVar("RuleT", bound=WeighingRule)
 
 @dataclass(frozen=True, eq=False)
 class WeighingRun(Run[RuleT]):
-    """A run with the weights of all cells (`state`); `contradicted` if no cell allows the last answer."""
+    """A run with the weights of all cells (`state`).
+
+    `contradicted` is True if no cell allows the last answer.
+    """
 
     state: Posterior = field(kw_only=True, repr=False)
     contradicted: bool = False
@@ -152,7 +158,7 @@ class WeighingRun(Run[RuleT]):
             return "aborted"
         may_converge = self.rule.sd_stop is not None and self.responses
         if len(self.responses) < self.rule.n_trials and not may_converge:
-            return None  # without a look at the weights
+            return None  # without reading the weights
         return ending_of(self._judged[2])
 
     def _estimate(self) -> RuleThreshold:

@@ -44,7 +44,7 @@ def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]
 @dataclass(frozen=True)
 @constrained
 class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
-    """Each of `levels` is presented `repeats` times, in an order that no response changes.
+    """Constant stimuli: each level `repeats` times, whatever the responses.
 
     `begin` with a generator shuffles in blocks: within each repeat every level comes once, in random order. Without one
     the levels come in their given order, repeat after repeat. Gescheider, Psychophysics: The Fundamentals, 3rd ed.

@@ -1,4 +1,4 @@
-"""Easy trials of an adaptive procedure, far above threshold, which show the lapse rate."""
+"""Easy trials of adaptive procedures, which reveal the lapse rate."""
 
 from dataclasses import dataclass, replace
 from math import ceil

@@ -28,7 +28,7 @@ from .stepping import (
 
 Direction = Literal["ascending", "descending", "alternating"]
 N_STEPS = 10_000
-"""More make no series that anybody sits through."""
+"""Largest number of steps in the range: longer series are impractical."""
 DIRECTIONS = get_args(Direction)
 ASCENDING, ALTERNATING = 0, 2
 UNCHANGED = math.inf
@@ -130,7 +130,7 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     n_start_steps: Annotated[int, Ge(0)] = 0
 
     name = "method_of_limits"
-    named = LimitsNumbers
+    _named = LimitsNumbers
     transition = Transition(_level, _ending, _start, _after, _threshold)
     unreplayed = "the series of the method of limits are not replayed"
 

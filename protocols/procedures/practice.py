@@ -38,7 +38,7 @@ OnMiss = Literal["go_on", "ask"]
 @dataclass(frozen=True)
 @constrained
 class Practice(SteppingRule[Any]):
-    """Easy levels in turn until `n_correct` of the last `n_of` answers were right, `n_trials` at most.
+    """Easy levels in turn until `n_correct` of the last `n_of` are right.
 
     It ends as ``converged`` when the criterion was met, else as ``trials``.
 
@@ -62,7 +62,7 @@ class Practice(SteppingRule[Any]):
 
     name = "practice"
     transition = Transition(_level, _ending)
-    named = PracticeNumbers
+    _named = PracticeNumbers
     unreplayed = "practice measures nothing"
 
     def __post_init__(self) -> None:

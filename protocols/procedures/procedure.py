@@ -1,4 +1,4 @@
-"""Base classes of procedures: the numbers of a rule (`Rule`) and a run with its answers (`Run`)."""
+"""Base classes of procedures: settings (`Rule`) and runs (`Run`)."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -16,13 +16,13 @@ from tactometry.errors import InvalidParameter
 
 Count = Annotated[int, Ge(1)]
 MOST_TRIALS = 1_000_000
-"""More make no session: at 5 s each they last 58 days."""
+"""Largest number of trials: at 5 s each they last 58 days."""
 Ending = Literal["converged", "trials", "censored_above", "censored_below", "aborted"]
 
 
 @dataclass(frozen=True)
 class RuleThreshold:
-    """A rule's estimate: level, SD, number of reversals or answers, and its kind or why it is missing."""
+    """A rule's estimate: level, SD, count, and kind or reason of absence."""
 
     level: float | None = None
     sd: float | None = None
@@ -84,7 +84,7 @@ class Procedure(ABC):
 
     @property
     def is_easy(self) -> bool:
-        """Whether the next trial is an easy one, whose level the rule does not choose."""
+        """True if the next trial is an easy one at a fixed level."""
         return False
 
     @property
@@ -93,17 +93,26 @@ class Procedure(ABC):
         return self.estimate.level
 
     def learning_from(self, other: "Procedure") -> Self:
-        """Return this procedure after an answer on another track; itself if the two share nothing."""
+        """Return this procedure after an answer on another track.
+
+        Returns itself if the two share nothing.
+        """
         del other
         return self
 
 
 class FixedOrder(Procedure):
-    """A procedure whose order no response changes: it can leave out a level that the block presents later."""
+    """A procedure whose order is independent of responses.
+
+    It can leave out a level that the block presents later.
+    """
 
     @abstractmethod
     def skip(self) -> "FixedOrder":
-        """Return the procedure at the next presentation; the block comes back to the present one."""
+        """Return the procedure at the next presentation.
+
+        The block repeats the present one later.
+        """
 
     @abstractmethod
     def take(self, response: int | bool) -> "FixedOrder":
@@ -156,7 +165,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
     high: float
     n_trials: int
     unreplayed: ClassVar[str] = ""
-    """Why a run does not follow from answers and levels alone; empty if it does."""
+    """Reason why answers and levels do not determine a run; empty if they do."""
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -172,7 +181,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
         """Return a run without answers; `rng` draws its order, if it has one."""
 
     def begin_together(self, tracks: Sequence[str]) -> "tuple[Procedure, ...]":
-        """Return a procedure for each of some tracks that learn from each other's answers; most share nothing."""
+        """Return procedures for tracks that may learn from each other."""
         return tuple(self.begin() for _ in tracks)
 
     @property
@@ -190,7 +199,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
 
 @dataclass(frozen=True)
 class Run(Procedure, Generic[RuleT]):
-    """A rule and its history: the responses, and the levels that were delivered."""
+    """A rule and its history of responses and delivered levels."""
 
     rule: RuleT
     responses: tuple[int, ...] = ()

@@ -28,7 +28,7 @@ from .stepping import (
 
 UP, STAY, DOWN = 1, 0, -1
 DISCARDED = 2
-"""Reversals that the estimate leaves out: those of the large first steps."""
+"""Number of first reversals, with large steps, that the estimate leaves out."""
 
 
 class StaircaseNumbers(NamedTuple):
@@ -60,7 +60,10 @@ def _level(numbers: StaircaseNumbers, order: Order, state: State) -> float:
 def _after(
     numbers: StaircaseNumbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
 ) -> tuple[State, float]:
-    """Step from the delivered level, marked at a reversal. At a bound the step counts as pinned."""
+    """Step from the delivered level and mark reversals.
+
+    A step beyond a bound counts as pinned.
+    """
     low, high = numbers.low, numbers.high
     _, last, streak, n_reversals, n_pinned = state
     level = levels[-1]
@@ -110,7 +113,7 @@ class UpDown(SteppingRule["StaircaseRun"]):
     start: float
 
     transition = Transition(_level, _ending, _start, _after, _threshold)
-    named = StaircaseNumbers
+    _named = StaircaseNumbers
 
     @property
     @abstractmethod

@@ -1,4 +1,7 @@
-"""Rules whose steps are pure functions of plain numbers, which a session calls and a batch compiles (`Transition`)."""
+"""Rules whose steps are pure functions of numbers (`Transition`).
+
+A session calls these functions, and a batch compiles them.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -69,14 +72,14 @@ RunT = TypeVar("RunT", bound="SteppingRun[Any]")
 
 
 class SteppingRule(Rule[RunT]):
-    """Numbers of a rule that has a `transition`, whose functions take those `named` in a named tuple."""
+    """Numbers of a rule that has a `transition`, which takes them as the named tuple `_named`."""
 
     transition: ClassVar[Transition]
-    named: ClassVar[type[Numbers]] = tuple
+    _named: ClassVar[type[Numbers]] = tuple
 
     @property
     def numbers(self) -> Numbers:
-        return self.named(*(getattr(self, name) for name in getattr(self.named, "_fields", ())))
+        return self._named(*(getattr(self, name) for name in getattr(self._named, "_fields", ())))
 
     def begin(self, rng: np.random.Generator | None = None) -> RunT:
         del rng

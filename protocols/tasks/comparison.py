@@ -13,11 +13,11 @@ from .task import AgainstStandard, Presentation, Reply, TaskKind, TrialCourse
 
 @dataclass(frozen=True)
 class Comparison(AgainstStandard):
-    """The standard and a level in random order, then: which is stronger? For just noticeable differences.
+    """A comparison of a level with a standard: which one is stronger?
 
-    The response, also to the procedure, is 1 if the level was called stronger; it is correct if the level was higher,
-    and not defined at equality. `target` is the interval of the level. Gescheider, Psychophysics: The Fundamentals,
-    3rd ed. (1997), chapter 3.
+    Both come in random order; the result is a just noticeable difference. The response, also to the procedure, is 1 if
+    the level was called stronger; it is correct if the level was higher, and not defined at equality. `target` is the
+    interval of the level. Gescheider, Psychophysics: The Fundamentals, 3rd ed. (1997), chapter 3.
     """
 
     name = "comparison"

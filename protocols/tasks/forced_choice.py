@@ -16,7 +16,7 @@ from .touch import feel_in_turn, nth
 
 @dataclass(frozen=True)
 class ForcedChoice(Task):
-    """`n_intervals` intervals of which one, drawn at random, holds the stimulus, then: which? Chance is 1/n_intervals.
+    """A forced choice among intervals: which one contains the stimulus?
 
     Green and Swets, Signal Detection Theory and Psychophysics (1966), section 2.4.
 

@@ -16,7 +16,7 @@ from .task import Over, Places, Presentation, Task, TaskKind, TrialCourse, Trial
 
 @dataclass(frozen=True)
 class Localisation(Task):
-    """One of several alternatives (places, foci), drawn at random, then: which? An m-alternative forced choice.
+    """An m-alternative forced choice among places or foci.
 
     `target` is the number of the alternative, from 1; chance is one over their number. For alternatives with places,
     `separation_m` is the smallest distance between two of them, and `error_m` that of the answer from the target.
@@ -40,9 +40,9 @@ class Localisation(Task):
         return outcome.score(choice, correct=choice.option == target)
 
 
-@lru_cache(maxsize=256)  # every trial of a track has the same
+@lru_cache(maxsize=256)  # equal in every trial of a track
 def _separation_m(alternatives: tuple[Places, ...]) -> float | None:
-    """Return the distance between the two alternatives that are nearest to each other."""
+    """Return the smallest distance between two alternatives."""
     distances_m = [_distance_m(one, other) for one, other in combinations(alternatives, 2)]
     return min((distance_m for distance_m in distances_m if distance_m is not None), default=None)
 

@@ -14,7 +14,7 @@ from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 @dataclass(frozen=True)
 @constrained
 class Magnitude(Task):
-    """One stimulus, then a number for its strength, from 0, without a modulus unless `high` bounds it.
+    """A stimulus, then a number for its strength, from 0 up to `high`.
 
     Stevens, American Journal of Psychology 69, 1 (1956). The procedure learns whether anything was felt (above 0).
 

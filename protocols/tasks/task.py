@@ -22,7 +22,7 @@ Places = tuple[Place, ...]
 
 @dataclass(frozen=True)
 class Alternative:
-    """A stimulus that a trial chooses among: name, label on the page, factors, and its places, if any."""
+    """A stimulus that a trial chooses among, with label and places."""
 
     stimulus: str
     label: str
@@ -42,7 +42,10 @@ class Presentation:
 
 @dataclass(frozen=True)
 class Reply:
-    """Cells of an answer; without a response it was left open, without an answer the question was not asked."""
+    """Cells of an answer.
+
+    Without a response it was left open; without an answer the question was not asked.
+    """
 
     answer: Answer | None = None
     response: float | None = None
@@ -74,7 +77,7 @@ class TrialOutcome:
 
     @property
     def valid(self) -> bool:
-        """Whether every touch met its conditions and every answer counts."""
+        """True if all touches and answers are valid."""
         return bool(self.replies) and all(each.valid for each in self._parts)
 
     @property
@@ -82,7 +85,7 @@ class TrialOutcome:
         return all(touch.valid for touch in self.touches)
 
     def score(self, choice: Chosen, *, correct: bool) -> Self:
-        """Return the outcome with a choice that is right or wrong, also for the procedure."""
+        """Return the outcome with a right or wrong choice."""
         return replace(self, replies=(Reply(choice, choice.option, correct),), success=correct)
 
     @property
@@ -91,7 +94,7 @@ class TrialOutcome:
 
     @property
     def correct(self) -> bool | None:
-        """Whether the answer is right; None if it does not count or cannot be right or wrong."""
+        """True if the answer is right; None if invalid or not scorable."""
         return self.replies[0].correct if self.valid else None
 
     @property

@@ -1,4 +1,4 @@
-"""Conditions on the finger while a stimulus plays, and several stimuli in turn."""
+"""Conditions on the finger during a stimulus, and sequences of stimuli."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,1 +1,1 @@
-"""What an effect of a scene is, below the physics: a value says itself what it needs, gives and asks of the others."""
+"""The interface between a scene and its effects."""

@@ -1,4 +1,7 @@
-"""What effects bring into a scene that its sampling and its modes must resolve: neutral where one brings nothing."""
+"""Content that effects add to a scene and that it must resolve.
+
+The defaults are neutral.
+"""
 
 from dataclasses import dataclass, fields
 from math import inf
@@ -6,7 +9,7 @@ from math import inf
 
 @dataclass(frozen=True)
 class VoltageContent:
-    """Of a voltage and the force that it causes.
+    """Content of a voltage and of the force that it causes.
 
     Parameters
     ----------
@@ -17,7 +20,7 @@ class VoltageContent:
     envelope_rad_per_s, kinks_rad_per_s : float
         How fast an envelope goes through its zeros, where it has a kink: one of the tone alone, and one of all of it.
     constant : float
-        The voltage beside the tone, over its peak.
+        The constant voltage added to the tone, over the peak of the tone.
     swing_rad_per_s : float
         How fast a finger pad swings freely.
     resistivity_ohm_m : float
@@ -50,7 +53,7 @@ class VoltageContent:
 
 @dataclass(frozen=True)
 class PlateContent:
-    """Of the motion of a plate.
+    """Content of the motion of a plate.
 
     Parameters
     ----------
@@ -63,7 +66,7 @@ class PlateContent:
     train_s : float
         By how much an emission is longer than the reversal time.
     places_m : tuple of pairs of float
-        Where the motion is read beside the focus.
+        Where the motion is read in addition to the focus.
     reach_m : float
         From the centre of a transducer to its outline.
     load : float

@@ -1,4 +1,4 @@
-"""What a scene is made of: stages, the effects and surfaces that bring them, and what is asked of them.
+"""Stages, effects and surfaces of a scene, and the demand on them.
 
 A stage is sized by what is asked of all, and an effect is asked for stages: they are one contract.
 """
@@ -25,13 +25,13 @@ Setting = float | int | str | tuple[float, ...] | tuple[str, ...]
 
 
 def note(words: str, *names: str) -> dict[str, str]:
-    """The same words for each of some names: of quantities how to have them, of kinds why they do not go together."""
+    """Return a dict that maps each name to the same words."""
     return dict.fromkeys(names, words)
 
 
 @dataclass(frozen=True)
 class Size:
-    """How finely a stage works: settings that the tolerated error chooses, the error that is left, and the work.
+    """The settings of a stage for a tolerated error, its remaining error, and its work.
 
     `n_operations` is the predicted number of floating-point operations of one run.
     """
@@ -51,7 +51,7 @@ class Stage:
         What the step is, in the words of `tactometry scene --explain`; a key of ``[settings]`` in a scene file.
     needs : tuple of str
         Names of the quantities that it reads. If `gives` is among them the stage changes that quantity; if not, it
-        takes the place of whatever gave it before.
+        replaces the stage that provided it before.
     gives : str
         Name of the quantity.
     target : str
@@ -82,7 +82,7 @@ class Stage:
 
     @property
     def changes(self) -> bool:
-        """Whether it changes a quantity, rather than to make it."""
+        """True if the stage changes a quantity instead of creating it."""
         return self.gives in self.needs
 
     def sized(self, demand: "Demand") -> "Stage":
@@ -134,7 +134,7 @@ class FingerContact:
 
 
 class Surroundings(Protocol):
-    """What of a scene an effect may look at."""
+    """The part of a scene that an effect can access."""
 
     @property
     def surface(self) -> Any:
@@ -158,7 +158,7 @@ class Effect:
 
     ============ ==================================================================================
     `kind`       name in a scene file
-    `slot`       place of which a scene may fill one; by default the kind
+    `slot`       place that one effect of a scene may fill; by default the kind
     `requires`   slots, ``contact``, ``sliding contact`` or ``resting contact`` that the scene must have
     `excludes`   kinds that contradict it, with the reason and the cure; `felt_excludes` replaces it
                  where a signal is played and no time course is computed
@@ -209,15 +209,17 @@ class Effect:
         require.not_negative(type(self).__name__, **{name: getattr(self, name) for name in self.not_negative})
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """What the effect needs and gives, and no more: the value itself, unless it says otherwise.
+        """Return the stages of the effect; by default the value itself.
 
-        What its stages compute, refuse or predict stands in their `size`, which is asked for if an output needs them.
+        Their `size` computes, predicts or refuses, and is called only if an output needs the stage.
         """
         return (self.stage(),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """The same where a signal is played and nothing but what is felt of it is asked for: an effect that is linear
-        acts on the components in their steady state, so that no course is computed for a contact."""
+        """Return the stages for a played signal whose sensation is the output.
+
+        A linear effect acts on components in their steady state, so that no time course is computed for a contact.
+        """
         return self.stages(scene)
 
     def stage(self) -> Stage:
@@ -230,24 +232,27 @@ class Effect:
         return Size()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        """What it brings into the voltage and the force of an electrovibration scene."""
+        """Return what the effect adds to voltage and force."""
         return VoltageContent()
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        """What it brings into the motion of a plate."""
+        """Return what the effect adds to the motion of a plate."""
         return PlateContent()
 
     def in_setup(self) -> Mapping[str, Any]:
-        """Fields of the `Setup` of a plate, by an effect that makes it: what is played on it does not hold them."""
+        """Return `Setup` fields that the effect sets, not contained in signals."""
         return {}
 
     def wavenumber_rad_per_m(self, plate: Any, frequency_hz: float) -> float | None:
-        """Of the waves in a plate, by an effect that changes them; None leaves them as they are."""
+        """Return the wavenumber if the effect changes it, else None."""
         return None
 
 
 def is_changed(quantity: str, scene: Surroundings) -> bool:
-    """Whether an effect of a scene changes a quantity that something else makes: no shortcut may pass it by."""
+    """Return True if an effect changes a quantity that another stage makes.
+
+    No shortcut may then bypass that quantity.
+    """
     return any(quantity in effect.reads and effect.gives == quantity for effect in scene.effects)
 
 
@@ -259,7 +264,7 @@ class Quantity(Effect):
 
 
 class Alteration(Effect):
-    """An effect that sets fields of the one quantity that it reads and gives, by the names of its own.
+    """An effect that copies its fields into the one quantity that it reads.
 
     `sets` says what those are called there, where it is something else.
 
@@ -279,7 +284,7 @@ class Alteration(Effect):
 
 
 class Surface:
-    """What is touched: it brings the stages that hold without any effect.
+    """A touched surface, with the stages that need no effect.
 
     `effects` holds the kinds that it knows, in the order in which they act, and where their classes are. `given` names
     the quantities that each run is given, `touches` the fingers that stand for any where a run is given its contact.
@@ -298,7 +303,7 @@ class Surface:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of fingers that tell under which of them something is felt; none where one finger feels it."""
+        """Names of the fingers that report where they feel; empty for one."""
         return ()
 
     def stages(self, scene: "Demand") -> tuple[Stage, ...]:
@@ -317,7 +322,7 @@ class Surface:
         )
 
     def reaches(self, contact: Contact) -> bool:
-        """Whether anything of this surface reaches the skin under a contact."""
+        """Return True if the surface reaches the skin under a contact."""
         return contact.force_n > 0
 
     def excluded(self, effect: Effect | type[Effect]) -> Mapping[str, str]:
@@ -330,14 +335,17 @@ class Surface:
         return tuple(replace(stage, effect=effect.kind) for stage in stages)
 
     def cure(self, quantity: str) -> str:
-        """Which effect brings a quantity, in words; empty if none does. It asks all effects, so all are imported."""
+        """Describe which effect provides a quantity, or return "".
+
+        Imports all effects.
+        """
         cures = (resolve(target).cures for target in self.effects.values())
         return next((of_effect[quantity] for of_effect in cures if quantity in of_effect), "")
 
 
 @dataclass(frozen=True)
 class Demand:
-    """A scene as its stages see it: the effects that its outputs call for, and the error that each stage may add.
+    """The effects that the outputs of a scene need, and the error per stage.
 
     Effects that no output needs are not in it, so that no size of a stage can depend on them.
 

@@ -75,12 +75,15 @@ def chord_error(scene: Surroundings, n: int) -> float:
 
 
 def content_of(scene: Surroundings) -> VoltageContent:
-    """What all effects bring."""
+    """Return the sum of the content of all effects."""
     return sum((effect.in_voltage(scene) for effect in scene.effects), start=VoltageContent())
 
 
 def _terms(scene: Surroundings) -> tuple[float, float]:
-    """Factors of the step squared (curvature) and of the step (kinks, of which only a lossy skin shows any)."""
+    """Return factors of the squared step (curvature) and step (kinks).
+
+    Only a lossy skin shows kinks.
+    """
     content = content_of(scene)
     skin = scene.surface
     insulator_m = skin.insulator_thickness_m / skin.insulator_permittivity + content.gap_m
@@ -100,7 +103,10 @@ def _terms(scene: Surroundings) -> tuple[float, float]:
 
 
 def _ramp_end_per_s2(ramp_s: float, leak_per_s: float, leak_of_tone: float, constant: float) -> float:
-    """Curvature of the force over its peak behind a ramp, 0 without ramps or losses."""
+    """Return the curvature of the force over its peak after a ramp.
+
+    0 without ramps or losses.
+    """
     if not (ramp_s and leak_per_s):
         return 0.0
     return (pi / ramp_s) ** 2 / 2 * (hypot(1.0, leak_of_tone) * (1 + 2 * constant) + 1)

@@ -21,7 +21,7 @@ Criterion = Literal["absolute", "fraction"]
 @checked
 @dataclass(frozen=True)
 class ElectrovibrationSensation:
-    """What a scene of the friction that a voltage causes under a sliding finger is made of, and nothing that computes.
+    """Settings of a scene of friction from electrovibration.
 
     Voltage, corneum, electrostatic force (`law`), friction, lag of friction, displacement of the skin, thresholds of
     the receptor channels: each is an effect of the scene (`tactometry.stimuli.scenes.default_scenes.default_scene`),

@@ -91,8 +91,10 @@ def _within(frequencies_hz: FloatArray) -> IntArray:
 
 @lru_cache(maxsize=64)
 def _weights(lines_hz: bytes) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Which of some frequencies any channel answers to, those, and how strongly each is felt: a signal that is felt
-    under many fingers has the same frequencies each time."""
+    """Return indices, frequencies and sensitivities of perceptible lines.
+
+    Cached, since a signal under several fingers has the same frequencies each time.
+    """
     frequencies_hz = np.frombuffer(lines_hz)
     within = _within(frequencies_hz)
     f_hz = frequencies_hz[within]
@@ -106,7 +108,9 @@ def highest_level_db(weighed: Components, reference_m: float) -> float:
 
 
 def summation_db(area_m2: float, reference_m2: float) -> float:
-    """What P gains by a larger contact: 3 dB per doubling of the area (Craig and Sherrick 1969).
+    """Return the gain of P from contact area: 3 dB per doubling.
+
+    After Craig and Sherrick (1969).
 
     >>> round(summation_db(2e-4, 1e-4), 2)
     3.01

@@ -26,7 +26,7 @@ class Components:
     amplitudes: FloatArray
 
     def times(self, gain: FloatArray | float) -> "Components":
-        """What a gain, of all or of each, makes of them.
+        """Return the components multiplied by one gain or one gain each.
 
         >>> Components(np.array([60.0]), np.array([0.5])).times(3.0).amplitudes
         array([1.5])

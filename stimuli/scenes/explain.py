@@ -52,7 +52,7 @@ def explanation(scene: Scene, given: Mapping[str, float]) -> str:
 
 
 def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
-    """What a plan takes of what is given.
+    """Select the given values that a plan needs.
 
     Raises `InvalidParameter` if a quantity is not given.
     """
@@ -98,7 +98,7 @@ def _wrapped(text: str) -> list[str]:
 
 
 def rests_on_in_words(scene: Scene) -> str:
-    """Which numbers its absolute levels rest on; empty of none."""
+    """Describe the constants that set absolute levels, or return ""."""
     return f"absolute levels rest on {'; '.join(scene.rests_on())}" if scene.rests_on() else ""
 
 

@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class SceneFile:
-    """What a scene file holds: a title, the scene, and the values that a run is given."""
+    """Content of a scene file: title, scene and given values."""
 
     title: str
     scene: Scene

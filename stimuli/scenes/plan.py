@@ -61,7 +61,10 @@ class Plan:
         _ = self._program
 
     def timed(self, given: Mapping[str, Any]) -> tuple[float, ...]:
-        """Measured time (s) of each stage in a run of its own; in a first one also of what is imported for it."""
+        """Measure the time (s) of each stage in a separate run.
+
+        A first run includes imports.
+        """
         values = dict(given)
         times: list[float] = []
         for stage in self.stages:
@@ -148,8 +151,9 @@ def _split(stages: Sequence[Stage], given: Collection[str]) -> tuple[list[Stage]
 
 
 def parted(plan: Plan, late: str) -> tuple[Plan, Plan]:
-    """What of a plan does not depend on one of the given quantities, and the rest, which is given the outputs of the
-    former and that quantity.
+    """Split a plan by whether stages depend on one given quantity.
+
+    The second plan is given that quantity and the outputs of the first.
 
     >>> double = Stage("double", ("a",), "b", "operator:neg")
     >>> both = Stage("both", ("b", "c"), "d", "operator:mul")
@@ -267,12 +271,15 @@ def loads_n(plan: Plan) -> FloatArray:
 
 
 def is_linear(plan: Plan) -> bool:
-    """Whether the plate moves in proportion to the voltage: not where a contact opens and closes by it."""
+    """Return True if the plate moves in proportion to the voltage.
+
+    False if a contact opens and closes.
+    """
     return not any(stage.gives == MOVED and "voltage_v" in stage.needs for stage in plan.stages)
 
 
 def pulled_fingers(result: Result) -> list[PulledFinger]:
-    """The fingers of which a result has the force of a linear contact; none without it."""
+    """Return the fingers whose force a linear contact provides."""
     if FORCE not in result.values or not is_linear(result.plan):
         return []
     lowest = np.atleast_2d(result.values[FORCE]).min(axis=1)

@@ -122,14 +122,16 @@ class Scene:
         return max(self.fingers_db(signal, contact))
 
     def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]:
-        """The same at each finger of a surface that several touch, of which `sensation` is the highest."""
+        """Return the level at each finger; `sensation` is the highest."""
         _check_felt(signal, contact)
         return self._of_signal(signal)(contact)
 
     @cached_property
     def _of_signal(self) -> OfSignal:
-        """What each signal is felt as under a contact: the plan in two parts, of which the first is run once for a
-        signal, and levels that were told before."""
+        """Return a function from signals and contacts to cached levels.
+
+        The stages that do not depend on the contact run once for a signal.
+        """
         felt = self.felt()
         early, rest = parted(felt.resolve(), "contact")
 
@@ -147,8 +149,9 @@ class Scene:
         return lru_cache(maxsize=N_SIGNALS)(of_signal)
 
     def felt(self, output: str = SENSATION) -> "Scene":
-        """The scene whose plan gives the sensation of a signal under a contact, both of which each run is given; or
-        another quantity of them.
+        """Return the scene whose runs are given a signal and a contact.
+
+        Its output is the sensation level or another quantity.
 
         Effects that make what is played are left out, as the signal holds them, and so is what acts on them alone; the
         plate keeps those that make it.
@@ -161,12 +164,12 @@ class Scene:
         return replace(self, surface=surface, effects=effects, outputs=(output,), contacts=surface.touches)
 
     def off(self) -> tuple[Effect, ...]:
-        """Effects of the scene of which no output needs a stage."""
+        """Return the effects that no output needs."""
         on = self._called_for(self._unsized())
         return tuple(effect for effect in self.effects if effect not in on)
 
     def assumed(self) -> tuple[str, ...]:
-        """What surface and effects take for granted for these outputs, in words."""
+        """Describe the assumptions of surface and effects for these outputs."""
         called_for = self._called_for(self._unsized())
         slots = {effect.slot for effect in called_for}
         of_surface = (words for slot, words in self.surface.assumes.items() if slot not in slots)

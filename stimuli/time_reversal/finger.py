@@ -1,4 +1,4 @@
-"""What presses on the screen, a finger or a contactor: what it costs, and when the plate throws it off."""
+"""Fingers and contactors on the screen: amplitude loss and lift-off."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -61,7 +61,7 @@ KINDS: Final = ("finger", "soft", "rigid")
 @checked
 @dataclass(frozen=True)
 class Contactor:
-    """What presses on the plate in place of a finger.
+    """A contactor that presses on the plate instead of a finger.
 
     All constants are unverified defaults; the thesis's contactors are not known.
 
@@ -82,7 +82,7 @@ class Contactor:
 
     @property
     def words(self) -> str:
-        """What it is called in a sentence.
+        """Description for use in a sentence.
 
         >>> Contactor("finger").words, Contactor("soft", 5e-3).words
         ('finger', 'soft 5 mm tip')

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 @checked
 @dataclass(frozen=True)
 class Fingertip:
-    """What a fingertip at rest answers the plate with: R = R_2N (F / 2 N)^p, mass and stiffness by the same law.
+    """A resting fingertip, with resistance R = R_2N (F / 2 N)^p.
+
+    Mass and stiffness follow the same law.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ class ContactCourse:
 
     @property
     def apart(self) -> NDArray[np.bool_]:
-        """Where contact is lost."""
+        """True for each sample at which contact is lost."""
         return np.asarray(self.contact_force_n == 0.0)
 
 
@@ -63,7 +63,7 @@ def one_sided_contact(
     force_n: Positive = REFERENCE_FORCE_N,
     finger: Fingertip | None = None,
 ) -> ContactCourse:
-    """What a finger that lifts off makes of the displacement that the free plate has at a place.
+    """Return the course of a contact that can open, from free motion.
 
     Each step takes the force of a closed contact, or that of an open one where a closed one would pull: one of the
     two holds, never both. The midpoint rule is of second order while the state stays, of first where it changes.
@@ -101,8 +101,10 @@ def one_sided_contacts(
     f_max_hz: float,
     still_m_per_n: FloatArray | None = None,
 ) -> ContactCourses:
-    """What fingers that lift off make of the displacements (n_contacts, n_samples) of the free plate, as
-    `one_sided_contact`; forces of one move the plate under all.
+    """Return the courses of contacts that can open, from free motion.
+
+    As `one_sided_contact`, for displacements (n_contacts, n_samples) of the free plate. The force of each contact moves
+    the plate under all.
 
     Raises `InvalidParameter` if a finger has a mass, or no resistance.
 

@@ -8,8 +8,8 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from tactometry.experiments.bench.bench_file import load_bench
-from tactometry.experiments.bench.finding import Finding, exit_status
 from tactometry.experiments.bench.preflight import check
+from tactometry.experiments.bench.preflight_checks import Finding, exit_status
 
 from .output import (
     STUDY,

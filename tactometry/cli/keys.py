@@ -11,7 +11,7 @@ from ..config.strict import InvalidKey
 from .output import say, subcommand
 
 if TYPE_CHECKING:
-    from tactometry.experiments.reference.key_table import KeyTable
+    from tactometry.experiments.reference.tables import KeyTable
 
 WIDTH: Final = 80
 """Of a terminal that all of it fits."""
@@ -35,8 +35,7 @@ def command(name: str | None) -> None:
     NAME is that of a table, such as touch.slide, bench.output or map, or texts for the texts that [texts] may replace.
     Without it the names are listed.
     """
-    from tactometry.experiments.reference.key_table import toml_value
-    from tactometry.experiments.reference.tables import find, tables
+    from tactometry.experiments.reference.tables import find, tables, toml_value
 
     if name == "texts":
         shipped = _shipped_texts()
@@ -82,8 +81,7 @@ def _names(names: list[str]) -> str:
 
 
 def _record(table: "KeyTable") -> dict[str, Any]:
-    from tactometry.experiments.reference.block import block
-    from tactometry.experiments.reference.keys import keys_of
+    from tactometry.experiments.reference.keys import block, keys_of
 
     keys = [asdict(key) | {"required": key.required} for key in keys_of(table)]
     return {"name": table.name, "table": table.header, "keys": keys, "example": block(table)}
@@ -93,8 +91,7 @@ def _text(table: "KeyTable") -> str:
     from rich.console import Console
     from rich.table import Column, Table
 
-    from tactometry.experiments.reference.block import block, heading, holds
-    from tactometry.experiments.reference.keys import keys_of
+    from tactometry.experiments.reference.keys import block, heading, holds, keys_of
 
     keys = keys_of(table)
     columns = (

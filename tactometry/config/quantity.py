@@ -13,7 +13,6 @@ _PREFIXES = {
     "n": 1e-9,
     "u": 1e-6,
     "µ": 1e-6,
-    "μ": 1e-6,
     "m": 1e-3,
     "c": 1e-2,
     "": 1.0,
@@ -49,6 +48,8 @@ _COMPOUND = {
 }
 _RATIOS = {"_rad": "rad", "_db": "dB"}
 """Which a file writes as plain numbers."""
+GREEK_MU = ("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
+"""A Greek letter is read as the sign that looks the same."""
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
 
 
@@ -97,6 +98,7 @@ def si_unit(unit: str, where: str) -> tuple[str, float]:
     """
     tables = [units(suffix) for suffix in (*_SI, *_COMPOUND)]
     known = {name: (symbol, factor) for symbol, table in tables for name, factor in table.items()}
+    unit = unit.replace(*GREEK_MU)
     if unit not in known:
         raise InvalidParameter(f"{where}: found {unit!r}, expected a unit such as ms, mV or N{nearest(unit, known)}")
     return known[unit]
@@ -112,7 +114,7 @@ def si(text: str, suffix: str, where: str) -> float:
     """
     symbol, known = units(suffix)
     match = _NUMBER.fullmatch(text)
-    unit = (match[2] or "") if match else ""
+    unit = (match[2] or "").replace(*GREEK_MU) if match else ""
     if match is None or unit not in known:
         raise InvalidParameter(
             f"{where}: found {text!r}, expected a number in {symbol} or a string such as '1 {symbol}' "

@@ -134,63 +134,84 @@ SUBJECTS = np.arange(8.0)[:, None]
 CONDITIONS = np.arange(12.0)
 
 
+NOT_FINITE = (
+    "(subject = P1, force = {}, freq = {}), expected a finite number; leave the participant or the condition out"
+)
+NO_NAME = "found nothing, expected the name of a participant or a condition; leave the row out"
+
+
 @pytest.mark.parametrize(
-    ("make", "message"),
+    ("make", "message", "status"),
     [
-        (lambda t: t.assign(y=3.25), "y: found the same value everywhere, expected values that differ"),
+        (lambda t: t.assign(y=3.25), "y: found the same value everywhere, expected values that differ", "constant"),
+        (lambda t: t.assign(y=-3e9), "y: found the same value everywhere, expected values that differ", "constant"),
         (
             lambda t: t.assign(y=np.repeat(np.arange(8.0), 12)),
             "y: found no difference between the conditions of any participant, expected some: F is undefined",
+            "no_variance_within",
         ),
         (
             lambda t: t.assign(y=(SUBJECTS + CONDITIONS**2).ravel()),
             "y: found the same differences in all participants, "
             "expected some to differ: the error is 0 and F is undefined",
+            "zero_error",
+        ),
+        (
+            lambda t: t.assign(y=(0 * SUBJECTS + CONDITIONS**2).ravel()),
+            "y: found the same differences in all participants, "
+            "expected some to differ: the error is 0 and F is undefined",
+            "zero_error",
         ),
         (
             lambda t: t.drop(index=17),
             "y: found no value for subject = P2, force = 1.0, freq = 120 (1 missing cell, of P2), "
             "expected one in every cell; leave the participant or the condition out, or fit a mixed model",
-        ),
-        (lambda t: t[t["subject"] == "P1"], "subject: found 1 participant, expected at least 3 to compare"),
-        (lambda t: t[t["freq"] == 60], "freq: found 1 value, expected at least 2 to compare"),
-        (lambda t: t.iloc[:0], "table: found no row, expected values to compare"),
-        (
-            lambda t: with_value(t, 5, math.nan),
-            "y, row 5: found nan (subject = P1, force = 1.0, freq = 120), expected a "
-            "finite number; leave the participant or the condition out",
+            "missing_cell",
         ),
         (
-            lambda t: with_value(t, 5, math.inf),
-            "y, row 5: found inf (subject = P1, force = 1.0, freq = 120), expected a "
-            "finite number; leave the participant or the condition out",
+            lambda t: t.query("not (subject == 'P3' and freq == 480)"),
+            "y: found no value for subject = P3, force = 0.5, freq = 480 (3 missing cells, of P3), "
+            "expected one in every cell; leave the participant or the condition out, or fit a mixed model",
+            "missing_cell",
         ),
         (
-            lambda t: with_value(t, 0, "loud"),
-            "y, row 0: found loud (subject = P1, force = 0.5, freq = 60), expected a "
-            "finite number; leave the participant or the condition out",
+            lambda t: t[t["subject"] == "P1"],
+            "subject: found 1 participant, expected at least 3 to compare",
+            "too_few_participants",
         ),
+        (
+            lambda t: t[t["subject"] < "P3"],
+            "subject: found 2 participants, expected at least 3 to compare",
+            "too_few_participants",
+        ),
+        (lambda t: t[t["freq"] == 60], "freq: found 1 value, expected at least 2 to compare", "one_level"),
+        (lambda t: t.iloc[:0], "table: found no row, expected values to compare", "no_data"),
+        (lambda t: with_value(t, 5, math.nan), f"y, row 5: found nan {NOT_FINITE.format(1.0, 120)}", "not_finite"),
+        (lambda t: with_value(t, 5, -math.inf), f"y, row 5: found -inf {NOT_FINITE.format(1.0, 120)}", "not_finite"),
+        (lambda t: with_value(t, 0, "loud"), f"y, row 0: found loud {NOT_FINITE.format(0.5, 60)}", "not_finite"),
         (
             lambda t: t.assign(subject=t["subject"].where(t["subject"] != "P3")),
-            "subject, row 24: found nothing, expected the name of a participant or a condition; leave the row out",
+            f"subject, row 24: {NO_NAME}",
+            "no_name",
         ),
-        (
-            lambda t: t.assign(freq=t["freq"].where(t.index != 7)),
-            "freq, row 7: found nothing, expected the name of a participant or a condition; leave the row out",
-        ),
+        (lambda t: t.assign(freq=t["freq"].where(t.index != 7)), f"freq, row 7: {NO_NAME}", "no_name"),
         (
             lambda t: t.assign(freq=[[x] for x in t["freq"]]),
             "freq: found values without an order (list), expected numbers or text",
+            None,
         ),
         (
             lambda t: t.rename(columns={"freq": "frec"}),
             "repeated_measures: found no column 'freq'; did you mean 'frec'?",
+            None,
         ),
     ],
 )
-def test_unanswerable_designs_are_rejected(published, make, message: str) -> None:
-    with pytest.raises(InvalidParameter, match=f"^{re.escape(message)}$"):
+def test_undefined_analysis_is_refused_with_its_status(published, make, message: str, status, recwarn) -> None:
+    with pytest.raises(InvalidParameter, match=f"^{re.escape(message)}$") as refusal:
         analysed(make(published))
+    assert getattr(refusal.value, "status", None) == status
+    assert not recwarn.list
     exact_case("differences without error, one value, holes: ANOVA", against="one sentence")
 
 

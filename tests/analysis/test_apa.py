@@ -72,15 +72,19 @@ def test_equivalence_sentences_deny_unmet_claims() -> None:
 def test_pair_sentence_reports_differences_without_error() -> None:
     values = np.arange(4.0)[:, None] + np.array([0.0, 2.0])
     (told,) = pair_sentences(pairs(long_table(values), factor="force", **ARGUMENTS))
-    assert told == "1 less 0: 2.00 in every participant: no test, as there is no error"
+    assert told == "1 − 0: 2.00 in every participant: no test, as there is no error"
 
 
 # --- assumptions
 
 
+def checked(table, within):
+    return checks(table, repeated_measures(table, within=within, **ARGUMENTS), within=within, **ARGUMENTS)
+
+
 def test_normality_check_uses_residuals() -> None:
     values = drawn((8, 3), np.random.default_rng())
-    row = checks(long_table(values), within="force", **ARGUMENTS).iloc[0]
+    row = checked(long_table(values), "force").iloc[0]
     left = values - values.mean(0) - values.mean(1, keepdims=True) + values.mean()
     peer = stats.shapiro(left.ravel())
     assert (row["statistic"], row["p"]) == pytest.approx((peer.statistic, peer.pvalue), rel=1e-6)
@@ -89,14 +93,14 @@ def test_normality_check_uses_residuals() -> None:
 def test_outlier_is_counted_and_contradicts_normality() -> None:
     values = np.random.default_rng().normal(size=(30, 3))
     values[4, 1] += 40
-    found = checks(long_table(values), within="force", **ARGUMENTS)
+    found = checked(long_table(values), "force")
     assert found["holds"].tolist()[0] is False
     assert found["statistic"].iloc[-1] >= 1
     assert "contradicted" in found["text"][0]
 
 
 def test_checks_report_reason_when_test_is_impossible() -> None:
-    found = checks(long_table(drawn((5, 6, 2), np.random.default_rng())), within=["force", "freq"], **ARGUMENTS)
+    found = checked(long_table(drawn((5, 6, 2), np.random.default_rng())), ["force", "freq"])
     texts = found["text"].tolist()
     assert texts[1] == "sphericity of force: not tested, the error matrix is singular"
     assert texts[2] == "sphericity of freq: not tested, two levels are always spherical"

@@ -14,11 +14,11 @@ from open_ends import GIVEN, cut, open_ended
 from scipy.integrate import dblquad
 from scipy.stats import multivariate_normal
 
+from tactometry.analysis.anova.bounded_fit import BoundedValues, fit_bounded, truncated_normal
 from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
 from tactometry.analysis.anova.group_means import group_table
 from tactometry.analysis.anova.split_plot import mixed_anova
-from tactometry.analysis.anova.strata import BoundedValues, fit_strata, truncated_normal
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.mixed_models.censored import censored_model
 from tactometry.errors import InvalidParameter
@@ -96,7 +96,7 @@ def test_censored_likelihood_equals_numerical_integral() -> None:
     y = rng.normal(size=(4, 4)) + rng.normal(size=(4, 1))
     low, high = y.copy(), y.copy()
     low[0, 1], high[0, 2] = -np.inf, np.inf
-    fit = fit_strata(BoundedValues(low, high, np.zeros(4, dtype=np.int64), (2, 2)))
+    fit = fit_bounded(BoundedValues(low, high, np.zeros(4, dtype=np.int64), (2, 2)))
     density = multivariate_normal(fit.means[0], fit.model)
     (first, below, above, last), far = y[0], 12 * np.sqrt(fit.model[0, 0])
     chance = dblquad(
@@ -112,7 +112,7 @@ def test_truncated_normal_points_have_exact_moments(low, high) -> None:
 
     found = truncated_normal(np.zeros(1), np.eye(1), np.array([low]), np.array([high]))
     peer = truncnorm(low, high)
-    assert found.log_chance == pytest.approx(float(peer.logcdf(high) + _log_mass(low, high)), abs=1e-9)
+    assert found.log_probability == pytest.approx(float(peer.logcdf(high) + _log_mass(low, high)), abs=1e-9)
     mean = float(found.weights @ found.values[:, 0])
     assert mean == pytest.approx(float(peer.mean()), abs=5e-3 * float(peer.std()))
     assert ((low <= found.values) & (found.values <= high)).all()

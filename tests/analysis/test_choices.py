@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-import statsmodels.api as sm
 from scipy.special import expit, logit
 from scipy.stats import binomtest, norm, t as student
 
@@ -11,7 +10,6 @@ from tactometry.analysis.figures.preference import share_figure
 from tactometry.analysis.means import exact_interval
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.summary import summary
-from tactometry.analysis.tasks.answer_odds import logistic_fit
 from tactometry.analysis.tasks.preference import WorthStatus, bradley_terry, preference_table, share_table
 from tactometry.analysis.tasks.same_different import differencing_sensitivity, independent_sensitivity
 from tactometry.cli.analyse import summary_text
@@ -25,7 +23,7 @@ WINS = """
 
 
 def counts(d_prime, differ, rng) -> tuple[int, int, int, int]:
-    """Draw hits and false alarms; the stimuli are at -d'/2 and d'/2."""
+    """Hits and false alarms of an observer; the stimuli at -d'/2 and d'/2."""
     side = np.where(rng.random(N) < 0.5, 0.5, -0.5) * d_prime
     x, y, z = (mean + rng.standard_normal(N) for mean in (side, -side, side))
     return int(differ(x, y).sum()), N, int(differ(x, z).sum()), N
@@ -83,7 +81,7 @@ def test_published_worths_of_baseball_teams() -> None:
 
 
 def compared(rng, n_participants, n_each, worths, order=0.4) -> pd.DataFrame:
-    """Draw all ordered pairs, `n_each` times by each participant."""
+    """All ordered pairs, `n_each` times by each participant."""
     names = list(worths)
     pairs = [(a, b) for a in names for b in names if a != b]
     rows = [(f"P{p + 1:02d}", *pair) for p in range(n_participants) for pair in pairs for _ in range(n_each)]
@@ -111,20 +109,6 @@ def test_worths_and_order_are_recovered_within_their_errors(n_participants) -> N
     assert same == (n_participants < 5)
 
 
-@pytest.mark.parametrize("n_people", [1, 5, 30])
-def test_logistic_fit_equals_statsmodels_with_and_without_clusters(n_people) -> None:
-    rng = np.random.default_rng()
-    design = np.column_stack([rng.standard_normal((300, 2)), np.ones(300)])
-    answers = rng.random(300) < expit(design @ [1.5, -0.4, 0.3])
-    people = np.arange(300) % n_people
-    groups = people if n_people > 1 else None
-    kept = {"cov_type": "cluster", "cov_kwds": {"groups": people}} if n_people > 1 else {}
-    peer = sm.GLM(answers.astype(float), design, family=sm.families.Binomial()).fit(tol=1e-14, **kept)
-    beta, covariance = logistic_fit(design, answers, groups)
-    np.testing.assert_allclose(beta, peer.params, rtol=1e-8, atol=1e-10)
-    np.testing.assert_allclose(covariance, peer.cov_params(), rtol=1e-7, atol=1e-10)
-
-
 @pytest.mark.parametrize("people", [None, list("ppqqrrssttuu")])
 def test_worths_are_disconnected_when_first_always_wins(people) -> None:
     found = bradley_terry(["a", "b"] * 6, ["b", "a"] * 6, [1] * 12, people)
@@ -143,10 +127,7 @@ def test_worth_intervals_use_participants_from_five_on(n, reach) -> None:
 
 
 def test_worths_of_two_items_have_closed_form() -> None:
-    """Compare with the logits of both proportions.
-
-    For a before b and b before a the logits are w_a - w_b + o and w_b - w_a + o, with variances 1 / k + 1 / (n - k).
-    """
+    """Of a before b and b before a: logits w_a - w_b + o and w_b - w_a + o, variances 1 / k + 1 / (n - k)."""
     (k, n), (j, m) = (30, 40), (12, 36)
     found = bradley_terry(
         ["a"] * n + ["b"] * m, ["b"] * n + ["a"] * m, [1] * k + [2] * (n - k) + [1] * j + [2] * (m - j)

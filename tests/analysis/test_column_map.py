@@ -173,7 +173,7 @@ def test_table_with_decimal_commas_is_read(tmp_path) -> None:
     [
         (
             {"keep": {"cnd": ("low",)}},
-            "found no column 'cnd'; did you mean 'cond'?, which the column map names in keep",
+            "found no column 'cnd', which the column map names in keep; did you mean 'cond'?",
         ),
         ({"keep": {"cond": ("mid", "x")}}, "found no row with cond = mid or x, expected trials (keep)"),
         ({"values": {"respons": {"y": 1}}}, "found no column 'respons', whose values the column map names"),

@@ -10,7 +10,6 @@ from scipy.special import ndtri
 from tactometry.analysis.tasks.signal_detection import (
     forced_choice_chance,
     forced_choice_sensitivity,
-    two_interval_sensitivity,
     yes_no_sensitivity,
 )
 from tactometry.errors import InvalidParameter
@@ -68,11 +67,8 @@ def test_mirrored_answers_negate_the_criterion(hits: int, alarms: int) -> None:
     ("call", "message"),
     [
         (lambda: yes_no_sensitivity(3, 2, 0, 5), "n_hits: found 3, expected a count from 0 to n_signals, 2"),
+        (lambda: yes_no_sensitivity(-1, 2, 0, 5), "n_hits: found -1, expected a count from 0 to n_signals, 2"),
         (lambda: yes_no_sensitivity(1, 2, 0, 0), "n_noises: found 0, expected at least 1"),
-        (
-            lambda: two_interval_sensitivity(1, 5, -1, 5),
-            "n_correct_second: found -1, expected a count from 0 to n_second, 5",
-        ),
         (lambda: forced_choice_chance(1.0, 1), "n_alternatives: found 1, expected a whole number from 2"),
         (lambda: forced_choice_chance(np.inf, 2), "d_prime: found inf, expected a finite number"),
     ],
@@ -85,23 +81,3 @@ def test_impossible_arguments_are_rejected(call, message: str) -> None:
 def test_sensitivity_rejects_perfect_rate() -> None:
     with pytest.raises(InvalidParameter, match=r"rate_correct: found 1.0, expected a rate between .* and 1"):
         forced_choice_sensitivity(1.0, 3)
-
-
-def test_interval_bias_does_not_lower_sensitivity() -> None:
-    """Simulate an observer with d' = 1 who prefers the first interval.
-
-    The choices depend on a difference with standard deviation sqrt(2).
-    """
-    rng = np.random.default_rng()
-    n, d_prime, bias = 200_000, 1.0, -0.5
-    first = (rng.normal(size=n) * np.sqrt(2) + d_prime) / np.sqrt(2) > bias
-    second = (rng.normal(size=n) * np.sqrt(2) - d_prime) / np.sqrt(2) > bias
-    found = two_interval_sensitivity(int(first.sum()), n, int(n - second.sum()), n)
-    assert found.d_prime == pytest.approx(d_prime, abs=0.02)
-    assert found.criterion == pytest.approx(bias, abs=0.02)
-
-
-@pytest.mark.parametrize("counts", [(-1, 5, 1, 5), (1, 5, 6, 5), (1, 0, 1, 5), (6, 5, 1, 5)])
-def test_impossible_counts_of_two_intervals_are_refused(counts) -> None:
-    with pytest.raises(InvalidParameter, match="found .*, expected"):
-        two_interval_sensitivity(*counts)

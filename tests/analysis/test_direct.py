@@ -144,7 +144,7 @@ def test_the_report_draws_numbers_against_levels(tmp_path) -> None:
     ):
         assert text in page
     assert "<li>Moscatelli" not in page
-    assert outcome_sentences(found.outcomes[0], "V")["Pairs of force_n"][0].startswith("1 N less 0.5 N: 0.0")
+    assert outcome_sentences(found.outcomes[0], "V")["Pairs of force_n"][0].startswith("1 N − 0.5 N: 0.0")
 
 
 def test_exponent_is_missing_with_too_few_levels(tmp_path) -> None:

@@ -1,16 +1,15 @@
 """Tests of other programs' files with defects and known results."""
 
 import json
-import shutil
 
 import pytest
 from command_line import call, output, refused
+from foreign_cases import MAP, write_case
 from places import FOREIGN
 
 CASES = FOREIGN / "cases"
 YES_NO = "6.07 [5.46, 6.69] (n = 4)"
 NEGATIVE = "-5.70 [-6.84, -4.56] (n = 3)"
-MAP = '[constants]\ntask = "yes_no"\n[values.response]\ny = 1\nn = 0\n'
 
 
 def analysed(capsys, table, column_map=None, within=""):
@@ -22,11 +21,6 @@ def mean(found):
     return found["outcomes"][0]["group"][0]["text"]
 
 
-def copy_of(case, tmp_path):
-    """A copy of a case's folder, to change."""
-    return shutil.copytree(CASES / case, tmp_path / case)
-
-
 def warning(found, beginning):
     return next(warning for warning in found["warnings"] if beginning in warning)
 
@@ -35,66 +29,48 @@ def warning(found, beginning):
 
 
 @pytest.mark.parametrize(
-    ("table", "column_map", "expected"),
+    "case",
     [
-        ("01_open_quotation_mark/same_without_notes.csv", "map.toml", YES_NO),
-        ("02_csv_beside_json/tables", "map.toml", YES_NO),
-        ("06_counts/counts.csv", "n_of_m.toml", YES_NO),
-        ("07_name_of_the_file/byfile", "star.toml", YES_NO),
-        ("07_name_of_the_file/byfile2", "subject_star.toml", YES_NO),
-        ("09_missing_optional_column/tables", "map.toml", NEGATIVE),
-        ("10_row_numbers/from_r.csv", "map.toml", YES_NO),
-        ("10_row_numbers/from_pandas.csv", "map.toml", YES_NO),
-        ("11_sep_line/trials.csv", "map.toml", YES_NO),
-        ("12_unicode_minus/trials.csv", "map.toml", NEGATIVE),
-        ("14_json_as_txt/results.txt", "map.toml", YES_NO),
-        ("14_json_as_txt/folder", "map.toml", YES_NO),
-        ("16_column_twice/trials.csv", "map.toml", YES_NO),
-        ("17_right_already/carriage_returns/trials.csv", "map.toml", YES_NO),
-        ("17_right_already/line_in_a_cell/trials.csv", "map.toml", YES_NO),
-        ("17_right_already/bids_with_mark/bids", "map.toml", YES_NO),
+        *("plain", "csv_beside_json", "counts", "code_in_name", "code_within_name", "row_numbers_of_r"),
+        *("row_numbers_of_pandas", "sep_line", "json_as_txt", "folder_of_json_as_txt", "column_twice"),
+        *("carriage_returns", "line_in_a_cell", "bids", "missing_latency", "unicode_minus"),
     ],
 )
-def test_threshold_is_right_for_each_case(capsys, table, column_map, expected):
-    path = CASES / table
-    assert mean(analysed(capsys, path, path.parent / column_map)) == expected
+def test_threshold_is_right_for_each_case(capsys, tmp_path, case):
+    expected = NEGATIVE if case in ("missing_latency", "unicode_minus") else YES_NO
+    assert mean(analysed(capsys, write_case(case, tmp_path))) == expected
 
 
 @pytest.mark.parametrize(
-    ("table", "column_map", "message"),
+    ("case", "message"),
     [
-        (
-            "01_open_quotation_mark/trials.csv",
-            "map.toml",
-            "trials.csv, row 22: found a quotation mark that opens a cell",
-        ),
-        ("06_counts/counts.csv", "map.toml", "for counts name n_positive and n_trials in [columns] of the map"),
-        ("07_name_of_the_file/byfile", "P.toml", 'a star marks the place of the code: "P*" in P01.csv'),
-        ("07_name_of_the_file/byfile2", "subject.toml", '"_subject_*_" in x_subject_1_y.csv'),
-        ("13_one_line/trials.csv", "map.toml", "found one line of 483 cells, expected a line for each row"),
-        ("15_workbook/trials.xlsx", "map.toml", "found an Excel workbook; save its sheet as CSV"),
+        ("open_quotation_mark", "t.csv, row 22: found a quotation mark that opens a cell"),
+        ("unmapped_counts", "for counts name n_positive and n_trials in [columns] of the map"),
+        ("key_not_in_name", 'a star marks the place of the code: "P*" in P01.csv, "_subject_*_" in x_subject_1_y.csv'),
+        ("one_line", "found one line of 724 cells, expected a line for each row"),
+        ("workbook", "found an Excel workbook; save its sheet as CSV"),
     ],
 )
-def test_refusal_names_the_fault_of_each_case(capsys, table, column_map, message):
-    path = CASES / table
-    assert message in refused(capsys, "analyse", path, "--columns", path.parent / column_map, "--within", "")
+def test_refusal_names_the_fault_of_each_case(capsys, tmp_path, case, message):
+    path = write_case(case, tmp_path)
+    assert message in refused(capsys, "analyse", path, "--columns", tmp_path / "map.toml", "--within", "")
 
 
 @pytest.mark.parametrize(
-    ("table", "text"),
+    ("case", "text"),
     [
-        ("04_leading_zeros/trials.csv", "leading zeros: 01 and 1, 02 and 2, 03 and 3, 04 and 4; each was"),
-        ("09_missing_optional_column/tables", "found no column 'key_resp.rt' in 3.csv: latency_s is empty there"),
-        ("10_row_numbers/from_r.csv", "from_r.csv: the first column has no name and counts the rows"),
-        ("16_column_twice/trials.csv", "trials.csv: the column 'note' appears 2 times and was not read"),
+        ("leading_zeros", "leading zeros: 01 and 1, 02 and 2, 03 and 3, 04 and 4; each was"),
+        ("missing_latency", "found no column 'key_resp.rt' in 3.csv: latency_s is empty there"),
+        ("row_numbers_of_r", "t.csv: the first column has no name and counts the rows"),
+        ("column_twice", "t.csv: the column 'note' appears 2 times and was not read"),
     ],
 )
-def test_warning_names_what_each_case_leaves_out(capsys, table, text):
-    assert warning(analysed(capsys, CASES / table), text)
+def test_warning_names_what_each_case_leaves_out(capsys, tmp_path, case, text):
+    assert warning(analysed(capsys, write_case(case, tmp_path)), text)
 
 
-def test_alternatives_are_counted_in_each_condition(capsys):
-    found = analysed(capsys, CASES / "03_two_and_four_alternatives" / "trials.csv", within="n_afc")
+def test_alternatives_are_counted_in_each_condition(capsys, tmp_path):
+    found = analysed(capsys, write_case("alternatives", tmp_path), within="n_afc")
     group = {row["n_afc"]: row["text"] for row in found["outcomes"][0]["group"]}
     assert group == {2: "3.21 [2.79, 3.63] (n = 6)", 4: "3.34 [3.17, 3.52] (n = 6)"}
     assert found["outcomes"][0]["anova"][0]["F"] == pytest.approx(0.87, abs=0.005)
@@ -102,12 +78,12 @@ def test_alternatives_are_counted_in_each_condition(capsys):
 
 
 def test_alternatives_must_agree_within_a_condition(capsys, tmp_path):
+    table = write_case("alternatives", tmp_path)
     lines = '[constants]\ntask = "forced_choice"\n[columns]\nn_alternatives = "n_afc"\n'
     (tmp_path / "map.toml").write_text(lines)
-    table = CASES / "03_two_and_four_alternatives" / "trials.csv"
     said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
     assert "column 'n_alternatives': found 2 and 4 in one condition" in said
-    found = analysed(capsys, table, tmp_path / "map.toml", within="n_alternatives")
+    found = analysed(capsys, table, within="n_alternatives")
     assert {row["guess_rate"] for row in found["thresholds"]} == {0.5, 0.25}
 
 
@@ -128,23 +104,22 @@ def test_few_answers_do_not_lower_alternatives(capsys, tmp_path):
 
 
 def test_row_number_counts_the_sep_line(capsys, tmp_path):
-    folder = copy_of("11_sep_line", tmp_path)
-    table = folder / "trials.csv"
-    table.write_text(table.read_text().replace("S01,2,n", "S01,loud,n", 1))
-    assert "trials.csv, row 3, column 'level': found 'loud'" in refused(
-        capsys, "analyse", table, "--columns", folder / "map.toml", "--within", ""
+    table = write_case("sep_line", tmp_path)
+    table.write_text(table.read_text().replace("S01,2,y", "S01,loud,n", 1))
+    assert "t.csv, row 3, column 'level': found 'loud'" in refused(
+        capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", ""
     )
 
 
 def test_folder_ignores_case_of_file_endings(capsys, tmp_path):
-    folder = copy_of("02_csv_beside_json", tmp_path)
-    (folder / "tables" / "S04.csv").rename(folder / "tables" / "S04.CSV")
-    assert mean(analysed(capsys, folder / "tables")) == YES_NO
+    folder = write_case("csv_beside_json", tmp_path)
+    (folder / "S04.csv").rename(folder / "S04.CSV")
+    assert mean(analysed(capsys, folder)) == YES_NO
 
 
 @pytest.mark.parametrize("name", ["S09.xlsx", "S09.psydat", "notes.txt", "settings.json", "S01.json", "more/S09.csv"])
 def test_folder_warns_of_files_it_does_not_read(capsys, tmp_path, name):
-    folder = copy_of("02_csv_beside_json", tmp_path) / "tables"
+    folder = write_case("csv_beside_json", tmp_path)
     (folder / name).parent.mkdir(exist_ok=True)
     (folder / name).write_text("{}")
     found = analysed(capsys, folder)
@@ -152,16 +127,16 @@ def test_folder_warns_of_files_it_does_not_read(capsys, tmp_path, name):
 
 
 def test_folder_does_not_warn_of_duplicate_formats(capsys, tmp_path):
-    folder = copy_of("02_csv_beside_json", tmp_path) / "tables"
+    folder = write_case("csv_beside_json", tmp_path)
     (folder / "S01.psydat").write_bytes(b"\x80\x04")
     assert not [warning for warning in analysed(capsys, folder)["warnings"] if "not read" in warning]
 
 
 def test_bids_folder_warns_of_subjects_without_trials(capsys, tmp_path):
-    folder = copy_of("17_right_already/bids_with_mark", tmp_path)
-    beh = folder / "bids" / "sub-04" / "beh"
+    folder = write_case("bids", tmp_path)
+    beh = folder / "sub-04" / "beh"
     (beh / "sub-04_task-detect_beh.tsv").rename(beh / "sub-04_task-detect.tsv")
-    found = analysed(capsys, folder / "bids")
+    found = analysed(capsys, folder)
     assert (found["n_participants"], warning(found, "not read")) == (3, "not read: sub-04")
 
 
@@ -203,33 +178,6 @@ def test_files_sharing_a_participant_are_named(capsys, tmp_path):
     (tmp_path / "map.toml").write_text(MAP + '[from_name]\nparticipant = "*_"\n')
     said = warning(analysed(capsys, tmp_path, tmp_path / "map.toml"), "from_name")
     assert said == "read as one participant, results, by from_name: results_1.csv, results_2.csv"
-
-
-# --- codes of participants
-
-
-@pytest.mark.parametrize(("code", "ours"), [("sub-01", "sub01"), ("P_01", "P01")])
-def test_code_is_written_without_separators_with_a_warning(capsys, tmp_path, code, ours):
-    table = tmp_path / "t.csv"
-    table.write_text("participant,level,response\n" + f"{code},1,n\n{code},2,y\n{code},3,y\n")
-    (tmp_path / "map.toml").write_text(MAP)
-    found = analysed(capsys, table)
-    assert found["thresholds"][0]["participant"] == ours
-    assert f"{code} as {ours}; [values.participant]" in warning(found, "separators")
-
-
-@pytest.mark.parametrize(
-    ("codes", "message"),
-    [
-        (("P_01", "P01"), "found the participants 'P01' and 'P_01'"),
-        (("Bob Smith",), "below [values.participant]: 'Bob Smith' = 'P1'"),
-    ],
-)
-def test_code_is_refused_with_the_line_to_write(capsys, tmp_path, codes, message):
-    table = tmp_path / "t.csv"
-    table.write_text("participant,level,response\n" + "".join(f"{code},1,n\n" for code in codes))
-    (tmp_path / "map.toml").write_text(MAP)
-    assert message in refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
 
 
 # --- counts, and tables of correct and wrong
@@ -319,11 +267,30 @@ def test_decomposed_names_match_composed_ones(capsys, tmp_path):
     assert analysed(capsys, table, within="größe")["factors"] == ["größe"]
 
 
+# --- studies whose guess rate or levels do not fit the task
+
+
+GUESSED = "guess_rates = [0.02]\n"
+INTERVALS = {GUESSED: "", 'kind = "yes_no"\ncatch_rate = 0.2': 'kind = "forced_choice"\nn_intervals = 4'}
+
+
+def changed_study(folder, changes):
+    text = (CASES / "stated_guess_rate.toml").read_text()
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "study.toml").write_text(text)
+    return folder / "study.toml"
+
+
 # --- groups, and designs without an analysis of variance
 
 
+ADJUSTED = CASES / "adjustment.toml"
+
+
 def test_reason_names_the_factor_between_participants(capsys):
-    found = analysed(capsys, CASES / "08_reason_between_groups" / "settings.csv", within="A")
+    found = analysed(capsys, CASES / "between_groups.csv", ADJUSTED, within="A")
     outcome = found["outcomes"][0]
     assert outcome["primary"]["reason"] == (
         "by the rule: every participant has a value, and A differs between participants"
@@ -333,21 +300,27 @@ def test_reason_names_the_factor_between_participants(capsys):
 
 
 def test_group_of_one_has_no_anova(capsys):
-    folder = CASES / "17_right_already"
-    found = analysed(capsys, folder / "one_in_a_group" / "settings.csv", folder / "adj.toml", within="A,group")
+    found = analysed(capsys, CASES / "one_in_a_group.csv", ADJUSTED, within="A,group")
     expected = "no analysis of variance: group = g2: found one participant, expected at least 2 a group"
     assert expected in found["outcomes"][0]["notes"]
 
 
 def test_design_without_complete_participants_names_its_empty_cells(capsys):
-    folder = CASES / "17_right_already"
-    found = analysed(capsys, folder / "not_one_complete" / "settings.csv", folder / "adj.toml", within="A,B")
+    found = analysed(capsys, CASES / "not_one_complete.csv", ADJUSTED, within="A,B")
     assert warning(found, "without a valid trial").startswith("8 of ")
     assert found["outcomes"][0]["primary"]["analysis"] == "censored_anova"
 
 
 def test_threshold_above_levels_has_lower_bound(capsys, tmp_path):
-    study = CASES / "17_right_already" / "levels_miss_the_threshold" / "study.toml"
+    study = changed_study(
+        tmp_path,
+        {
+            **INTERVALS,
+            "n_intervals = 4": "n_intervals = 2",
+            "high = 46.0": "high = 15.0",
+            "n_levels = 24": "n_levels = 16",
+        },
+    )
     output(capsys, "simulate", study, "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
     found = json.loads(output(capsys, "analyse", tmp_path / "d", "--json"))
     assert warning(found, "6 of 6 cells with a threshold above the levels: its lower bound is given")
@@ -357,18 +330,18 @@ def test_threshold_above_levels_has_lower_bound(capsys, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("study", "message"),
+    ("changes", "message"),
     [
-        ("left_out.toml", "procedure.guess_rates: found 0.5 by default where the task is yes_no"),
+        ({GUESSED: ""}, "procedure.guess_rates: found 0.5 by default where the task is yes_no"),
         (
-            "four_intervals.toml",
+            INTERVALS,
             "procedure.guess_rates: found 0.5 by default where the task is forced_choice, expected chance, 0.25",
         ),
     ],
 )
 @pytest.mark.parametrize("command", ["simulate", "power", "dry run"])
-def test_guess_rate_must_match_the_task(capsys, tmp_path, study, message, command):
-    path, out = CASES / "05_guess_rate_of_the_task" / study, tmp_path / "d"
+def test_guess_rate_must_match_the_task(capsys, tmp_path, changes, message, command):
+    path, out = changed_study(tmp_path, changes), tmp_path / "d"
     arguments = {
         "simulate": ("simulate", path, "--participants", 2, "--seed", 3, "--out", out),
         "power": ("power", path, "--effect", "frequency_hz: 2 dB", "--participants", 8, "--seed", 3),
@@ -379,17 +352,37 @@ def test_guess_rate_must_match_the_task(capsys, tmp_path, study, message, comman
 
 
 def test_stated_guess_rate_of_the_task_is_simulated(capsys, tmp_path):
-    path = CASES / "05_guess_rate_of_the_task" / "stated.toml"
-    output(capsys, "simulate", path, "--participants", 1, "--seed", 3, "--out", tmp_path / "d")
+    output(
+        capsys, "simulate", CASES / "stated_guess_rate.toml", "--participants", 1, "--seed", 3, "--out", tmp_path / "d"
+    )
 
 
 # --- sensors at overload
 
 
-def test_check_counts_overload_values_as_lost_samples(capsys, monkeypatch):
+BENCH = """[output]
+kind = "null"
+
+[sensors.force]
+kind = "recorded"
+path = "force.csv"
+rate_hz = 1000.0
+
+[force]
+sensor = "force"
+newtons_per_count = 0.001
+"""
+
+
+def test_check_counts_overload_values_as_lost_samples(capsys, monkeypatch, tmp_path):
     monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
-    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.HEARD_S", 0.7)
-    monkeypatch.chdir(CASES / "18_overload_value")
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_checks.HEARD_S", 0.7)
+    counts = [9.99999999e37 if n % 500 == 499 else 1000 + n % 3 for n in range(4000)]
+    (tmp_path / "force.csv").write_text(
+        "time_s,counts\n" + "".join(f"{n / 1000},{count}\n" for n, count in enumerate(counts))
+    )
+    (tmp_path / "bench.toml").write_text(BENCH)
+    monkeypatch.chdir(tmp_path)
     _, _, out = call(capsys, "check", "--bench", "bench.toml", "--json")
     said = {row["what"]: row for row in json.loads(out)["findings"] if row["part"] == "force"}
     lost = said["samples in the calibrated range"]

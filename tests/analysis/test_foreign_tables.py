@@ -238,17 +238,21 @@ def test_note_on_single_row_is_singular(tmp_path):
 @pytest.mark.parametrize(
     ("task", "word", "hint"),
     [
-        ("yes_no", "y", "; say what it means in a column map (--columns), below [values.response]: 'y' = 1"),
+        (
+            "yes_no",
+            "y",
+            "; say what it means in a column map (--columns), below [values.response], for example: 'y' = 1",
+        ),
         (
             "forced_choice",
             "left",
-            "; say what it means in a column map (--columns), below [values.response]: 'left' = 1",
+            "; say what it means in a column map (--columns), below [values.response], for example: 'left' = 1",
         ),
         ("yes_no", "None", "; say in a column map (--columns) that it was not measured: missing = ['None']"),
         (
             "preference",
             "first",
-            "; say what it means in a column map (--columns), below [values.response]: 'first' = 1",
+            "; say what it means in a column map (--columns), below [values.response], for example: 'first' = 1",
         ),
         ("yes_no", "7", ""),
     ],
@@ -266,11 +270,11 @@ def test_unmapped_answer_error_suggests_a_map_line(tmp_path, capsys, task, word,
 def test_suggested_map_line_is_valid_toml(word):
     import tomllib
 
-    from tactometry.analysis.reading.cell_meaning import meaning
+    from tactometry.analysis.reading.rows import meaning
 
     hint = meaning("response", word)
-    if "[values.response]: " in hint:
-        assert tomllib.loads(hint.partition("[values.response]: ")[2]) == {word: 1}
+    if "for example: " in hint:
+        assert tomllib.loads(hint.partition("for example: ")[2]).keys() == {word}
     elif hint:
         assert tomllib.loads(hint.partition(": ")[2]) == {"missing": [word]}
 

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 from places import RECORDED
 
-from tactometry.analysis import analyse, read_column_map, read_plan, read_trials
+from tactometry.analysis import analyse, read_column_map, read_trials
+from tactometry.analysis.plan import read_plan
 from tactometry.errors import InvalidFile
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.time_reversal.plate.glass import read_plate

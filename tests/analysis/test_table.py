@@ -100,7 +100,7 @@ def test_foreign_table_is_read_with_column_map(tmp_path: Path) -> None:
         ([HEADER], "{}: found no row below the header, expected trials"),
         (
             [HEADER.replace("level,", "levl,", 1), ROW],
-            "{}: found no column 'level'; did you mean 'levl'?; name it with a column map (--columns)",
+            "{}: found no column 'level'; name it with a column map (--columns); did you mean 'levl'?",
         ),
         ([HEADER.replace(",task", ",level"), ROW], "{}, row 1: found the column 'level' twice, expected each once"),
         ([HEADER.replace(",task", ","), ROW], "{}, row 1: found no name for column 10, expected one for each"),
@@ -141,12 +141,12 @@ def test_foreign_table_is_read_with_column_map(tmp_path: Path) -> None:
             [HEADER, changed("task", "forced_choice").replace(",1,1,1,0", ",left,1,1,0")],
             "{}, row 2, column 'response': found 'left', expected the number of an interval, from 1 to 999, or "
             "nothing, where the task is forced_choice; say what it means in a column map (--columns), below "
-            "[values.response]: 'left' = 1",
+            "[values.response], for example: 'left' = 1",
         ),
         (
             [HEADER, changed("correct", "yes")],
             "{}, row 2, column 'correct': found 'yes', expected 1, 0 or nothing; say what it means in a column map "
-            "(--columns), below [values.correct]: 'yes' = 1",
+            "(--columns), below [values.correct], for example: 'yes' = 1",
         ),
         ([HEADER, changed("valid", "2")], "{}, row 2, column 'valid': found '2', expected 1, 0 or nothing"),
         ([HEADER, changed("block", "1.5")], "{}, row 2, column 'block': found '1.5', expected a whole number from 0"),
@@ -221,7 +221,7 @@ def test_column_map_must_name_existing_columns(tmp_path: Path) -> None:
     file = written(tmp_path, HEADER, ROW)
     with pytest.raises(
         InvalidFile,
-        match=re.escape("found no column 'lvl'; did you mean 'level'?, which the column map names for 'level'"),
+        match=re.escape("found no column 'lvl', which the column map names for 'level'; did you mean 'level'?"),
     ):
         read_trials(file, column_map=ColumnMap({"level": "lvl"}))
     with pytest.raises(

@@ -98,7 +98,7 @@ NAMES = {"dependent": "y", "subject": "who"}
 STATISTICS = {
     "ANOVA": lambda t: repeated_measures(t, within=WITHIN, **NAMES)[["F", "p_unc", "np2", "ng2"]],
     "permutation": lambda t: permutation_test(t, within=WITHIN, **NAMES)[["F", "p_permutation"]],
-    "checks": lambda t: checks(t, within=WITHIN, **NAMES)[["text"]],
+    "checks": lambda t: checks(t, repeated_measures(t, within=WITHIN, **NAMES), within=WITHIN, **NAMES)[["text"]],
     "mixed model": lambda t: mixed_model(t, factors=WITHIN, **NAMES).terms[["F", "p"]],
     "pairs": lambda t: pairs(t, factor="hz", **NAMES)[["t", "p_corr", "status"]],
     "TOST": lambda t: equivalence(t, factor="hz", bound=1.0, **NAMES)[["difference", "p"]],

@@ -104,7 +104,7 @@ def test_table_without_valid_is_refused(copied, tmp_path, capsys, monkeypatch, w
     command, *rest = words
     status, said, _ = call(capsys, command, copied, *rest)
     assert status == 2
-    assert "found no column 'valid'; did you mean 'valis'?; every table of a session has it" in said
+    assert "found no column 'valid'; every table of a session has it; did you mean 'valis'?" in said
 
 
 def test_validate_reports_what_analyse_refuses(copied, capsys):

@@ -24,9 +24,8 @@ from study_texts import TUTORIAL
 from tactometry.cli.check import _table
 from tactometry.cli.output import hands_are_off
 from tactometry.experiments.bench.bench_file import load_bench, parse_bench
-from tactometry.experiments.bench.finding import Finding, exit_status
 from tactometry.experiments.bench.preflight import devices, tone_of
-from tactometry.experiments.bench.preflight_computer import _try_keys, key_to_record_s
+from tactometry.experiments.bench.preflight_checks import Finding, _try_keys, exit_status, key_to_record_s
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load as load_numbers, parse
 from tactometry.rigs.pages.page import Page
@@ -122,7 +121,7 @@ def test_check_measures_a_real_key_press(watched, participant, hands, in_backgro
 
 
 def test_check_continues_without_a_key_press(watched, monkeypatch, tmp_path):
-    monkeypatch.setattr("tactometry.experiments.bench.preflight_computer.KEYS_WITHIN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_checks.KEYS_WITHIN_S", 0.1)
     found = _try_keys(watched, "fr", tmp_path)
     assert (found.found, found.fine) == ("no key was pressed in 0.1 s", None)
     assert "sur la barre d'espace" in watched.pages[-1].items[1].words
@@ -218,7 +217,7 @@ def test_failed_device_is_status_3_and_plays_nothing(tmp_path, bench, part, mess
 
 def test_silent_sensor_is_reported(monkeypatch):
     monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
-    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.FIRST_WITHIN_S", 0.05)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_checks.FIRST_WITHIN_S", 0.05)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
         silent.bind(("127.0.0.1", 0))
         port = silent.getsockname()[1]
@@ -240,8 +239,8 @@ GATED = {"touch": {"speed_tolerance": 0.2}}
 def slid(monkeypatch, tmp_path, metres_per_count, change):
     """What is said of a place that moves by a count each millisecond, for the tutorial's slides at 50 mm/s."""
     monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.5)
-    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.HEARD_S", 0.3)
-    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.FIRST_WITHIN_S", LONGEST_WAIT_S)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_checks.HEARD_S", 0.3)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_checks.FIRST_WITHIN_S", LONGEST_WAIT_S)
     numbers = parse(TUTORIAL.encode(), "tutorial")
     study = wire(replace(numbers, touch={**numbers.touch, **change.get("touch", {})}), "tutorial")
     device = Emulator("serial", tmp_path)

@@ -7,8 +7,7 @@ from places import RECORDED
 
 from tactometry.errors import InvalidParameter, SessionInUse
 from tactometry.experiments.data_sets import erasing
-from tactometry.experiments.data_sets.erasing import erase, find
-from tactometry.experiments.data_sets.erasure_plan import is_named_for
+from tactometry.experiments.data_sets.erasing import erase, find, is_named_for
 from tactometry.records.data_set import Session, keys_of, sessions
 from tactometry.records.open_journal import Journal
 

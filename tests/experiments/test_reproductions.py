@@ -21,7 +21,7 @@ from tactometry.experiments.thesis.reproduction import Number, reproduce
 from tactometry.experiments.thesis.studies import experiment
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.session.request import Press
-from tactometry.stimuli.electrovibration import LAWS
+from tactometry.stimuli.electrovibration.attraction.force import LAWS
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.stimulus.sensation import free_displacement, loaded_displacements
 

@@ -8,7 +8,8 @@ import pytest
 
 from tactometry.experiments.thesis.figures import electrovibration, focus as focus_figures, prototype
 from tactometry.experiments.thesis.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
-from tactometry.stimuli.electrovibration import Bump, Grating, Print, Skin, Velvet, electrostatic_force_n
+from tactometry.stimuli.electrovibration import Bump, Grating, Skin, Velvet, electrostatic_force_n
+from tactometry.stimuli.electrovibration.attraction.contact_area import Print
 from tactometry.stimuli.time_reversal.figures.style import save
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import LossRow

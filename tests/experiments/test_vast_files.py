@@ -15,7 +15,8 @@ from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, ne
 from tactometry.experiments.study.dry_run import check_duration, duration_s, plan
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
-from tactometry.protocols import ConstantStimuli, ParameterGrid, QuestPlus
+from tactometry.protocols import ConstantStimuli, QuestPlus
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 
 LEVELS = "levels = [22, 28, 34, 40] "
 QUEST = """kind = "quest_plus"

@@ -11,13 +11,10 @@ from tactometry.config.strict import build
 from tactometry.config.toml import read_table
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.bench.bench_file import parse_bench
-from tactometry.experiments.reference.block import block
-from tactometry.experiments.reference.key_table import KeyTable
-from tactometry.experiments.reference.keys import Key, keys_of
-from tactometry.experiments.reference.meanings import summary
+from tactometry.experiments.reference.keys import Key, block, keys_of, summary
 from tactometry.experiments.reference.pages import path_of, text_of
 from tactometry.experiments.reference.study_tables import GREY
-from tactometry.experiments.reference.tables import PAGES, tables
+from tactometry.experiments.reference.tables import PAGES, KeyTable, tables
 from tactometry.experiments.study.cells import merge
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse, shipped

@@ -25,7 +25,7 @@ from tactometry.devices.sensors.serial_line import SerialSettings
 from tactometry.devices.sensors.touch_screen import TouchSettings
 from tactometry.errors import DeviceFailed, InvalidFile
 from tactometry.experiments.bench.bench_file import load_bench
-from tactometry.experiments.bench.finding import exit_status, findings_of
+from tactometry.experiments.bench.preflight_checks import exit_status, findings_of
 from tactometry.experiments.study.study_file import load
 from tactometry.records.data_set import prepare
 from tactometry.safety.limits import Limits

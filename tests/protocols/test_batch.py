@@ -1,4 +1,4 @@
-"""Tracks in a batch: the same, trial by trial, as the rule's own run; answers as often as they should be."""
+"""Batches equal single runs, and answers have the right frequency."""
 
 import math
 from itertools import product
@@ -13,18 +13,11 @@ from hypothesis import given, strategies as st
 from scipy.stats import binomtest
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import (
-    ConstantStimuli,
-    FunctionModel,
-    MethodOfLimits,
-    ParameterGrid,
-    Quest,
-    QuestPlus,
-    Staircase,
-    WeightedStaircase,
-)
+from tactometry.protocols import ConstantStimuli, MethodOfLimits, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.batch.answers import AS_ASKED, LevelTable, criteria
 from tactometry.protocols.batch.tracks import NOT_ASKED, tracks
+from tactometry.protocols.bayesian.outcome_model import FunctionModel
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.quest import Placing
 from tactometry.protocols.bayesian.quest_plus import Aim, Criterion
 from tactometry.protocols.bayesian.weighing import WeighingRule
@@ -53,7 +46,7 @@ STEPPING = {
 @pytest.mark.parametrize("rule", STEPPING.values(), ids=STEPPING)
 @given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans(), output=st.sampled_from([AS_ASKED, OUTPUT]))
 @examples(10, deadline=None)
-def test_a_batch_is_the_rules_own_run_trial_by_trial(rule, seed, through_a_table, output):
+def test_batch_equals_single_runs(rule, seed, through_a_table, output):
     rng = np.random.default_rng(seed)
     place, spread = rng.uniform(-10, 50), rng.choice([0.0, 1.0, 10.0])
     drawn, orders = place + spread * rng.standard_normal((6, 50)), rule.orders(6, rng)
@@ -78,7 +71,7 @@ COIN = FunctionModel({"bias": (0.2, 0.5, 1.0)}, 2, lambda level, outcome, *, bia
 
 
 def unsure(level, outcome, *, threshold, width):
-    """Wrong, "I do not know" or right, whose borders lie 2 apart."""
+    """Return log probabilities of wrong, "I do not know" and right."""
     right, known = (1 / (1 + np.exp((threshold + at - level) / width)) for at in (1.0, -1.0))
     return log((1 - known, known - right, right)[outcome])
 
@@ -103,8 +96,8 @@ WEIGHING = {
 @pytest.mark.parametrize("rule", WEIGHING.values(), ids=WEIGHING)
 @given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans(), output=st.sampled_from([AS_ASKED, OUTPUT]))
 @examples(8, deadline=None)
-def test_a_batch_of_a_weighing_rule_is_its_own_run_trial_by_trial(rule, seed, through_a_table, output):
-    """Levels of QUEST lie where a sum puts them: equal but for its rounding."""
+def test_batch_of_weighing_rule_equals_single_runs(rule, seed, through_a_table, output):
+    """Levels of QUEST are equal within the rounding of a sum."""
     rng = np.random.default_rng(seed)
     shape = (5, 30, rule.n_outcomes - 1)
     drawn = np.sort(rng.uniform(-10, 50) + rng.choice([0.0, 1.0, 10.0]) * rng.standard_normal(shape), axis=2)
@@ -125,7 +118,7 @@ def test_a_batch_of_a_weighing_rule_is_its_own_run_trial_by_trial(rule, seed, th
 
 
 @pytest.mark.parametrize("shape", ["normal", "logistic", "gumbel", "reversed_gumbel", "weibull"])
-def test_answers_are_as_frequent_as_the_function_says(shape):
+def test_answer_frequencies_follow_the_psychometric_function(shape):
     function = PsychometricFunction(shape, 20.0, 9.0 if shape != "weibull" else 1.2, 0.25, 0.04)
     rule, rng = ConstantStimuli((14.0, 20.0, 26.0), 100), np.random.default_rng()
     drawn = criteria(rng.random((1000, 300)), shape, function.threshold, function.width, 0.25, 0.04)
@@ -137,27 +130,27 @@ def test_answers_are_as_frequent_as_the_function_says(shape):
         assert asked.sum() == 1e5
 
 
-def test_a_table_of_chances_is_followed_on_its_levels_and_between():
+def test_table_of_chances_is_interpolated_between_levels():
     chances, rng = LevelTable(np.array([0.0, 10.0, 20.0]), np.array([0.1, 0.7, 0.9])), np.random.default_rng()
     batch = tracks(ConstantStimuli((10.0, 15.0, 25.0), 100), rng.random((1000, 300)), chances)
     for level, chance in ((10.0, 0.7), (15.0, 0.8), (25.0, 0.9)):
         assert binomtest(int(batch.answers[batch.levels == level].sum()), 100_000, chance).pvalue > 1e-4
 
 
-def test_criteria_are_the_inverse_of_the_function():
-    """Answers are those that a comparison of the same number with the chance gives."""
+def test_criteria_invert_the_psychometric_function():
+    """Answers equal those of comparing the uniform number with P(1)."""
     function = PsychometricFunction("gumbel", 20.0, 9.0, 0.5, 0.02)
     uniform, levels = np.random.default_rng().random((1, 10_000)), np.linspace(0, 40, 10_000)
     drawn = criteria(uniform, "gumbel", 20.0, 9.0, 0.5, 0.02)
     assert np.array_equal((levels > drawn)[0], (uniform < function.probability(levels))[0])
 
 
-def test_lucky_guesses_and_lapses_are_answers_at_every_level():
+def test_guesses_and_lapses_have_infinite_criteria():
     drawn = criteria(np.array([[0.0, 0.499, 0.981]]), "logistic", 20.0, 9.0, 0.5, 0.02)
     assert drawn.tolist() == [[-math.inf, -math.inf, math.inf]]
 
 
-def test_orders_of_a_batch_are_blocks_that_hold_each_level_once():
+def test_batch_orders_contain_each_level_once_per_repeat():
     orders = ConstantStimuli((1.0, 2.0, 3.0), 4).orders(200, np.random.default_rng()).reshape(-1, 3)
     assert (np.sort(orders, axis=1) == [1, 2, 3]).all()
     counts = np.unique(orders, axis=0, return_counts=True)[1]
@@ -177,18 +170,18 @@ def test_nested_seeds_never_repeat():
 
 
 @pytest.mark.parametrize("number", [-1, 2**32, 0.5])
-def test_a_place_that_is_no_word_is_refused(number):
+def test_stream_rejects_invalid_place(number):
     with pytest.raises(InvalidParameter, match=r"stream.*expected a whole number"):
         stream(1, 0, number)
 
 
-def test_criteria_of_a_rule_of_three_outcomes_are_two():
+def test_tracks_reject_one_criterion_for_three_outcomes():
     with pytest.raises(InvalidParameter, match=r"tracks.criteria: found .* expected \(n_sets, n_trials, 2\)"):
         tracks(WEIGHING["wrong, unsure, right"], np.zeros((1, 2)))
 
 
-def test_outcomes_are_as_frequent_as_their_criteria_say():
-    """Of one uniform number a trial: below the first chance 2, below the sum of both 1, else 0."""
+def test_outcome_frequencies_follow_their_criteria():
+    """Draw outcome 2 below the first chance, 1 below the sum, else 0."""
     uniform, levels = np.random.default_rng().random((1000, 100)), (0.0, 40.0)
     drawn = np.stack([np.where(uniform < 0.7, -1.0, 99.0), np.where(uniform < 0.4, -1.0, 99.0)], axis=2)
     rule = QuestPlus(levels, THREE, n_trials=100)
@@ -205,7 +198,7 @@ def test_outcomes_are_as_frequent_as_their_criteria_say():
         ({"table": LevelTable(LEVELS, np.zeros((2, 8)))}, "tracks.table: found 2 rows, expected 1 or 3"),
     ],
 )
-def test_what_does_not_fit_is_refused(changed, sentence):
+def test_tracks_reject_arrays_of_wrong_shape(changed, sentence):
     given_ = {"criteria": np.zeros((3, 4)), **changed}
     with pytest.raises(InvalidParameter, match=sentence):
         tracks(STEPPING["three levels"], **given_)
@@ -219,6 +212,6 @@ def test_what_does_not_fit_is_refused(changed, sentence):
         (([0.0, 1.0], [1.0, 2.0, 3.0]), r"LevelTable.felt: found the shape \(3,\)"),
     ],
 )
-def test_a_table_that_is_none_is_refused(table, sentence):
+def test_level_table_rejects_invalid_arrays(table, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         LevelTable(*map(np.array, table))

@@ -1,4 +1,4 @@
-"""The machine code of a batch is kept on disk, and is that of the source that stands there."""
+"""Compiled batch loops are cached on disk and follow their source."""
 
 import importlib
 import os
@@ -36,13 +36,13 @@ def threshold(marks):
 
 @pytest.fixture
 def levels_of_source(tmp_path, monkeypatch):
-    """Writes a rule whose level is a constant of its source, and gives the levels of its batch."""
+    """Return a function that runs a rule with a constant level."""
     monkeypatch.syspath_prepend(str(tmp_path))
 
     def levels(level):
         file = tmp_path / "rule_of_a_test.py"
         file.write_text(SOURCE.format(level=level))
-        os.utime(file, (level, level))  # written within one second, it would be taken for the same
+        os.utime(file, (level, level))  # files written within one second look unchanged
         sys.modules.pop("rule_of_a_test", None)
         importlib.invalidate_caches()
         own = importlib.import_module("rule_of_a_test")
@@ -59,7 +59,7 @@ def levels_of_source(tmp_path, monkeypatch):
     sys.modules.pop("rule_of_a_test", None)
 
 
-def test_another_process_finds_the_machine_code(monkeypatch):
+def test_machine_code_is_shared_between_processes(monkeypatch):
     rule, made = Staircase(20.0, (4.0,), 0.0, 40.0), []
 
     def as_a_new_process_makes_it(transition):
@@ -72,6 +72,6 @@ def test_another_process_finds_the_machine_code(monkeypatch):
     assert sum(made[0].stats.cache_hits.values()) == 1
 
 
-def test_a_rule_whose_source_has_changed_is_compiled_anew(levels_of_source):
+def test_rule_is_recompiled_when_its_source_changes(levels_of_source):
     assert levels_of_source(3.0) == [[3.0, 3.0]]
     assert levels_of_source(5.0) == [[5.0, 5.0]]

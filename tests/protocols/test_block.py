@@ -1,4 +1,4 @@
-"""A block: what it does with several tracks, lost trials, rests and feedback."""
+"""Blocks: several tracks, lost trials, rests and feedback."""
 
 from collections import Counter
 from dataclasses import replace
@@ -39,12 +39,12 @@ def test_balanced_interleaving_presents_every_track_once_a_round():
     assert all(set(order[n : n + 2]) == {"a", "b"} for n in range(0, 40, 2))
 
 
-def test_rests_come_after_so_many_valid_trials_and_not_at_the_end():
+def test_rests_follow_valid_trial_count_except_at_end():
     _, memory = lived(run_block(two_tracks(rest_after=10), 1, 1, np.random.default_rng(1)))
     assert sum(isinstance(request, Show) for request, _ in memory.entries) == 3
 
 
-def test_rests_come_after_so_long_and_the_time_begins_anew_behind_each():
+def test_rests_follow_elapsed_time_since_last_rest():
     _, memory = lived(run_block(two_tracks(rest_every_s=10.0), 1, 1, np.random.default_rng(1)))
     rested_s, begun_s = [], []
     for request, answer in memory.entries:
@@ -60,7 +60,7 @@ def test_rests_come_after_so_long_and_the_time_begins_anew_behind_each():
         assert all(s - begin < 10.0 for s in begun_s if begin <= s < last)
 
 
-def test_a_lost_trial_brings_no_rest():
+def test_lost_trials_do_not_count_towards_rests():
     protocol = run_block(two_tracks(rest_after=10), 1, 1, np.random.default_rng(1))
     memory = Memory()
     run(protocol, Losing({1, 12}), memory)
@@ -68,13 +68,13 @@ def test_a_lost_trial_brings_no_rest():
     assert sum(isinstance(request, Show) for request, _ in memory.entries) == 3
 
 
-def test_a_rest_is_counted_down_before_it_can_be_ended():
+def test_rest_counts_down_before_it_can_end():
     _, memory = lived(run_block(two_tracks(rest_after=10, rest_s=30.0), 1, 1, np.random.default_rng(1)))
     shown = [(request.message, request.duration_s) for request, _ in memory.entries if isinstance(request, Show)]
     assert shown == [("resting", 30.0), ("rest", None)] * 3
 
 
-def test_a_block_that_lasts_too_long_ends():
+def test_block_is_aborted_when_time_is_over():
     ((first, second), _), _ = lived(run_block(two_tracks(longest_s=10.0), 1, 1, np.random.default_rng(1)))
     assert {first.ending, second.ending} == {"aborted"}
 
@@ -107,7 +107,7 @@ class Losing:
 
 @given(lost=st.sets(st.integers(1, 48), max_size=12))
 @examples(30, deadline=None)
-def test_whatever_is_lost_is_presented_again_or_its_track_is_aborted(lost):
+def test_lost_trials_are_repeated_unless_track_aborts(lost):
     memory = Memory()
     block = two_tracks(catch_rate=0.25)
     tracks, next_trial = run(run_block(block, 1, 1, np.random.default_rng(2)), Losing(lost), memory)
@@ -136,7 +136,7 @@ class Saying(Losing):
         return replace(answer, option=next(self._options)) if isinstance(request, Choose) else answer
 
 
-def test_the_answer_to_a_presentation_that_came_again_counts_for_the_end():
+def test_repeated_trial_counts_for_the_ending():
     track = replace(catalogue.block("yes_no", "constant_stimuli", "press").tracks[0], procedure=TWICE)
     (track,), _ = run(
         run_block(Block((track,), YesNo()), 1, 1, np.random.default_rng(2)), Saying({2}, [1, 0]), Memory()
@@ -145,7 +145,7 @@ def test_the_answer_to_a_presentation_that_came_again_counts_for_the_end():
 
 
 @pytest.mark.parametrize("task", ["rating", "adjustment", "preference"])
-def test_what_tells_nothing_of_a_threshold_never_ends_as_censored(task):
+def test_tasks_without_threshold_never_end_censored(task):
     block = catalogue.block(task, "constant_stimuli", "press")
     (track,), _ = run(run_block(block, 1, 1, np.random.default_rng(2)), catalogue.simulated(), Memory())
     assert track.ending == "trials"
@@ -166,7 +166,7 @@ def test_an_impossible_block_is_refused(how, sentence):
         replace(two_tracks(), **how) if "tracks" in how else two_tracks(**how)
 
 
-def test_the_factors_of_a_block_are_those_that_all_its_tracks_share():
+def test_block_factors_are_shared_by_all_tracks():
     conditions = (
         Condition({"force_n": 1.0, "frequency_hz": hz}, "tone", "dB re 1 V", catalogue.TOUCHES["press"])
         for hz in (60.0, 60.0, 240.0)
@@ -187,12 +187,12 @@ def aborted_after(*came):
     return [track.aborted for track in standing.tracks]
 
 
-def test_a_valid_trial_begins_the_count_of_lost_ones_anew():
+def test_valid_trial_resets_count_of_lost_trials():
     first, second, third = (Slot(0, trial, 10.0) for trial in (1, 2, 3))
     assert aborted_after((first, LOST), (second, KEPT), (third, LOST)) == [False, False]
     assert aborted_after((first, LOST), (second, LOST)) == [True, False]
 
 
-def test_one_trial_is_attempted_so_often_at_most_whatever_lies_between():
+def test_attempts_of_one_trial_are_limited():
     asked = Slot(0, 1, 10.0)
     assert aborted_after((asked, LOST), (Slot(0, 2, 20.0), KEPT), (replace(asked, attempt=2), LOST)) == [True, False]

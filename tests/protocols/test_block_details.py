@@ -1,4 +1,4 @@
-"""Details of a block: what is felt and delivered, what is asked again, and how its procedures end."""
+"""Blocks: delivered levels, repeated trials and endings."""
 
 from dataclasses import replace
 from functools import partial
@@ -26,7 +26,7 @@ def a_block(task="yes_no", procedure="constant_stimuli"):
     return run_block(catalogue.block(task, procedure), 1, 1, np.random.default_rng(1))
 
 
-def test_the_simulated_rig_holds_signals_against_the_limits():
+def test_simulated_rig_checks_signals_against_limits():
     with pytest.raises(LimitExceeded, match="found a peak of"):
         rig(limits=Limits(voltage_peak_v=1.0)).answer(SLIDE)
 
@@ -40,7 +40,7 @@ class Noting(catalogue.Loudness):
         return super().sensation_db(signal, contact)
 
 
-def test_what_is_felt_depends_on_the_force_and_speed_that_were_held():
+def test_sensation_uses_measured_force_and_speed():
     noting = Noting()
     touched = rig(sensation=noting).answer(SLIDE)
     (contact,) = noting.contacts
@@ -57,12 +57,12 @@ def test_holding_the_force_and_playing_take_their_time():
     assert second.onset_s - first.onset_s == pytest.approx(SLIDE.hold_s + SLIDE.duration_s)
 
 
-def test_a_force_that_wavers_out_of_the_band_makes_the_touch_invalid():
+def test_touch_is_invalid_when_force_leaves_band():
     assert not rig(finger=SimulatedFinger(waver_cv=0.9)).answer(SLIDE).valid
 
 
 class Clipping:
-    """A rig that delivers 3 dB less than it is asked for, and loses the first `n_lost` touches."""
+    """A rig that delivers 3 dB less and loses the first `n_lost` touches."""
 
     def __init__(self, n_lost=0):
         self._rig, self.n_lost = rig(), n_lost
@@ -79,7 +79,7 @@ class Clipping:
         return getattr(self._rig, name)
 
 
-def test_a_procedure_learns_the_level_that_was_delivered():
+def test_procedure_learns_delivered_level():
     memory = Memory()
     course = a_block(procedure="staircase_1_up_1_down")
     (track,), _ = run(course, Clipping(), memory)
@@ -88,7 +88,7 @@ def test_a_procedure_learns_the_level_that_was_delivered():
     assert all(trial.level_delivered == trial.level - 3.0 for trial in memory.trials if not trial.catch)
 
 
-def test_an_invalid_touch_of_a_staircase_is_asked_again_at_once():
+def test_staircase_repeats_invalid_touch_at_once():
     memory = Memory()
     course = a_block(procedure="staircase_1_up_1_down")
     run(course, Clipping(n_lost=2), memory)
@@ -97,7 +97,7 @@ def test_an_invalid_touch_of_a_staircase_is_asked_again_at_once():
     assert len({trial.level for trial in memory.trials[:3]}) == 1
 
 
-def test_invalid_touches_of_constant_stimuli_come_again_at_the_end_of_the_block():
+def test_constant_stimuli_repeat_invalid_touches_at_end():
     memory = Memory()
     (track,), next_trial = run(a_block(), Clipping(n_lost=2), memory)
     lost, again = memory.trials[:2], memory.trials[-2:]
@@ -110,21 +110,21 @@ def test_invalid_touches_of_constant_stimuli_come_again_at_the_end_of_the_block(
     assert felt == sorted(catalogue.PROCEDURES["constant_stimuli"].begin().order)
 
 
-def test_a_block_of_which_no_touch_is_valid_is_aborted():
+def test_block_is_aborted_when_no_touch_is_valid():
     memory = Memory()
     (track,), _ = run(a_block(), Clipping(n_lost=10**6), memory)
     assert track.ending == "aborted"
     assert [trial.trial for trial in memory.trials] == [1, 2, 3, 4, 5]
 
 
-def test_catch_trials_come_at_any_place_of_their_group():
+def test_catch_trials_occur_once_per_group():
     schedule = catch_schedule(0.25, np.random.default_rng())
     groups = [[next(schedule) for _ in range(4)] for _ in range(200)]
     assert all(sum(group) == 1 for group in groups)
     assert {group.index(True) for group in groups} == {0, 1, 2, 3}
 
 
-def test_repeats_of_constant_stimuli_have_orders_of_their_own():
+def test_constant_stimuli_repeats_have_different_orders():
     order = ConstantStimuli((1.0, 2.0, 3.0, 4.0), repeats=50).begin(np.random.default_rng()).order
     assert len({order[n : n + 4] for n in range(0, 200, 4)}) > 1
 
@@ -135,7 +135,7 @@ def test_a_catch_trial_delivers_nothing():
     assert (touched.level_delivered, touched.digest) == (None, None)
 
 
-def test_a_forced_choice_row_holds_the_touch_of_the_stimulus_and_the_onset_of_the_first_interval():
+def test_forced_choice_row_uses_target_and_first_onset():
     memory = Memory()
     course = a_block("forced_choice")
     run(course, rig(finger=SimulatedFinger(waver_cv=0.0)), memory)
@@ -147,7 +147,7 @@ def test_a_forced_choice_row_holds_the_touch_of_the_stimulus_and_the_onset_of_th
     assert {trial.target for trial in memory.trials} == {1, 2}
 
 
-def test_an_interval_that_is_not_valid_ends_its_trial_unasked():
+def test_invalid_interval_ends_trial_without_question():
     memory = Memory()
     course = a_block("forced_choice")
     run(course, Clipping(n_lost=1), memory)
@@ -170,7 +170,7 @@ class Refusing(Clipping):
 
 
 @pytest.mark.parametrize("task", ["yes_no", "forced_choice"])
-def test_an_answer_that_was_declared_invalid_is_not_scored_and_asked_again(task):
+def test_invalid_answer_is_not_scored_and_repeated(task):
     memory = Memory()
     run(a_block(task), Refusing(), memory)
     first, second = memory.trials[0], memory.trials[-1]
@@ -186,7 +186,7 @@ def test_a_censored_run_with_reversals_has_no_threshold():
     assert (rule.ending, rule.threshold) == ("censored_below", None)
 
 
-def test_responses_at_a_bound_count_in_a_row_only():
+def test_responses_at_bound_count_only_in_succession():
     rule = Staircase(start=40.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
     for answer in (0, 0, 1, 0, 0, 0):
         assert rule.ending is None

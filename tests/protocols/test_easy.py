@@ -1,4 +1,4 @@
-"""Easy trials in adaptive procedures: where they are, and what the rule learns of them."""
+"""Easy trials in adaptive procedures: places and learning."""
 
 import numpy as np
 import pytest
@@ -6,14 +6,15 @@ from catalogue import PROCEDURES
 from study_texts import refusal, tutorial_in, wired
 
 from tactometry.experiments.study.kinds import PROCEDURES as KINDS
-from tactometry.protocols import SharedQuestPlus, Staircase
+from tactometry.protocols import Staircase
+from tactometry.protocols.bayesian.quest_plus import SharedQuestPlus
 from tactometry.protocols.procedures.easy import EasyTrials, with_easy_trials
 
 ADAPTIVE = [kind for kind, known in KINDS.items() if known.takes_easy_trials]
 
 
 def answered(procedure, answer):
-    """Kinds and levels of all trials, answered by the level, and the procedure at its end."""
+    """Return kinds and levels of all trials, and the procedure at its end."""
     trials = []
     while not procedure.finished:
         trials.append((procedure.is_easy, procedure.level))

@@ -1,4 +1,4 @@
-"""Pages of a questionnaire: what comes of going back, and of pages that a recording shows in other places."""
+"""Questionnaire pages: going back, and replay with other pages."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def filled(values, *, back=False):
 
 
 def answered(form, *answers):
-    """The pages that come, and the replies in the end."""
+    """Return the requested pages and the final replies."""
     course = fill_in(form, np.random.default_rng(0), shuffled=False)
     page = next(course)
     asked = [page, *(course.send(answer) for answer in answers[:-1])]
@@ -32,7 +32,7 @@ def answered(form, *answers):
     return asked, end.value.value
 
 
-def test_a_page_that_comes_again_has_its_marks_and_counts_as_it_was_left_last():
+def test_repeated_page_keeps_marks_and_uses_last_answers():
     ones, twos, some = filled([1.0] * 5), filled([2.0] * 5), filled([3.0, None, None, None, None], back=True)
     asked, replies = answered(MINI, ones, some, twos, filled([4.0] * 5))
     assert [(page.page, page.n_pages) for page in asked] == [(1, 2), (2, 2), (1, 2), (2, 2)]
@@ -41,7 +41,7 @@ def test_a_page_that_comes_again_has_its_marks_and_counts_as_it_was_left_last():
     assert [reply.item for reply in replies] == [item.id for item in MINI.items]
 
 
-def test_how_a_page_is_shown_is_no_part_of_what_a_recording_is_held_against():
+def test_replay_ignores_page_layout():
     asked, _ = answered(MINI, filled([1.0] * 5), filled([2.0] * 5))
     older = [Fill(page.form, page.questions, page.low, page.high, page.steps) for page in asked]
     answers = [filled([1.0] * 5), filled([2.0] * 5)]
@@ -49,7 +49,7 @@ def test_how_a_page_is_shown_is_no_part_of_what_a_recording_is_held_against():
     assert replay(fill_in(MINI, np.random.default_rng(0), shuffled=False), Replay(entries))
 
 
-def test_a_questionnaire_has_a_page_of_its_own_where_it_comes_and_is_no_part_that_is_counted():
+def test_questionnaire_has_own_page_and_is_not_counted():
     study = parse(f'{TUTORIAL}[inquiries.end]\nform = "sus"\n'.encode(), "s.toml")
     shown = list(pages(wire(study, "s.toml").parts(1, np.random.default_rng(0))))
     assert [page.message for page in shown] == ["welcome", "instructions_yes_no", "block", "block", "questions", "end"]
@@ -57,7 +57,7 @@ def test_a_questionnaire_has_a_page_of_its_own_where_it_comes_and_is_no_part_tha
     assert shown[4].values["n_questions"] == 10
 
 
-def test_practice_is_no_part_that_is_counted():
+def test_practice_is_not_counted_as_part():
     practice = "[practice]\nlevels = [40]\nn_correct = 1\nn_of = 1\nn_trials = 4\n"
     shown = list(pages(wire(parse(f"{TUTORIAL}{practice}".encode(), "s"), "s").parts(1, np.random.default_rng(0))))
     assert [page.values.get("part") for page in shown if page.message == "block"] == [1, 2]
@@ -77,37 +77,37 @@ def course_of(*requests):
     ],
     ids=["later", "others", "earlier"],
 )
-def test_a_recording_whose_pages_stood_elsewhere_replays(asked):
+def test_replay_accepts_pages_in_other_places(asked):
     recorded = (Show("a"), Show("b"), Wait(1.0), Show("c"), Wait(2.0))
     entries = [(request, Done(float(n))) for n, request in enumerate(recorded)]
     replay(course_of(*asked), Replay(entries))
 
 
-def test_a_recording_that_stopped_at_a_page_which_is_shown_no_more_goes_on():
+def test_replay_continues_when_last_page_was_removed():
     recording = Replay([(Wait(1.0), Done(3.0)), (Show("old"), Done(4.0))])
     assert replay(course_of(Wait(1.0), Wait(2.0)), recording, complete=False) is None
     assert recording.n_left == 0
 
 
-def test_a_recording_with_another_request_diverges_however_its_pages_stand():
+def test_replay_diverges_on_other_request_despite_pages():
     entries = [(request, Done(1.0)) for request in (Show("a"), Wait(1.0), Show("b"), Wait(3.0))]
     with pytest.raises(Diverged, match=r"line 4: Wait.duration_s: the recording holds 3.0, the protocol asks for 2.0"):
         replay(course_of(Wait(1.0), Wait(2.0)), Replay(entries))
 
 
-def test_a_page_that_is_not_in_the_recording_has_the_time_of_what_was_before():
+def test_new_page_in_replay_has_previous_time():
     recording = Replay([(Wait(1.0), Done(3.0)), (Wait(2.0), Done(6.0))])
     assert recording.answer(Wait(1.0)) == Done(3.0)
     assert recording.answer(Show("new")) == Done(3.0)
 
 
 @pytest.mark.parametrize(("form", "given"), [("attrakdiff-mini", (1.0, None)), ("sus", ())])
-def test_marks_are_taken_up_by_the_page_that_they_stood_on_alone(form, given):
+def test_marks_are_restored_on_their_own_page_only(form, given):
     page = Fill(form, ("a", "b"), 1.0, 7.0, 7)
     recording = Replay([], marked=Marked("attrakdiff-mini", (1.0, None), 2.0))
     assert recording.taken_up(page).given == given
 
 
 @pytest.mark.parametrize("name", shipped_names())
-def test_every_shipped_questionnaire_says_in_each_of_its_languages_what_it_is_about(name):
+def test_questionnaire_stem_exists_in_every_language(name):
     assert set(load(name).languages) <= set(load(name).stem)

@@ -1,4 +1,4 @@
-"""A simulated participant who tells alternatives apart by what is felt at each place of the skin."""
+"""A simulated participant who identifies alternatives by sensation."""
 
 from math import inf, sqrt
 
@@ -15,7 +15,7 @@ from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
 
 AT_1E_4 = 3.891
-"""Standard errors within which an estimate lies but for one in ten thousand."""
+"""Two-sided normal quantile at 1e-4, in standard errors."""
 KEEN = SignalDetectionObserver(lapse_rate=0.0)
 
 
@@ -25,7 +25,7 @@ def share_right(alternatives_db, n=4000, observer=KEEN):
 
 
 @pytest.mark.parametrize("alternatives_db", [((0.0, -6.0), (-6.0, 0.0)), ((3.0,), (-9.0,)), ((2.0, 2.0), (2.0, -inf))])
-def test_of_two_alternatives_so_many_are_right_as_their_distance_says(alternatives_db):
+def test_share_correct_of_two_alternatives_follows_their_distance(alternatives_db):
     first, second = (np.array([KEEN.d_prime(level) for level in levels]) for levels in alternatives_db)
     expected = norm.cdf(np.linalg.norm(first - second) / 2)
     share, n = share_right(alternatives_db)
@@ -33,12 +33,12 @@ def test_of_two_alternatives_so_many_are_right_as_their_distance_says(alternativ
 
 
 @pytest.mark.parametrize("level_db", [4.0, -inf])
-def test_what_feels_alike_is_guessed(level_db):
+def test_equal_alternatives_are_guessed(level_db):
     share, n = share_right([(level_db, level_db)] * 3)
     assert abs(share - 1 / 3) <= AT_1E_4 * sqrt(2 / 9 / n)
 
 
-def test_alternatives_that_are_felt_apart_are_told_by_the_one_that_is_felt_most():
+def test_distinct_alternatives_are_identified_by_strongest_sensation():
     for seed in range(200):
         identified = KEEN.identify([(0.0, -inf, -inf), (-inf, 0.0, -inf), (-inf, -inf, 0.0)], 1, rng_of(seed))
         assert identified == KEEN.compare([-inf, 0.0, -inf], rng_of(seed))
@@ -52,16 +52,16 @@ ASKED = Choose("which_place", (1, 2), ("left", "right"), ("left", "right"))
 
 
 def located(levels_db, observer=KEEN, n=1000):
-    """The share of right answers where each finger feels these levels."""
+    """Return the share of right answers for these levels at each finger."""
     rng = np.random.default_rng()
     names = [ASKED.labels[k % 2] for k in range(n)]
     answers = [locate(observer, [Felt(name, 60.0, levels_db.get)], ASKED, rng) for name in names]
     return np.mean([answer == ASKED.labels.index(name) + 1 for answer, name in zip(answers, names, strict=True)]), n
 
 
-def test_the_fingers_tell_where_a_strong_focus_is_and_not_its_strength():
+def test_focus_is_located_by_finger_and_not_strength():
     assert located({"left": (60.0, -inf), "right": (-inf, 60.0)})[0] == 1.0
-    share, n = located({"left": (60.0, 60.0), "right": (60.0, 60.0)})  # all of the plate moves alike
+    share, n = located({"left": (60.0, 60.0), "right": (60.0, 60.0)})  # the whole plate moves equally
     assert abs(share - 0.5) <= AT_1E_4 * sqrt(0.25 / n)
 
 
@@ -80,7 +80,7 @@ def outcome_of(alternatives, option):
 
 
 @pytest.mark.parametrize("option", [1, 2, 3])
-def test_a_row_holds_how_far_the_answer_is_from_the_right_place(option):
+def test_localisation_row_contains_distance_error(option):
     outcome = outcome_of(PLACES, option)
     assert outcome.separation_m == 0.03
     assert outcome.error_m == (0.0 if option == outcome.target else 0.03)

@@ -1,4 +1,4 @@
-"""What the experimenter wants between two trials: the course does it, and a rule stands as if a slip had never been."""
+"""Experimenter interventions between trials and between blocks."""
 
 from collections import Counter
 from dataclasses import replace
@@ -13,10 +13,11 @@ from memory import Memory
 from wanting import Wanting
 
 from tactometry.observers.finger import SimulatedFinger
-from tactometry.protocols import Block, Inquiry, after_answer, session
+from tactometry.protocols import Block, session
 from tactometry.protocols.block import run_block
 from tactometry.protocols.block_state import BlockOptions
-from tactometry.protocols.procedures.procedure import FixedOrder
+from tactometry.protocols.procedures.procedure import FixedOrder, after_answer
+from tactometry.protocols.session import Inquiry
 from tactometry.questionnaire import load as load_form
 from tactometry.session.answer import Done
 from tactometry.session.intervention import Intervention
@@ -28,12 +29,12 @@ from tactometry.trials.trial import Trial, tally
 
 
 def steady():
-    """A participant whose touches are all valid."""
+    """Return a participant whose touches are all valid."""
     return replace(catalogue.simulated(1), finger=SimulatedFinger(force_cv=0.0, waver_cv=0.0))
 
 
 def lived(make, at):
-    """What a course gives, its rows as they count, what was said, and the pages."""
+    """Run a course; return its result, valid rows, messages and pages."""
     memory, rig = Memory(), Wanting(steady(), at)
     ended = run(make(), rig, memory)
     replay(make(), Replay(memory.entries))  # as it was recorded
@@ -47,7 +48,7 @@ def block_of(procedure, task="yes_no"):
 
 
 def answered(block, trials):
-    """The procedures of a block's tracks after the answers that count."""
+    """Return the procedures of a block after its valid answers."""
     procedures = [track.procedure for track in block.tracks]
     names = [track.name for track in block.tracks]
     for trial in trials:
@@ -62,7 +63,7 @@ FIXED = [name for name in catalogue.PROCEDURES if name not in ADAPTIVE]
 
 @pytest.mark.parametrize("name", ADAPTIVE)
 @pytest.mark.parametrize("n_back", [1, 2])
-def test_an_adaptive_rule_stands_as_if_a_slip_and_what_followed_from_it_had_never_been(name, n_back):
+def test_adaptive_rule_forgets_invalidated_trial_and_dependents(name, n_back):
     (tracks, next_trial), trials, _, _ = lived(block_of(name), {6: f"back {n_back}"})
     [procedure] = answered(catalogue.block("yes_no", name), trials)
     assert (tracks[0].procedure.level, tracks[0].ending) == (procedure.level, procedure.ending)
@@ -75,7 +76,7 @@ def test_an_adaptive_rule_stands_as_if_a_slip_and_what_followed_from_it_had_neve
 
 
 @pytest.mark.parametrize("name", FIXED)
-def test_a_level_of_a_fixed_order_comes_again_and_the_rest_counts(name):
+def test_fixed_order_repeats_only_the_invalidated_level(name):
     (tracks, _), trials, _, _ = lived(block_of(name), {6: "back 3"})
     assert [trial.trial for trial in trials if not trial.valid] == [trials[3].trial]
     felt = [trial.level for trial in trials if trial.valid and not trial.catch]
@@ -83,7 +84,7 @@ def test_a_level_of_a_fixed_order_comes_again_and_the_rest_counts(name):
     assert tracks[0].ending != "aborted"
 
 
-def test_the_last_trial_of_a_block_reopens_it():
+def test_block_reopens_when_last_trial_is_invalidated():
     _, before, _, _ = lived(block_of("constant_stimuli"), {})
     _, trials, said, _ = lived(block_of("constant_stimuli"), {len(before): "back"})
     assert len(trials) == len(before) + 1
@@ -91,7 +92,7 @@ def test_the_last_trial_of_a_block_reopens_it():
     assert said == [f"trial {before[-1].trial} does not count: it is asked again"]
 
 
-def test_what_followed_from_a_slip_is_told_with_it():
+def test_message_lists_trials_that_depend_on_slip():
     _, trials, said, _ = lived(block_of("staircase_1_up_1_down", "forced_choice"), {2: "back 2"})
     assert said == ["trial 1 does not count, nor does trial 2, whose level followed from it: it is asked again"]
     assert [trial.valid for trial in trials[:3]] == [False, False, True]
@@ -103,7 +104,7 @@ def interleaved():
 
 @given(at=st.dictionaries(st.integers(3, 40), st.sampled_from(["back", "back 2", "back, back 2", "rest"]), max_size=4))
 @examples(20, deadline=None)
-def test_of_interleaved_tracks_each_stands_as_its_answers_say(at):
+def test_interleaved_tracks_keep_state_of_their_valid_answers(at):
     tracks, trials, said, _ = lived(interleaved, at)
     block = catalogue.interleaved("random")
     expected = answered(block, [trial for trial in trials if trial.track != "constant_stimuli"])
@@ -124,7 +125,7 @@ def blocks(trials):
     return Counter(trial.block for trial in trials)
 
 
-def test_a_block_that_is_skipped_is_left_and_the_next_begins():
+def test_skipped_block_ends_and_next_begins():
     tracks, trials, said, _ = lived(three, {4: "skip"})
     assert [track.ending for track in tracks][:1] == ["skipped"]
     assert "skipped" not in [track.ending for track in tracks][1:]
@@ -133,14 +134,14 @@ def test_a_block_that_is_skipped_is_left_and_the_next_begins():
     assert said == ["block 1 is skipped"]
 
 
-def test_a_block_that_is_skipped_at_its_page_does_not_begin():
+def test_block_skipped_at_its_page_never_begins():
     tracks, trials, said, pages = lived(three, {"block": "skip"})
     assert (tracks[0].ending, 1 in blocks(trials)) == ("skipped", False)
     assert said == ["block 1 is skipped"]
     assert pages[-1] == "end"
 
 
-def test_a_block_that_is_skipped_at_its_instructions_does_not_begin():
+def test_block_skipped_at_its_instructions_never_begins():
     _, trials, said, pages = lived(three, {"instructions_yes_no": "skip"})
     assert (1 in blocks(trials), said, pages[:3]) == (
         False,
@@ -149,14 +150,14 @@ def test_a_block_that_is_skipped_at_its_instructions_does_not_begin():
     )
 
 
-def test_the_end_leaves_what_is_under_way_and_begins_nothing_more():
+def test_end_request_stops_block_and_session():
     tracks, trials, said, pages = lived(three, {4: "end"})
     assert [track.ending for track in tracks] == ["skipped", "not begun", "not begun"]
     assert (blocks(trials), pages.count("block"), pages[-1]) == ({1: 4}, 1, "end")
     assert said == ["block 1 is left, and the session ends"]
 
 
-def test_the_end_at_a_page_or_in_a_questionnaire_begins_nothing_more():
+def test_end_request_outside_blocks_starts_no_block():
     for when, n_trials in (("welcome", 0), ("instructions_yes_no", 0), ("block", 0)):
         tracks, trials, said, _ = lived(three, {when: "end"})
         assert {track.ending for track in tracks} <= {"not begun", "skipped"}
@@ -166,7 +167,7 @@ def test_the_end_at_a_page_or_in_a_questionnaire_begins_nothing_more():
     assert (set(blocks(trials)), blocks(trials)[2], said) == ({1, 2}, 10, ["the session ends"])
 
 
-def test_a_rest_comes_behind_the_trial_as_the_study_has_its_rests():
+def test_requested_rest_follows_trial_like_scheduled_rests():
     def resting():
         block = catalogue.block("yes_no", "constant_stimuli")
         return run_block(replace(block, options=BlockOptions(rest_s=30.0)), 1, 1, np.random.default_rng(1))
@@ -176,7 +177,7 @@ def test_a_rest_comes_behind_the_trial_as_the_study_has_its_rests():
     assert said == ["a rest", f"trial {trials[2].trial} does not count: it is asked again"]
 
 
-def test_behind_the_last_trial_of_a_block_the_next_page_is_the_rest():
+def test_rest_after_last_trial_is_the_next_page():
     n = len(lived(block_of("constant_stimuli"), {})[1])
     assert lived(block_of("constant_stimuli"), {n: "rest"})[2:] == (
         ["the page that comes next waits for the participant: that is a rest"],
@@ -185,7 +186,7 @@ def test_behind_the_last_trial_of_a_block_the_next_page_is_the_rest():
 
 
 @pytest.mark.parametrize("at", [{"end": "back"}, {"practice": "back"}])
-def test_a_trial_of_a_block_that_is_over_does_not_count_and_is_not_asked_again(at):
+def test_trial_of_finished_block_is_invalidated_without_repeat(at):
     def two():
         first, second = (catalogue.block("yes_no", name) for name in ("constant_stimuli", "constant_stimuli_shuffled"))
         return session([first, Block(second.tracks, second.task, practice=True)], np.random.default_rng(1))
@@ -197,33 +198,33 @@ def test_a_trial_of_a_block_that_is_over_does_not_count_and_is_not_asked_again(a
     assert said == f"trial {slip.trial} does not count, and is not asked again: its block is over"
 
 
-def test_a_trial_before_the_skip_is_taken_back_without_opening_the_block():
+def test_trial_of_skipped_block_is_invalidated_without_reopening():
     tracks, trials, said, _ = lived(three, {4: "skip, back"})
     assert (tracks[0].ending, blocks(trials)[1], trials[3].valid) == ("skipped", 4, False)
     assert said[1] == f"trial {trials[3].trial} does not count, and is not asked again: its block is over"
 
 
 def asking_first():
-    """A session that asks for consent."""
+    """Return a session that asks for consent."""
     return session([catalogue.interleaved("random")], np.random.default_rng(1), consent=True)
 
 
 @pytest.mark.parametrize("page", ["welcome", "consent"])
-def test_a_session_that_is_to_end_before_its_first_block_asks_nothing_more(page):
+def test_session_ended_before_first_block_asks_no_questions(page):
     tracks, trials, said, pages = lived(asking_first, {page: "end"})
     assert (said, trials) == (["the session ends"], ())
     assert pages == [*dict.fromkeys(("welcome", page)), "end"]
     assert {track.ending for track in tracks} == {"not begun"}
 
 
-def test_what_does_not_count_anyway_is_told():
+def test_message_states_that_trial_was_already_invalid():
     _, trials, said, _ = lived(block_of("constant_stimuli"), {3: "back, back"})
     assert said[1] == f"trial {trials[2].trial} does not count anyway"
     assert [trial.valid for trial in trials].count(False) == 1
 
 
 @pytest.mark.parametrize("name", ["constant_stimuli", "staircase_1_up_1_down"])
-def test_where_the_session_stands_knows_what_was_taken_back(name):
+def test_progress_excludes_invalidated_trials(name):
     memory = Memory()
     run(block_of(name)(), Wanting(catalogue.simulated(1), {3: "back", 6: "back 2", 7: "rest", 9: "back"}), memory)
     progress = reduce(lambda progress, entry: progress.after(*entry), memory.entries, Progress())
@@ -235,7 +236,7 @@ def test_where_the_session_stands_knows_what_was_taken_back(name):
     assert len(progress.interventions) == 4
 
 
-def test_a_trial_that_was_taken_back_warns_of_nothing():
+def test_invalidated_trial_raises_no_warning():
     trial = Trial(1, 1, {}, "staircase", 10.0, "dB", "yes_no", 1)
     back = Intervene(Intervention("invalidate", trial.key), "", (trial.key,))
     progress = Progress().after(Record(trial), Done(1.0)).after(back, Done(2.0))
@@ -243,7 +244,7 @@ def test_a_trial_that_was_taken_back_warns_of_nothing():
     assert progress.warning([PartAhead(n_attempts=2)]) is None
 
 
-def test_a_record_and_what_is_wanted_are_asked_in_this_order():
+def test_intervention_follows_record():
     memory = Memory()
     run(block_of("constant_stimuli")(), Wanting(steady(), {2: "back"}), memory)
     kinds = [type(request) for request, _ in memory.entries]

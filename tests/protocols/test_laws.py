@@ -1,4 +1,4 @@
-"""What holds for every stimulus, procedure, protocol, observer and rig of the catalogue."""
+"""Properties of every stimulus, procedure, protocol, observer and rig."""
 
 import math
 from dataclasses import replace
@@ -68,7 +68,7 @@ def run_of(plan):
 
 
 @per_scene
-def test_a_scene_gives_the_same_twice_and_keeps_its_plan(scene):
+def test_scene_runs_are_repeatable(scene):
     once, again = run_of(scene.resolve()), run_of(scene.resolve())
     for output in scene.outputs:
         np.testing.assert_array_equal(once[output], again[output])
@@ -78,7 +78,7 @@ def test_a_scene_gives_the_same_twice_and_keeps_its_plan(scene):
 @per_scene
 @given(data=st.data())
 @settings(max_examples=5)
-def test_the_order_of_effects_and_contacts_does_not_change_a_scene(scene, data):
+def test_scene_is_independent_of_effect_and_contact_order(scene, data):
     effects, contacts = (data.draw(st.permutations(part)) for part in (scene.effects, scene.contacts))
     assert replace(scene, effects=tuple(effects), contacts=tuple(contacts)).resolve() == scene.resolve()
 
@@ -86,7 +86,7 @@ def test_the_order_of_effects_and_contacts_does_not_change_a_scene(scene, data):
 @per_scene
 @given(accuracy=st.floats(1e-4, 0.5), looser=st.floats(1.0, 2.0))
 @examples(20)
-def test_a_looser_scene_promises_its_accuracy_and_costs_no_more(scene, accuracy, looser):
+def test_lower_accuracy_is_met_without_higher_cost(scene, accuracy, looser):
     fine, loose = (replace(scene, accuracy=value).resolve() for value in (accuracy, accuracy * looser))
     assert fine.error <= accuracy
     assert loose.n_operations <= fine.n_operations
@@ -113,13 +113,13 @@ def test_a_procedure_is_not_changed_by_a_response(procedure):
 
 @per_procedure
 @pytest.mark.parametrize("response", [None, math.nan, 2, "1", -1])
-def test_what_is_no_response_is_refused(procedure, response):
+def test_procedure_rejects_invalid_response(procedure, response):
     with pytest.raises(InvalidParameter, match="expected 1"):
         procedure.after(response)
 
 
 @per_procedure
-def test_a_finished_procedure_takes_no_response(procedure):
+def test_finished_procedure_rejects_response(procedure):
     while not procedure.finished:
         procedure = procedure.after(0)
     with pytest.raises(InvalidParameter, match="has finished"):
@@ -127,7 +127,7 @@ def test_a_finished_procedure_takes_no_response(procedure):
 
 
 @per_observer
-def test_nothing_is_felt_as_often_as_a_false_alarm(observer):
+def test_blank_is_detected_at_false_alarm_rate(observer):
     rng = np.random.default_rng()
     n = 4000
     share = np.mean([observer.detect(-math.inf, rng) for _ in range(n)])
@@ -136,7 +136,7 @@ def test_nothing_is_felt_as_often_as_a_false_alarm(observer):
 
 
 @per_observer
-def test_at_its_threshold_an_observer_says_yes_half_of_the_time(observer):
+def test_observer_detects_half_at_threshold(observer):
     rng = np.random.default_rng()
     n = 4000
     share = np.mean([observer.detect(-observer.sensitivity_db, rng) for _ in range(n)])
@@ -200,21 +200,21 @@ def test_a_resumed_session_equals_the_uninterrupted_one(protocol, seed, part):
 
 @cache
 def recorded(protocol):
-    """What a session of a protocol left, for tests that do not change it."""
+    """Return the recording of a protocol's session; do not modify it."""
     memory = Memory()
     run(protocol(np.random.default_rng(1)), catalogue.simulated(), memory)
     return memory
 
 
 @per_protocol
-def test_a_recording_that_was_cut_off_is_not_taken_for_whole(protocol):
+def test_replay_rejects_truncated_recording(protocol):
     memory = recorded(protocol)
     with pytest.raises(Diverged, match=r"line \d+: the recording has ended"):
         replay(protocol(np.random.default_rng(1)), Replay(memory.entries[:-1]))
 
 
 @per_protocol
-def test_a_recording_that_goes_on_is_refused(protocol):
+def test_replay_rejects_recording_with_extra_entries(protocol):
     memory = recorded(protocol)
     with pytest.raises(Diverged, match=r"line \d+: the recording goes on with"):
         replay(protocol(np.random.default_rng(1)), Replay([*memory.entries, memory.entries[-1]]))

@@ -6,12 +6,11 @@ from collections import Counter
 import pytest
 from hypothesis import given, strategies as st
 
-from tactometry.protocols import williams_square
-from tactometry.protocols.order import Crossing, n_orders
+from tactometry.protocols.order import Crossing, n_orders, williams_square
 
 
 def counterbalanced(factors, number):
-    """The cells of the participant with this number, every factor by a Williams square."""
+    """Return a participant's cells with Williams squares for every factor."""
     return Crossing(factors, dict.fromkeys(factors, "williams")).cells(number - 1, None)
 
 
@@ -53,7 +52,7 @@ def test_the_outer_factor_changes_slowest():
     assert [cell["force_n"] for cell in cells] == [0.5] * 3 + [1.5] * 3
 
 
-def test_over_a_full_square_each_outer_order_comes_equally_often():
+def test_outer_orders_are_balanced_over_full_square():
     orders = Counter(
         tuple(dict.fromkeys(cell["force_n"] for cell in counterbalanced({"force_n": [1, 2, 3]}, number)))
         for number in range(1, 13)
@@ -65,7 +64,7 @@ def test_over_a_full_square_each_outer_order_comes_equally_often():
     rules=st.tuples(*[st.sampled_from(["williams", "complete", "fixed"])] * 2),
     sizes=st.tuples(st.integers(1, 4), st.integers(2, 3)),
 )
-def test_every_order_of_one_factor_meets_every_order_of_the_other_equally_often(rules, sizes):
+def test_orders_of_two_factors_are_fully_crossed(rules, sizes):
     names = ("slow", "fast")
     factors = {name: list(range(size)) for name, size in zip(names, sizes, strict=True)}
     crossing = Crossing(factors, dict(zip(names, rules, strict=True)))
@@ -85,10 +84,10 @@ def _chunks(values, size):
 
 
 @given(n=st.integers(1, 8))
-def test_a_williams_square_has_as_many_rows_as_it_says(n):
+def test_williams_square_has_stated_number_of_rows(n):
     assert len(williams_square(n)) == n_orders("williams", n)
 
 
-def test_without_counterbalancing_the_order_is_that_of_the_file():
+def test_order_follows_file_without_counterbalancing():
     cells = Crossing({"a": [1, 2], "b": [3, 4]}).cells(6, None)
     assert cells == [{"a": 1, "b": 3}, {"a": 1, "b": 4}, {"a": 2, "b": 3}, {"a": 2, "b": 4}]

@@ -1,4 +1,4 @@
-"""Every public procedure, task and touch, one argument at a time replaced by what does not belong there.
+"""Public procedures, tasks and touches with invalid arguments.
 
 What comes back goes on with finite levels, or is refused in one sentence: no NaN, no traceback of Python's own.
 """
@@ -12,21 +12,16 @@ import numpy as np
 
 import tactometry.protocols as room
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import (
-    BlockOptions,
-    FunctionModel,
-    Inquiry,
-    Measurement,
-    ParameterGrid,
-    PsiSettings,
-    QuestPlus,
-    QuestPlusSettings,
-    SharedQuestPlus,
-    TableModel,
-    psi,
-    williams_square,
-)
+from tactometry.protocols import QuestPlus, QuestPlusSettings, psi
+from tactometry.protocols.bayesian.outcome_model import FunctionModel, TableModel
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
+from tactometry.protocols.bayesian.quest_plus import SharedQuestPlus
+from tactometry.protocols.bayesian.settings import PsiSettings
+from tactometry.protocols.block_state import BlockOptions
+from tactometry.protocols.order import williams_square
 from tactometry.protocols.procedures.practice import Practice
+from tactometry.protocols.session import Inquiry
+from tactometry.protocols.tasks.measurement import Measurement
 from tactometry.questionnaire import load as load_form
 
 HOSTILE = {
@@ -38,13 +33,13 @@ STATE = {
     "SharedQuestPlus": ("log_likelihoods", "runs"),
     "SharedTrack": ("pool", "track"),
 }
-"""What holds the answers so far: `after` makes it, and nobody else."""
+"""Fields with the answers so far, which only `after` sets."""
 
 
 PROTOCOLS = ("OutcomeModel",)
-"""What others write."""
+"""Abstract class that users implement."""
 RECORDS = ("Condition", "Track")
-"""What a block is handed as it is."""
+"""Records that a block receives unchecked."""
 MOVES = ("after_answer", "session")
 """What hands a course on to the rest."""
 
@@ -87,7 +82,7 @@ def test_every_public_name_is_tried():
     assert public - {function.__name__ for function, _ in cases()} == {"Ending", *RECORDS, *MOVES}
 
 
-def test_hostile_arguments_are_refused_in_one_sentence_or_do_no_harm():
+def test_hostile_arguments_raise_one_line_error_or_work():
     faults = [
         f"{function.__qualname__}({name}={word}): {fault}"
         for function, arguments in cases()
@@ -109,7 +104,7 @@ def harm(function, arguments):
 
 
 def gone_on(made):
-    """A procedure, or what makes one, after two answers."""
+    """Return a procedure, or one made from the argument, after two answers."""
     if hasattr(made, "procedure") and callable(made.procedure) and not hasattr(made, "tracks"):
         made = made.procedure()
     for answer in (1, 0):

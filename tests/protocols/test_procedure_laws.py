@@ -1,4 +1,4 @@
-"""What holds for every procedure of the catalogue when the level that is delivered is not the one asked for."""
+"""Properties of every procedure under deviating delivered levels."""
 
 import itertools
 import math
@@ -21,7 +21,7 @@ per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values
 @per_procedure
 @given(answers=st.lists(st.tuples(st.booleans(), st.floats(-100, 140)), max_size=40))
 @examples(20, deadline=None)
-def test_contradictory_answers_at_other_levels_leave_a_level_within_bounds(procedure, answers):
+def test_level_stays_within_bounds_after_contradictory_answers(procedure, answers):
     for answer, level in answers:
         if procedure.finished:
             break
@@ -33,7 +33,7 @@ def test_contradictory_answers_at_other_levels_leave_a_level_within_bounds(proce
 @per_procedure
 @given(answers=st.lists(st.booleans(), max_size=60))
 @examples(10, deadline=None)
-def test_it_asks_within_its_bounds_and_no_longer_than_it_says(procedure, answers):
+def test_procedure_respects_bounds_and_maximum_trials(procedure, answers):
     n_answers, (low, high) = 0, procedure.bounds
     for answer in itertools.chain(answers, itertools.cycle((0, 1, 1))):
         assert low <= procedure.level <= high
@@ -49,8 +49,7 @@ def test_before_the_first_answer_there_is_no_threshold(procedure):
 
 
 @pytest.mark.parametrize("kind", PROCEDURES)
-def test_a_rule_is_its_numbers_and_nothing_else(kind):
-    """What a study file sets is all that the class holds, and a run leaves it as it is."""
+def test_rule_contains_only_its_settings(kind):
     rule = catalogue.PROCEDURES[kind]
     run = rule.after(1).after(0)
     assert run.rule is rule
@@ -60,8 +59,8 @@ def test_a_rule_is_its_numbers_and_nothing_else(kind):
 
 
 @per_procedure
-def test_a_clipped_level_does_not_keep_a_procedure_from_ending(procedure):
-    """An amplifier that delivers half of what is asked for, at most 15, below any threshold."""
+def test_procedure_ends_when_level_is_clipped(procedure):
+    """An amplifier delivers half of the level, at most 15."""
     n_trials = 0
     while not procedure.finished:
         procedure = procedure.after(0, delivered=min(procedure.level / 2, 15.0))
@@ -83,7 +82,7 @@ def test_equal_answers_never_end_as_converged(procedure, answer):
 @given(answers=st.lists(st.booleans(), max_size=40))
 @examples(20, deadline=None)
 def test_one_loop_reads_the_threshold_of_any_procedure(procedure, answers):
-    """A number or None at every trial, within the levels; None of a run that only bounds it."""
+    """The threshold is None or within the levels at every trial."""
     for answer in answers:
         assert procedure.threshold is None or 0.0 <= procedure.threshold <= 40.0
         if procedure.finished:
@@ -101,6 +100,6 @@ def test_the_same_answers_give_the_same_levels(procedure):
 
 @per_procedure
 @pytest.mark.parametrize("level", [math.nan, math.inf])
-def test_a_delivered_level_that_is_no_number_is_refused(procedure, level):
+def test_procedure_rejects_non_finite_delivered_level(procedure, level):
     with pytest.raises(InvalidParameter, match="expected a finite number"):
         procedure.after(1, delivered=level)

@@ -1,4 +1,4 @@
-"""The method of limits: series by hand, transitions at delivered levels, bounds without a change."""
+"""The method of limits: series, transitions and missing bounds."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def test_series_go_one_way(direction, answers, levels, transitions):
     assert (asked, rule.transitions) == (levels, transitions)
 
 
-def test_a_transition_lies_between_the_levels_that_were_delivered():
+def test_transition_lies_between_delivered_levels():
     rule = MethodOfLimits(low=0.0, high=10.0, step=5.0, n_series=1, direction="ascending")
     rule = rule.after(0, delivered=0.5).after(1, delivered=4.5)
     assert (rule.threshold, rule.delivered) == (2.5, (0.5, 4.5))
@@ -48,13 +48,13 @@ def test_equal_answers_end_as_censored(direction, answer, ended):
 
 
 def test_series_that_contradict_each_other_have_no_bound():
-    """Strong levels are never felt, weak ones always: neither bound holds."""
+    """Strong levels are never felt, weak ones always: no bound is valid."""
     _, rule = follow(RULE, [0, 1, 0, 1])
     assert rule.transitions == (None,) * 4
     assert (rule.ending, rule.threshold) == ("aborted", None)
 
 
-def test_half_of_the_series_without_a_transition_are_not_too_many():
+def test_threshold_exists_with_half_of_series_without_transition():
     _, rule = follow(RULE, [0, 0, 1, 0, 0, 1])
     assert rule.transitions == (None, 1.0, None, 1.0)
     assert (rule.ending, rule.threshold) == ("trials", 1.0)
@@ -67,7 +67,7 @@ def test_starts_are_drawn_inwards_by_whole_steps():
 
 
 def firsts(rule):
-    """The rule at the start of each series, when every first level is felt."""
+    """Return the rule at the start of each series, if every answer is 1."""
     while not rule.finished:
         yield rule
         rule = rule.after(1)

@@ -1,4 +1,4 @@
-"""Staircase and constant stimuli: sequences, censoring, the delivered level, and PsychoPy's handler beside ours."""
+"""Staircases and constant stimuli, also compared with PsychoPy."""
 
 import warnings
 from dataclasses import replace
@@ -50,7 +50,7 @@ def test_sequences_equal_those_of_psychopy(answers, n_up, n_down, steps, initial
 
 @pytest.mark.slow
 @given(answers=st.lists(st.booleans(), min_size=1, max_size=60), n_down=st.integers(1, 3))
-def test_levels_at_the_bounds_equal_those_of_psychopy_until_censoring(answers, n_down):
+def test_levels_at_bounds_equal_psychopy_until_censoring(answers, n_down):
     ours, _ = follow(
         Staircase(start=4.0, steps=(4.0, 2.0), low=0.0, high=10.0, n_down=n_down, n_reversals=1000, n_trials=1000),
         answers,
@@ -62,7 +62,7 @@ def test_levels_at_the_bounds_equal_those_of_psychopy_until_censoring(answers, n
 
 
 @pytest.mark.slow
-def test_psychopy_ends_when_both_counts_are_reached_and_ours_when_one_is():
+def test_staircase_ends_at_first_count_unlike_psychopy():
     answers = [True, False] * 40
     options = {"startVal": 10.0, "stepSizes": [2.0, 1.0], "nReversals": 6, "nTrials": 30, "nDown": 1}
     theirs, _ = psychopy_levels(answers, **options)
@@ -72,7 +72,7 @@ def test_psychopy_ends_when_both_counts_are_reached_and_ours_when_one_is():
 
 
 @pytest.mark.slow
-def test_psychopy_steps_from_the_level_that_was_asked_for_and_ours_from_the_delivered_one():
+def test_staircase_steps_from_delivered_level_unlike_psychopy():
     handler = psychopy_staircase(startVal=10.0, stepSizes=[2.0, 1.0], nTrials=9, nDown=1)
     next(handler)
     handler.addResponse(1, intensity=7.0)
@@ -81,7 +81,7 @@ def test_psychopy_steps_from_the_level_that_was_asked_for_and_ours_from_the_deli
 
 
 @pytest.mark.parametrize(("answer", "ended"), [(0, "censored_above"), (1, "censored_below")])
-def test_a_run_pinned_at_a_bound_is_censored_and_has_no_threshold(answer, ended):
+def test_run_pinned_at_bound_is_censored_without_threshold(answer, ended):
     rule = Staircase(start=20.0, steps=(8.0, 4.0), low=0.0, high=40.0, n_down=1, n_at_bound=3)
     levels, end = follow(rule, [answer] * 100)
     assert end.ending == ended
@@ -89,13 +89,13 @@ def test_a_run_pinned_at_a_bound_is_censored_and_has_no_threshold(answer, ended)
     assert levels[-3:] == [40.0 if answer == 0 else 0.0] * 3
 
 
-def test_a_run_that_leaves_the_ceiling_is_not_censored():
+def test_run_leaving_its_ceiling_is_not_censored():
     rule = Staircase(start=40.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_at_bound=3, n_reversals=4)
     _, end = follow(rule, [0, 0, 1, 0, 0, 1, 0, 0, 1])
     assert end.ending == "converged"
 
 
-def test_the_threshold_is_the_mean_of_an_even_number_of_late_reversals():
+def test_threshold_averages_even_number_of_late_reversals():
     rule = Staircase(start=10.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_down=1, n_reversals=5)
     _, end = follow(rule, [1, 0, 1, 0, 1, 0, 1, 0])
     assert end.reversals == (6.0, 8.0, 6.0, 8.0, 6.0)
@@ -125,7 +125,7 @@ def test_the_targets_of_weighted_staircases(up, down, n_down, target):
     assert rule.target == pytest.approx(target, abs=6e-5)
 
 
-def test_a_weighted_staircase_with_equal_steps_is_a_staircase():
+def test_weighted_staircase_with_equal_steps_equals_staircase():
     answers = np.random.default_rng().random(60) < 0.7
     options = {"start": 10.0, "low": 0.0, "high": 40.0, "n_down": 2, "n_reversals": 9}
     weighted = WeightedStaircase(steps_up=(4.0, 2.0), steps_down=(4.0, 2.0), **options)
@@ -134,7 +134,7 @@ def test_a_weighted_staircase_with_equal_steps_is_a_staircase():
     assert ours == plain
 
 
-def test_steps_that_are_no_pairs_are_refused():
+def test_weighted_staircase_rejects_unpaired_steps():
     with pytest.raises(InvalidParameter, match="WeightedStaircase.steps_up: found 2 steps and 1 steps_down"):
         WeightedStaircase(0.0, (3.0, 1.0), (1.0,), low=-12.0, high=12.0)
 
@@ -143,20 +143,20 @@ def test_steps_that_are_no_pairs_are_refused():
     ("up", "down", "found"),
     [((0.0,), (1.0,), "steps_up[0]: found 0"), ((3.0, 1.0), (1.0, 99.0), "steps_down[1]: found 99")],
 )
-def test_a_weighted_staircase_names_the_step_that_is_wrong(up, down, found):
+def test_weighted_staircase_error_names_invalid_step(up, down, found):
     with pytest.raises(InvalidParameter) as refused:
         WeightedStaircase(0.0, up, down, low=-12.0, high=12.0)
     assert str(refused.value) == f"WeightedStaircase.{found}, expected above 0 and at most the range of levels (24)"
 
 
-def test_constant_stimuli_presents_each_level_as_often_as_asked():
+def test_constant_stimuli_present_each_level_repeats_times():
     rule = ConstantStimuli(levels=(1.0, 2.0, 3.0), repeats=5).begin(np.random.default_rng())
     levels, end = follow(rule, [1, 0] * 100)
     assert {level: levels.count(level) for level in (1.0, 2.0, 3.0)} == {1.0: 5, 2.0: 5, 3.0: 5}
     assert end.ending == "trials"
 
 
-def test_each_repeat_of_constant_stimuli_holds_every_level_once():
+def test_constant_stimuli_repeat_contains_each_level_once():
     order = ConstantStimuli(levels=(1.0, 2.0, 3.0), repeats=50).begin(np.random.default_rng()).order
     assert all(sorted(order[n : n + 3]) == [1.0, 2.0, 3.0] for n in range(0, 150, 3))
 
@@ -193,7 +193,7 @@ def chance(level):
 
 
 def bare(rule):
-    """The run without its history: what decides the next levels when steps are fixed."""
+    """Return the state of a run without its history."""
     asked = round(rule.level, 6) + 0.0
     return replace(rule, delivered=(), responses=(), marks=(), state=(asked, 0, rule.streak, 0, 0))
 
@@ -203,7 +203,7 @@ def key(rule):
 
 
 def stationary(rule):
-    """Mean level and mean chance of a correct answer over the trials of an endless run."""
+    """Return mean level and mean chance of success of an endless run."""
     first = bare(rule.after(1))
     states, open_, moves = {key(first): 0}, [first], []
     while open_:

@@ -1,4 +1,4 @@
-"""Trials that the rule needs which puts the threshold first; benchmarks/procedures.py has it in full.
+"""Efficiency of QUEST+ with the threshold first (see benchmarks).
 
 A cumulative normal observer with 2 % lapses; slope (log-normal, factor 1.5) and lapse rate unknown; everything in units
 of the observer's standard deviation.
@@ -38,22 +38,20 @@ def errors_after_160(benchmark, guess, name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("task", TASKS)
-def test_the_error_after_160_trials_is_near_the_bound(benchmark, task):
+def test_error_after_160_trials_is_near_bound(benchmark, task):
     guess, most = TASKS[task]
     squares = errors_after_160(benchmark, guess, FIRST) ** 2
     assert squares.mean() - AT_1E_4 * squares.std() / math.sqrt(N_TOGETHER) <= most**2
 
 
 @pytest.mark.slow
-def test_putting_the_threshold_first_beats_asking_for_all_parameters(benchmark):
+def test_threshold_aim_beats_aim_at_all_parameters(benchmark):
     first, whole = (errors_after_160(benchmark, 0.5, name) ** 2 for name in (FIRST, "QUEST+"))
     assert first.mean() < whole.mean()
 
 
 @pytest.mark.parametrize(("guess", "known", "unknown"), [(0.5, 0.1737, 0.1855), (0.02, 0.1032, 0.1054)])
-def test_the_bounds_are_those_of_the_literature_and_of_the_design_without_slope_and_lapse(
-    benchmark, guess, known, unknown
-):
+def test_efficiency_bounds_equal_published_and_computed_values(benchmark, guess, known, unknown):
     task = benchmark.Task("", guess)
     assert math.sqrt(task.bound() / 160) == pytest.approx(known, abs=5e-5)
     assert task.bound_unknown(160) == pytest.approx(unknown, abs=5e-5)
@@ -78,7 +76,7 @@ def rule(guess, n_trials, sd_stop=None):
 
 
 def runs(start, guess, rng):
-    """The end of each observer's run, and its error."""
+    """Yield the final run of each observer and its error."""
     for truth in rng.uniform(-1.5, 1.5, N):
         at = start
         while not at.finished:
@@ -88,7 +86,7 @@ def runs(start, guess, rng):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("task", TASKS)
-def test_a_stop_at_a_spread_is_reached_and_honest(task):
+def test_stop_at_standard_deviation_is_reached_and_accurate(task):
     guess, _ = TASKS[task]
     ends = list(runs(rule(guess, 400, sd_stop=0.25), guess, np.random.default_rng()))
     share = np.mean([at.ending == "converged" for at, _ in ends])

@@ -1,4 +1,4 @@
-"""QUEST+ beyond two answers: any parameters and outcomes, variance, priors, exact posteriors."""
+"""QUEST+ with other models: parameters, outcomes, variance and priors."""
 
 import itertools
 import math
@@ -11,8 +11,10 @@ from hard_cases import exact_case, hard_case
 from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import FunctionModel, ParameterGrid, PsiSettings, QuestPlus, QuestPlusSettings, TableModel
-from tactometry.protocols.bayesian.settings import grid_values
+from tactometry.protocols import QuestPlus, QuestPlusSettings
+from tactometry.protocols.bayesian.outcome_model import FunctionModel, TableModel
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
+from tactometry.protocols.bayesian.settings import PsiSettings, grid_values
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = tuple(np.linspace(-5, 45, 26))
@@ -20,7 +22,7 @@ GRID = ParameterGrid(tuple(np.linspace(0, 40, 21)), (4.0, 8.0, 16.0), (0.5,), (0
 
 
 def as_function(grid):
-    """The same functions, one level and outcome at a time, by the kernel's psychometric function."""
+    """Return a grid as a function of one level and outcome."""
 
     def log_probability(level, outcome, *, threshold, width, guess_rate, lapse_rate):
         def one(t, w, g, lapse):
@@ -35,7 +37,7 @@ GENERAL = as_function(GRID)
 
 
 def similarity(level, outcome, *, centre, spread):
-    """Three answers, lower, same, higher, for a level against a centre."""
+    """Return log probabilities of lower, same and higher than a centre."""
     lower, higher = (1 / (1 + np.exp((side * (level - centre) + 2 * spread) / spread)) for side in (1, -1))
     return np.log(np.stack([lower, 1 - lower - higher, higher])[outcome])
 
@@ -44,11 +46,11 @@ THREE = FunctionModel({"centre": tuple(np.linspace(0, 10, 11)), "spread": (0.5, 
 
 
 def losses(run, aim, criterion):
-    """What a run expects under another criterion."""
+    """Return the expected loss of a run under another criterion."""
     return replace(run, rule=replace(run.rule, aim=aim, criterion=criterion)).expected_loss()
 
 
-def test_any_model_gives_the_losses_of_the_grid_that_it_equals():
+def test_function_model_losses_equal_those_of_same_grid():
     rng, levels = np.random.default_rng(), LEVELS[::5]
     grid, general = QuestPlus(levels, GRID).begin(), QuestPlus(levels, GENERAL).begin()
     for _ in range(4):
@@ -61,7 +63,7 @@ def test_any_model_gives_the_losses_of_the_grid_that_it_equals():
 
 
 @pytest.mark.parametrize("levels", [LEVELS, (0.0, 3.0, 3.5, 20.0), tuple(np.linspace(-5, 45, 27))])
-def test_costs_from_one_diagonal_equal_those_from_the_whole_table(levels):
+def test_diagonal_costs_equal_full_table_costs(levels):
     weights = np.random.default_rng().dirichlet(np.ones(math.prod(GRID.size)))
     chances = np.stack([[np.exp(GRID.log_likelihood(level, r)) for level in levels] for r in (0, 1)])
     expected = (chances * np.log(np.maximum(chances, 1e-300))).sum(axis=0) @ weights
@@ -70,7 +72,7 @@ def test_costs_from_one_diagonal_equal_those_from_the_whole_table(levels):
 
 @pytest.mark.parametrize("levels", [LEVELS, tuple(np.linspace(0, 40, 21)), (0.0, 3.0, 3.5, 20.0)])
 @pytest.mark.parametrize("outcome", [0, 1])
-def test_an_answer_at_a_candidate_counts_as_the_model_says(levels, outcome):
+def test_posterior_after_answer_at_candidate_equals_model_likelihood(levels, outcome):
     rule = QuestPlus(levels, GRID)
     for level in levels:
         expected = np.exp(GRID.log_likelihood(level, outcome)).reshape(GRID.size)
@@ -81,7 +83,7 @@ def test_an_answer_at_a_candidate_counts_as_the_model_says(levels, outcome):
 @pytest.mark.parametrize("criterion", ["entropy", "variance"])
 @given(answers=st.lists(st.tuples(st.integers(0, 2), st.floats(-2, 12)), max_size=12))
 @settings(max_examples=15)
-def test_with_three_answers_the_loss_is_the_mean_over_the_posteriors_it_stands_for(aim, criterion, answers):
+def test_three_outcome_loss_equals_mean_posterior_loss(aim, criterion, answers):
     rule = QuestPlus((0.0, 2.5, 5.0, 10.0), THREE, aim=aim, criterion=criterion, n_trials=100).begin()
     for answer, level in answers:
         rule = rule.after(answer, level)
@@ -92,7 +94,7 @@ def test_with_three_answers_the_loss_is_the_mean_over_the_posteriors_it_stands_f
 
 
 def loss(rule):
-    """Entropy or variance of a posterior, from the definition."""
+    """Return entropy or variance of a posterior from its definition."""
     if rule.rule.criterion == "entropy":
         weights = rule.posterior.ravel() if rule.rule.aim == "parameters" else rule.posterior.sum(axis=1)
         return float(-(weights[weights > 0] * np.log(weights[weights > 0])).sum())
@@ -107,14 +109,14 @@ def variance(rule, name):
 
 
 @pytest.mark.parametrize("answer", [-1, 3, 1.5, None, "1"])
-def test_an_answer_that_is_none_of_three_is_refused(answer):
+def test_three_outcome_rule_rejects_other_answers(answer):
     rule = QuestPlus((0.0, 5.0), THREE)
     with pytest.raises(InvalidParameter, match="expected a whole number from 0 to 2"):
         rule.after(answer)
     assert [rule.after(kept).responses for kept in (0, 1, np.int64(2))] == [(0,), (1,), (2,)]
 
 
-def test_three_answers_find_what_they_come_from():
+def test_three_outcome_rule_recovers_true_centre():
     rng, found = np.random.default_rng(), []
     for _ in range(15):
         rule = QuestPlus(tuple(np.linspace(0, 10, 21)), THREE, n_trials=60)
@@ -125,7 +127,7 @@ def test_three_answers_find_what_they_come_from():
     assert abs(np.mean(found) - 6.0) <= 3.89 * np.std(found) / math.sqrt(len(found)) + 0.05
 
 
-def test_a_table_is_a_model_and_between_its_levels_chances_lie_on_straight_lines():
+def test_table_model_interpolates_linearly_between_levels():
     table = np.stack([[np.exp(GRID.log_likelihood(x, r)).reshape(21, 3, 1, 3) for x in LEVELS] for r in (0, 1)])
     model = TableModel(GRID.parameters, LEVELS, table)
     np.testing.assert_allclose(*(QuestPlus(LEVELS, each).begin().expected_loss() for each in (model, GRID)))
@@ -134,7 +136,7 @@ def test_a_table_is_a_model_and_between_its_levels_chances_lie_on_straight_lines
     np.testing.assert_allclose(np.exp(model.log_likelihood(level, 1)), between.ravel(), rtol=1e-12)
 
 
-def test_log_levels_with_weibull_choose_as_linear_levels_with_gumbel():
+def test_weibull_on_log_levels_equals_gumbel():
     """A Weibull of the level is a Gumbel of its logarithm."""
     log = QuestPlusSettings(
         low=0.1, high=10.0, n_levels=21, width_low=0.5, width_high=2.0, n_widths=3, spacing="log", shape="weibull"
@@ -148,25 +150,25 @@ def test_log_levels_with_weibull_choose_as_linear_levels_with_gumbel():
     np.testing.assert_allclose(log.posterior, linear.posterior, atol=1e-10)
 
 
-def test_the_psi_method_weighs_twenty_standard_deviations_with_equal_ratios():
+def test_psi_grid_has_twenty_geometrically_spaced_deviations():
     """Kontsevich and Tyler (1999); a normal is 2 * 1.6449 standard deviations wide from 0.05 to 0.95."""
     widths = PsiSettings(low=0.0, high=40.0, n_levels=5, sd_low=1.0, sd_high=8.0).procedure().grid.widths
     np.testing.assert_allclose(np.array(widths) / 3.2897072539, np.geomspace(1, 8, 20), rtol=1e-9)
 
 
-def test_a_log_normal_prior_of_widths_has_its_middle_and_its_factor():
+def test_width_prior_is_log_normal_with_given_factor():
     settings = QuestPlusSettings(0.0, 40.0, 11, width_low=2.0, width_high=32.0, n_widths=5, width_prior_factor=2.0)
     weights = settings.procedure().begin().marginal("width")
     np.testing.assert_allclose(weights / weights[2], np.exp([-2.0, -0.5, 0.0, -0.5, -2.0]))
 
 
-def test_a_value_without_weight_never_gains_any():
+def test_zero_prior_weight_stays_zero():
     rule = QuestPlus(LEVELS, GRID, prior={"width": (0.0, 1.0, 1.0)}).after(1).after(0)
     assert rule.marginal("width")[0] == 0
     assert rule.marginal("width").sum() == pytest.approx(1)
 
 
-def test_a_prior_is_as_good_as_the_answers_that_it_stands_for():
+def test_prior_equals_answers_with_same_likelihood():
     told = QuestPlus(LEVELS, GRID).after(1, 20.0).after(0, 10.0)
     one = ParameterGrid(GRID.thresholds, (8.0,), (0.5,), (0.02,))
     taught = QuestPlus(LEVELS, one).after(1, 20.0).after(0, 10.0)
@@ -176,8 +178,8 @@ def test_a_prior_is_as_good_as_the_answers_that_it_stands_for():
 
 
 @pytest.mark.parametrize("answers", [[1, 0] * 60, [1] * 150 + [0] * 150, [0] * 150 + [1] * 150])
-def test_a_posterior_that_would_underflow_equals_that_of_fifty_digits(answers):
-    """In linear space the cells of these runs fall below 1e-308 on the way and come back."""
+def test_underflowing_posterior_equals_fifty_digit_reference(answers):
+    """In linear space, cells of these runs fall below 1e-308 temporarily."""
     grid = ParameterGrid((0.0, 15.0, 30.0), (3.0, 12.0), (0.0,), (1e-12, 0.01), shape="logistic")
     levels = [float(x) for x in np.linspace(-20, 50, len(answers))]
     rule = QuestPlus((0.0, 30.0), grid, n_trials=10**4)
@@ -218,7 +220,7 @@ def test_ten_thousand_contradictory_answers_stay_finite():
     exact_case("10 000 contradictory answers", against="all finite")
 
 
-def test_a_grid_that_cannot_express_the_answers_says_so_in_a_sentence():
+def test_remark_explains_answers_impossible_on_grid():
     grid = ParameterGrid((10.0, 20.0), (0.1,), (0.0,), (0.0,), shape="normal")
     rule = QuestPlus((0.0, 30.0), grid, n_trials=10).after(0, delivered=1e200)
     assert rule.remark == (
@@ -228,8 +230,8 @@ def test_a_grid_that_cannot_express_the_answers_says_so_in_a_sentence():
     exact_case("an answer that no cell allows", against="one sentence")
 
 
-def test_all_answers_alike_on_a_fine_grid_end_as_censored():
-    """No single cell holds half of the posterior here; its highest is an end all the same."""
+def test_equal_answers_on_fine_grid_end_as_censored():
+    """No single cell has half of the posterior; the end is the highest."""
     grid = ParameterGrid(tuple(np.linspace(0, 40, 401)), (10.0,), (0.5,), (0.02,))
     rule = QuestPlus(LEVELS, grid, n_trials=15)
     while not rule.finished:
@@ -284,7 +286,7 @@ def summing_to(total):
         ),
     ],
 )
-def test_what_makes_no_model_is_refused(build, message):
+def test_invalid_model_is_refused(build, message):
     with pytest.raises(InvalidParameter, match=message):
         build()
 

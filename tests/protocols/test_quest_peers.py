@@ -1,4 +1,4 @@
-"""QUEST+, psi and QUEST beside the package questplus and PsychoPy, choice by choice."""
+"""QUEST+, psi and QUEST compared with questplus and PsychoPy."""
 
 import warnings
 
@@ -7,7 +7,8 @@ import pytest
 from scipy.stats import norm
 from soak import SOAK
 
-from tactometry.protocols import ParameterGrid, Quest, QuestPlus, psi
+from tactometry.protocols import Quest, QuestPlus, psi
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import shape_named
 
 N_RUNS = 100 if SOAK else 3
@@ -63,7 +64,7 @@ def test_choices_equal_those_of_questplus(n_parameters):
         np.testing.assert_allclose(rule.posterior.ravel(), theirs.posterior.values.ravel(), atol=1e-10)
 
 
-def test_psi_chooses_as_psychopy_and_comes_to_the_same_posterior():
+def test_psi_choices_and_posterior_equal_psychopy():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from psychopy.contrib.psi import PsiObject
@@ -122,7 +123,7 @@ def test_quest_recovers_a_threshold(placing):
 
 
 def chance(away_db):
-    """Watson and Pelli's function, 0.82 at 0."""
+    """Return Watson and Pelli's function, 0.82 at 0."""
     unscaled = (0.82 - 0.5) / (0.5 * 0.99)
     shift = np.log10(-np.log1p(-unscaled))
     return 0.01 * 0.5 + 0.99 * (1 - 0.5 * np.exp(-(10 ** (3.5 * away_db / 20 + shift))))

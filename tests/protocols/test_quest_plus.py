@@ -1,4 +1,4 @@
-"""QUEST+: Watson's published sequence, the package questplus beside ours, impossible answers, edges, efficiency."""
+"""QUEST+: published sequence, peer packages, edges and efficiency."""
 
 import math
 import warnings
@@ -11,7 +11,8 @@ from hypothesis import given, settings, strategies as st
 from scipy.stats import norm
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import ParameterGrid, QuestPlus
+from tactometry.protocols import QuestPlus
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import shape_named
 
 WIDTH_PER_SCALE = shape_named("gumbel").z_width
@@ -75,7 +76,7 @@ def test_choices_equal_those_of_the_package(lapses):
 
 
 def tied(entropies, other):
-    """Whether another choice is as good to rounding."""
+    """Return True if another choice is equally good within rounding."""
     return entropies[other] - entropies.min() < 1e-12
 
 
@@ -87,7 +88,7 @@ def small(aim="parameters", **options):
 @pytest.mark.parametrize("aim", ["parameters", "threshold"])
 @given(answers=st.lists(st.booleans(), min_size=1, max_size=30))
 @settings(max_examples=20)
-def test_expected_entropy_is_that_of_the_posteriors_it_stands_for(aim, answers):
+def test_expected_entropy_equals_mean_entropy_of_posteriors(aim, answers):
     _, rule = follow(small(aim, n_trials=100), answers)
     n = len(rule.rule.levels) // 2
     chance = rule.after(1, delivered=rule.rule.levels[n]), rule.after(0, delivered=rule.rule.levels[n])
@@ -104,7 +105,7 @@ def entropy(rule, aim):
 
 @given(answers=st.lists(st.tuples(st.booleans(), st.floats(-5, 45)), min_size=2, max_size=20))
 @settings(max_examples=30)
-def test_the_order_of_answers_does_not_change_the_posterior(answers):
+def test_posterior_is_independent_of_answer_order(answers):
     forth, back = small(n_trials=100), small(n_trials=100)
     for (answer, level), (other, its_level) in zip(answers, reversed(answers), strict=True):
         forth, back = forth.after(answer, delivered=level), back.after(other, delivered=its_level)
@@ -126,7 +127,7 @@ def test_a_hundred_equal_answers_end_as_censored(answer, ended):
 
 
 @pytest.mark.parametrize(("answer", "ended"), [(1, "censored_below"), (0, "censored_above")])
-def test_of_two_thresholds_each_is_an_edge(answer, ended):
+def test_both_thresholds_are_edges_on_two_point_grid(answer, ended):
     rule = QuestPlus((10.0, 20.0), ParameterGrid((10.0, 20.0), (5.0,), (0.5,)), n_trials=2)
     assert follow(rule, [answer] * 2)[1].ending == ended
 
@@ -147,7 +148,7 @@ def test_answers_that_no_function_allows_end_as_aborted():
     assert np.isfinite(rule.posterior).all()
 
 
-def test_it_stops_at_the_spread_that_is_asked_for():
+def test_run_converges_at_requested_standard_deviation():
     rng = np.random.default_rng()
     rule = small("threshold", n_trials=2000, sd_stop=1.5)
     while not rule.finished:

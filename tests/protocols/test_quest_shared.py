@@ -1,4 +1,4 @@
-"""QUEST+ that shares width and rates between tracks: exact against the joint grid, and what it is good for."""
+"""QUEST+ with shared width and rates, compared with the joint grid."""
 
 import itertools
 import math
@@ -10,7 +10,10 @@ from hypothesis import given, strategies as st
 from scipy.stats import norm
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import ParameterGrid, QuestPlus, SharedQuestPlus, Staircase, after_answer
+from tactometry.protocols import QuestPlus, Staircase
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
+from tactometry.protocols.bayesian.quest_plus import SharedQuestPlus
+from tactometry.protocols.procedures.procedure import after_answer
 
 GRID = ParameterGrid((0.0, 10.0, 20.0, 30.0), (4.0, 12.0), (0.5,), (0.0, 0.05))
 RULE = QuestPlus((0.0, 8.0, 16.0, 24.0, 32.0), GRID, n_trials=50)
@@ -19,7 +22,7 @@ told = st.lists(st.tuples(st.integers(0, 2), st.booleans(), st.floats(-5, 35)), 
 
 
 def brute_force(answers):
-    """The joint posterior over three thresholds and the shared parameters, (4, 4, 4, 4)."""
+    """Return the joint posterior, (4, 4, 4, 4)."""
     log = np.zeros((4, 4, 4, 4))
     for track, answer, level in answers:
         own = GRID.log_likelihood(level, int(answer)).reshape(4, 4)
@@ -132,6 +135,6 @@ def run(procedures, truths, rng):
         ),
     ],
 )
-def test_what_makes_no_pool_is_refused(build, message):
+def test_invalid_pool_is_refused(build, message):
     with pytest.raises(InvalidParameter, match=message):
         build()

@@ -1,4 +1,4 @@
-"""QUEST: its numbers are checked, impossible answers end it, and edges are said."""
+"""QUEST: argument checks, impossible answers and stopping."""
 
 import math
 
@@ -12,18 +12,18 @@ from tactometry.protocols import Quest
 OPTIONS = {"start": 20.0, "start_sd": 10.0, "low": 0.0, "high": 40.0, "step": 0.5}
 
 
-def test_a_level_off_the_grid_counts_as_it_is():
+def test_delivered_level_off_grid_is_not_rounded():
     rule = Quest(**OPTIONS)
     assert not np.array_equal(rule.after(1, delivered=20.1).posterior, rule.after(1, delivered=20.0).posterior)
 
 
-def test_at_its_threshold_the_answer_is_1_as_often_as_the_target_says():
+def test_probability_at_threshold_equals_target():
     rule = Quest(**OPTIONS, target=0.7)
     n = int(np.flatnonzero(rule.thresholds == 20.0)[0])
     assert math.exp(rule.grid.log_likelihood(20.0, 1)[n]) == pytest.approx(0.7)
 
 
-def test_it_stops_at_the_spread_that_is_asked_for():
+def test_run_converges_at_requested_standard_deviation():
     rng, rule = np.random.default_rng(), Quest(**OPTIONS, n_trials=500, sd_stop=1.0)
     while not rule.finished:
         rule = rule.after(bool(rng.random() < 0.5 + 0.49 / (1 + math.exp(15 - rule.level))))

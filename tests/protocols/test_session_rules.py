@@ -1,4 +1,4 @@
-"""Rules that a session rests on: whose chance is whose, what a seed gives, what is held against what."""
+"""Session rules: randomness, seeds, limits and journals."""
 
 import io
 import json
@@ -42,7 +42,7 @@ STANDARD_ERRORS = 3.9
 
 
 def asked(participant, n_session, seed):
-    """Levels and catch trials in the order of the protocol, without repetitions."""
+    """Return levels and catch trials in order, without repetitions."""
     memory = Memory()
     rig = EXPERIMENT.simulated_rig(participant, n_session, seed)
     run(EXPERIMENT.course(participant, n_session, 1, seed), rig, memory)
@@ -53,13 +53,13 @@ def near(count, n, probability):
     return abs(count - n * probability) <= STANDARD_ERRORS * math.sqrt(n * probability * (1 - probability))
 
 
-def test_the_head_of_a_new_journal_is_synced_with_its_folder(tmp_path, synced):
+def test_new_journal_is_synced_with_its_folder(tmp_path, synced):
     live(tmp_path)
     head = synced.index(Session("P01", 1, STUDY.name).journal(tmp_path))
     assert synced[head + 1] == tmp_path / "journals"
 
 
-def test_what_was_cut_off_is_kept_and_gone_from_the_disk_before_the_session_goes_on(tmp_path, synced):
+def test_truncated_line_is_moved_before_session_resumes(tmp_path, synced):
     path = tmp_path / "j.jsonl"
     path.write_bytes(b'{"study":"tut')
     journal = Journal(path, resume=True)
@@ -70,8 +70,8 @@ def test_what_was_cut_off_is_kept_and_gone_from_the_disk_before_the_session_goes
     assert not draft.exists()
 
 
-def test_a_session_whose_files_cannot_be_written_is_not_left_locked(lived):
-    """Its trials file is a folder: nothing can be rebuilt there."""
+def test_session_is_unlocked_when_its_files_are_unwritable(lived):
+    """The trials file is a folder, so it cannot be rebuilt."""
     session = Session("P01", 1, STUDY.name)
     trials = next((lived / "data").glob("*.csv"))
     content = trials.read_bytes()
@@ -84,24 +84,24 @@ def test_a_session_whose_files_cannot_be_written_is_not_left_locked(lived):
     assert trials.read_bytes() == content
 
 
-def test_moves_at_one_bound_do_not_count_at_the_other():
+def test_moves_at_bounds_are_counted_separately():
     rule = Staircase(start=0.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
     assert rule.after(1).after(1).after(0, delivered=40.0).ending is None
 
 
-def test_a_run_that_ends_at_a_bound_is_censored_even_with_its_last_reversal():
+def test_run_ending_at_bound_stays_censored_despite_reversal():
     rule = Staircase(start=38.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=1, n_at_bound=1)
     assert rule.after(1).after(0, delivered=40.0).ending == "censored_above"
 
 
-def test_an_inner_factor_begins_each_round_with_its_next_order():
+def test_inner_factor_uses_next_order_each_round():
     factors = {"force_n": [1, 2], "frequency_hz": [30, 60, 120]}
     cells = Crossing(factors, dict.fromkeys(factors, "williams")).cells(0, None)
     frequencies = [cell["frequency_hz"] for cell in cells]
     assert frequencies[:3] != frequencies[3:]
 
 
-def test_two_samples_of_one_stamp_do_not_break_a_hold():
+def test_hold_survives_two_samples_with_equal_time():
     gate = ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.01, max_gap_s=0.02)
     for time_s in (0.0, 0.005, 0.005, 0.01):
         gate = gate.after(time_s, 1.0)
@@ -109,7 +109,7 @@ def test_two_samples_of_one_stamp_do_not_break_a_hold():
     assert not gate.after(0.009, 1.0).open
 
 
-def test_a_signal_longer_than_its_limit_is_not_played():
+def test_signal_longer_than_limit_is_refused():
     limits = Limits(voltage_peak_v=1.0, duration_s=0.1)
     limits.check(Signal(np.zeros((1, 100)), 1e3, "V"))
     with pytest.raises(LimitExceeded, match=r"found a signal of 0\.101 s, the limit is 0\.1 s; shorten it"):
@@ -132,12 +132,12 @@ def test_compound_units(text, suffix, value):
     assert si(text, suffix, "x") == pytest.approx(value, rel=1e-15)
 
 
-def test_sessions_of_one_participant_are_asked_in_orders_of_their_own():
+def test_sessions_of_one_participant_have_different_orders():
     assert asked("P01", 1, 1) == asked("P01", 1, 1)
     assert asked("P01", 1, 1) != asked("P01", 2, 1)
 
 
-def test_participants_and_seeds_have_traits_of_their_own():
+def test_simulated_traits_depend_on_participant_and_seed():
     people = [("P01", 1), ("P02", 1), ("P01", 2)]
     traits = [EXPERIMENT.simulated_participant(*who).sensitivity_db for who in people]
     assert len(set(traits)) == 3
@@ -153,7 +153,7 @@ def test_codes_of_simulated_participants_sort_as_their_numbers(n_participants, f
     assert codes == sorted(codes)
 
 
-def test_a_column_that_is_described_but_absent_is_a_defect(lived):
+def test_described_but_absent_column_is_a_defect(lived):
     path = lived / "dataset_description.json"
     description = json.loads(path.read_bytes())
     description["variableMeasured"].append({"name": "mood"})
@@ -162,8 +162,8 @@ def test_a_column_that_is_described_but_absent_is_a_defect(lived):
     assert "has no such column 'mood'" in str(defect)
 
 
-def test_a_study_that_was_edited_after_the_session_is_not_replayed(lived):
-    """The edit changes nothing that is asked: the digest alone tells."""
+def test_replay_rejects_study_edited_after_session(lived):
+    """The requests are unchanged: only the digest differs."""
     path = lived / "study.toml"
     path.write_bytes(path.read_bytes() + b"\n# another line\n")
     with pytest.raises(Diverged, match="line 1: found the digest of another study.toml"):
@@ -202,7 +202,7 @@ def test_the_transducer_acts_on_the_sensation_level(exponent):
     assert observer.d_prime(13.0) == pytest.approx(observer.criterion * 10**exponent, rel=1e-12)
 
 
-def test_a_console_holds_signals_against_the_limits():
+def test_console_checks_signals_against_limits():
     tight = Limits(voltage_peak_v=0.1)
     console = Console(
         catalogue.silent(catalogue.AnyStimulus(), tight), texts_in("en", {}), source=io.StringIO(), output=io.StringIO()
@@ -211,19 +211,19 @@ def test_a_console_holds_signals_against_the_limits():
         console.answer(Play("tone", 20.0, 0.2))
 
 
-def test_the_clock_of_a_console_goes_on_after_an_interruption():
+def test_console_clock_continues_after_interruption():
     console = catalogue.console()
     console.resume([], 100.0)
     assert 100.0 <= console.answer(Wait(0.0)).at_s < 200.0
 
 
-def test_a_study_with_another_rate_of_catch_trials_has_another_plan():
+def test_plan_depends_on_catch_rate():
     none = replace(STUDY, task={**STUDY.task, "catch_rate": 0.0})
     assert [block.n_trials_at_most for block in plan(wire(none, "x"), 1)] == [16, 16]
 
 
-def test_sessions_of_one_participant_are_answered_by_chance_of_their_own():
-    """The same touch in the first trial of two sessions is held in another way."""
+def test_sessions_of_one_participant_have_different_random_answers():
+    """The first touch of two sessions has different forces."""
     request = Slide("frequency_hz=60", 20.0, 0.2, 1.0, 0.2, 0.5, 5.0, 0.05)
     held = []
     for n_session in (1, 2):
@@ -232,25 +232,25 @@ def test_sessions_of_one_participant_are_answered_by_chance_of_their_own():
     assert held[0] != held[1]
 
 
-def test_the_highest_level_is_held_against_the_limits_not_the_first():
+def test_highest_level_is_checked_against_limits():
     study, _ = load("electrovibration-threshold")
     high = replace(study, procedure={**study.procedure, "start": 10.0, "high": 47.0})
     with pytest.raises(InvalidParameter, match="found the highest level 47, expected one within the limits"):
         wire(high, "x")
 
 
-def test_a_stimulus_longer_than_the_limit_is_refused_before_it_is_rendered():
+def test_study_rejects_stimulus_longer_than_limit():
     long = replace(STUDY, stimulus={**STUDY.stimulus, "duration_s": 100.0})
     with pytest.raises(InvalidParameter, match=r"stimulus\.duration_s: found 100 s, expected at most"):
         wire(long, "x")
 
 
-def test_a_plan_takes_the_time_per_trial_of_the_study():
+def test_plan_uses_time_per_trial_of_study():
     slow = wire(replace(STUDY, trial_s=7.0), "x")
     assert duration_s(slow, plan(slow, 1)) == pytest.approx(7.0 * 40)
 
 
-def test_a_response_is_right_or_wrong_and_nothing_else():
+def test_staircase_rejects_responses_other_than_0_and_1():
     rule = Staircase(start=20.0, steps=(2.0,), low=0.0, high=40.0)
     for response in (2, -1, 0.5, None, "1"):
         with pytest.raises(InvalidParameter, match=r"expected 1 \(correct, felt\) or 0"):
@@ -258,7 +258,7 @@ def test_a_response_is_right_or_wrong_and_nothing_else():
 
 
 @pytest.mark.parametrize("hold_s", [20.0, 30.0])
-def test_a_hold_that_outlasts_its_timeout_is_refused(hold_s):
+def test_hold_longer_than_timeout_is_refused(hold_s):
     study = replace(STUDY, touch={**STUDY.touch, "hold_s": hold_s})
     with pytest.raises(InvalidParameter, match=r"touch\.hold_s: found .* s, expected less than timeout_s \(20 s\)"):
         wire(study, "x")

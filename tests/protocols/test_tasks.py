@@ -1,4 +1,4 @@
-"""Each task in its details: what it asks, what a row says, what the procedure learns, what an observer makes of it."""
+"""Tasks: requests, rows, procedure updates and simulated answers."""
 
 import math
 from collections import Counter
@@ -49,7 +49,7 @@ def lived(task, procedure="constant_stimuli_shuffled", seed=1, observer="default
 
 
 def answered(task, shown, rng, answers):
-    """The outcome of a trial whose questions get these answers; touches are those of a steady finger."""
+    """Return a trial's outcome for these answers and steady touches."""
     rig, course = catalogue.simulated(), task.trial(shown, rng)
     request = next(course)
     try:
@@ -65,12 +65,12 @@ def shown(level, **more):
 
 
 def choosing(option):
-    """Gives the option that `option` picks from a request."""
+    """Return an answerer that picks the option by `option`."""
     return lambda request: Chosen(option(request), 0.0, 1.0)
 
 
 def touches_of_trials(memory):
-    """Each trial with the touches that came before its row."""
+    """Yield each trial with the touches before its row."""
     touches = []
     for request, _ in memory.entries:
         if isinstance(request, Slide):
@@ -81,7 +81,7 @@ def touches_of_trials(memory):
 
 
 @pytest.mark.parametrize("task", ["same_different", "comparison"])
-def test_each_pair_holds_the_standard_and_the_level_at_its_target(task):
+def test_pair_contains_standard_and_level_at_target(task):
     orders = Counter()
     for trial, touches in touches_of_trials(lived(task, catch_rate=0.25)):
         if trial.valid:
@@ -95,7 +95,7 @@ def test_each_pair_holds_the_standard_and_the_level_at_its_target(task):
 
 
 @given(seed=st.integers(0, 2**32 - 1), level=st.sampled_from([10.0, 20.0, 30.0]), option=st.sampled_from([1, 2]))
-def test_a_comparison_is_scored_by_which_one_was_called_stronger(seed, level, option):
+def test_comparison_is_scored_by_choice_of_stronger(seed, level, option):
     outcome = answered(Comparison(20.0), shown(level), np.random.default_rng(seed), choosing(lambda request: option))
     (told,) = outcome.replies
     stronger = option == outcome.target
@@ -114,7 +114,7 @@ def test_fewer_or_more_intervals_are_refused(n_intervals):
         ForcedChoice(n_intervals)
 
 
-def test_a_same_pair_is_a_catch_trial_and_delivers_no_level():
+def test_equal_pair_is_catch_trial_without_level():
     memory = lived("same_different", catch_rate=0.5)
     same = [trial for trial in memory.trials if trial.catch]
     assert same
@@ -123,7 +123,7 @@ def test_a_same_pair_is_a_catch_trial_and_delivers_no_level():
     assert all(trial.correct == (trial.response == (not trial.catch)) for trial in scored)
 
 
-def test_magnitudes_rise_with_the_level_and_tell_the_procedure_whether_anything_was_felt():
+def test_magnitude_rises_with_level():
     memory = lived("magnitude", observer="keen")
     means = {
         level: np.mean([trial.response for trial in memory.trials if trial.level == level and trial.valid])
@@ -134,7 +134,7 @@ def test_magnitudes_rise_with_the_level_and_tell_the_procedure_whether_anything_
 
 
 @pytest.mark.parametrize(("said", "felt"), [(0.0, False), (0.5, True), (None, False)])
-def test_a_magnitude_of_nothing_was_not_felt(said, felt):
+def test_magnitude_zero_or_missing_counts_as_not_felt(said, felt):
     outcome = answered(Magnitude(), shown(20.0), np.random.default_rng(1), lambda _: Rated(said, 0.0, 1.0))
     assert (outcome.success, outcome.replies[0].response) == (felt, said)
 
@@ -143,7 +143,7 @@ PLACES = tuple(Alternative(f"focus {n}", str(n), {"x": float(n)}) for n in (1, 2
 
 
 @given(seed=st.integers(0, 2**32 - 1))
-def test_a_place_is_drawn_and_its_factors_stand_in_the_row(seed):
+def test_localisation_row_contains_factors_of_drawn_place(seed):
     rng = np.random.default_rng(seed)
     outcome = answered(
         Localisation(), shown(20.0, alternatives=PLACES), rng, choosing(lambda request: request.options[0])
@@ -152,7 +152,7 @@ def test_a_place_is_drawn_and_its_factors_stand_in_the_row(seed):
     assert outcome.success == (outcome.target == 1)
 
 
-def test_a_strong_focus_is_located_and_a_weak_one_is_guessed():
+def test_strong_focus_is_located_and_weak_guessed():
     condition = Condition({}, "tone", "dB re 1 V", catalogue.TOUCHES["press"], alternatives=PLACES)
     n = 300
 
@@ -170,7 +170,7 @@ def test_a_strong_focus_is_located_and_a_weak_one_is_guessed():
     assert n_strong >= n
 
 
-def test_a_preference_row_names_both_items_in_the_order_in_which_they_were_felt():
+def test_preference_row_names_items_in_presented_order():
     memory = lived("preference")
     orders = Counter((trial.item, trial.item_b) for trial in memory.trials if trial.valid)
     assert set(orders) == {("1", "2"), ("2", "1")}
@@ -180,7 +180,7 @@ def test_a_preference_row_names_both_items_in_the_order_in_which_they_were_felt(
             assert [touch.stimulus for touch in touches] == [f"place {trial.item}", f"place {trial.item_b}"]
 
 
-def test_an_adjustment_starts_at_the_level_and_ends_where_it_is_just_felt():
+def test_adjustment_starts_at_level_and_ends_near_threshold():
     memory = lived("adjustment")
     asked = [request for request, _ in memory.entries if isinstance(request, Adjust)]
     assert [request.start for request in asked] == [trial.level for trial in memory.trials]
@@ -194,7 +194,7 @@ def test_an_adjustment_starts_at_the_level_and_ends_where_it_is_just_felt():
 @pytest.mark.parametrize(
     ("numbers", "words"), [((2.0, 9.0, 3.0), "less than high"), ((20.0, 0.0, 10.0), "at most the range")]
 )
-def test_an_adjustment_of_nothing_is_refused(numbers, words):
+def test_invalid_adjustment_is_refused(numbers, words):
     with pytest.raises(InvalidParameter, match=words):
         AdjustmentTask(*numbers)
 
@@ -202,7 +202,7 @@ def test_an_adjustment_of_nothing_is_refused(numbers, words):
 # --- questionnaires
 
 
-def test_a_stimulus_is_felt_then_rated_with_a_row_for_each_item():
+def test_rating_records_a_row_for_each_item():
     memory = lived("rating")
     trial = [row for row in memory.trials if row.trial == 1 and row.valid]
     assert sorted(row.item for row in trial) == sorted(item.id for item in load("attrakdiff-haptic").items)
@@ -211,7 +211,7 @@ def test_a_stimulus_is_felt_then_rated_with_a_row_for_each_item():
     assert {row.response for row in trial} <= set(range(1, 8))
 
 
-def test_items_come_in_the_published_order_or_in_one_drawn_for_each_trial():
+def test_items_are_in_published_or_random_order():
     def orders(*, shuffled):
         block = catalogue.block("rating", "constant_stimuli")
         memory = Memory()
@@ -235,12 +235,12 @@ def test_pages_are_equally_long(name, sizes):
 
 
 @pytest.mark.parametrize(("name", "most"), [("attrakdiff", 7), ("sus", 5)])
-def test_a_page_holds_seven_word_pairs_or_five_statements(name, most):
+def test_page_contains_seven_word_pairs_or_five_statements(name, most):
     form = load(name)
     assert [len(pages(form, form.items[:n])) for n in (most, most + 1)] == [1, 2]
 
 
-def test_an_item_that_was_left_open_has_an_empty_response():
+def test_unanswered_item_has_empty_response():
     course = fill_in(load("attrakdiff-haptic"), np.random.default_rng(1), shuffled=False)
     page = next(course)
     values = (None, *(float(n) for n in range(1, len(page.questions))))
@@ -251,8 +251,8 @@ def test_an_item_that_was_left_open_has_an_empty_response():
     assert TrialOutcome((), replies=replies).valid
 
 
-def test_a_participant_who_answers_by_the_poles_gets_the_straight_line_scores():
-    """Raw 7 at every item, in the order and with the reversals of the presentation (science folder 9.1)."""
+def test_scores_of_constant_raw_answers_follow_item_reversals():
+    """All raw answers are 7, in presented order with reversals."""
     course = fill_in(FULL, np.random.default_rng(1), shuffled=True)
     page, replies = next(course), None
     try:
@@ -273,7 +273,7 @@ def test_a_participant_who_answers_by_the_poles_gets_the_straight_line_scores():
 # --- the simulated participant answers every question
 
 
-def test_every_question_of_a_task_has_a_rule_in_the_simulated_participant():
+def test_simulated_participant_answers_every_question():
     asked = {
         request.question
         for task in catalogue.TASKS
@@ -284,24 +284,24 @@ def test_every_question_of_a_task_has_a_rule_in_the_simulated_participant():
 
 
 @pytest.mark.parametrize("language", languages())
-def test_every_task_and_every_question_has_its_words_in_every_language(language):
+def test_tasks_and_questions_have_texts_in_every_language(language):
     asked = {question for kind in TASKS.values() for question in kind.questions}
     instructions = {f"instructions_{name}" for name in TASKS}
     assert asked | instructions <= set(texts_in(language, {}).messages)
 
 
 @pytest.mark.parametrize("name", TASKS)
-def test_a_task_has_the_name_that_its_line_says_and_fills_columns_that_there_are(name):
+def test_task_has_registered_name_and_existing_columns(name):
     assert catalogue.REGISTERED[name].name == name
     assert set(ROWS_OF_TASKS[name].columns) <= {column.name for column in OPTIONAL}
 
 
-def test_a_question_that_nobody_knows_is_refused_with_the_nearest_name():
+def test_unknown_question_is_refused_with_nearest_name():
     with pytest.raises(InvalidParameter, match="found 'fellt', expected one of felt.*did you mean 'felt'"):
         catalogue.simulated().answer(Choose("fellt", (0, 1), ("no", "yes")))
 
 
-def test_equal_pairs_are_called_different_as_often_as_the_rule_says():
+def test_equal_pairs_are_called_different_at_expected_rate():
     from scipy.stats import norm
 
     observer, rng, n = catalogue.OBSERVERS["default"], np.random.default_rng(), 4000
@@ -313,7 +313,7 @@ def test_equal_pairs_are_called_different_as_often_as_the_rule_says():
 # --- bias between intervals
 
 
-def test_an_observer_without_bias_has_a_criterion_near_zero():
+def test_unbiased_observer_has_criterion_near_zero():
     targets = np.random.default_rng().integers(1, 3, 4000)
     responses = np.where(np.random.default_rng().random(4000) < 0.75, targets, 3 - targets)
     bias = interval_bias(targets.tolist(), responses.tolist())
@@ -321,7 +321,7 @@ def test_an_observer_without_bias_has_a_criterion_near_zero():
     assert bias.p > 1e-4
 
 
-def test_who_always_says_two_is_found_out():
+def test_interval_bias_detects_constant_answers():
     bias = interval_bias([1, 2] * 50, [2] * 100)
     assert bias.share_correct == (0.0, 1.0)
     assert bias.criterion < -2
@@ -332,11 +332,11 @@ def test_who_always_says_two_is_found_out():
     ("targets", "responses", "words"),
     [([], [], "at least one"), ([1], [3], "trial 0: found target 1 and response 3"), ([1, 2], [1], "as many of both")],
 )
-def test_what_is_no_forced_choice_is_refused(targets, responses, words):
+def test_interval_bias_rejects_invalid_trials(targets, responses, words):
     with pytest.raises(InvalidParameter, match=words):
         interval_bias(targets, responses)
 
 
-def test_what_cannot_be_tested_is_not():
+def test_interval_bias_has_no_p_with_few_trials():
     assert interval_bias([1, 2], [1, 2]).p is None
     assert interval_bias([1, 1], [1, 1], n_intervals=3).share_correct == (1.0, None, None)

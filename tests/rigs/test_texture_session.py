@@ -28,8 +28,7 @@ from tactometry.devices.outputs.frame_feed import FollowingFeed
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.experiments.bench.bench_file import Devices, load_bench
-from tactometry.experiments.bench.finding import findings_of
-from tactometry.experiments.bench.preflight_finger import position
+from tactometry.experiments.bench.preflight_checks import findings_of, position
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
@@ -39,7 +38,9 @@ from tactometry.rigs.touch.touch import TouchRun
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
 from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration import FollowedTexture, Grating, Region
+from tactometry.stimuli.electrovibration import Grating
+from tactometry.stimuli.electrovibration.textures.followed_texture import FollowedTexture
+from tactometry.stimuli.electrovibration.textures.texture import Region
 
 
 @pytest.fixture

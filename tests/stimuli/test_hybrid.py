@@ -57,7 +57,7 @@ def test_a_finger_at_rest_feels_the_foci_alone():
         (lambda: felt_by(HybridSensation(SETUP)).sensation_db(FOCUS.at(20.0), SLIDING), "found 7 channels"),
     ],
 )
-def test_what_does_not_play_as_one_is_refused(build, message):
+def test_incompatible_hybrid_parts_are_refused(build, message):
     with pytest.raises(InvalidParameter, match=message):
         build()
 

@@ -1,4 +1,4 @@
-"""What the built-in studies and scenes give is what it was: a change of the house moves no number."""
+"""Recorded levels of the built-in studies and scenes."""
 
 import numpy as np
 import pytest

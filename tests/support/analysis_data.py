@@ -17,7 +17,7 @@ COLUMNS = (
 def rows_of_a_cell(
     f: PsychometricFunction, levels: Sequence[float], n: int, n_catch: int, task: str, rng: np.random.Generator
 ) -> list[str]:
-    """Constant stimuli in random order, as the cells from `procedure` on."""
+    """Return constant stimuli in random order as rows from `procedure` on."""
     shown: list[float | None] = [*np.repeat(levels, n).tolist(), *[None] * n_catch]
     rows = []
     for i in rng.permutation(len(shown)):
@@ -44,7 +44,7 @@ def write_study(
     width: float = 8.0,
     false_alarm_rate: float = 0.05,
 ) -> Path:
-    """One CSV with every participant and condition of `thresholds`."""
+    """Write a CSV file with all participants and conditions."""
     guess = {"yes_no": false_alarm_rate, "forced_choice": 0.5, "comparison": 0.0}[task]
     lapse = 0.0 if task == "comparison" else 0.02
     lines = [f"participant,session,study,block,trial,{','.join(factors)},{COLUMNS}"]
@@ -60,7 +60,7 @@ def write_study(
 def grid_of_thresholds(
     n_participants: int, conditions: Mapping[tuple[float, ...], float], sd: float, rng: np.random.Generator
 ) -> dict[tuple[str, tuple[float, ...]], float]:
-    """Condition means, shifted by participant and a little by cell."""
+    """Return condition means, shifted by participant and slightly by cell."""
     shift = rng.normal(0, sd, n_participants)
     return {
         (f"P{i + 1:02d}", condition): mean + shift[i] + rng.normal(0, 0.3)

@@ -1,4 +1,4 @@
-"""What tests of batches hold them to: a rule's own run, told what was delivered."""
+"""Reference for batch tests: the single run of a rule."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ OUTPUT = Delivery(step=0.75, low=3.0, high=36.0)
 
 
 def own_run(rule, order, answers, output):
-    """The levels that a rule asks for, and its run, told the answers of a track to what was delivered."""
+    """Return a rule's levels and its run after these answers."""
     run, levels = type(rule.begin())(rule, order=tuple(order)), []
     for answer in answers:
         levels.append(run.level)

@@ -1,10 +1,10 @@
-"""What benches of tests have in common."""
+"""Parts that several test benches share."""
 
 from datetime import date
 
 
 def gain_table(measured_with, volts_per_unit=2.0, amplifier_gain=50.0, measured_on=None, **more):
-    """The table of a gain that was measured today, unless on another day."""
+    """Return the table of a gain measured today, or on another day."""
     return {
         "volts_per_unit": volts_per_unit,
         "amplifier_gain": amplifier_gain,
@@ -16,7 +16,7 @@ def gain_table(measured_with, volts_per_unit=2.0, amplifier_gain=50.0, measured_
 
 
 def gain_toml(measured_with, *values, **more):
-    """It as text of a bench file."""
+    """Return the gain table as text of a bench file."""
     table = gain_table(measured_with, *values, **more)
     rows = (f'{name} = "{value}"' if isinstance(value, str) else f"{name} = {value}" for name, value in table.items())
     return "\n".join(["[output.gain]", *rows, ""])
@@ -78,7 +78,7 @@ session_s = "1 h"
 
 
 def file_bench(folder, duty, window_s=60):
-    """A bench file whose output writes into the folder `played` beside it."""
+    """Write a bench file whose output writes into the folder `played`."""
     path = folder / "bench.toml"
     path.write_text(FILE_BENCH.format(folder=folder / "played", duty=duty, window_s=window_s), encoding="utf-8")
     return path

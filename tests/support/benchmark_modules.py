@@ -1,4 +1,4 @@
-"""Benchmarks, which are programs beside the packages, as modules of which tests try a part."""
+"""Benchmark programs as importable modules."""
 
 import importlib.util
 import sys

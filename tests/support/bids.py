@@ -14,7 +14,7 @@ VALIDATOR = shutil.which("bids-validator-deno", path=f"{Path(sys.executable).par
 
 
 def issues_of(root, program=VALIDATOR):
-    """What a validator says in JSON, among notes of its own, of a copy on the disk: Deno reads no folder in memory."""
+    """Return a validator's issues for a copy of the data set on disk."""
     where = {**os.environ, "NO_COLOR": "1", "DENO_NO_UPDATE_CHECK": "1"}
     with tempfile.TemporaryDirectory() as folder:
         copy = shutil.copytree(root, Path(folder) / "bids")

@@ -1,4 +1,4 @@
-"""`tactometry calibrate`, within the process of the tests or in one of its own, and a loopback of a sound card."""
+"""`tactometry calibrate` in a test, and a sound card's loopback."""
 
 import io
 import subprocess
@@ -38,7 +38,7 @@ n_channels = 2
 
 
 def calibrate_with(env, cwd, *arguments, answers=""):
-    """In a process of its own, whose sound library sees `env`."""
+    """Run `tactometry calibrate` in a new process with environment `env`."""
     command = [sys.executable, "-m", "tactometry", "calibrate", *map(str, arguments)]
     return subprocess.run(
         command, cwd=cwd, env=env, input=answers, capture_output=True, text=True, timeout=LONGEST_PROGRAM_S, check=False

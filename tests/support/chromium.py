@@ -30,7 +30,7 @@ class Tab:
             self.call(f"{domain}.enable")
 
     def call(self, method, **params):
-        """What a method of the protocol answers; what is told meanwhile stands in `told`."""
+        """Call a protocol method and keep the events received meanwhile."""
         self._n += 1
         message = {"id": self._n, "method": method, "params": params}
         if self._session is not None:
@@ -56,13 +56,13 @@ class Tab:
         self.wait_for("document.readyState === 'complete'")
 
     def value(self, expression):
-        """What a line of JavaScript gives."""
+        """Evaluate a line of JavaScript and return its value."""
         found = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in found, found
         return found["result"].get("value")
 
     def wait_for(self, expression):
-        """Until it is true."""
+        """Wait until an expression is true."""
         end_s = time.monotonic() + LONGEST_WAIT_S
         while not self.value(expression):
             assert time.monotonic() < end_s, f"never true: {expression}; the page reads {self.text()!r}"
@@ -84,13 +84,13 @@ class Tab:
         path.write_bytes(base64.b64decode(data))
 
     def named(self):
-        """What a screen reader is told: pairs of role and name, in the order of the page."""
+        """Return pairs of role and name in the accessibility tree."""
         nodes = self.call("Accessibility.getFullAXTree")["nodes"]
         told = ((node["role"]["value"], node.get("name", {}).get("value", "")) for node in nodes if not node["ignored"])
         return [(role, name) for role, name in told if name]
 
     def complaints(self):
-        """Errors that the console was told, and requests to anywhere but the loopback."""
+        """Return console errors and requests that leave the loopback."""
         self.value("1")
         found = []
         for message in self.told:
@@ -109,10 +109,10 @@ class Tab:
 
 @contextmanager
 def chromium(folder):
-    """A tab of a browser of its own, whose files are in a folder."""
+    """Yield a tab of a new browser whose files are in a folder."""
     to_browser, from_browser = os.pipe(), os.pipe()
     environment = {**os.environ, "HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
-    # the browser reads from 3 and writes to 4: bash puts the pipes there, whatever their numbers are here
+    # the browser reads from 3 and writes to 4: bash assigns the pipes to these numbers
     command = f'exec "$@" 3<&{to_browser[0]} 4>&{from_browser[1]}'
     browser = subprocess.Popen(
         ["/bin/bash", "-c", command, "bash", PROGRAM, *FLAGS, f"--user-data-dir={folder / 'profile'}"],

@@ -1,4 +1,4 @@
-"""A command line run within the process of the tests."""
+"""Command lines that run within the test process."""
 
 import pytest
 
@@ -6,28 +6,28 @@ from tactometry.cli import main
 
 
 def status(*arguments):
-    """The exit status of a command line."""
+    """Return the exit status of a command line."""
     with pytest.raises(SystemExit) as ended:
         main(list(map(str, arguments)))
     return ended.value.code
 
 
 def call(capsys, *arguments):
-    """The exit status of a command line, what it said on standard error, and its output."""
+    """Return exit status, standard error and output of a command line."""
     code = status(*arguments)
     said = capsys.readouterr()
     return code, said.err.strip(), said.out
 
 
 def output(capsys, *arguments):
-    """The output of a command line that succeeds."""
+    """Return the output of a command line that succeeds."""
     code, said, out = call(capsys, *arguments)
     assert code == 0, said
     return out
 
 
 def refused(capsys, *arguments):
-    """The one sentence with which a command line is refused."""
+    """Return the error message of a refused command line."""
     code, said, _ = call(capsys, *arguments)
     assert (code, said.count("\n")) == (2, 0), said
     return said

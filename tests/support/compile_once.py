@@ -1,4 +1,4 @@
-"""Of several processes that need a loop one compiles it, for up to ten seconds; the others find it on the disk."""
+"""Compilation of a cached loop by one of several test processes."""
 
 from contextlib import contextmanager
 from pathlib import Path
@@ -8,7 +8,7 @@ from numba.core.caching import NullCache
 from numba.core.dispatcher import Dispatcher
 
 HELD = set()
-"""Files that this process has locked: a loop that calls one of its own file compiles that one too."""
+"""Files that this process has locked: compiling a loop may compile another one of the same file."""
 
 
 @contextmanager
@@ -26,13 +26,13 @@ def alone_with(path):
 
 
 def compile_once():
-    """Who compiles what is kept on the disk holds its source meanwhile."""
+    """Make numba lock a loop's source file while it compiles the loop."""
     compiled = Dispatcher.compile
 
     def alone(loop, signature):
         if isinstance(loop._cache, NullCache):
             return compiled(loop, signature)
         with alone_with(loop.py_func.__code__.co_filename):
-            return compiled(loop, signature)  # which looks on the disk first
+            return compiled(loop, signature)  # reads the disk cache first
 
     Dispatcher.compile = alone

@@ -1,11 +1,11 @@
-"""What a copy of this process answers, which leaves no trace in it."""
+"""Function calls in a forked copy of this process."""
 
 import json
 import os
 
 
 def in_a_copy(of):
-    """The answer of a function without arguments, as JSON has it."""
+    """Return the JSON result of a function without arguments."""
     read, write = os.pipe()
     child = os.fork()
     if not child:

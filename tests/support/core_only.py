@@ -21,7 +21,7 @@ OURS = "tactometry"
 
 
 def core() -> dict[str, str]:
-    """Top-level modules of the core's packages with their distributions."""
+    """Return top-level modules of the core with their distributions."""
     return {top: name for name in needed(core_requirements()) for top in tops(name)}
 
 
@@ -31,7 +31,7 @@ def core_requirements() -> list[str]:
 
 
 def needed(requirements: Sequence[str]) -> set[str]:
-    """The distributions that requirements bring, with what these need."""
+    """Return the distributions of requirements with their dependencies."""
     found: set[str] = set()
     left = list(requirements)
     while left:
@@ -66,7 +66,7 @@ class Missing:
 
 def main() -> None:
     modules = core()
-    # What stood there before is the interpreter's own: the path files of this environment load some of it.
+    # Modules loaded before belong to the interpreter; path files of this environment load some.
     before = {name.partition(".")[0] for name in sys.modules}
     sys.meta_path.insert(0, Missing(frozenset({*modules, *before, *sys.stdlib_module_names, OURS})))
     for name in [name for name in sys.modules if name.partition(".")[0] == "packaging"]:  # used above, not by a command

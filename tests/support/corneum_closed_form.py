@@ -1,4 +1,4 @@
-"""Voltage across the corneum and force in closed form, beside the sine of the product: references of the tests.
+"""Closed-form corneum voltage and force as references of the tests.
 
 A skin with a body resistance or tissue has more relaxations than one, and is refused here: `Solution` solves it.
 """

@@ -9,7 +9,7 @@ NAMES = ("force", "freq", "speed")
 
 
 def drawn(shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
-    """Values of participants (first axis) whose conditions are correlated and of unequal variance."""
+    """Draw correlated conditions of unequal variance by participant."""
     n_cells = int(np.prod(shape[1:]))
     mixing = rng.normal(size=(n_cells, n_cells))
     return (rng.normal(size=(shape[0], n_cells)) @ mixing + rng.normal(size=(shape[0], 1))).reshape(shape)

@@ -13,7 +13,7 @@ from tactometry.stimuli.perception.channels import as_at_250_hz
 from tactometry.stimuli.perception.detection import components
 
 HIGH_SHARE = 1e-4
-"""Of the power: below it, what aliases is 40 dB under the rest."""
+"""Share of the power below which aliases are 40 dB weaker than the rest."""
 
 
 def level_db(model, signal, contact):
@@ -35,7 +35,7 @@ def level_db(model, signal, contact):
 
 @lru_cache(maxsize=512)
 def _attraction(signal, skin, area_m2, law, polarity):
-    """Components of the force, of which those are left that touch hears, as strong as they are felt."""
+    """Return the audible force components as their 250 Hz equivalents."""
     voltage_v, rate_hz = with_room_for_the_square(signal.samples[0], signal.rate_hz)
     force_n = electrostatic_force_n(voltage_v, rate_hz=rate_hz, skin=skin, area_m2=area_m2, law=law, polarity=polarity)
     return as_at_250_hz(components(force_n, rate_hz))

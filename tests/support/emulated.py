@@ -1,4 +1,4 @@
-"""Emulated sensors in processes of their own, and the libraries that they need."""
+"""Emulated sensors in separate processes, and their libraries."""
 
 import importlib.util
 import os
@@ -20,7 +20,7 @@ LIBRARIES = {"serial": "serial", "lsl": "pylsl"}
 
 
 class Emulator:
-    """A sensor in a process of its own, and what reads it."""
+    """A sensor in a separate process, and its reader."""
 
     def __init__(self, kind, folder, profile="1:100", options=(), name=None):
         self.kind, self.folder, self.profile, self.options = kind, folder, profile, options
@@ -46,7 +46,7 @@ class Emulator:
             assert self.process.stdout.readline() == b"ready\n"
 
     def steer(self, counts, speed_um_per_s=0.0, length_um=1.0, since_s=0.0):
-        """What the hand does that is at a sensor with `--steered`."""
+        """Set what the hand at a sensor with `--steered` does."""
         self.process.stdin.write(f"{counts:.2f} {speed_um_per_s:.1f} {length_um:.1f} {since_s:.6f}\n".encode())
         self.process.stdin.flush()
 

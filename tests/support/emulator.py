@@ -1,12 +1,15 @@
-"""A force sensor in a process of its own: `python emulator.py serial FD | udp PORT | lsl NAME`, 1 kHz.
+"""A force sensor process of 1 kHz.
+
+`python emulator.py serial FD | udp PORT | lsl NAME`.
 
 Its clock may run `--clock` times as fast as ours, from `--ahead` s on; with `--twice` each datagram comes doubled.
 
 Channel 0 counts the samples; channel 1 is the time at which each was taken, in microseconds of the clock that all
-processes of a machine share, modulo 2**31; channel 2 is the force in counts: `--profile` is a list of seconds:counts
-that comes again and again, and a count of - is a gap in which nothing is sent. With `--steered` a hand is at the
-sensor: a line `COUNTS SPEED LENGTH SINCE` of the input is the force that it goes to, as fast as a hand does, and the
-path on which it goes to and fro from a moment on (um/s, um, s; a speed of 0 is a hand at rest); channel 0 is then its
+processes of a machine share, modulo 2**31; channel 2 is the force in counts. `--profile` is a repeated list of
+seconds:counts, in which a count of - is a gap without samples.
+
+With `--steered` a hand is at the sensor. A line `COUNTS SPEED LENGTH SINCE` of the input sets its target force, and the
+path on which it moves to and fro from a moment on (um/s, um, s; a speed of 0 is a hand at rest). Channel 0 is then its
 place in um.
 
 The network sensor sends from a request to begin until one to end, as often as it is asked.
@@ -30,7 +33,10 @@ LSL_CLOCKS = {}
 
 
 def samples(asked):
-    """(n, stamp in s, values) when they are due; a late sample keeps the time at which it was due."""
+    """Yield (n, time stamp in s, values) when due.
+
+    A late sample keeps the time at which it was due.
+    """
     begin_s, n_due, n, profile = time.perf_counter(), 0, 0, asked.profile
     hand = Hand() if asked.steered else None
     while True:
@@ -49,7 +55,7 @@ def samples(asked):
 
 
 class Hand:
-    """A finger that is told how to press and which dot to follow, and does so within `TAU_S`."""
+    """A finger that follows requests for force and dot within `TAU_S`."""
 
     TAU_S, CATCH_UP_PER_S, FASTER = 0.03, 2.0, 0.25
 
@@ -59,7 +65,7 @@ class Hand:
         os.set_blocking(sys.stdin.fileno(), False)
 
     def move(self):
-        """What becomes of it in a sample."""
+        """Advance the hand by one sample."""
         with contextlib.suppress(BlockingIOError):
             *lines, self._heard = (self._heard + os.read(sys.stdin.fileno(), 4096)).split(b"\n")
             for line in lines:
@@ -70,7 +76,7 @@ class Hand:
         self.place_um += self._speed / RATE_HZ
 
     def _pursuit(self):
-        """The speed with which it follows: that of the dot, a little faster or slower where it is beside it."""
+        """Return the dot's speed, corrected for the distance to the dot."""
         _, speed, length, since_s = self._wanted
         along = speed * (time.perf_counter() - since_s) % (2 * length)
         place, way = (along, speed) if along < length else (2 * length - along, -speed)
@@ -79,7 +85,7 @@ class Hand:
 
 
 def counts_at(profile, time_s):
-    """The counts of a profile of (duration in s, counts or None)."""
+    """Return the counts of a profile of (duration in s, counts or None)."""
     left_s = time_s % sum(duration_s for duration_s, _ in profile)
     for duration_s, counts in profile:
         if left_s < duration_s:
@@ -94,14 +100,14 @@ def profile_of(text):
 
 
 def encode_frame(frame):
-    """The bytes that a board sends for a sample, as `tactometry.devices.sensors.serial_line` states them."""
+    """Encode a sample as in `tactometry.devices.sensors.serial_line`."""
     n = len(frame.values)
     body = struct.pack(f"<2sBBII{n}i", SYNC, n, 0, frame.counter % 2**32, frame.time_us % 2**32, *frame.values)
     return body + struct.pack("<I", zlib.crc32(body))
 
 
 def run_serial(asked):
-    """A board that begins when its line is opened, as many do."""
+    """Run a board that begins when its line is opened, as many do."""
     line = select.poll()
     line.register(int(asked.target), 0)
     while line.poll(0):
@@ -126,7 +132,7 @@ def run_udp(asked):
 
 
 def asker(line, address):
-    """Who is sent to after the requests that came up to now."""
+    """Return the address of the latest request."""
     with contextlib.suppress(BlockingIOError):
         while True:
             request, origin = line.recvfrom(64)

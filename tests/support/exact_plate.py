@@ -1,4 +1,4 @@
-"""Plates solved a second time, by other means than the package's: references for the hard cases of time reversal."""
+"""Reference plate solutions by other methods than the package's."""
 
 import math
 from functools import lru_cache
@@ -12,7 +12,7 @@ DIGITS = 50
 
 
 def navier_modes(plate, f_max_hz):
-    """(m, n, omega) of the simply supported modes up to a frequency, in 50 digits."""
+    """Yield (m, n, omega) of simply supported modes in 50 digits."""
     mp.dps = DIGITS
     a, b, h, nu = (mpf(x) for x in (plate.length_m, plate.width_m, plate.thickness_m, plate.poisson_ratio))
     rigidity = mpf(plate.youngs_modulus_pa) * h**3 / (12 * (1 - nu**2))
@@ -24,7 +24,7 @@ def navier_modes(plate, f_max_hz):
 
 
 def swing(omega, tau_s, time, quantity="displacement"):
-    """The impulse response of one oscillator of unit mass in 50 digits, any damping."""
+    """Return an oscillator's impulse response in 50 digits."""
     decay = mpf(0) if math.isinf(tau_s) else 1 / mpf(tau_s)
     gap = omega**2 - decay**2
     w = sqrt(abs(gap))
@@ -33,7 +33,7 @@ def swing(omega, tau_s, time, quantity="displacement"):
 
 
 def navier_response(plate, source, point, tau_s, f_max_hz, rate_hz, samples, quantity="displacement"):
-    """What `impulse_responses` gives for a point force on a simply supported plate, mode by mode in 50 digits."""
+    """Return `impulse_responses` of a simply supported plate in 50 digits."""
     modes = navier_modes(plate, f_max_hz)
     a, b = mpf(plate.length_m), mpf(plate.width_m)
     mass = mpf(plate.density_kg_per_m3) * mpf(plate.thickness_m) * a * b

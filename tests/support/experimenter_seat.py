@@ -1,4 +1,4 @@
-"""A bench in a window whose experimenter sits at a real pseudo-terminal."""
+"""A windowed bench whose experimenter uses a real pseudo-terminal."""
 
 import os
 import select
@@ -32,7 +32,7 @@ ROW = Record(Trial(2, 7, {}, "staircase", 5.0, "V", "yes_no", 1))
 
 
 class Terminal:
-    """Both ends of a pseudo-terminal: the desk has one, the experimenter's hands and eyes the other."""
+    """Both ends of a pseudo-terminal, for the console and the experimenter."""
 
     def __init__(self):
         self._master, slave = os.openpty()
@@ -45,13 +45,13 @@ class Terminal:
         os.write(self._master, line.encode() + b"\n")
 
     def sees(self, words):
-        """Whether these words stand in the terminal by now."""
+        """Return True if the terminal has shown these words."""
         while select.select([self._master], [], [], 0)[0]:
             self._seen += os.read(self._master, 4096)
         return words.encode() in self._seen
 
     def shows(self, words):
-        """Wait until these words stand in the terminal."""
+        """Wait until the terminal has shown these words."""
         end_s = time.monotonic() + LONGEST_WAIT_S
         while not self.sees(words):
             assert time.monotonic() < end_s, self._seen

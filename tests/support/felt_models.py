@@ -1,4 +1,4 @@
-"""What is felt of a model of `[sensation]`, through its default scene."""
+"""Sensations of a model of `[sensation]` in its default scene."""
 
 from functools import lru_cache
 
@@ -8,5 +8,5 @@ from tactometry.stimuli.scenes.default_scenes import default_scene
 
 @lru_cache(maxsize=16)
 def felt_by(model: object) -> FeltScene:
-    """The skin of a participant with this model."""
+    """Return the sensation of a participant with this model."""
     return felt(default_scene(model))

@@ -1,6 +1,9 @@
-"""Studies that are felt in processes that know nothing else: a program of tests/experiments/test_scene_imports.py.
+"""Studies that compute sensations in fresh processes.
 
-It reads study files by name as JSON, and feels the first stimulus of each in a copy of a process that has felt none.
+A program of tests/experiments/test_scene_imports.py.
+
+It reads study files by name as JSON, and computes the first stimulus of each in a copy of a process that has computed
+none.
 """
 
 import gc
@@ -16,7 +19,7 @@ from tactometry.experiments.study.study_file import parse
 
 
 def modules_of(text):
-    """The modules that are there behind a level."""
+    """Return the modules that are loaded after computing a level."""
     cell = next(iter(wire(parse(text.encode(), "study"), "study").cells.values()))
     cell.sensation.sensation_db(cell.stimulus.at(12.0), Contact(1.0, 0.05))
     return [name for name in sys.modules if name.startswith("tactometry.")]

@@ -1,5 +1,6 @@
-"""Scenes in processes that know nothing else: run as a program by tests/stimuli/scenes/test_off.py.
+"""Scenes in fresh processes.
 
+Run as a program by tests/stimuli/scenes/test_off.py.
 It reads pairs of scene files as JSON, without an effect and with it. For each pair a copy is made of a process that has
 only run scenes without any effect.
 """
@@ -34,7 +35,7 @@ def counted(plan, given):
 
 
 def told(table):
-    """The modules that are there behind a run, the stages of its plan, and its calls."""
+    """Return loaded modules, stages of the plan and calls of a run."""
     found = scene_of(table)
     plan = found.scene.resolve()
     given = {name: found.given[name] for name in plan.given}
@@ -45,12 +46,15 @@ def told(table):
 
 
 def compared(without, with_it):
-    """A scene without an effect, the scene with it, and the first one anew, in a copy of this process."""
+    """Compare a scene without an effect with the scene that has it.
+
+    Runs both, and the first one again, in a copy of this process.
+    """
     return in_a_copy(lambda: [told(without), told(with_it), told(without)])
 
 
 def _load_libraries():
-    """What belongs to no effect and is slow to load: made ready once for all copies."""
+    """Load slow libraries once for all copies."""
     import scipy.signal
     from numba import njit
 

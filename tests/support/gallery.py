@@ -1,4 +1,4 @@
-"""The gallery of the docs: `make gallery` runs its pages, and keeps the figures that they show.
+"""The gallery of the docs, with the figures of its pages.
 
 A section of a page is a heading, a picture `pictures/NAME.png`, and the code that writes a NAME.png. The first page of
 the gallery shows all of them, and follows from the others. Pictures of pages need a browser: without it they stay.
@@ -29,7 +29,7 @@ On these pages you find figures with the commands or Python code that draw them.
 
 @dataclass(frozen=True)
 class Picture:
-    """A section of a page: its heading, what its picture shows, and the picture's name."""
+    """A picture of the gallery: heading of its section, content and name."""
 
     page: Path
     title: str
@@ -38,7 +38,7 @@ class Picture:
 
     @property
     def card(self) -> str:
-        """The picture with its heading, linked to its section; the heading is its text alternative."""
+        """Return a card with picture, link and heading."""
         heading = re.sub(r"[^\w -]", "", self.title.lower()).replace(" ", "-")
         link = f"{self.page.name}#{heading}"
         return f":::{{grid-item}}\n[![](pictures/{self.name}.png)]({link})\n\n[{self.title}]({link})\n:::\n"
@@ -49,7 +49,7 @@ def pictures_of(page: Path) -> list[Picture]:
 
 
 def first_page() -> str:
-    """All pictures, by page."""
+    """Return the index page with all pictures."""
     contents = "\n".join(["```{toctree}", ":hidden:", "", *(page.stem for page in PAGES), "```", ""])
     return "\n".join([HEAD, contents, *map(_part, PAGES)])
 
@@ -61,7 +61,7 @@ def _part(page: Path) -> str:
 
 
 def draw(page: Path) -> None:
-    """Run the page in a folder of its own, and keep the figures that it shows."""
+    """Run a page in a temporary folder and keep its figures."""
     not_run = "".join(block.text for block in blocks_of(page) if absent(block))
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)

@@ -1,4 +1,4 @@
-"""A data set whose journal grows as a test says."""
+"""A data set whose journal grows on request."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 
 @dataclass
 class GrowingJournal:
-    """It holds as many of the `lines` of a session as a test says; at first it is not there."""
+    """A journal that contains as many of a session's lines as requested."""
 
     path: Path
     lines: list
@@ -18,13 +18,13 @@ class GrowingJournal:
         return self.path.parents[1]
 
     def holds(self, n_lines=None, more=b""):
-        """The first lines, or all, and what comes behind them."""
+        """Write the first lines, or all, and any text after them."""
         self.path.write_bytes(b"".join(self.lines[:n_lines]) + more)
 
 
 @pytest.fixture
 def journal(whole, tmp_path):
-    """That of a data set which has its study already."""
+    """Return the growing journal of a data set that has its study."""
     (tmp_path / "journals").mkdir()
     (tmp_path / "study.toml").write_bytes((whole / "study.toml").read_bytes())
     [recorded] = (whole / "journals").glob("*.jsonl")

@@ -1,4 +1,4 @@
-"""Hands that press keys and touch the screen of a display by real X events."""
+"""Hands that press keys and touch a display by real X events."""
 
 import time
 
@@ -6,7 +6,7 @@ SCREEN_PX = (1280, 800)
 
 
 class Hands:
-    """Presses keys and touches the screen by real X events, from a connection of its own."""
+    """Hands that press keys and touch the screen by real X events."""
 
     def __init__(self, name):
         from Xlib import XK, X, display
@@ -20,7 +20,7 @@ class Hands:
         self._display.sync()
 
     def tap(self, key, hold_s=0.03):
-        """Press and release a key, named by its X keysym: when it went down and up on time.perf_counter."""
+        """Tap a key; return its times of press and release."""
         code = self._display.keysym_to_keycode(self._XK.string_to_keysym(key))
         down_s = time.perf_counter()
         self._send(self._X.KeyPress, code)
@@ -29,11 +29,11 @@ class Hands:
         return down_s, time.perf_counter()
 
     def touch(self, x, y):
-        """A click of no duration at (x, y) in heights of the screen, from its middle."""
+        """Click at (x, y) in screen heights from the middle."""
         self.drag((x, y))
 
     def drag(self, *places):
-        """A press at the first place, that is let go at the last."""
+        """Press at the first place and release at the last."""
         for n, place in enumerate(places):
             self._move(*place)
             if n == 0:
@@ -45,19 +45,19 @@ class Hands:
         self.point(round(width / 2 + x * height), round(height / 2 - y * height))
 
     def click(self, x_px, y_px):
-        """A click of no duration at a pixel."""
+        """Click at a pixel."""
         self._send(self._X.MotionNotify, x=x_px, y=y_px)
         self._send(self._X.ButtonPress, 1)
         self._send(self._X.ButtonRelease, 1)
 
     def point(self, x_px, y_px):
-        """Move the pointer of the display: where the server says that it is then, px."""
+        """Move the pointer; return its position from the server, px."""
         self._send(self._X.MotionNotify, x=x_px, y=y_px)
         place = self._display.screen().root.query_pointer()
         return place.root_x, place.root_y
 
     def sees(self):
-        """The pixels of the screen, as height x width x (red, green, blue)."""
+        """Return the pixels of the screen, height x width x RGB."""
         import numpy as np
 
         width, height = SCREEN_PX
@@ -65,7 +65,7 @@ class Hands:
         return np.frombuffer(image.data, np.uint8).reshape(height, width, 4)[..., 2::-1]
 
     def sees_at(self, x_px, y_px):
-        """One pixel of the screen, as (red, green, blue): much faster than all of them."""
+        """Return one pixel as RGB, much faster than the whole screen."""
         image = self._display.screen().root.get_image(x_px, y_px, 1, 1, self._X.ZPixmap, 0xFFFFFFFF)
         return tuple(image.data[2::-1])
 

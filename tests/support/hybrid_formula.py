@@ -21,7 +21,7 @@ def level_db(model, signal, contact):
 
 @lru_cache(maxsize=32)
 def _parts(signal):
-    """What the transducers play, until they are silent, and what the electrode does."""
+    """Split a signal into transducers, until silent, and electrode."""
     n_driven = int(np.flatnonzero(np.any(signal.samples[:-1], axis=0)).max(initial=0)) + 1
     foci, friction = signal.samples[:-1, :n_driven], signal.samples[-1:]
     return Signal(foci, signal.rate_hz, signal.unit), Signal(friction, signal.rate_hz, signal.unit)

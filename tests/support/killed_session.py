@@ -1,4 +1,4 @@
-"""What a child process of the kill tests runs: the real command line, with a pipe for a terminal where one is given."""
+"""Child process of the kill tests: the command line on pipes."""
 
 import os
 import sys

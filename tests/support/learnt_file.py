@@ -1,4 +1,4 @@
-"""Responses of the default screen at the default focus as a vibrometer learns them, in a file."""
+"""Files of measured responses of the default screen at its focus."""
 
 from pathlib import Path
 

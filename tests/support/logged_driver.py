@@ -1,4 +1,4 @@
-"""An output whose calls a test reads from a list."""
+"""An output whose calls are logged in a list."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""A keeper of requests and answers in memory, for tests of the loop."""
+"""An in-memory recorder of requests and answers."""
 
 from tactometry.session.replay import Replay
 

@@ -1,4 +1,4 @@
-"""The notebooks of the docs, executed as Jupyter does it; `make notebooks` writes what they show into them."""
+"""Execution of the docs' notebooks; `make notebooks` updates them."""
 
 import base64
 from pathlib import Path
@@ -19,7 +19,7 @@ def read(path: Path) -> NotebookNode:
 
 
 def executed(notebook: NotebookNode, folder: Path) -> NotebookNode:
-    """It with what its cells show, top to bottom in a new kernel that stands in the folder.
+    """Execute a notebook from top to bottom in a new kernel in the folder.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def executed(notebook: NotebookNode, folder: Path) -> NotebookNode:
 
 
 def shown(notebook: NotebookNode) -> dict[str, list[str]]:
-    """What each cell shows: texts as they are, of anything else which kind it is."""
+    """Return each cell's outputs: texts verbatim, others by kind."""
     return {cell.id: [_text_or_kind(output) for output in cell.outputs] for cell in notebook.cells if "outputs" in cell}
 
 

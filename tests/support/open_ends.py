@@ -1,4 +1,4 @@
-"""Tables of values of which some are known to lie below a bound."""
+"""Tables with values that are known only to lie below a bound."""
 
 import numpy as np
 import pandas as pd
@@ -11,6 +11,6 @@ def open_ended(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def cut(table: pd.DataFrame, at: float) -> pd.DataFrame:
-    """Values below `at` are known to lie below it, no more."""
+    """Mark values below `at` as known only to lie below it."""
     below = table["y"] < at
     return table.assign(y=table["y"].where(~below), low=np.nan, high=np.where(below, at, np.nan))

@@ -13,7 +13,7 @@ bits = st.sampled_from([(-1, 1), (-1, 0, 1)]).flatmap(
         np.int8, st.tuples(st.integers(1, 70), st.integers(0, 50)), elements=st.sampled_from(values)
     ).filter(lambda drawn: drawn.size == 0 or drawn.any())
 )
-"""Some are switched off somewhere; one that is off throughout is no signal."""
+"""Random pulses, some with zeros; an all-zero pattern carries no signal."""
 
 
 def volts(values):

@@ -34,7 +34,7 @@ class Block:
 
 
 def blocks_of(page: Path) -> list[Block]:
-    """Those of a page, in their order; what a directive of the site holds in braces is none."""
+    """Return the blocks of a page; site directives in braces are skipped."""
     found, mark, said = [], "", ""
     for token in MarkdownIt("commonmark").parse(page.read_text(encoding="utf-8")):
         comment = MARK.fullmatch(token.content) if token.type == "html_block" else None

@@ -21,7 +21,7 @@ from patience import LONGEST_PROGRAM_S
 ALIKE = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 COLUMNS = "80"
 COMPLAINT = "tactometry: "
-"""Behind it stands why a command was refused, which then ends with a status that is not 0."""
+"""Prefix of the reason why a command was refused; the exit status is then not 0."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def commands_of(text: str) -> Iterator[Command]:
 def said_by(line: str) -> tuple[int, str]:
     """The status of a command, and all that it says."""
     words = shlex.split(line, comments=True)
-    # Processes for --jobs are kept by the one that began them, in the folder that it was in then.
+    # Reused processes of --jobs stay in the folder in which they were started.
     shell = words[0] != "tactometry" or {"|", ">", "&&", "--jobs"} & set(words)
     return _of_the_shell(line) if shell else _own(words[1:])
 
@@ -67,7 +67,7 @@ def _of_the_shell(line: str) -> tuple[int, str]:
 
 
 def alike(shown: str, said: str) -> bool:
-    """Whether a command said what the page shows, of which `...` leaves out any part."""
+    """Return True if output matches the page; `...` matches any part."""
     return doctest.OutputChecker().check_output(shown.strip() + "\n", said.strip() + "\n", ALIKE)
 
 

@@ -1,4 +1,4 @@
-"""What reads the TOML of a page: the reader of that kind of file, from a file."""
+"""Reader of the TOML blocks of a page."""
 
 import tomllib
 from collections.abc import Callable, Mapping

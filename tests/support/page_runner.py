@@ -1,4 +1,4 @@
-"""A page of the docs from top to bottom: its blocks run in their order, in the folder where the test stands."""
+"""Runner of a docs page: executes its blocks in order."""
 
 import contextlib
 import doctest
@@ -15,18 +15,18 @@ from places import ROOT
 
 LANGUAGES = ("console", "python", "toml", "text")
 SAID = re.compile(r"^ *print\(.*\)(?:  |\n *)# (.+)$", re.MULTILINE)
-"""What a print is told to print: a comment behind it, or in the line below it."""
+"""Expected output of a print: a comment after it, or on the next line."""
 
 
 def run_page(page: Path) -> None:
-    """Every block of it; what is not as the page shows is an `AssertionError` with the place."""
+    """Run all blocks; raise `AssertionError` with the place of a difference."""
     names: dict[str, Any] = {"__name__": "page"}
     for block in blocks_of(page):
         run_block(block, names)
 
 
 def run_block(block: Block, names: dict[str, Any]) -> None:
-    """One block; Python with the names of the blocks above it."""
+    """Run one block; Python blocks share names with those above."""
     assert block.language in LANGUAGES, f"{block.place}: found a block of {block.language!r}, expected {LANGUAGES}"
     if block.mark == "not run":
         assert block.said, f"{block.place}: a block that is not run says why"
@@ -50,7 +50,7 @@ def run_block(block: Block, names: dict[str, Any]) -> None:
 
 
 def absent(block: Block) -> bool:
-    """Whether it needs a program that is not installed."""
+    """Return True if a block needs a program that is not installed."""
     return block.mark == "with" and shutil.which(block.said) is None
 
 
@@ -60,7 +60,7 @@ def _lines(text: str) -> str:
 
 
 def run_python(block: Block, names: dict[str, Any]) -> None:
-    """Behind `>>>` as doctest does; else the whole block, whose comments say what it prints."""
+    """Run Python as doctest, or as a block whose comments state its output."""
     if block.text.startswith(">>>"):
         _run_examples(block, names)
         return

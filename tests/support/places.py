@@ -1,4 +1,4 @@
-"""Where things stand in the repository, so that a test may stand in any folder."""
+"""Paths in the repository for tests in any folder."""
 
 from pathlib import Path
 
@@ -7,4 +7,4 @@ DOCS = ROOT / "docs"
 RECORDED = ROOT / "tests" / "recorded"
 FOREIGN = ROOT / "tests" / "foreign"
 SHARED = ROOT.parent / "shared"
-"""Data sets of others: absent on most machines."""
+"""Third-party data sets, absent on most machines."""

@@ -1,4 +1,7 @@
-"""A program that plays noise to a sound device and tells how far it came: `python player.py JSON`."""
+"""A program that plays noise and prints its progress.
+
+`python player.py JSON`.
+"""
 
 import json
 import os
@@ -16,7 +19,7 @@ GAIN = Gain(50.0, 1.0)
 
 
 def noise(n_channels, rate_hz, duration_s):
-    """Samples of which none is zero."""
+    """Return noise without a zero sample."""
     rng = np.random.default_rng(n_channels)
     values = rng.uniform(1.0, 50.0, (n_channels, round(duration_s * rate_hz)))
     return Signal(values * rng.choice([-1.0, 1.0], values.shape), rate_hz, "V")
@@ -34,14 +37,14 @@ def settings(asked):
 
 
 def frames(asked):
-    """What the device should get, (n_frames, n_channels) of 16 bits."""
+    """Return the expected frames, (n_frames, n_channels) of 16 bits."""
     output = settings(asked).driver(GAIN)
     signal = noise(asked["n_channels"], asked["rate_hz"], asked["duration_s"])
     return np.round(output.final(signal).samples.T / 50.0 * 32767).astype("<i2")
 
 
 def tell(course):
-    """How many frames the device has asked for, over and over."""
+    """Print how many frames the device has requested, repeatedly."""
     while True:
         os.write(1, f"{course._at}\n".encode())
         time.sleep(0.001)

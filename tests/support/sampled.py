@@ -1,4 +1,4 @@
-"""A sensor that samples a function of the time since it was opened, on the real clock, in the reader's thread."""
+"""A sensor that samples a function of time in the reader's thread."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""Scenes for the tests: one effect after the other, and hypothesis's own."""
+"""Scenes for tests: one per effect, and random ones."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -38,7 +38,7 @@ ELECTROVIBRATION: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] =
     "summation": ({}, ("receptors", "friction"), "sensation_db"),
     "masking": ({"level_db_re_threshold": 25.0}, ("sensitivity", "friction"), "sensation_db"),
 }
-"""Of each effect that can be on or off: its values, what it needs beside it, an output that it changes or brings."""
+"""Optional effects: values, required effects, and an output that each one changes or adds."""
 
 
 def effect(kind: str, **values: object) -> Effect:
@@ -93,7 +93,7 @@ def panels(draw: st.DrawFn, outputs: tuple[str, ...]) -> tuple[Electrovibration,
 
 
 def between_events(t_s, event_s, at_s):
-    """Which times are in a step (of samples at `t_s`) that holds no beginning of slip or stick."""
+    """Return a mask of times in steps without an onset of slip or stick."""
     return ~np.isin(np.searchsorted(t_s, at_s, side="right"), np.searchsorted(t_s, event_s, side="right"))
 
 
@@ -124,7 +124,7 @@ TIME_REVERSAL: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] = {
 
 
 def tuned(kind: str) -> list[Effect]:
-    """An effect with what it needs."""
+    """Return an effect with the effects it requires."""
     return [effect(name, **TIME_REVERSAL[name][0]) for name in (kind, *TIME_REVERSAL[kind][1])]
 
 
@@ -199,7 +199,7 @@ def finest_of(scene: Scene, *accuracies: float) -> Scene:
 
 
 def refusal(scene: Scene) -> str:
-    """Why an accuracy is refused."""
+    """Return the reason why an accuracy is refused."""
     try:
         scene.resolve()
     except InvalidParameter as refused:

@@ -11,7 +11,7 @@ EFFECT_LINES = {
     "sensitivity": '{ kind = "sensitivity" }',
 }
 SHORT = {"[60, 240]": "[60]", "levels = [22, 28, 34, 40]": "levels = [10, 34]", "repeats = 4": "repeats = 1"}
-"""What makes a study of the tutorial last four trials."""
+"""Changes that shorten the tutorial study to four trials."""
 
 
 def scene(*lines, **keys):

@@ -1,5 +1,7 @@
-"""Where the tests write: in memory where there is room, as a recorded trial waits for the disk and the tests record
-many thousands. The syncs are called all the same."""
+"""Folder that tests write to: in memory if there is room.
+
+A recorded trial waits for the disk, and the tests record many thousands. Syncs are still called.
+"""
 
 import os
 from pathlib import Path
@@ -9,7 +11,7 @@ ROOM_BYTES = 4 * 2**30
 
 
 def has_room(folder=IN_MEMORY):
-    """Whether the tests' folders fit, and programs that are installed in them run."""
+    """Return True if the folder fits the tests' files and is executable."""
     if not os.access(folder, os.W_OK):
         return False
     disk = os.statvfs(folder)

@@ -124,7 +124,7 @@ def all_pages(language, aspect):
 
 
 def form_pages(name, language, aspect):
-    """The last page of a questionnaire with each of two answers; that of the SUS as where gaps were pointed out."""
+    """Return a questionnaire's last page with each of two answers."""
     loaded = load(name)
     page = pages(loaded, loaded.items)[-1]
     drawn = form_of(page, texts_in(language, {}))
@@ -139,7 +139,7 @@ def entry_page(aspect):
 
 
 def every_page(aspect):
-    """Those of both languages, the questionnaires, the typed number and the bar, by name."""
+    """Return all pages by name: both languages, forms, number and bar."""
     found = {f"{lang}_{name}": page for lang in languages() for name, page in all_pages(lang, aspect).items()}
     found |= {f"form_{name}_{lang}": form_pages(name, lang, aspect)[0] for name, lang in FORMS}
     bar = layout.bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), aspect, BAR_PART)

@@ -1,4 +1,4 @@
-"""A participant who looks at the pixels of a display and acts by keys, pointer and a finger at a force sensor.
+"""A simulated participant who reads a display and acts on real devices.
 
 It knows what a participant is told: press until the bar stays between the lines, follow the dot, lift the finger after
 a touch, answer what is asked. What it answers is drawn, and kept to be compared with what was recorded.
@@ -13,17 +13,17 @@ from seen import see
 
 LOOK_EVERY_S = 0.02
 PATIENCE_S = 20.0
-"""After which it acts again where a page has not changed: never, unless something was lost."""
+"""Time after which it repeats an action if the page has not changed."""
 FIRST_COUNTS, MOST_COUNTS = 20.0, 900.0
 LET_GO_PX = 8
 STUCK_S = 3.0
 DOT_UM_PER_S, TRACK_UM = 50e3, 100e3
-"""How the dot goes in the built-in studies: at 50 mm/s along 0.1 m."""
+"""Movement of the dot in the built-in studies: 50 mm/s along 0.1 m."""
 DIGITS = "0123456789"
 
 
 class Eye:
-    """Reads the pixels of a display, from a connection of its own."""
+    """A reader of the pixels of a display."""
 
     def __init__(self, name):
         from Xlib import X, display
@@ -41,7 +41,7 @@ class Eye:
         self._display.sync()
 
     def picture(self):
-        """All of the screen, (height, width, 3)."""
+        """Return the whole screen, (height, width, 3)."""
         width, height = self.size_px
         image = self._root.get_image(0, 0, width, height, *self._whole)
         return np.frombuffer(image.data, np.uint8).reshape(height, width, 4)[:, :, 2::-1]
@@ -69,7 +69,7 @@ class Pursuit:
     _seen: list = field(default_factory=list)
 
     def see(self, along, now_s):
-        """The dot is at this part (0 to 1) of its track."""
+        """Note that the dot is at this share (0 to 1) of its track."""
         self._seen = [*self._seen[-1:], (along, now_s)]
         if len(self._seen) == 2 and 0.05 < along < 0.95 and along != self._seen[0][0]:
             rising = along > self._seen[0][0]
@@ -80,7 +80,7 @@ class Pursuit:
 
 
 class Finger:
-    """One participant at one display.
+    """A participant at one display.
 
     Parameters
     ----------
@@ -97,9 +97,9 @@ class Finger:
         self._hands, self._eye, self._rng, self._sensor = hands, eye, rng, sensor
         self.said = []
         self.kinds = []
-        """The pages that it saw, in their order."""
+        """Pages in the order in which they were seen."""
         self.seen, self.picture, self.steady = None, None, False
-        """What was seen last; steady if it was the same before."""
+        """Last view of the screen; steady if equal to the one before."""
         self._acted_on = None
         self._acted_s = 0.0
         self._counts, self._played, self._letting_go, self._held_since_s = 0.0, False, False, None
@@ -120,7 +120,7 @@ class Finger:
         return False
 
     def _look(self, now_s):
-        """Look once: whether there is something that was not acted on."""
+        """Look once; return True if there is something new."""
         picture = self._eye.picture()
         self.steady = self.picture is not None and np.array_equal(picture, self.picture)
         self.picture = picture
@@ -185,7 +185,7 @@ class Finger:
     # --- pages
 
     def _act(self, seen):
-        """Do what a page asks for: whether there was something to do."""
+        """Act on a page; return True if there was something to do."""
         act = {"words": self._go_on, "question": self._choose, "form": self._fill, "number": self._enter}
         return act.get(seen.kind, self._confirm)(seen)
 
@@ -207,7 +207,7 @@ class Finger:
         return True
 
     def _fill(self, seen):
-        """One more row; when each has a mark, what they say is kept and the page is left."""
+        """Mark one more row; leave the page when each row has a mark."""
         open_rows = [k for k, mark in enumerate(seen.marked) if mark is None]
         if len(open_rows) == len(seen.rows):
             self._note("form")
@@ -225,8 +225,10 @@ class Finger:
         return True
 
     def _enter(self, seen):
-        """A number, and Return once it stands there: a busy machine may show it for a while after that, and a page with
-        another number would be taken for a new one."""
+        """Type a number, and press Return once it is visible.
+
+        A busy machine may show it for a while after that, and a page with another number would look like a new one.
+        """
         if seen.typed:
             return self._confirm_number()
         self._note("number")

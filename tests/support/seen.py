@@ -1,4 +1,4 @@
-"""What a participant sees on a screen, read from its pixels alone: circle, force bar, track, boxes, rings, words."""
+"""Recognition of what a screen shows, from its pixels alone."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -13,7 +13,7 @@ from scipy import ndimage
 PAPER, INK, BLUE, YELLOW = ((14, 17, 22), (245, 247, 250), (86, 180, 233), (240, 228, 66))
 """Ground and colours, as red, green, blue; greys are parts of the way from ground to ink."""
 EDGE_FROM, QUIET_FROM, INK_FROM, COLOUR_FROM = 0.3, 0.5, 0.72, 0.5
-"""From which part of the way on a pixel is of a grey or a colour: edges of shapes are smoothed."""
+"""Smallest part of the way at which a pixel counts as grey or coloured: edges are smoothed."""
 NOTHING, EDGE_LIKE, QUIET_LIKE, INK_LIKE, BLUE_LIKE, YELLOW_LIKE = range(6)
 GREYS = (EDGE_LIKE, QUIET_LIKE, INK_LIKE)
 ROUND, EDGE_PX, ROW_PX = 0.03, 4, 2
@@ -45,7 +45,7 @@ class Body:
 
     @property
     def filled(self):
-        """The part of the bounding box that has the colour: pi/4 of a disc."""
+        """Share of the bounding box that has the colour: pi/4 for a disc."""
         return self.n / (self.width * self.height)
 
     def is_square(self, within_px):
@@ -90,7 +90,7 @@ class Seen:
 
     @property
     def kind(self):
-        """What kind of page it is."""
+        """Kind of page."""
         if self.marker is not None:
             return "touch"
         if self.rows:
@@ -105,7 +105,7 @@ class Seen:
 
 
 def colours(picture):
-    """What each pixel of a picture (height, width, 3) is of: `NOTHING` to `YELLOW_LIKE`."""
+    """Classify each pixel of a picture: `NOTHING` to `YELLOW_LIKE`."""
     found = np.zeros(picture.shape[:2], np.uint8)
     lit = (picture != np.array(PAPER, np.uint8)).any(axis=2)
     away = picture[lit].astype(np.float32) - np.array(PAPER, np.float32)
@@ -132,7 +132,7 @@ def bodies(mask, least_px=4, corners=1):
 
 
 def see(picture):
-    """What is on a picture (height, width, 3) of the whole screen."""
+    """Recognise the content of a whole screen (height, width, 3)."""
     pixels = colours(np.asarray(picture, np.uint8))
     height_px = len(pixels)
     blue = bodies(pixels == BLUE_LIKE)
@@ -156,7 +156,7 @@ def see(picture):
 
 
 def _is_outline(body, height_px):
-    """A box that is drawn by its edges: few of its pixels, and none of a letter's size."""
+    """Return True for a box of edges that is larger than a letter."""
     edges = 2 * (body.width + body.height)
     return body.width > 0.1 * height_px and body.height > 0.05 * height_px and 0.6 * edges < body.n < 4 * edges
 
@@ -190,7 +190,7 @@ def _bar(pixels, blue, height_px):
 
 
 def _track(pixels, blue, height_px):
-    """Where the dot of a track is, and the ring of the finger, px from the left."""
+    """Return places of the track's dot and the finger's ring, px."""
     small = [body for body in blue if 0.01 * height_px < body.height < 0.08 * height_px]
     dots = [body for body in small if body.is_square(0.035 * height_px)]
     rings = [
@@ -216,13 +216,13 @@ def _rows(pixels, height_px):
 
 
 def _of_one_size(rings):
-    """Those of a row, from the left: a round letter beside them is of another size."""
+    """Return a row's rings of equal size from the left, without letters."""
     usual_px = np.median([ring.width for ring in rings])
     return sorted((ring for ring in rings if abs(ring.width - usual_px) <= ROW_PX), key=lambda ring: ring.x0)
 
 
 def _marked(pixels, rows):
-    """Which ring of each row has its dot."""
+    """Return the index of the marked ring of each row."""
 
     def dotted(ring):
         x, y = (int(place) for place in ring.middle)
@@ -232,7 +232,7 @@ def _marked(pixels, rows):
 
 
 def _typed(pixels, boxes):
-    """Whether something stands in the widest box, that of a number."""
+    """Return True if the number's box, the widest one, contains text."""
     if not boxes:
         return False
     box = max(boxes, key=lambda body: body.width)
@@ -240,7 +240,7 @@ def _typed(pixels, boxes):
 
 
 def _key(picture, pixels, box):
-    """The key that a choice shows: in its small box, or alone and large."""
+    """Return the key of a choice, in its small box or alone."""
     inside = pixels[box.y0 : box.y1, box.x0 : box.x1] >= QUIET_LIKE
     within = [body for body in bodies(inside) if 0.1 * box.height < body.height < 0.6 * box.height]
     frames = [body for body in within if body.is_square(4) and body.height > 0.2 * box.height]
@@ -251,7 +251,7 @@ def _key(picture, pixels, box):
 
 @cache
 def _glyphs():
-    """How letters and digits look in the font of the screen."""
+    """Return how letters and digits look in the screen's font."""
     package = Path(find_spec("psychopy").origin).parent
     font = ImageFont.truetype(str(package / "assets" / "fonts" / "NotoSans-Regular.ttf"), 60)
     return {symbol: _drawn(symbol, font) for symbol in SYMBOLS}
@@ -264,7 +264,7 @@ def _drawn(symbol, font):
 
 
 def _scaled(image):
-    """In a square as wide as the larger side, so that an I stays one."""
+    """Scale into a square as wide as the larger side."""
     side = max(image.size)
     square = Image.new("L", (side, side))
     square.paste(image, ((side - image.width) // 2, (side - image.height) // 2))
@@ -272,7 +272,7 @@ def _scaled(image):
 
 
 def _symbol(pixels, body):
-    """The letter or digit that a body looks like."""
+    """Return the letter or digit of a body."""
     grey = pixels[body.y0 - 1 : body.y1 + 1, body.x0 - 1 : body.x1 + 1].mean(axis=2)
     grey = 255 * (grey - grey.min()) / (np.ptp(grey) or 1)
     seen = _scaled(Image.fromarray(grey.astype(np.uint8)))

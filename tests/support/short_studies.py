@@ -1,4 +1,4 @@
-"""The built-in studies, each as short as its file allows: every kind of page once or twice."""
+"""Short versions of the built-in studies with every kind of page."""
 
 import re
 
@@ -11,7 +11,7 @@ def text_of(name):
 
 
 def without(name, lines):
-    """The lines of a study that match are left out."""
+    """Remove the matching lines of a study."""
     return tuple((line, "") for line in re.findall(lines, text_of(name), re.MULTILINE))
 
 
@@ -64,7 +64,7 @@ SHORT = {
 
 
 def shortened(name):
-    """The text of a built-in study with few trials and short holds."""
+    """Shorten a built-in study to few trials and short holds."""
     text = changed(TUTORIAL if name == "tutorial" else text_of(name), dict(SHORT[name]))
     for old, new in FAST:
         text = text.replace(old, new)

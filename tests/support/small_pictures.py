@@ -9,7 +9,7 @@ MOST_BYTES = 150_000
 
 
 def small(png: bytes, width: int) -> bytes:
-    """A PNG at most so many pixels wide, of a few colours that are near to all of its own; fewer where it is large."""
+    """Encode a PNG of limited width with few colours, fewer if large."""
     opaque = _opaque(png, width)
     tried = [_encoded(opaque, n_colours) for n_colours in N_COLOURS]
     return next((kept for kept in tried if len(kept) <= MOST_BYTES), tried[-1])

@@ -1,4 +1,4 @@
-"""Whether the tests run at full size: `make soak` asks for it."""
+"""Size of the tests: full with `make soak`."""
 
 import os
 

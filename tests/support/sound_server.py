@@ -55,7 +55,7 @@ def alsa_in(folder):
 
 
 def played(raw, wanted):
-    """Whether the recorded bytes hold the wanted frames without a break, between silences."""
+    """Return True if a recording contains the wanted frames without gaps."""
     frames = np.frombuffer(raw[: len(raw) // (2 * wanted.shape[1]) * 2 * wanted.shape[1]], "<i2")
     frames = frames.reshape(-1, wanted.shape[1])
     heard = np.flatnonzero(frames.any(axis=1))
@@ -96,16 +96,16 @@ class Sink:
             raise
 
     def begin(self):
-        """What is heard from now on is the next record."""
+        """Begin a new record."""
         self.n_before = self.raw.stat().st_size // 4 * 4
 
     def heard(self):
-        """How many samples since `begin` were not zero."""
+        """Return how many samples since `begin` were not zero."""
         raw = self.raw.read_bytes()[self.n_before :]
         return np.count_nonzero(np.frombuffer(raw[: len(raw) // 4 * 4], "<i2"))
 
     def end(self):
-        """Wait until the record holds what was played; then its frames."""
+        """Wait until the record contains what was played; return its frames."""
         n_bytes = self.raw.stat().st_size
         wait_for(lambda: self.raw.stat().st_size > n_bytes + 4 * 24_000)
         raw = self.raw.read_bytes()[self.n_before :]

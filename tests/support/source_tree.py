@@ -1,4 +1,4 @@
-"""The product's own files, and copies of them that a test may spoil."""
+"""The repository's files, and copies that a test may modify."""
 
 import ast
 import shutil
@@ -10,12 +10,12 @@ from pathlib import Path
 from places import ROOT
 
 WINGS = ("stimuli", "protocols", "analysis", "experiments")
-"""Beside the kernel, where a link to each shows it to editors and type checkers."""
+"""Folders next to the kernel, which links to each for editors and type checkers."""
 FOLDERS = ("tactometry", *WINGS)
 
 
 def sources() -> list[Path]:
-    """The Python files, each once."""
+    """Return the Python files, each once."""
     paths = (path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
     return sorted(path for path in paths if not any(part.is_symlink() for part in (path, *path.parents)))
 
@@ -30,7 +30,7 @@ def name_of(path: Path) -> str:
 
 
 def copy_tree(place: Path, *files: str) -> Path:
-    """`place`, with the folders of the product and files that stand beside them."""
+    """Copy the product's folders and these files; return `place`."""
     for file in files:
         shutil.copy(ROOT / file, place)
     for folder in FOLDERS:
@@ -40,7 +40,7 @@ def copy_tree(place: Path, *files: str) -> Path:
 
 
 def contracts(tree: Path) -> "subprocess.CompletedProcess[str]":
-    """What import-linter says of a tree."""
+    """Run import-linter on a tree."""
     script = "import sys; sys.path.insert(0, '.'); from importlinter.cli import lint_imports_command; "
     command = [sys.executable, "-c", script + "lint_imports_command()", "--no-cache", "--no-logo"]
     return subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False)

@@ -1,6 +1,8 @@
-"""What the built-in studies and scenes gave when it was recorded; `python tests/support/stimulus_levels.py` records it.
+"""Recorded levels and outputs of the built-in studies and scenes.
 
-A change of physics records it anew, and says in its commit which number changed, and why.
+`python tests/support/stimulus_levels.py` records them.
+
+The commit of a change of physics records them again, and states which numbers changed and why.
 """
 
 import json
@@ -22,7 +24,7 @@ FILE = RECORDED / "stimulus_levels.json"
 LEVELS = (-10.0, 4.0, 12.0, 20.0, 28.0)
 CONTACTS = (Contact(1.5), Contact(0.5, 0.02), Contact(3.0, 0.1))
 SHARES = (0.5, 1.0)
-"""Of what a scene is given by its file."""
+"""Shares of the inputs in a scene's file."""
 N_READ = 16
 
 

@@ -1,4 +1,4 @@
-"""Study files whose text is changed: shorter, faster, on another bench, or so that no study can be made of it."""
+"""Study texts with changes: shorter, on another bench, or invalid."""
 
 import pytest
 
@@ -12,7 +12,7 @@ CONSTANT = (
 
 
 def changed(text, changes):
-    """The text with all changes, none of which may miss what it replaces."""
+    """Apply text replacements; each must match."""
     for old, new in changes.items():
         assert old in text, old
         text = text.replace(old, new)
@@ -30,19 +30,19 @@ TUTORIAL = with_constant_stimuli(load("tutorial")[1].decode())
 
 
 def tutorial_in(folder, changes):
-    """A file with the tutorial of constant stimuli, changed."""
+    """Write a tutorial of constant stimuli with changes."""
     path = folder / "short.toml"
     path.write_text(changed(TUTORIAL, changes), encoding="utf-8")
     return path
 
 
 def wired(text):
-    """The experiment that a text makes."""
+    """Return the experiment of a text."""
     return wire(parse(text.encode(), "s.toml"), "s.toml")
 
 
 def refusal(text):
-    """Why a text makes no experiment."""
+    """Return the reason why a text is refused."""
     with pytest.raises((InvalidFile, InvalidParameter)) as error:
         wired(text)
     return str(error.value)

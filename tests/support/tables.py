@@ -4,7 +4,7 @@ import csv
 
 
 def rows_of(*paths):
-    """The rows of files, one after the other: with commas, or with tabs where the name ends in tsv."""
+    """Return the rows of CSV or TSV files, one after the other."""
     rows = []
     for path in paths:
         with path.open(newline="", encoding="utf-8") as text:
@@ -13,10 +13,10 @@ def rows_of(*paths):
 
 
 def trial_rows(root):
-    """The trials of a data set, session after session."""
+    """Return the trials of a data set by session."""
     return rows_of(*sorted((root / "data").glob("*.csv")))
 
 
 def event_rows(root):
-    """What happened in the sessions of a data set."""
+    """Return the events of a data set's sessions."""
     return rows_of(*sorted((root / "journals").glob("*_events.tsv")))

@@ -19,7 +19,7 @@ from tactometry.signal import Signal
 FULL_SCALE_V = 100.0
 
 METRES_PER_COUNT = 5e-5
-"""Of the emulator's count of its samples, of which it takes a thousand a second: the finger moves at 50 mm/s."""
+"""Metres per sample of the emulator at 1 kHz: the finger moves at 50 mm/s."""
 RELEASED = "0.5:30,3:100"
 
 BENCH = (
@@ -82,7 +82,7 @@ def texture_bench(folder, port, position=POSITION, more=""):
 
 
 def console_session(study, bench, out, env, n_answers=50):
-    """A session at a console, whose participant answers 1 each time: its status, output and errors."""
+    """Run a session at a console; return its status, output and errors."""
     words = ["run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", out]
     command = [sys.executable, "-m", "tactometry", *map(str, words)]
     done = subprocess.run(
@@ -98,7 +98,7 @@ def console_session(study, bench, out, env, n_answers=50):
 
 
 def paths_in(root):
-    """The paths that the textures of a data set followed, by their digests: times (s) and places (m)."""
+    """Return the texture paths of a data set by digest: times and places."""
     (file,) = (root / "journals").glob("*_positions.tsv")
     rows = [line.split("\t") for line in file.read_text().splitlines()[1:]]
     digests = dict.fromkeys(digest for digest, _, _ in rows)
@@ -106,7 +106,7 @@ def paths_in(root):
 
 
 def stretches(frames, least=4800):
-    """The parts of a record (n_frames, n_channels) between silences of at least so many frames."""
+    """Return the parts of a record between long silences."""
     heard = np.flatnonzero(frames.any(axis=1))
     cuts = np.flatnonzero(np.diff(heard) > least)
     firsts, lasts = np.r_[heard[:1], heard[cuts + 1]], np.r_[heard[cuts], heard[-1:]]
@@ -142,9 +142,10 @@ def heard_of(touched, heard):
 
 
 def check_kept_as_heard(data, frames):
-    """What was kept of a touch is what the sink heard (n_frames, n_channels), whole number for whole number.
+    """Check that a touch was recorded exactly as the sink received it.
 
-    Of one of them at least: a busy sound server drops samples of its own."""
+    One touch of a session suffices: a busy sound server drops samples.
+    """
     trials = dict.fromkeys(int(row["trial"]) for row in trial_rows(data))
     touches = [touch for trial in trials for touch in read_traces(data, trial) if touch.answer.digest]
     numbers = [np.rint(touch.emitted.samples[0] / FULL_SCALE_V * 32767) for touch in touches]
@@ -153,15 +154,17 @@ def check_kept_as_heard(data, frames):
 
 
 def numbers_of(stimulus, path):
-    """What the card should get (n_frames,) under the finger of a path, as whole numbers of 16 bits."""
+    """Return the expected 16-bit samples (n_frames,) of a finger path."""
     strongest = stimulus.at(34.0)
     k = np.trunc(strongest.samples / FULL_SCALE_V * 32767)
     return np.trunc(felt_under(stimulus, Signal(k, strongest.rate_hz, "V"), *path).samples[0])
 
 
 def alike(record, wanted):
-    """Whether both are the same from the first sample above one of some thresholds to the last: positions are kept
-    rounded, which moves an edge, a rise of 48 samples, by one of them at most."""
+    """Return True if both are equal above one of some thresholds.
+
+    Positions are recorded rounded, which moves an edge of 48 samples by at most one sample.
+    """
     return any(_alike_above(threshold, record, wanted) for threshold in (100, 150, 200))
 
 

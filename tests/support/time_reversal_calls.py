@@ -40,27 +40,18 @@ from time_reversal_parts import (
 from tactometry.contact import Contact
 from tactometry.stimuli.composition.effect import Demand
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
-from tactometry.stimuli.time_reversal import (
-    Analogue,
-    Attenuation,
-    Contactor,
-    DiscPatch,
-    Fingertip,
-    Glass,
-    OneBit,
-    Patch,
-    Pattern,
-    PlateLoad,
-    PointForce,
-    PulseWidth,
-    SigmaDelta,
-    Target,
-    TimeReversalStimulus,
-)
+from tactometry.stimuli.time_reversal import DiscPatch, Fingertip, Glass, Pattern, Target, TimeReversalStimulus
 from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.filters import Butterworth
+from tactometry.stimuli.time_reversal.finger import Contactor
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
-from tactometry.stimuli.time_reversal.responses.load import SprungMass
+from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.responses.load import PlateLoad, SprungMass
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.transducer import Patch, PointForce
 from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place, PlacedFoci
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 

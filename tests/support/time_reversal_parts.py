@@ -1,28 +1,20 @@
-"""Small sound parts of time reversal, of which its calls are made."""
+"""Small valid arguments for functions of time reversal."""
 
 from pathlib import Path
 
 import numpy as np
 
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal import (
-    Attenuation,
-    Band,
-    ClosedReversal,
-    Emission,
-    FocusTrain,
-    Plate,
-    Responses,
-    Screen,
-    Setup,
-    Target,
-    border,
-)
+from tactometry.stimuli.time_reversal import Band, FocusTrain, Plate, Responses, Screen, Setup, Target
 from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
 from tactometry.stimuli.time_reversal.design.thickness import sheets
+from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
 from tactometry.stimuli.time_reversal.responses.load import Receptances
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.transducer import border
 
 PLATE = Plate(0.297, 0.210, 1.1e-3, 64e9, 0.20, 2230.0, "SSSS")
 SCREEN = Screen(PLATE, border(PLATE, 2), Attenuation(3e-3))

@@ -1,4 +1,4 @@
-"""A simulated participant with an experimenter beside, who wants something as trials are recorded."""
+"""A simulated participant with an experimenter who intervenes."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from tactometry.session.request import Intervene, Record, Show
 
 
 class Wanting:
-    """`at` says what is wanted, by words, when that many rows are recorded, or while a page of that name is up.
+    """A rig with interventions at given numbers of rows or pages (`at`).
 
     ``back`` (or ``back 2``) takes back the row that was recorded so many rows before. A `log` has the orders as events,
     and what was wanted in an earlier sitting; the session is interrupted before the request number `stops_at`, or

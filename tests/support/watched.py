@@ -1,4 +1,4 @@
-"""A data set that is watched: its page served in a thread, and asked for by plain HTTP."""
+"""A watched data set whose page is served in a thread."""
 
 import http.client
 import json
@@ -34,7 +34,7 @@ class Served:
         return http.client.HTTPConnection("127.0.0.1", self.port, timeout=LONGEST_WAIT_S)
 
     def ask(self, path="", method="GET", *, whole_path=None, **headers):
-        """Status and text of an answer; a header by its name with `_` for `-`."""
+        """Return status, text and headers of a request."""
         connection = self.connection()
         named = {name.replace("_", "-"): value for name, value in headers.items()}
         connection.request(method, whole_path or f"/{self.token}/{path}", headers=named)
@@ -45,7 +45,7 @@ class Served:
 
     @contextmanager
     def listening(self):
-        """What is told of changes: a function that gives the sections of the next message."""
+        """Subscribe to changes; return a function that gives the next message."""
         connection = self.connection()
         connection.request("GET", f"/{self.token}/events")
         answer = connection.getresponse()

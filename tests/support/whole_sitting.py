@@ -1,4 +1,4 @@
-"""A sitting at the real window with a sensor: the process, and a participant who looks at the screen."""
+"""A session in a real window with a sensor and a simulated participant."""
 
 import os
 import tomllib
@@ -35,7 +35,7 @@ SENSORS = {
 
 
 class Sitting:
-    """A participant and the bench; `run` begins a session.
+    """A participant and the bench; `run` starts a session.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class Sitting:
         (folder / "bench.toml").write_text(told, encoding="utf-8")
 
     def run(self, *more):
-        """The process of a session, whose window opens in front of all that there is."""
+        """Start the process of a session."""
         self._eye.cover()
         words = ("run", self.study, "--participant", "P01", "--seed", 3, "--bench", self.folder / "bench.toml")
         return tactometry(*words, "--out", self.data, *more)
@@ -71,7 +71,7 @@ class Sitting:
 
 @contextmanager
 def sitting(folder, study, language, hands, kind="udp", *, dry_run=True):
-    """A participant whose finger is at a sensor of a kind."""
+    """Return a participant whose finger is at a sensor of a kind."""
     eye, sensor = Eye(os.environ["DISPLAY"]), Emulator(kind, folder, options=("--steered",))
     try:
         yield Sitting(folder, study, language, hands, eye, sensor, dry_run=dry_run)
@@ -81,7 +81,7 @@ def sitting(folder, study, language, hands, kind="udp", *, dry_run=True):
 
 
 def asked_to_end(process, finger):
-    """Take part to the end: status, output and errors; a process that does not end is ended."""
+    """Take part to the end; return status, output and errors."""
     try:
         finger.sit(process)
         return process.returncode, *process.communicate(timeout=30)
@@ -91,14 +91,14 @@ def asked_to_end(process, finger):
 
 
 def forms_of(study):
-    """The questionnaires of a study by their names."""
+    """Return the questionnaires of a study by name."""
     table = tomllib.loads(study)
     names = [table["task"].get("form"), *(each["form"] for each in table.get("inquiries", {}).values())]
     return [load(name) for name in names if name]
 
 
 def recorded_as(said, study):
-    """What a data set should hold of what a finger said: a number for each answer, in their order."""
+    """Return the expected recorded numbers of a finger's answers."""
     first = 0 if '"yes_no"' in study else 1
     scales = {form.steps: form for form in forms_of(study)}
 

@@ -1,4 +1,4 @@
-"""A sitting at the real window: a process, and hands that press its keys."""
+"""A session in a real window, and hands that press its keys."""
 
 import subprocess
 import sys
@@ -15,7 +15,7 @@ def tactometry(*arguments, **how):
 
 
 def sit(process, hands, keys):
-    """Tap the keys, over and over, until the process ends: its status, output and errors."""
+    """Tap the keys until the process ends; return status, output, errors."""
     ended = threading.Event()
 
     def tap_all():

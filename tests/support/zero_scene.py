@@ -27,7 +27,7 @@ PRESS = Press("noise", 1.0, 20.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeo
 
 
 class Noting:
-    """A driver that notes when it was told to stop or close, and how many frames it had given by then."""
+    """A driver that notes its frame count at the first stop or close."""
 
     def __init__(self, driver):
         self._driver, self.n_given = driver, None
@@ -40,7 +40,7 @@ class Noting:
             self.n_given = self._driver._feed._at
 
     def stop(self):
-        """Noted once it is told: on a busy machine the device may ask for blocks between a note and the stop."""
+        """Stop, then note it: the device may request blocks in between."""
         self._driver.stop()
         self._note()
 
@@ -50,7 +50,7 @@ class Noting:
 
 
 class Scene:
-    """A touch of a noise of 20 s, of which `happens` tells how it ends once the sink hears it."""
+    """A touch of a 20 s noise, ended by `happens` once the sink hears it."""
 
     def __init__(self, watched, driver, sink):
         self.sink, self.driver, self.force_n, self.ended = sink, driver, 1.0, threading.Event()
@@ -66,13 +66,13 @@ class Scene:
         return self.force_n
 
     def when_heard(self, happens, *args):
-        """Call it, unless the touch has ended before: a busy computer loses samples of the sensor by itself."""
+        """Call a function when the sink hears the touch, unless it has ended."""
         wait_for(lambda: self.ended.is_set() or self.sink.heard() > 2 * N_HEARD)
         if not self.ended.is_set():
             happens(*args)
 
     def heard(self, stimulus="noise"):
-        """How many frames the sink heard before its silence: the stimulus's, where no gap was reported."""
+        """Return how many frames the sink heard before its silence."""
         frames = self.sink.end()
         assert not frames[-4800:].any()
         heard = heard_part(frames)
@@ -93,7 +93,7 @@ LIMITS = Limits(voltage_peak_v=200.0, current_peak_a=1.0, duty=1.0, session_s=60
 
 @dataclass(frozen=True)
 class Noise:
-    """No sample of it is zero."""
+    """A noise without a zero sample."""
 
     duration_s: float
     unit = "V"
@@ -104,7 +104,7 @@ class Noise:
 
 
 class Failing:
-    """A screen that fails when it is told to."""
+    """A screen that fails on request."""
 
     def __init__(self, screen):
         self._screen, self.fails = screen, threading.Event()

@@ -1,4 +1,4 @@
-"""All mistakes of a file in one run of the command line, a line each."""
+"""All mistakes of a file are reported in one run, one per line."""
 
 from pathlib import Path
 

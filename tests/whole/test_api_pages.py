@@ -1,4 +1,4 @@
-"""Every face of the product has its page of Python names, which autodoc fills from docstrings."""
+"""Every public package has a page of Python names from docstrings."""
 
 import inspect
 import re
@@ -10,11 +10,11 @@ from source_tree import sources
 
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "reference" / "api").glob("*.md")}
 PINNED = ("tactometry.protocols", "tactometry.psychometric", "tactometry.signal", "tactometry.contact")
-"""Modules that are no faces, whose names are promised."""
+"""Other modules with public names."""
 
 
 def faces():
-    """The packages that name what others may call."""
+    """Return the packages with public names."""
     for path in sources():
         if path.name == "__init__.py" and "exports(__name__" in path.read_text(encoding="utf-8"):
             yield f"tactometry.{'.'.join(path.parent.relative_to(ROOT).parts)}"
@@ -28,14 +28,14 @@ def test_a_module_of_public_names_has_its_page(module):
 
 
 @pytest.mark.parametrize("module", [*faces(), "tactometry.protocols"])
-def test_a_face_lists_its_public_names_alone(module):
+def test_package_dir_lists_only_public_names(module):
     face = import_module(module)
     assert dir(face) == sorted(face.__all__)
     assert [name for name in dir(face) if name.startswith("_") or inspect.ismodule(getattr(face, name))] == []
 
 
 @pytest.mark.parametrize("module", [*faces(), *PINNED])
-def test_a_public_name_says_what_it_is(module):
+def test_public_name_has_docstring(module):
     face = import_module(module)
     public = getattr(face, "__all__", [])
     named = {name: getattr(face, name) for name in public}

@@ -1,4 +1,4 @@
-"""Broken command lines: one sentence, the right exit status, nothing changed."""
+"""Invalid command lines: one sentence, exit status, no changes."""
 
 import re
 
@@ -86,7 +86,7 @@ COMMAND_LINES = {
 
 
 @pytest.mark.parametrize("line", COMMAND_LINES)
-def test_a_bad_command_line_is_refused_in_one_sentence(tmp_path, capsys, monkeypatch, line):
+def test_bad_command_line_raises_one_sentence_error(tmp_path, capsys, monkeypatch, line):
     arguments, expected, message = COMMAND_LINES[line]
     monkeypatch.chdir(tmp_path)
     status, said, _ = call(capsys, *arguments)

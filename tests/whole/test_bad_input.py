@@ -1,4 +1,4 @@
-"""Broken study files: one sentence, the right exit status, nothing changed."""
+"""Invalid study files: one sentence, exit status, no changes."""
 
 import re
 
@@ -250,7 +250,7 @@ SYNTAX = {
 
 
 @pytest.mark.parametrize("broken", STUDIES)
-def test_a_broken_study_file_is_refused_in_one_sentence(tmp_path, capsys, monkeypatch, broken):
+def test_broken_study_file_raises_one_sentence_error(tmp_path, capsys, monkeypatch, broken):
     content, message = STUDIES[broken]
     assert content not in (TUTORIAL, THRESHOLD)
     (tmp_path / "s.toml").write_text(content, "utf-8")
@@ -288,14 +288,14 @@ def test_a_study_with_a_weighted_staircase_runs(tmp_path, capsys):
 
 
 @given(content=st.binary(max_size=300) | st.text(max_size=300).map(lambda text: text.encode("utf-8", "replace")))
-def test_random_bytes_are_no_study(content):
+def test_random_bytes_are_refused_as_study(content):
     with pytest.raises(TactometryError, match=r"(?s)found .*expected"):
         wire(parse(content, "s.toml"), "s.toml")
 
 
 @given(place=st.integers(0, 10**6), byte=st.binary(min_size=0, max_size=3), length=st.integers(0, 4))
 @examples(200)
-def test_a_study_file_hit_anywhere_is_read_or_refused(place, byte, length):
+def test_corrupted_study_file_is_read_or_refused(place, byte, length):
     whole = TUTORIAL.encode()
     start = place % len(whole)
     hit = whole[:start] + byte + whole[start + length :]
@@ -304,7 +304,7 @@ def test_a_study_file_hit_anywhere_is_read_or_refused(place, byte, length):
 
 
 def refused(content):
-    """Why a study is refused; None if it is read."""
+    """Return the reason why a study is refused, or None."""
     try:
         wire(parse(content, "s.toml"), "s.toml")
     except TactometryError as error:

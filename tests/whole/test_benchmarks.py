@@ -46,14 +46,14 @@ if __name__ == "__main__":
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder of two benchmarks, of which one fails after its results."""
+    """Write two benchmarks; one fails after its results."""
     (tmp_path / "whole.py").write_text(TELLS.format(status=0), "utf-8")
     (tmp_path / "torn.py").write_text(TELLS.format(status="'no display'"), "utf-8")
     return tmp_path
 
 
 @pytest.mark.parametrize("name", SELECTED)
-def test_benchmark_tells_results_and_names_its_code(name: str) -> None:
+def test_benchmark_prints_results_and_names_its_code(name: str) -> None:
     program = BENCHMARKS / f"{name}.py"
     assert "tell(" in program.read_text("utf-8")
     assert len(table.sources_of(program)) > 1

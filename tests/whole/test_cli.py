@@ -1,4 +1,4 @@
-"""The command line as people call it: help with examples, JSON, the same bytes wherever it is computed, Ctrl-C."""
+"""The command line: help, JSON, identical bytes and interruption."""
 
 import io
 import json
@@ -31,7 +31,7 @@ SIMULATED = ("simulate", "tutorial", "--participants", "4", "--seed", "5")
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
-    """The files of a study that one process simulated."""
+    """Return the files of a study that one process simulated."""
     root = tmp_path_factory.mktemp("alone")
     assert status(*SIMULATED, "--out", root / "d") == 0
     return files(root / "d")
@@ -48,14 +48,14 @@ def test_every_command_has_help_with_an_example(capsys, command):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_the_list_of_commands_says_what_each_one_is(capsys, command):
+def test_help_lists_each_command_with_summary(capsys, command):
     assert re.search(rf"^  {command} +\w", output(capsys, "--help"), re.MULTILINE)
 
 
 @pytest.mark.parametrize("number", ["SIGTERM", "SIGHUP"])
 def test_session_closes_on_termination_signals(capsys, number):
     ending = getattr(signal, number)
-    # tests that were started by nohup have inherited that a closed terminal is to be outlived
+    # tests started by nohup inherit that SIGHUP is ignored
     usual = signal.signal(ending, signal.SIG_DFL)
     try:
         output(capsys, "studies")
@@ -150,14 +150,14 @@ def test_endless_nonsense_stops_a_console_session(tmp_path, capsys, monkeypatch)
 
 @pytest.fixture
 def interruptible():
-    """A job in the background ignores interrupts, and so would its children."""
+    """Enable interrupts, which a background job and its children ignore."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.usefixtures("interruptible")
-def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, capsys):
+def test_interrupted_simulation_leaves_complete_files_and_resumes(tmp_path, capsys):
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     words = ["simulate", "electrovibration-threshold", "--participants", "2", "--seed", "5"]
     output(capsys, *words, "--out", whole)
@@ -180,7 +180,7 @@ def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, caps
     assert kept == files(whole)
 
 
-def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_path, capsys, monkeypatch):
+def test_sine_variant_reports_censored_cells_as_bounds(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     output(capsys, "new", "electrovibration-threshold", "--out", "sine.toml")
     study = Path("sine.toml").read_text("utf-8")
@@ -197,8 +197,8 @@ def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_pat
     ("study", "n_participants"),
     [("tutorial", 4), pytest.param(simulations.DEMO_STUDY, simulations.N_PARTICIPANTS, marks=pytest.mark.slow)],
 )
-def test_the_main_job_end_to_end(tmp_path, capsys, monkeypatch, study, n_participants):
-    """As people call it, and with a short study: those of the README take the long one the same way."""
+def test_demo_runs_from_simulation_to_report(tmp_path, capsys, monkeypatch, study, n_participants):
+    """The demo runs with its own study and with a short one."""
     is_long = study == simulations.DEMO_STUDY
     monkeypatch.setattr(simulations, "DEMO_STUDY", study)
     monkeypatch.setattr(simulations, "N_PARTICIPANTS", n_participants)
@@ -217,7 +217,7 @@ HALF_A_POINT = 0.5
 
 
 def points(drawing):
-    """Where the markers of a drawing lie, shape (marker, 2)."""
+    """Return the marker positions of a drawing, (marker, 2)."""
     found = re.findall(r'<use [^>]*x="([\d.]+)" y="([\d.]+)"', drawing.read_text("utf-8"))
     return np.array(found, dtype=float)
 
@@ -235,8 +235,8 @@ def test_the_command_is_on_the_path(tmp_path):
 
 
 @pytest.mark.slow
-def test_processes_that_are_kept_write_where_the_command_is(tmp_path, monkeypatch):
-    """They stay in the folder in which the first command began them."""
+def test_reused_processes_write_into_current_folder(tmp_path, monkeypatch):
+    """Reused processes stay in the folder of the first command."""
     for name in ("here", "there"):
         folder = tmp_path / name
         folder.mkdir()

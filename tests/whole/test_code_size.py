@@ -1,4 +1,4 @@
-"""Small functions, short files, one name for one class: the numbers that the project holds itself to."""
+"""Limits on functions, files and class names of the project."""
 
 import ast
 from collections import defaultdict
@@ -22,7 +22,7 @@ def functions(tree: ast.Module) -> list[ast.FunctionDef]:
 
 
 def code_sizes(tree: ast.Module, source: str) -> Iterator[tuple[str, int]]:
-    """Each function with its lines without docstring, blanks and comments."""
+    """Yield functions with their lines without docstring and comments."""
     lines = source.splitlines()
     full = {n for n, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")}
     for node in functions(tree):
@@ -31,7 +31,7 @@ def code_sizes(tree: ast.Module, source: str) -> Iterator[tuple[str, int]]:
 
 
 def positional(function: ast.FunctionDef) -> int:
-    """How many parameters a call may give by place, the object itself aside."""
+    """Return the number of positional parameters without `self`."""
     names = [arg.arg for arg in (*function.args.posonlyargs, *function.args.args)]
     return len(names) - (names[:1] in (["self"], ["cls"]))
 
@@ -46,7 +46,7 @@ def sizes() -> list[tuple[str, int]]:
 
 
 def names_in_two_modules(trees: dict[str, ast.Module]) -> dict[str, list[str]]:
-    """Names of classes with the modules that define one, where there are several."""
+    """Return class names that several modules define, with the modules."""
     modules = defaultdict(set)
     for module, tree in trees.items():
         for node in ast.walk(tree):
@@ -84,7 +84,7 @@ def test_no_function_takes_many_parameters_by_place() -> None:
     assert many == [], "give some by name alone, or make a value of them"
 
 
-def test_a_class_has_a_name_of_its_own() -> None:
+def test_class_names_are_unique() -> None:
     assert names_in_two_modules({name_of(path): parsed(path) for path in sources()}) == {}
 
 

@@ -1,4 +1,7 @@
-"""What a command loads, in a fresh process. How long one takes is measured in benchmarks/cold_start.py."""
+"""Modules that a command loads in a new process.
+
+Times are measured in benchmarks/cold_start.py.
+"""
 
 import json
 import subprocess
@@ -21,6 +24,7 @@ SIMULATE = ("simulate", "tutorial", "--participants", "1", "--seed", "1", "--out
 STUDY = {"annotated-types", "click", "msgspec", "numpy"}
 RECORDS = STUDY | {"portalocker"}
 TABLES = STUDY | {"scipy", "pandas", "python-dateutil"}
+TERMINAL = TABLES | {"rich", "jinja2", "markupsafe"}
 LOADS = {
     ("--help",): {"click"},
     ("calibrate", "--help"): STUDY,
@@ -32,8 +36,8 @@ LOADS = {
     SESSION: RECORDS,
     SIMULATE: RECORDS,
     DRY_RUN: RECORDS | {"numba", "llvmlite", "scipy"},
-    ("analyse", RECORDED): TABLES | {"rich"},
-    ("analyse", ONE_PARTICIPANT): TABLES | {"rich"},
+    ("analyse", RECORDED): TERMINAL,
+    ("analyse", ONE_PARTICIPANT): TERMINAL,
 }
 """All distributions that a command loads."""
 NEVER = {
@@ -42,12 +46,12 @@ NEVER = {
     ("analyse", ONE_PARTICIPANT): {"scipy.interpolate", "scipy.optimize", "scipy.stats"},
 }
 DRAWING = {"matplotlib", "cycler", "fonttools", "kiwisolver", "packaging", "pillow", "pyparsing"}
-REPORT = TABLES | DRAWING | {"rich", "jinja2", "markupsafe"}
+REPORT = TERMINAL | DRAWING
 CORE_ONLY = Path(__file__).parents[1] / "support" / "core_only.py"
 
 
 def loaded(command: tuple[str, ...], folder: Path) -> tuple[set[str], set[str]]:
-    """The distributions and the modules that a command loads where the core alone is installed."""
+    """Return distributions and modules that a command loads with the core."""
     asked = [sys.executable, CORE_ONLY, json.dumps(command)]
     done = subprocess.run(asked, capture_output=True, text=True, check=False, cwd=folder)
     assert done.returncode == 0, done.stderr[-2000:]
@@ -57,7 +61,7 @@ def loaded(command: tuple[str, ...], folder: Path) -> tuple[set[str], set[str]]:
 
 
 @pytest.mark.parametrize("command", LOADS, ids=lambda command: f"{command[0]} {Path(command[-1]).name}")
-def test_a_command_runs_with_the_core_alone_and_loads_no_more_than(command: tuple[str, ...], tmp_path: Path) -> None:
+def test_command_loads_only_expected_core_distributions(command: tuple[str, ...], tmp_path: Path) -> None:
     distributions, modules = loaded(command, tmp_path)
     assert distributions == LOADS[command]
     assert not NEVER.get(command, set()) & modules
@@ -65,7 +69,7 @@ def test_a_command_runs_with_the_core_alone_and_loads_no_more_than(command: tupl
 
 @pytest.mark.slow
 def test_report_of_core_equals_that_with_extras(tmp_path: Path) -> None:
-    """pandas keeps texts in another way where pyarrow is installed."""
+    """pandas stores texts differently if pyarrow is installed."""
     distributions, _ = loaded(("analyse", RECORDED, "--report", "core.html"), tmp_path)
     assert distributions == REPORT
     analyse = [sys.executable, "-m", "tactometry", "analyse", RECORDED, "--report", "all.html"]
@@ -86,7 +90,7 @@ def test_core_install_loads_no_extras() -> None:
 
 
 @pytest.mark.parametrize("n", [4, 5, 37079])
-def test_the_window_of_a_spectrum_is_that_of_scipy_bit_for_bit(n: int) -> None:
+def test_blackman_harris_window_equals_scipy_exactly(n: int) -> None:
     np.testing.assert_array_equal(blackman_harris(n), blackmanharris(n, sym=False))
 
 

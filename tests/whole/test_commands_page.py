@@ -1,4 +1,4 @@
-"""The page of commands is what the commands say of themselves."""
+"""The page of commands matches the commands' help."""
 
 import click
 import pytest
@@ -8,12 +8,12 @@ from tactometry.cli import COMMANDS, reference, tactometry
 PAGE = reference.PAGE.read_text(encoding="utf-8")
 
 
-def test_the_page_is_as_it_would_be_written():
+def test_commands_page_is_up_to_date():
     assert reference.text() == PAGE, "run make keys"
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_option_of_a_command_is_on_the_page(name):
+def test_commands_page_lists_every_option(name):
     command = tactometry.get_command(click.Context(tactometry), name)
     section = PAGE.partition(f"## `tactometry {name}`\n")[2].partition("\n## ")[0]
     options = [one for one in command.params if isinstance(one, click.Option)]
@@ -21,5 +21,5 @@ def test_every_option_of_a_command_is_on_the_page(name):
     assert [one.opts[-1] for one in options if one.opts[-1] not in section] == []
 
 
-def test_a_command_of_a_group_has_a_section_of_its_own():
+def test_grouped_command_has_own_section():
     assert "## `tactometry calibrate gain`" in PAGE

@@ -1,4 +1,4 @@
-"""Names are completed in the shells themselves: a line is typed in a terminal, and the tabulator pressed."""
+"""Completion of names in real shells in a terminal."""
 
 import os
 import pty
@@ -21,7 +21,7 @@ BEGINS = {
     "bash": 'eval "$(_TACTOMETRY_COMPLETE=bash_source tactometry)"',
     "zsh": 'autoload -Uz compinit; compinit -u; eval "$(_TACTOMETRY_COMPLETE=zsh_source tactometry)"',
 }
-"""The line that a user types once, or puts where the shell begins."""
+"""Line that a user types once, or adds to the shell's start-up file."""
 IN_FISH = "_TACTOMETRY_COMPLETE=fish_source tactometry | source"
 PATIENCE_S = 60.0
 ESCAPES = re.compile(r"\x1b(?:\[[0-9;?=<>]*[A-Za-z]|\][^\x07]*\x07|[()][A-B0-2]|[=>])")
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals
 
 
 class Terminal:
-    """A shell in a terminal of its own, and all that it has written."""
+    """A shell in a pseudo-terminal, and its output."""
 
     def __init__(self, shell: str, home: Path) -> None:
         self.master, slave = pty.openpty()
@@ -44,7 +44,7 @@ class Terminal:
         os.write(self.master, keys.encode())
 
     def shows(self, text: str) -> bool:
-        """Whether it has written this, as soon as it has."""
+        """Wait for a text; return True if it was written."""
         until = time.monotonic() + PATIENCE_S
         while text not in ESCAPES.sub("", self.text) and time.monotonic() < until:
             if select.select([self.master], [], [], 0.5)[0]:
@@ -68,7 +68,7 @@ def terminal(request, tmp_path):
     shown.close()
 
 
-def test_a_study_and_a_table_of_keys_are_completed(terminal):
+def test_studies_and_key_tables_are_completed(terminal):
     terminal.type("tactometry new tu\t")
     assert terminal.shows("tactometry new tutorial"), terminal.text
     terminal.type("\x15tactometry keys procedure.st\t")
@@ -76,8 +76,8 @@ def test_a_study_and_a_table_of_keys_are_completed(terminal):
 
 
 @pytest.mark.skipif(shutil.which("fish") is None, reason="no fish here")
-def test_fish_is_told_the_same(tmp_path):
-    """It has a command that says what the tabulator would."""
+def test_fish_completes_studies_and_key_tables(tmp_path):
+    """Fish has a command that prints its completions."""
     asked = f"{IN_FISH}; complete -C 'tactometry new tu'; complete -C 'tactometry keys procedure.st'"
     place = {"HOME": str(tmp_path), "PATH": f"{BIN}:{os.environ['PATH']}"}
     done = subprocess.run(["fish", "-c", asked], env=place, capture_output=True, text=True, check=True)

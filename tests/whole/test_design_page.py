@@ -1,4 +1,4 @@
-"""docs/explanation/design.md shows the house as it is: paths stand, the picture has each wing's rooms and no other."""
+"""docs/explanation/design.md matches the packages of the repository."""
 
 import re
 from pathlib import Path
@@ -18,7 +18,7 @@ ROOM = re.compile(r'<text x="([\d.]+)" y="([\d.]+)" font-size="12(?:\.5)?" [^>]*
 
 
 def drawn(wing: str, picture: str = PICTURE) -> set[str]:
-    """The rooms in the box whose title is that of the wing."""
+    """Return the packages in the box of a folder."""
     for left, top, width, height in (map(float, box) for box in BOX.findall(picture)):
 
         def inside(text: tuple[str, str, str], x=left, y=top, w=width, h=height) -> bool:
@@ -30,18 +30,18 @@ def drawn(wing: str, picture: str = PICTURE) -> set[str]:
 
 
 def folders(wing: Path) -> set[str]:
-    """The rooms of a wing, without the links to the other wings and the command line, which has a box of its own."""
+    """Return the packages in a folder, without links and the command line."""
     rooms = {file.parent for file in wing.glob("*/__init__.py")}
     return {room.name for room in rooms if not room.is_symlink()} - {"cli"}
 
 
 @pytest.mark.parametrize("path", PATHS)
-def test_a_path_on_the_page_stands(path: str) -> None:
+def test_design_page_paths_exist(path: str) -> None:
     assert (ROOT / path).exists()
 
 
 @pytest.mark.parametrize("wing", WINGS)
-def test_each_room_is_in_the_picture(wing: str) -> None:
+def test_design_picture_contains_each_package(wing: str) -> None:
     assert folders(ROOT / wing) - drawn(wing) == set()
 
 

@@ -1,4 +1,4 @@
-"""The examples in docstrings are true; what a page imports is there."""
+"""Docstring examples pass, and imports on pages exist."""
 
 import doctest
 import importlib
@@ -34,12 +34,12 @@ def imported(name: str) -> ModuleType:
 
 @pytest.fixture(autouse=True)
 def _no_old_lines() -> None:
-    """Before each run doctest asks the disk about every file of which lines are kept, for half of the time."""
+    """Clear cached lines, which doctest checks on disk before each run."""
     linecache.clearcache()
 
 
 @pytest.mark.parametrize("name", list(modules()))
-def test_the_examples_of(name: str) -> None:
+def test_docstring_examples_pass(name: str) -> None:
     failed, _ = doctest.testmod(imported(name), optionflags=FLAGS, report=True)
     assert failed == 0
 

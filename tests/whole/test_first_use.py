@@ -48,7 +48,7 @@ def test_resume_of_drawn_seed_names_the_option(tmp_path, capsys) -> None:
     assert "--seed: found none, expected the seed that the interrupted run printed" in said
 
 
-def test_resume_says_when_there_is_nothing_to_resume(tmp_path, capsys) -> None:
+def test_resume_reports_when_there_is_nothing_to_resume(tmp_path, capsys) -> None:
     code, said, _ = call(capsys, *PERSON, "--out", tmp_path / "d", "--resume")
     assert code == 0
     assert f"--resume: {tmp_path / 'd'} contains no session 1 of P01 to resume; it begins now" in said

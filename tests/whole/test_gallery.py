@@ -1,4 +1,4 @@
-"""The gallery shows what its pages draw. That each page's code runs is tested with all other pages."""
+"""The gallery contains the pictures that its pages draw."""
 
 import pytest
 from gallery import GALLERY, PAGES, PICTURES, first_page, pictures_of
@@ -10,17 +10,17 @@ MOST_BYTES = 3_000_000
 EVERY = [picture for page in PAGES for picture in pictures_of(page)]
 
 
-def test_its_first_page_shows_every_section() -> None:
+def test_gallery_index_shows_every_section() -> None:
     """`make gallery` writes it anew."""
     assert (GALLERY / "index.md").read_text(encoding="utf-8") == first_page()
     assert sum(page.read_text(encoding="utf-8").count("\n## ") for page in PAGES) == len(EVERY)
 
 
-def test_its_pages_are_those_of_the_folder() -> None:
+def test_gallery_pages_match_the_folder() -> None:
     assert {*PAGES, GALLERY / "index.md"} == set(GALLERY.glob("*.md"))
 
 
-def test_it_has_each_picture_and_no_other_in_few_bytes() -> None:
+def test_gallery_has_only_its_pictures_in_few_bytes() -> None:
     kept = list(PICTURES.iterdir())
     assert sorted(path.stem for path in kept) == sorted(picture.name for picture in EVERY)
     assert sum(path.stat().st_size for path in kept) < MOST_BYTES

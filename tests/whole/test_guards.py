@@ -1,4 +1,4 @@
-"""The doors of the house stay shut: imports, contracts of import-linter, what a commit may not hold."""
+"""Imports, import contracts, and forbidden text in tracked files."""
 
 import ast
 import json
@@ -33,7 +33,7 @@ IMPORTED_AS = {
 
 
 def imports(tree: ast.Module) -> Iterator[str]:
-    """The top-level names of all absolute imports."""
+    """Yield the top-level names of all absolute imports."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name.split(".")[0] for alias in node.names)
@@ -47,11 +47,11 @@ def distribution(requirement: str) -> str:
     return name.group().lower()
 
 
-# --- a dot stays in the wing, a name leaves it
+# --- relative imports within a package, absolute ones across
 
 
 def misfits(path: Path, tree: ast.Module) -> list[str]:
-    """Imports of a file that do not say by their form how far they reach.
+    """Return the imports of a file whose form is wrong.
 
     Within a wing (kernel, stimuli, protocols, analysis, experiments) they are relative, so that a room can be moved or
     read alone; across wings absolute and by the one name, since a lab's own folder can shadow a bare `analysis`.
@@ -74,13 +74,13 @@ def leaves_or_stays_wrongly(name: str, wing: str) -> bool:
     return top in WINGS or top == "(another wing)" or (top == "tactometry" and target == wing)
 
 
-def test_within_a_wing_imports_are_relative_and_across_wings_absolute() -> None:
+def test_imports_are_relative_within_a_package_only() -> None:
     assert [line for path in sources() for line in misfits(path.relative_to(ROOT), parsed(path))] == []
 
 
 @pytest.mark.parametrize("room", WINGS)
 @pytest.mark.parametrize("form", ["import {}", "import {}.part", "from {} import part", "from {}.part import x"])
-def test_a_bare_room_is_refused(room: str, form: str) -> None:
+def test_bare_package_import_is_refused(room: str, form: str) -> None:
     assert misfits(Path("tactometry/rigs/new.py"), ast.parse(form.format(room)))
 
 
@@ -117,7 +117,7 @@ def test_an_import_of_the_right_form_is_taken(path: str, line: str) -> None:
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the tree that a test may spoil."""
+    """Return a copy of the tree that a test may modify."""
     return copy_tree(tmp_path_factory.mktemp("tree"), "pyproject.toml")
 
 
@@ -169,7 +169,7 @@ BACK_UP = (
     ("analysis/means.py", "from .plan import AnalysisPlan"),
     ("analysis/wording.py", "from .reading import rows"),
 )
-"""Lines that run back up the floors, each in a file that stands on one."""
+"""Upward imports, each in a file of a lower layer."""
 
 
 CIRCLES = {
@@ -177,7 +177,7 @@ CIRCLES = {
     "tactometry/files": "def late():\n    from . import one",
     "tactometry/safety": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from . import one",
 }
-"""How a file `two` that `one` imports imports it back."""
+"""Lines with which a file `two`, imported by `one`, imports it back."""
 FLOORS = [contract for contract in CONTRACTS.values() if "containers" in contract]
 WITHOUT_A_FLOOR = [
     f"{room}.on_no_floor" for contract in FLOORS if "exhaustive" in contract for room in contract["containers"]
@@ -186,7 +186,7 @@ WITHOUT_A_FLOOR = [
 
 @pytest.fixture(scope="module")
 def refused(copy: Path) -> "subprocess.CompletedProcess[str]":
-    """What is said of a tree in which each bad line stands in a file of its own, or at the end of one."""
+    """Run the contracts on a tree with each bad line in its own file."""
     bad = {copy / folder / f"bad_{n}.py": line for n, (folder, line) in enumerate(BAD)}
     bad |= {copy / f"{module.replace('.', '/')}.py": "" for module in WITHOUT_A_FLOOR}
     for folder, back in CIRCLES.items():
@@ -204,30 +204,30 @@ def refused(copy: Path) -> "subprocess.CompletedProcess[str]":
 
 
 def complaints(said: str) -> dict[str, str]:
-    """What is said of each broken contract, by its name; long lines are broken."""
+    """Return the messages of each broken contract by its name."""
     details = " ".join(said.partition("Broken contracts")[2].split())
     _, *parts = re.split(rf"({'|'.join(map(re.escape, CONTRACTS))}) -[ -]{{9,}}", details)
     return dict(zip(parts[::2], parts[1::2], strict=True))
 
 
 @pytest.mark.parametrize("contract", CONTRACTS)
-def test_each_contract_is_broken_by_a_line(refused: "subprocess.CompletedProcess[str]", contract: str) -> None:
+def test_each_contract_is_broken_by_a_bad_line(refused: "subprocess.CompletedProcess[str]", contract: str) -> None:
     assert re.search(r"not allowed to import|llegal import|No cycles", complaints(refused.stdout).get(contract, ""))
 
 
 @pytest.mark.parametrize("module", WITHOUT_A_FLOOR)
-def test_a_file_on_no_floor_is_refused(refused: "subprocess.CompletedProcess[str]", module: str) -> None:
+def test_file_without_layer_is_refused(refused: "subprocess.CompletedProcess[str]", module: str) -> None:
     (contract,) = (floors["name"] for floors in FLOORS if module.rpartition(".")[0] in floors["containers"])
     unlisted = complaints(refused.stdout)[contract].partition("not listed as layers")[2]
     assert f"- {module} " in unlisted
 
 
-def test_every_room_with_floors_names_a_floor_for_each_file() -> None:
+def test_layer_contracts_are_exhaustive() -> None:
     assert all("exhaustive" in floors for floors in FLOORS)
 
 
 @pytest.mark.parametrize("n", range(len(BAD)), ids=[": ".join(bad) for bad in BAD])
-def test_a_contract_refuses(refused: "subprocess.CompletedProcess[str]", n: int) -> None:
+def test_import_contract_refuses_bad_module(refused: "subprocess.CompletedProcess[str]", n: int) -> None:
     folder, line = BAD[n]
     module = "tactometry." + f"{folder}/bad_{n}".removeprefix("tactometry/").replace("/", ".")
     assert refused.returncode == 1
@@ -245,7 +245,7 @@ def test_import_contract_refuses_an_upward_import(
 
 
 @pytest.mark.parametrize("folder", CIRCLES)
-def test_no_circle_is_taken_wherever_its_line_stands(refused: "subprocess.CompletedProcess[str]", folder: str) -> None:
+def test_import_cycles_are_refused_in_every_folder(refused: "subprocess.CompletedProcess[str]", folder: str) -> None:
     assert f"No cycles are allowed in {folder.replace('/', '.')}." in refused.stdout
 
 
@@ -271,11 +271,11 @@ def test_imported_packages_are_declared() -> None:
     assert used - names - set(sys.stdlib_module_names) == {"tactometry"}
 
 
-# --- what a command loads
+# --- modules that a command loads
 
 
 def loaded(*words: str) -> tuple[str, set[str]]:
-    """What a command says, and the modules that are there at its end."""
+    """Run a command; return its output and the loaded modules."""
     script = (
         "import sys, json; from tactometry.cli import main\n"
         "try: main()\n"
@@ -293,13 +293,13 @@ def test_help_loads_nothing_heavy() -> None:
     assert HEAVY & {name.partition(".")[0] for name in modules} == set()
 
 
-def test_a_session_of_electrovibration_begins_without_what_is_slow_to_load() -> None:
+def test_electrovibration_dry_run_loads_no_slow_libraries() -> None:
     said, modules = loaded("run", "tutorial", "--participant", "P01", "--dry-run")
     assert "at most" in said
     assert {"scipy.signal", "scipy.stats", "scipy.optimize", "matplotlib", "statsmodels"} & modules == set()
 
 
-# --- what a commit may not hold
+# --- forbidden text in tracked files
 
 INDEX = "|".join(("py" + "pi", "python" + "hosted", "ana" + "conda", "npm" + "js", "art" + "ifactory", "nexus"))
 FORBIDDEN = {
@@ -320,7 +320,7 @@ def committed() -> list[Path]:
 
 
 @pytest.mark.parametrize("what", FORBIDDEN)
-def test_no_commit_holds(what: str) -> None:
+def test_tracked_files_contain_no_forbidden_text(what: str) -> None:
     found = [
         f"{path.relative_to(ROOT)}: {match.group()}"
         for path in committed()
@@ -338,7 +338,7 @@ def test_no_commit_holds(what: str) -> None:
         ("a path of one machine", "open(/ho" + "me/me/x)"),
     ],
 )
-def test_the_patterns_find(what: str, text: str) -> None:
+def test_forbidden_patterns_find_their_examples(what: str, text: str) -> None:
     assert FORBIDDEN[what].search(text)
 
 

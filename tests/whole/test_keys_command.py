@@ -1,4 +1,4 @@
-"""`tactometry keys`: what the reference says, at the prompt; and where a refusal leads to it."""
+"""The command `tactometry keys`, and errors that refer to it."""
 
 import json
 import subprocess
@@ -15,7 +15,7 @@ NAMES = ("procedure.staircase", "stimulus.focus", "touch.slide", "bench.output",
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_key_is_told_within_80_columns(name, capsys, monkeypatch):
+def test_keys_lists_each_key_within_80_columns(name, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     said = output(capsys, "keys", name)
     assert said.startswith(f"{name}: ")
@@ -23,7 +23,7 @@ def test_each_key_is_told_within_80_columns(name, capsys, monkeypatch):
     assert max(map(len, said.splitlines())) <= 80
 
 
-def test_the_same_is_told_to_a_program(capsys):
+def test_keys_prints_the_same_as_json(capsys):
     [table] = json.loads(output(capsys, "keys", "touch.press", "--json"))
     assert (table["name"], table["table"]) == ("touch.press", "[touch]")
     assert table["keys"][1] == {
@@ -40,7 +40,7 @@ def test_the_same_is_told_to_a_program(capsys):
     assert table["example"].startswith('[touch]\nkind = "press"\nforce_n = 1.0\n')
 
 
-def test_tables_whose_keys_stand_together_are_told_together(capsys):
+def test_keys_lists_a_table_with_its_subtables(capsys):
     told = json.loads(output(capsys, "keys", "bench.force", "--json"))
     assert [table["name"] for table in told] == ["bench.force", "bench.force.calibration"]
 
@@ -72,7 +72,7 @@ def test_an_unknown_name_is_refused_with_the_nearest(name, near, capsys):
     assert near in said
 
 
-def test_the_built_in_studies_are_listed_by_new_too(capsys):
+def test_new_lists_the_built_in_studies(capsys):
     assert output(capsys, "new", "--list") == output(capsys, "studies")
     assert (
         refused(capsys, "new") == "tactometry: STUDY: found none, expected the name of a study: tactometry new --list"
@@ -102,8 +102,8 @@ def test_refused_key_names_the_keys_command(file, capsys, tmp_path, monkeypatch)
     assert all(line.endswith(f" (all keys: tactometry keys {name})") for line in said.splitlines())
 
 
-def test_only_what_a_name_asks_for_is_imported():
-    """None of the libraries that a table of a study needs for a session, an analysis or a figure."""
+def test_keys_imports_only_what_a_name_needs():
+    """None of the libraries of sessions, analyses or figures is loaded."""
     code = (
         "import sys\nfrom tactometry.cli import main\ntry:\n    main(['keys', 'touch.slide'])\n"
         "except SystemExit:\n    print(sorted({'scipy', 'pandas', 'matplotlib', 'numba'} & set(sys.modules)))"
@@ -120,7 +120,7 @@ EXPLAINED = [
 
 
 @pytest.mark.parametrize("name", EXPLAINED)
-def test_keys_explains_each_key_by_a_text_of_its_own(name, capsys):
+def test_keys_explains_each_key_differently(name, capsys):
     for table in json.loads(output(capsys, "keys", name, "--json")):
         told = [key["means"] for key in table["keys"]]
         assert all(len(text.split()) > 3 for text in told)

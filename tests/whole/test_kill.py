@@ -29,7 +29,7 @@ TIME_COLUMNS = ("onset_s", "latency_s", "timestamp_utc")
 
 @pytest.fixture(scope="module")
 def start():
-    """Starts the command line in a real process of its own."""
+    """Return a function that starts the command line in a new process."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(
         [
@@ -60,7 +60,7 @@ def console(root, resume=False):
 
 
 def files(root):
-    """The data set without what records the interruptions."""
+    """Return the files of a data set without the interruption records."""
     return {
         str(path.relative_to(root)): path.read_bytes()
         for path in sorted(root.rglob("*"))
@@ -69,7 +69,7 @@ def files(root):
 
 
 def timeless(content, name):
-    """A file without its time stamps, and without the heads of sittings that a person had to begin."""
+    """Return a file without time stamps and without session headers."""
     if name.endswith(".csv"):
         header, *rows = [line.split(",") for line in content.decode().splitlines()]
         keep = [n for n, column in enumerate(header) if column not in TIME_COLUMNS]
@@ -82,14 +82,20 @@ def timeless_files(root):
 
 
 def assert_no_trial_is_torn(root, whole):
-    """Each trials file as the kill left it is the beginning of the whole one, but for an unfinished last line."""
+    """Assert that a killed trials file is a beginning of the whole one.
+
+    Its last line may be incomplete.
+    """
     for path in (root / "data").glob("*.csv"):
         rows = path.read_bytes().split(b"\n")[:-1]
         assert timeless(b"\n".join(rows), path.name) == whole[f"data/{path.name}"][: len(rows)]
 
 
 def kill_until_done(begin, duration_s, n_moments, number, rng, check):
-    """Kill at `n_moments` random moments, resuming each time; one that ends by itself is followed by a new one."""
+    """Kill and resume at `n_moments` random moments.
+
+    A process that ends by itself is followed by a new one.
+    """
     n_killed, folder, resume = 0, 0, False
     while n_killed < n_moments:
         process = begin(folder, resume)
@@ -132,7 +138,7 @@ def test_simulate_survives_being_killed(start, tmp_path, number):
 
 
 class Participant:
-    """Answers each trial by its number, whatever the sitting, through a pair of named pipes."""
+    """A participant on named pipes who answers each trial by its number."""
 
     def __init__(self, folder, start):
         self.pipes = tuple(str(folder / name) for name in ("source", "output"))

@@ -1,4 +1,4 @@
-"""A name that holds a physical quantity ends in its SI unit: `force_n`, `rate_hz`, `speed_m_per_s`."""
+"""Names of physical quantities end in their SI unit, as `force_n`."""
 
 import ast
 import re
@@ -68,7 +68,7 @@ def arguments(function: ast.FunctionDef) -> Iterator[str]:
 
 
 def float_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """Line and name of every public field, argument and function of numbers."""
+    """Yield line and name of each public float field, argument or function."""
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
             yield from ((node.lineno, name) for name in arguments(node))

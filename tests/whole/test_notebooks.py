@@ -1,4 +1,4 @@
-"""Every notebook of the docs runs, in seconds, and shows what it says that it shows."""
+"""Notebooks of the docs run and contain current outputs."""
 
 import shutil
 from pathlib import Path
@@ -38,7 +38,6 @@ def test_failing_notebook_cell_fails(tmp_path: Path) -> None:
 
 
 def test_notebook_differences_are_reported_by_cell(tmp_path: Path) -> None:
-    """So that one that shows something else fails."""
     cells = [new_code_cell("print(1)", id="said"), new_code_cell("2", id="value"), new_code_cell("x = 3", id="none")]
     assert shown(executed(new_notebook(cells=cells), tmp_path)) == {
         "said": ["stdout: 1\n"],

@@ -32,7 +32,7 @@ MARKERS = [{"python_version": version, "python_full_version": f"{version}.2"} fo
 
 
 def files(folder: Path) -> set[str]:
-    """What a package folder holds, links to other rooms and what Python writes left out."""
+    """Return the files of a package folder without links and caches."""
     found = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     own = (path for path in found if not any((folder / part).is_symlink() for part in (path, *path.parents)))
     return {path.as_posix() for path in own if "__pycache__" not in path.parts and not path.name.startswith(".")}
@@ -56,7 +56,7 @@ def done(result: "subprocess.CompletedProcess[str]") -> str:
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Built from a copy, so that nothing is left in the tree and nothing that lies there comes in."""
+    """Build the wheel from a copy of the tree."""
     source = copy_tree(tmp_path_factory.mktemp("source"), "pyproject.toml", "setup.py", "README.md")
     shutil.copytree(ROOT / "LICENSES", source / "LICENSES")
     out = source / "dist"
@@ -67,7 +67,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The scripts folder of an environment with the wheel in it."""
+    """Return the scripts folder of an environment with the wheel."""
     place = tmp_path_factory.mktemp("environment")
     done(run(sys.executable, "-m", "venv", *([] if SOAK else ["--without-pip"]), place, cwd=place))
     scripts = place / ("Scripts" if os.name == "nt" else "bin")
@@ -83,19 +83,19 @@ def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def foreign(tmp_path: Path) -> Path:
-    """A lab's folder, whose own packages bear the names of our rooms."""
+    """Return a folder whose own packages have the names of ours."""
     for room in (*WINGS, "benchmarks"):
         (tmp_path / room).mkdir()
         (tmp_path / room / "__init__.py").write_text("raise RuntimeError('the lab has its own')\n", encoding="utf-8")
     return tmp_path
 
 
-def test_the_wheel_holds_every_file_of_the_tree_once(wheel: Path) -> None:
+def test_wheel_contains_every_file_once(wheel: Path) -> None:
     names = [name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name]
     assert sorted(names) == sorted(tree())
 
 
-def test_the_wheel_puts_one_name_beside_others(wheel: Path) -> None:
+def test_wheel_installs_one_top_level_package(wheel: Path) -> None:
     tops = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
     assert tops == {"tactometry", f"tactometry-{__version__}.dist-info"}
 
@@ -106,7 +106,7 @@ def test_the_wheel_carries_the_licence(wheel: Path) -> None:
     assert PROJECT["license"] == "GPL-3.0-or-later"
 
 
-def test_the_installed_rooms_are_ours_in_a_folder_that_has_its_own(environment: Path, foreign: Path) -> None:
+def test_installed_packages_take_precedence_over_local_folders(environment: Path, foreign: Path) -> None:
     names = ", ".join(f"tactometry.{room}" for room in WINGS)
     script = f"import {names}; print(*(m.__file__ for m in ({names},)), sep='\\n')"
     found = done(run(environment / "python", "-c", script, cwd=foreign)).splitlines()
@@ -115,7 +115,7 @@ def test_the_installed_rooms_are_ours_in_a_folder_that_has_its_own(environment: 
 
 
 @pytest.mark.slow
-def test_the_installed_command_runs_the_demo_in_a_foreign_folder(environment: Path, foreign: Path) -> None:
+def test_installed_command_runs_demo_in_another_folder(environment: Path, foreign: Path) -> None:
     done(run(environment / "tactometry", "demo", "--out", "out", cwd=foreign))
     assert list((foreign / "out").rglob("*_data.csv"))
     assert list((foreign / "out").rglob("*.html"))
@@ -154,7 +154,7 @@ def test_the_constraints_hold_versions_and_no_address() -> None:
 
 
 def hashed(name: str) -> dict[str, list[str]]:
-    """The pins of a file of requirements, each with its hashes."""
+    """Return the pins of a requirements file with their hashes."""
     text = (ROOT / "requirements" / f"{name}.txt").read_text(encoding="utf-8").replace("\\\n", "")
     pins = [line.split(" --hash=") for line in map(" ".join, map(str.split, text.splitlines())) if "==" in line]
     return {pin: hashes for pin, *hashes in pins}

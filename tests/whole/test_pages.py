@@ -1,4 +1,4 @@
-"""Every code block and command of README and docs does what the page says."""
+"""Code blocks and commands of README and docs behave as shown."""
 
 import re
 import sys
@@ -19,14 +19,14 @@ LONG = re.compile(r"^<!-- long: .+ -->$", re.MULTILINE)
 
 
 def page_of(path: Path) -> object:
-    """A page that says that it is long runs in `make check` alone."""
+    """Return a test parameter of a page, marked slow if the page says so."""
     marks = pytest.mark.slow if LONG.search(path.read_text(encoding="utf-8")) else ()
     return pytest.param(path, marks=marks, id=path.relative_to(ROOT).with_suffix("").as_posix())
 
 
 @pytest.fixture
 def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder to run a page in; modules that a page writes are forgotten after it."""
+    """Yield a folder for a page, and forget the modules it writes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", COLUMNS)
     known = set(sys.modules)
@@ -46,12 +46,12 @@ NAMED = re.compile(r"`tactometry ([a-z-]+)((?: [^`]*)?)`")
 
 
 def commands_named_in(path: Path) -> set[tuple[str, str]]:
-    """Each command that stands in a sentence, with what stands behind it."""
+    """Return each command that a text names, with its arguments."""
     return set(NAMED.findall(path.read_text(encoding="utf-8")))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).with_suffix("").as_posix())
-def test_commands_and_options_that_a_sentence_names_exist(page: Path) -> None:
+def test_commands_and_options_named_in_text_exist(page: Path) -> None:
     for name, rest in sorted(commands_named_in(page)):
         command = tactometry.get_command(click.Context(tactometry), name)
         assert command is not None
@@ -84,7 +84,7 @@ def test_wrong_example_fails(wrong: str) -> None:
 
 
 @pytest.mark.usefixtures("scratch")
-def test_a_part_of_a_study_with_an_unknown_key_fails() -> None:
+def test_study_fragment_with_unknown_key_fails() -> None:
     block = Block(Path("page.md"), 1, "toml", "[task]\nkind = 'yes_no'\nsort = 1\n", "study", "tutorial")
     with pytest.raises(Exception, match="task.sort"):
         run_block(block, {})
@@ -106,14 +106,14 @@ NOT_RUN = [
 
 
 @pytest.mark.parametrize("block", NOT_RUN)
-def test_why_a_block_is_not_run_names_tests_that_are_there(block: Block) -> None:
+def test_reason_for_block_not_run_names_existing_tests(block: Block) -> None:
     """`pytest --collect-only -q -k not_run_names tests/whole/test_pages.py` lists all of them."""
     assert len(block.said.split()) > 2
     assert [path for path in re.findall(r"tests/[\w./]*\w", block.said) if not (ROOT / path).exists()] == []
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if any(block.mark == "file" for block in blocks_of(page))])
-def test_a_reader_is_told_into_which_file_a_block_goes(page: Path) -> None:
+def test_page_names_the_file_of_each_block(page: Path) -> None:
     told = page.read_text(encoding="utf-8")
     assert [block.said for block in blocks_of(page) if block.mark == "file" and f"`{block.said}`" not in told] == []
 

@@ -1,4 +1,4 @@
-"""Whatever reads a file that users write has its table of keys: found by the calls of the strict reader."""
+"""Every reader of user files has a reference table of its keys."""
 
 import ast
 import typing
@@ -23,7 +23,7 @@ from tactometry.stimuli.scenes.surfaces import SURFACES
 from tactometry.trials.tasks import TASKS
 
 POSITION = {"build": 0, "read_toml": 0, "build_kind": 2}
-"""Of the class, or of the classes by kind, among the arguments of a reader."""
+"""Position of the class, or of the classes by kind, among a reader's arguments."""
 NAMED = {
     "observers/kinds.py": {
         "own_class(kind, code_from, path)": "code of one's own",
@@ -42,7 +42,7 @@ NAMED = {
     "study/scene_table.py": {"played": "the surface of what is played"},
     "study/task_table.py": {"task_kind.table": "TASKS"},
     "config/strict.py": dict.fromkeys(("resolve(target)", "kind", "table_class"), "the reader itself"),
-    "reference/key_table.py": dict.fromkeys(("self.reader", "kinds"), "the tables themselves"),
+    "reference/tables.py": dict.fromkeys(("self.reader", "kinds"), "the tables themselves"),
 }
 """By the end of a file's name, what it calls a class that only a run knows, and where such classes are listed."""
 LISTED = {
@@ -54,7 +54,7 @@ TARGETS = {table.reads for table in tables().values()}
 
 
 def reads_of(tree):
-    """What each call of a reader reads, as it is written, also where a call is prepared."""
+    """Yield the type argument of each reader call, also in `partial`."""
     for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
         prepared = isinstance(call.func, ast.Name) and call.func.id == "partial" and call.args
         reader = call.args[0] if prepared else call.func
@@ -65,13 +65,13 @@ def reads_of(tree):
 def readers():
     for path in sources():
         if not any(name in path.read_text(encoding="utf-8") for name in POSITION):
-            continue  # each process of the tests comes here, and to read a file costs less than to parse it
+            continue  # each test process runs this, and reading is faster than parsing
         for written in reads_of(parsed(path)):
             yield pytest.param(path, written, id=f"{path_of(path)}-{written}")
 
 
 def known_in(path):
-    """The names of a module, with those that its functions import."""
+    """Return the names of a module and those its functions import."""
     parts = path.relative_to(ROOT).with_suffix("").parts
     module = import_module(".".join(parts if parts[0] == FOLDERS[0] else (FOLDERS[0], *parts)))
     lines = [line for line in ast.walk(parsed(path)) if isinstance(line, ast.ImportFrom)]
@@ -114,11 +114,11 @@ def test_every_table_within_a_table_has_its_own():
 
 
 PYTHON_ONLY = {"calibration", "settings"}
-"""Fields of a bench's parts that are read from the keys beside them."""
+"""Fields of a bench's parts that are read from neighbouring keys."""
 
 
-def test_a_target_of_a_table_is_where_its_class_stands():
-    """A refusal finds the table by the class."""
+def test_table_target_is_the_module_of_its_class():
+    """Error messages find the table by the class."""
     for table in tables().values():
         kind = resolve(table.reads)
         assert table.reads in (f"{kind.__module__}:{kind.__qualname__}", f"{table.reads.partition(':')[0]}:TASK.table")

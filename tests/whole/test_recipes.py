@@ -1,4 +1,4 @@
-"""Each thing is added as CONTRIBUTING says, to a copy of the tree, and is met where a user meets it."""
+"""The extension recipes of CONTRIBUTING work in a copy of the tree."""
 
 import json
 import shutil
@@ -93,12 +93,12 @@ LINES = (
         '    "force_law": ',
     ),
 )
-"""In which file, the line, and what stands behind it."""
+"""File, added line, and the text after it."""
 
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the tree, to which each thing is added: its new files, and its line."""
+    """Return a copy of the tree with the files and lines of all recipes."""
     place = copy_tree(tmp_path_factory.mktemp("tree"))
     for file in (file for file in NEW_FILES.rglob("*") if file.is_file() and "__pycache__" not in file.parts):
         new = place / file.relative_to(NEW_FILES)
@@ -229,7 +229,7 @@ for command in sys.argv[2:]:
 
 @pytest.fixture(scope="module")
 def folder(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where a user has gone the whole way with all that was added."""
+    """Run the commands of a user on the extended tree."""
     place = tmp_path_factory.mktemp("user")
     files = {
         "odd": ODD_STUDY,
@@ -249,7 +249,7 @@ def folder(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def test_a_task_is_two_files_and_a_line(folder: Path) -> None:
+def test_task_is_added_by_two_files_and_line(folder: Path) -> None:
     rows = [row for row in trial_rows(folder / "odd") if row["task"] == "oddity" and row["valid"] == "1"]
     assert len(rows) == 2 * 4 * 10
     assert {row["target"] for row in rows} <= {"1", "2", "3"}
@@ -273,13 +273,13 @@ def test_new_task_needs_texts_in_each_language(folder: Path) -> None:
     assert {(row["task"], row["rig"], row["response"]) for row in rows} == {("oddity", "console", "1")}
 
 
-def test_a_rig_is_a_file_a_function_and_a_line(folder: Path) -> None:
+def test_rig_is_added_by_file_function_and_line(folder: Path) -> None:
     rows = trial_rows(folder / "hurried")
     assert {(row["rig"], row["response"], row["latency_s"]) for row in rows} == {("hurried", "1", "0")}
     assert any("a hand in a hurry" in file.read_text("utf-8") for file in (folder / "hurried").glob("data/*.json"))
 
 
-def test_a_procedure_is_a_file_and_a_line(folder: Path) -> None:
+def test_procedure_is_added_by_file_and_line(folder: Path) -> None:
     assert {row["procedure"] for row in trial_rows(folder / "approximated")} == {"stochastic_approximation"}
     page = (folder / "approximated.html").read_text(encoding="utf-8")
     assert "Levels were chosen by stochastic approximation (first level 25 dB re 1 V" in page
@@ -301,7 +301,7 @@ main(["run", "mistyped.toml", "--participant", "P01", "--dry-run"])
 """
 
 
-def test_the_keys_of_a_procedure_follow_from_its_line(tree: Path, folder: Path) -> None:
+def test_procedure_keys_are_derived_from_its_registration(tree: Path, folder: Path) -> None:
     (folder / "mistyped.toml").write_text(APPROXIMATED_STUDY.replace("step = 60", "stepp = 60"), encoding="utf-8")
     command = [sys.executable, "-W", "error", "-c", KEYS_AND_REFUSAL, str(tree)]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -311,7 +311,7 @@ def test_the_keys_of_a_procedure_follow_from_its_line(tree: Path, folder: Path) 
     assert "did you mean 'step'" in done.stderr
 
 
-def test_accuracy_problem_is_a_file_and_a_line(folder: Path) -> None:
+def test_accuracy_problem_is_added_by_file_and_line(folder: Path) -> None:
     points = rows_of(folder / "cost" / "cost.csv")
     assert [point["setting"] for point in points] == ["1 terms", "10 terms", "100 terms", "1000 terms"]
     assert {point["problem"] for point in points} == {"series"}
@@ -320,24 +320,24 @@ def test_accuracy_problem_is_a_file_and_a_line(folder: Path) -> None:
     assert (folder / "cost" / "series.png").stat().st_size > 10_000
 
 
-def test_an_observer_is_a_file_and_a_line(folder: Path) -> None:
+def test_observer_is_added_by_file_and_line(folder: Path) -> None:
     [journal] = (folder / "guessed").glob("journals/*.jsonl")
     head = json.loads(journal.read_text(encoding="utf-8").splitlines()[0])
     assert "'kind': 'Guesser'" in str(head)
 
 
-def test_a_questionnaire_is_a_file(folder: Path) -> None:
+def test_questionnaire_is_added_by_file(folder: Path) -> None:
     rows = [row for row in trial_rows(folder / "odd") if row["procedure"] == "roughness"]
     assert [(row["task"], row["item"]) for row in rows] == [("rating", "rough")] * 2
     page = (folder / "odd.html").read_text(encoding="utf-8")
     assert "Roughness of the surface" in page
 
 
-def test_a_sensor_is_a_file_and_a_line(folder: Path) -> None:
+def test_sensor_is_added_by_file_and_line(folder: Path) -> None:
     assert {row["force_mean_n"] for row in trial_rows(folder / "pressed")} == {"1"}
 
 
-def test_an_output_is_a_file_and_a_line(folder: Path) -> None:
+def test_output_is_added_by_file_and_line(folder: Path) -> None:
     played = (folder / "played.txt").read_text(encoding="utf-8").splitlines()
     assert len(played) == 2
     for signal in played:
@@ -347,13 +347,13 @@ def test_an_output_is_a_file_and_a_line(folder: Path) -> None:
     assert [row["valid"] for row in trial_rows(folder / "pressed")] == ["1", "1"]
 
 
-def test_a_kind_of_result_is_a_file_and_a_line(folder: Path) -> None:
+def test_result_kind_is_added_by_file_and_line(folder: Path) -> None:
     page = (folder / "odd.html").read_text(encoding="utf-8")
     assert "<h2>Times to answer</h2>" in page
     assert "Median of all answers: " in page
 
 
-def test_an_effect_is_a_file_and_a_line(folder: Path) -> None:
+def test_effect_is_added_by_file_and_line(folder: Path) -> None:
     said = (folder / "said.txt").read_text(encoding="utf-8")
     [row] = [line for line in said.splitlines() if line.startswith("strips")]
     assert row.split()[1:5] == ["on", "for", "force_law", "exact"]

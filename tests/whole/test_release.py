@@ -1,4 +1,4 @@
-"""What `make release` demands: one version in source, tag and changelog; the tree in the wheel; nothing passed over."""
+"""Checks of `make release`: version, tag, changelog, wheel and audit."""
 
 import importlib.util
 import json
@@ -29,11 +29,11 @@ def test_the_version_is_read_without_running_the_package():
     assert release.version_of(ROOT) == __version__
 
 
-def test_a_release_is_the_commit_whose_tag_says_its_version(source):
+def test_release_requires_the_tag_of_its_version(source):
     assert release.check_version(source, [TAG], clean=True) == __version__
 
 
-def test_without_a_tag_it_is_no_release(source):
+def test_release_is_refused_without_tag(source):
     with pytest.raises(release.NotDone, match=f"git tag {TAG} makes it one"):
         release.check_version(source, [], clean=True)
 
@@ -81,7 +81,7 @@ def test_skipped_release_step_needs_its_option(monkeypatch, capsys, raised, word
 
 
 @pytest.mark.parametrize("said", ["requests.exceptions.ConnectionError: no route", "ServiceError: 503"])
-def test_an_audit_whose_service_is_not_reached_is_not_done(monkeypatch, said):
+def test_audit_is_not_done_when_service_is_unreachable(monkeypatch, said):
     def run(*_command):
         raise release.Failed(said)
 
@@ -94,7 +94,7 @@ KNOWN, UNKNOWN = {"name": "a", "vulns": []}, {"name": "b", "skip_reason": "not f
 
 
 def test_unknown_package_counts_as_unaudited(monkeypatch):
-    """Pip-audit itself ends well then."""
+    """pip-audit itself exits with status 0 then."""
     monkeypatch.setattr(release, "run", lambda *_: json.dumps({"dependencies": [KNOWN, UNKNOWN]}))
     with pytest.raises(release.NotDone, match="1 of 2 packages are unknown to its service, such as b"):
         release.audit()
@@ -122,7 +122,7 @@ def test_one_licence_is_stated_for_all_files():
     assert (ROOT / "LICENSE").read_bytes() == (ROOT / "LICENSES" / "GPL-3.0-or-later.txt").read_bytes()
 
 
-def test_the_citation_says_the_version():
+def test_citation_states_the_version():
     assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
 
 

@@ -1,4 +1,4 @@
-"""The site of the docs is whole: no warning, no dead link, and nothing in it that comes from a network."""
+"""The docs site builds without warnings, dead links or remote files."""
 
 import re
 import subprocess
@@ -10,7 +10,7 @@ import pytest
 from patience import LONGEST_PROGRAM_S
 from places import DOCS
 
-# Not imported: in a process with sphinx, pyglet takes itself to be documented, and a window ends the process.
+# Not imported: with sphinx loaded, pyglet enters its documentation mode, and a window ends the process.
 PACKAGES = ("sphinx", "myst_nb", "furo", "sphinx_design", "sphinx_copybutton")
 ABSENT = [package for package in PACKAGES if find_spec(package) is None]
 pytestmark = pytest.mark.skipif(bool(ABSENT), reason=f"not installed: {', '.join(ABSENT)} (extra docs)")
@@ -36,14 +36,14 @@ def built(docs: Path, out: Path, builder: str) -> subprocess.CompletedProcess[st
 
 
 @pytest.mark.slow
-def test_no_page_has_a_warning_or_a_dead_link(tmp_path: Path) -> None:
-    """A picture that is not there, a page that no table of contents leads to, and a heading that is gone, too."""
+def test_site_builds_without_warnings_or_dead_links(tmp_path: Path) -> None:
+    """Missing pictures, unlisted pages and missing headings fail too."""
     done = built(DOCS, tmp_path, "dummy")
     assert (done.returncode, done.stderr) == (0, "")
 
 
 def site_of(page: str, docs: Path) -> Path:
-    """A site of one page, made as ours is."""
+    """Build a site of one page with the settings of the docs."""
     docs.mkdir()
     for part in ("conf.py", "_extensions", "_static"):
         (docs / part).symlink_to(DOCS / part)
@@ -52,7 +52,6 @@ def site_of(page: str, docs: Path) -> Path:
 
 
 def test_unknown_python_name_fails_the_site(tmp_path: Path) -> None:
-    """Every such link was let pass, for the sake of the errors that docstrings name."""
     done = built(site_of(NAMES, tmp_path / "docs"), tmp_path / "out", "html")
     assert done.returncode == 1
     assert re.findall("reference target not found: (.*) \\[", done.stderr) == ["nope", "tactometry.stimuli.Nope"]
@@ -67,7 +66,7 @@ def test_a_dead_link_fails(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_no_page_loads_anything_from_a_network(tmp_path: Path) -> None:
-    """Links that a reader may click lead out of the site; scripts, styles, fonts and pictures do not."""
+    """Links may leave the site; scripts, styles, fonts and pictures may not."""
     assert built(DOCS, tmp_path, "html").returncode == 0
     pages = {path: path.read_text(encoding="utf-8") for path in tmp_path.rglob("*.html")}
     styles = [path.read_text(encoding="utf-8") for path in tmp_path.rglob("*.css")]

@@ -1,4 +1,4 @@
-"""docs/explanation/stability.md says what the tests hold: no case more, none less, and no error above its bound."""
+"""docs/explanation/stability.md matches the hard cases of the tests."""
 
 import math
 from collections import Counter
@@ -15,16 +15,16 @@ def unseen():
     SEEN.update(before)
 
 
-def test_the_page_is_the_one_that_the_tests_would_write() -> None:
+def test_stability_page_is_up_to_date() -> None:
     assert page(stated()) == PAGE.read_text(encoding="utf-8"), "run make stability"
     assert set(stated()) == {case.name for case in cases()}, "run make stability"
 
 
-def test_no_two_cases_have_one_name_within_a_page() -> None:
+def test_case_names_are_unique() -> None:
     assert [name for name, n in Counter(case.name for case in cases()).items() if n > 1] == []
 
 
-def test_every_case_has_a_reference_and_every_room_has_cases() -> None:
+def test_every_case_has_reference_and_package_has_cases() -> None:
     assert all(case.name and case.against for case in cases())
     assert {case.room for case in cases()} == set(ROOMS.values())
 
@@ -35,7 +35,7 @@ def test_an_error_above_its_bound_fails(unseen, found) -> None:
         hard_case("a new case", [1.0, found], [1.0, 1.0], 0.1, against="one")
 
 
-def test_an_error_is_relative_above_a_floor_and_the_worst_one_counts(unseen) -> None:
+def test_hard_case_keeps_worst_relative_error(unseen) -> None:
     hard_case("a new case", [1.0, 0.0, 11.0], [1.0, 0.0, 10.0], 1.0, against="one")
     assert SEEN["a new case"] == pytest.approx(0.1)
     hard_case("a new case", 1e-3, 0.0, 1.0, against="zero", floor=0.01)

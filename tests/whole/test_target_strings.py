@@ -1,4 +1,4 @@
-"""Target strings point downwards: written out as the imports that they stand for, the contracts hold."""
+"""Target strings respect the import contracts."""
 
 import ast
 import re
@@ -16,7 +16,7 @@ UPWARDS = {
     "stimuli/perception/detection.py": "tactometry.stimuli.scenes.effects.sensitivity:Sensitivity",
     "stimuli/electrovibration/skin/skin.py": f"{LAG}:FrictionLag",
 }
-"""Files and target strings that would run back up."""
+"""Files with target strings that point upwards."""
 CIRCLE = {"protocols/procedures/procedure.py": "tactometry.protocols.procedures.staircase:Staircase"}
 """A file on one floor with what it names, which imports it."""
 
@@ -30,7 +30,7 @@ MODULES = {module_of(path.relative_to(ROOT).as_posix()): path for path in source
 
 
 def named(tree: ast.Module, module: str) -> dict[tuple[str, str], list[str]]:
-    """The targets of a module, with the modules that have what they name."""
+    """Return the targets of a module with the modules they name."""
     package = module if MODULES[module].name == "__init__.py" else module.rpartition(".")[0]
     return {
         target: [other for other in MODULES if fnmatch(other, target[0]) and has(other, target[1])]
@@ -39,12 +39,12 @@ def named(tree: ast.Module, module: str) -> dict[tuple[str, str], list[str]]:
 
 
 def has(module: str, name: str) -> bool:
-    """Whether a definition or a constant of a name stands in a module."""
+    """Return True if a module defines a name."""
     return re.search(rf"^(?:def |class |){name}\b", MODULES[module].read_text(encoding="utf-8"), re.M) is not None
 
 
 def with_targets(place: Path, spoilt: dict[str, str]) -> Path:
-    """A copy of the tree with target strings as imports; more of them in some files."""
+    """Return a copy of the tree with target strings as imports."""
     copy = copy_tree(place, "pyproject.toml")
     for module, path in MODULES.items():
         file = path.relative_to(ROOT).as_posix()
@@ -62,7 +62,7 @@ def test_targets_point_downwards(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def refusal(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """What is said of a tree with targets that run back up."""
+    """Return the output of the contracts for upward and circular targets."""
     result = contracts(with_targets(tmp_path_factory.mktemp("spoilt"), UPWARDS | CIRCLE))
     assert result.returncode == 1
     return " ".join(result.stdout.split())  # long lines are broken

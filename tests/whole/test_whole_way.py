@@ -1,4 +1,4 @@
-"""Every built-in study the whole way: simulated with invalid touches, validated, replayed, analysed, exported."""
+"""Every built-in study is simulated, validated, analysed and exported."""
 
 import csv
 import json
@@ -43,9 +43,9 @@ SMALLER = {
     "time-reversal-threshold": {"repeats = 20": "repeats = 6"},
     "tutorial": {"n_trials = 28 ": "n_trials = 16 "},
 }
-"""What makes a study small; the way stays the same."""
+"""Changes that make a study smaller."""
 FINGER = "\n[finger]\nwaver_cv = 0.12\n"
-"""A finger that leaves the band of forces in many touches."""
+"""Finger that often leaves the force band."""
 BEYOND_BEHAVIOUR = (
     "TaskName TaskDescription Instructions CogAtlasID CogPOID InstitutionName InstitutionAddress "
     "InstitutionalDepartmentName"
@@ -56,7 +56,7 @@ KEYWORD = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
 @pytest.fixture(scope="module", params=sorted(SMALLER))
 def data_set(request, tmp_path_factory) -> Path:
-    """A simulated data set of two participants."""
+    """Return a simulated data set of two participants."""
     root = tmp_path_factory.mktemp("way")
     text = builtin()[request.param].read_text(encoding="utf-8")
     (root / "study.toml").write_text(changed(text, SMALLER[request.param]) + FINGER, encoding="utf-8")
@@ -67,30 +67,30 @@ def data_set(request, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def exported(data_set) -> Path:
-    """The data set in every form."""
+    """Return the data set in every export format."""
     for form in ("bids", "jspsych", "psych-ds", "psychopy", "r"):
         arguments = ["export", data_set, "--to", form, "--out", data_set.parent / form]
         assert status(*arguments, "--author", "Ada Lovelace", "--author", "Alan Turing") == 0
     return data_set.parent
 
 
-def test_every_built_in_study_goes_the_whole_way():
+def test_every_built_in_study_is_covered():
     assert set(SMALLER) == set(builtin())
 
 
-def test_it_has_invalid_touches_and_is_sound(data_set, capsys):
+def test_data_set_with_invalid_touches_is_valid(data_set, capsys):
     rows = trial_rows(data_set)
     assert {row["valid"] for row in rows} == {"0", "1"}
     status, _, out = call(capsys, "validate", data_set)
     assert status == 0, out
 
 
-def test_it_replays(data_set, capsys):
+def test_data_set_replays(data_set, capsys):
     status, said, out = call(capsys, "replay", data_set)
     assert status == 0, said + out
 
 
-def test_it_is_analysed(data_set, capsys):
+def test_data_set_is_analysed(data_set, capsys):
     status, said, out = call(capsys, "analyse", data_set, "--json")
     assert status == 0, said
     found = json.loads(out)
@@ -111,8 +111,7 @@ def test_every_row_is_in_one_table_of_bids(data_set, exported):
     assert sum(row["valid"] == "0" for row in rows_of(*tables)) == sum(row["valid"] == "0" for row in own)
 
 
-def test_the_schema_of_psych_ds_holds(data_set, exported):
-    """Of the schema 1.5.0, whose validator no registry has."""
+def test_psych_ds_description_matches_the_schema(data_set, exported):
     for root in (data_set, exported / "psych-ds"):
         description = json.loads((root / "dataset_description.json").read_text())
         assert description["@context"] == "https://schema.org/"

@@ -1,1 +1,1 @@
-"""Kinds of results, a file each: what the page, the terminal and JSON tell of them."""
+"""Kinds of results, one file each, for page, terminal and JSON."""

@@ -1,4 +1,4 @@
-"""Questions with choices of their own, as those about the participants: counts, and no test."""
+"""Counts of answers to questions with choices, as those about the participants."""
 
 from collections.abc import Iterator
 

@@ -1,9 +1,9 @@
-"""How the sessions went: interruptions with what changed meanwhile, and what the experimenter did."""
+"""Interruptions of sessions, and interventions of the experimenter."""
 
 from collections.abc import Iterator
 
 from ...result import Analysis
-from ..section import Blocks, Details, Heading, Lead, ResultKind, Section, TextGrid, grid, rows_of
+from ..section import Content, Details, Heading, Lead, ResultKind, Section, grid, rows_of
 
 COLUMNS = {
     "started_utc": "began (UTC)", "begun_s": "at (s)", "changes": "what is another than in the sitting before",
@@ -13,28 +13,20 @@ MOST_OPEN = 20
 """Longer tables are folded."""
 
 
-def _table(analysis: Analysis, name: str) -> TextGrid:
-    return grid(analysis.table(name).rename(columns=COLUMNS), ())
-
-
-def _blocks(analysis: Analysis) -> Blocks:
-    if len(analysis.table("sittings")):
-        yield Heading("Sittings")
-        yield Lead("Sessions that were interrupted went on with the trial that was under way.")
-        yield _table(analysis, "sittings")
-    n_happenings = len(analysis.table("happenings"))
-    if n_happenings:
-        yield Heading("What happened in them")
-        if "order" in set(analysis.table("happenings")["trial_type"]):
-            yield Lead("An order is what the experimenter asked for, an intervention what came of it.")
-        listed = _table(analysis, "happenings")
-        yield listed if n_happenings <= MOST_OPEN else Details(f"All {n_happenings} events", (listed,))
-
-
 def _sections(analysis: Analysis) -> Iterator[Section]:
-    blocks = tuple(_blocks(analysis))
+    sittings, events = (analysis.table(name) for name in ("sittings", "happenings"))
+    blocks: list[Content] = []
+    if len(sittings):
+        lead = "Sessions that were interrupted went on with the trial that was under way."
+        blocks += [Heading("Sittings"), Lead(lead), grid(sittings.rename(columns=COLUMNS), ())]
+    if len(events):
+        blocks.append(Heading("What happened in them"))
+        if "order" in set(events["trial_type"]):
+            blocks.append(Lead("An order is what the experimenter asked for, an intervention what came of it."))
+        listed = grid(events.rename(columns=COLUMNS), ())
+        blocks.append(listed if len(events) <= MOST_OPEN else Details(f"All {len(events)} events", (listed,)))
     if blocks:
-        yield Section("How the sessions went", blocks)
+        yield Section("How the sessions went", tuple(blocks))
 
 
 KIND = ResultKind(_sections, values=rows_of("sittings", "happenings"))

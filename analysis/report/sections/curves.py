@@ -1,5 +1,4 @@
-"""Rates of answers against the level; of each participant psychometric curves, tracks, and the table of all
-estimates."""
+"""Rates against the level; psychometric curves and tracks of each participant, and all estimates."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -17,16 +16,9 @@ from ..section import Details, Figure, ResultKind, Section, grid, rows_of
 
 SHOWN = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_high", "width", "guess_rate",
          "lapse_rate", "n_trials", "n_catch", "status", "misfit")  # fmt: skip
-"""What the page shows of an estimate; the file has the rest."""
+"""Columns of estimates on the page; the file has all."""
 OF_RULES = ("rule_estimate", "rule_sd", "rule_n")
 N_OPEN = 2
-
-
-def _rates(analysis: Analysis) -> Iterator[Section]:
-    # cells without a level hold catch trials alone
-    tasks = sorted({estimate.cell.task for estimate in analysis.estimates if estimate.cell.levels} & set(CURVES))
-    if tasks:
-        yield Section("Rates", tuple(figure for task in tasks for figure in _rate_figures(analysis, task)))
 
 
 def _rate_figures(analysis: Analysis, task: str) -> Iterator[Figure]:
@@ -40,30 +32,32 @@ def _rate_figures(analysis: Analysis, task: str) -> Iterator[Figure]:
     yield Figure(
         f"rates_{task}", partial(psychophysics.rate_figure, rates, factors, unit=analysis.unit), text, "rates", of
     )
-    if factors and not _is_tracked(analysis, task):
+    # Where levels follow the answers, their mean rate depends on the procedure alone.
+    is_tracked = "tracks" in analysis.tables and task in set(analysis.tables["tracks"]["task"])
+    if factors and not is_tracked:
         text = f"{kind} over all levels, {'one participant' if is_one else 'mean over participants'}."
         yield Figure(
             f"mean_rates_{task}", partial(psychophysics.mean_rate_figure, means, factors), text, "mean_rates", of
         )
 
 
-def _is_tracked(analysis: Analysis, task: str) -> bool:
-    """Whether levels followed the answers: the rate over all of them then tells of the procedure alone."""
-    return "tracks" in analysis.tables and task in set(analysis.tables["tracks"]["task"])
-
-
 def _sections(analysis: Analysis) -> Iterator[Section]:
-    yield from _rates(analysis)
+    # Cells without a level have catch trials alone.
+    tasks = sorted({estimate.cell.task for estimate in analysis.estimates if estimate.cell.levels} & set(CURVES))
+    if tasks:
+        yield Section("Rates", tuple(figure for task in tasks for figure in _rate_figures(analysis, task)))
     if "thresholds" in analysis.tables:
         drawn = enumerate(_figures(analysis))
         unfolding = (Details(title, (figure,), is_open=n < N_OPEN) for n, (title, figure) in drawn)
-        estimates = _estimates_shown(analysis)
+        table = analysis.tables["thresholds"]
+        of_rules = [name for name in OF_RULES if table[name].notna().any()]
+        wanted = ("participant", *analysis.factors, *SHOWN, *of_rules)
+        estimates = table[[name for name in wanted if name in table.columns]]
         rows = Details(f"All estimates ({len(estimates)} rows)", (grid(estimates, analysis.factors),))
         yield Section("Participants", (*unfolding, rows))
 
 
 def _figures(analysis: Analysis) -> Iterator[tuple[str, Figure]]:
-    """With their titles."""
     shown = [estimate for estimate in analysis.estimates if estimate.cell.levels]
     for code in sorted({estimate.cell.participant for estimate in shown}):
         estimates = [estimate for estimate in shown if estimate.cell.participant == code]
@@ -86,13 +80,6 @@ def _tracks(analysis: Analysis, code: str) -> Iterator[tuple[str, Figure]]:
     filled = " or ".join(CURVES[task].success for task in sorted(set(rows["task"])))
     text = f"{code}: tracks ({kinds}); filled: {filled}, open: not; catch trials and easy trials are left out."
     yield f"{code}: tracks", Figure(f"{code}_tracks", draw, text, "tracks", ("participant", code))
-
-
-def _estimates_shown(analysis: Analysis) -> pd.DataFrame:
-    table = analysis.tables["thresholds"]
-    of_rules = [name for name in OF_RULES if table[name].notna().any()]
-    wanted = ("participant", *analysis.factors, *SHOWN, *of_rules)
-    return table[[name for name in wanted if name in table.columns]]
 
 
 KIND = ResultKind(_sections, values=rows_of("thresholds", LAPSES))

@@ -1,4 +1,4 @@
-"""Where it was felt: right answers by distance, the resolution, and what was taken for what."""
+"""Localisation: right answers by distance, resolution, and confusions."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -65,7 +65,7 @@ def _confused(analysis: Analysis) -> Iterator[Content]:
 
 
 def _rates_view(rates: pd.DataFrame) -> pd.DataFrame:
-    """Counts in one column (``3 of 4``), the rate with its interval in another, distances in millimetres."""
+    """Return counts (``3 of 4``), rates with intervals, and distances in millimetres."""
     counts = [f"{k} of {n}" for k, n in zip(rates["n_correct"], rates["n_trials"], strict=True)]
     keys = rates.columns[: rates.columns.get_loc("n_correct")]
     told: dict[str, Any] = {"right answers": counts, "rate": _with_intervals(rates, "rate")}
@@ -85,12 +85,11 @@ def _with_intervals(table: pd.DataFrame, name: str) -> list[str]:
 
 
 def _places_view(table: pd.DataFrame) -> pd.DataFrame:
-    """Distances in millimetres."""
     return table.assign(**{name: 1e3 * table[name] for name in MM if name in table.columns}).rename(columns=MM)
 
 
 def _participants_view(each: pd.DataFrame) -> pd.DataFrame:
-    """Resolutions with their intervals in one column; notes where there are any."""
+    """Return resolutions with intervals, and notes if there are any."""
     keys = each.columns[: each.columns.get_loc("resolution_m")]
     shown = ["status", *(name for name in ("note", MISFIT) if (each[name] != "").any())]
     told: dict[str, Any] = {"resolution (mm)": _in_mm(each, "resolution_m"), "trials": each["n_trials"]}

@@ -1,5 +1,4 @@
-"""Dependent values: group table, the primary analysis and its checks, comparisons; as a check of it all participants at
-once, by the hierarchical model."""
+"""Dependent values: group table, primary analysis, checks and comparisons, and the hierarchical model."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -23,7 +22,7 @@ EFFECT_COLUMNS = {
     "F": "F", "eps_CM": "epsilon", "p_CM_corr": "p (dfs times epsilon)", "p": "p", "p_permutation": "p",
     "np2": "partial eta²", "ng2": "generalised eta²",
 }  # fmt: skip
-"""What the page shows of the primary analysis; the file has the rest."""
+"""Columns of the primary analysis on the page; the file has all."""
 DECIBELS = "dB re 1 "
 P_COLUMNS = ("p_CM_corr", "p", "p_permutation")
 
@@ -33,7 +32,9 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         unit = outcome.unit(analysis.unit)
         title = dependent_title(outcome.dependent)
         yield Section(f"{title} ({unit})" if unit else title, tuple(_blocks(outcome, analysis)))
-    yield from _check_sections(analysis)
+    for check in analysis.hierarchical:
+        task = f" ({check.task.replace('_', ' ')})" if len(analysis.hierarchical) > 1 else ""
+        yield Section(f"All participants at once{task}", tuple(_check_blocks(check, analysis)))
 
 
 def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
@@ -43,19 +44,21 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
     yield from _amplitudes(outcome, analysis)
     yield _figure(outcome, analysis)
     if outcome.dependent == EXPONENT and GROWTH in analysis.tables:
-        yield _growth_figure(analysis)
+        draw = partial(psychophysics.growth_figure, analysis.tables[GROWTH], analysis.factors, unit=analysis.unit)
+        text = "Numbers given to each level: geometric means over participants after modulus equalisation."
+        yield Figure(GROWTH, draw, text, GROWTH)
     sentences = outcome_sentences(outcome, analysis.unit)
     if outcome.effects is not None:
         heading = outcome.heading()
         yield Heading(in_words(heading, factors))
         yield grid(_effect_columns(outcome.effects, factors), ())
-        # Taken out, as they stand open; the others are folded below.
+        # Shown open; the others are folded below.
         yield Sentences(sentences.pop(heading, []))
     yield Folded(sentences, n_open=2)
 
 
 def _amplitudes(outcome: Outcome, analysis: Analysis) -> Blocks:
-    """The group table in the unit that decibels refer to, where there are decibels and a mean."""
+    """Yield the group table in the unit that decibels refer to."""
     unit = outcome.unit(analysis.unit)
     if not unit.startswith(DECIBELS) or outcome.group["mean"].isna().all():
         return
@@ -65,8 +68,7 @@ def _amplitudes(outcome: Outcome, analysis: Analysis) -> Blocks:
 
 
 def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
-    """A group table whose `text` tells amplitudes, 10^(level / 20): of a mean of levels the geometric mean. Where there
-    is no mean the text stays.
+    """Return a group table with amplitudes, 10^(level / 20), as `text` where there is a mean.
 
     >>> as_amplitudes(pd.DataFrame({"mean": [20.0], "mean_low": [0.0], "mean_high": [40.0], "text": [""]}))["text"][0]
     '10.0 [1.0, 100.0]'
@@ -80,7 +82,6 @@ def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
 
 
 def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
-    # With their bounds, which are drawn where a value is not known.
     name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
     label = with_unit(name, outcome.unit(analysis.unit))
     if is_of_fit(outcome.group):  # whose values are the means
@@ -90,12 +91,6 @@ def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
     text = f"{name}: {figure_text(outcome.group, f'faint dots are participants{triangles}')}."
     stem = analysis.stem(outcome)
     return Figure(stem, draw, text, f"group_{stem}")
-
-
-def _growth_figure(analysis: Analysis) -> Figure:
-    draw = partial(psychophysics.growth_figure, analysis.tables[GROWTH], analysis.factors, unit=analysis.unit)
-    text = "Numbers given to each level: geometric means over participants after modulus equalisation."
-    return Figure(GROWTH, draw, text, GROWTH)
 
 
 def _effect_columns(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
@@ -123,11 +118,16 @@ def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:
 
 
 def _values_of_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
+    primary: dict[str, object] | None = None
+    if outcome.primary is not None and outcome.effects is not None:
+        title = outcome.title(outcome.primary)
+        role: dict[str, object] = {"analysis": outcome.primary.value, "title": title, "reason": outcome.reason}
+        primary = role | {"effects": outcome.effects}
     return {
         "task": outcome.task,
         "dependent": outcome.dependent,
         "group": outcome.group,
-        "primary": _values_of_primary(outcome),
+        "primary": primary,
         "checks": [outcome.title(name) for name in outcome.analyses() if name is not outcome.primary],
         "anova": outcome.anova,
         "left_out": list(outcome.left_out),
@@ -138,25 +138,8 @@ def _values_of_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
     }
 
 
-def _values_of_primary(outcome: Outcome) -> dict[str, object] | None:
-    if outcome.primary is None or outcome.effects is None:
-        return None
-    return {
-        "analysis": outcome.primary.value,
-        "title": outcome.title(outcome.primary),
-        "reason": outcome.reason,
-        "effects": outcome.effects,
-    }
-
-
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
-"""Columns of the conditions, as those of a group table."""
-
-
-def _check_sections(analysis: Analysis) -> Iterator[Section]:
-    for outcome in analysis.hierarchical:
-        task = f" ({outcome.task.replace('_', ' ')})" if len(analysis.hierarchical) > 1 else ""
-        yield Section(f"All participants at once{task}", tuple(_check_blocks(outcome, analysis)))
+"""Columns of a group table for those of the conditions."""
 
 
 def _check_blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Blocks:

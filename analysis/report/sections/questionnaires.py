@@ -10,24 +10,20 @@ from ...figures import attrakdiff
 from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
 from ..captions import figure_text, means_of, means_sentence, means_text
-from ..section import Blocks, Draw, Figure, Folded, Lead, ResultKind, Section, TextGrid, TextTable
+from ..section import Draw, Figure, Folded, Lead, ResultKind, Section, TextGrid, TextTable
 from ..sentences import form_sentences
 
 MOST_LINES = 7
-"""A figure of word pairs shows no more conditions than there are colours."""
+"""Largest number of conditions in a figure of word pairs, one for each colour."""
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
     for form in analysis.forms:
-        yield Section(form.form.title, tuple(_blocks(form)))
-
-
-def _blocks(form: Ratings) -> Blocks:
-    low, high, cross = form.form.score_low, form.form.score_high, form.cross()
-    yield Lead(f"Scores from {low:g} to {high:g}. {means_sentence(form.summary)}")
-    yield TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
-    yield from _figures(form)
-    yield Folded(form_sentences(form), n_open=1)
+        low, high, cross = form.form.score_low, form.form.score_high, form.cross()
+        lead = Lead(f"Scores from {low:g} to {high:g}. {means_sentence(form.summary)}")
+        table = TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
+        sentences = Folded(form_sentences(form), n_open=1)
+        yield Section(form.form.title, (lead, table, *_figures(form), sentences))
 
 
 def _figures(form: Ratings) -> Iterator[Figure]:
@@ -46,10 +42,11 @@ def _figures(form: Ratings) -> Iterator[Figure]:
         shaded = " with its t-interval between participants" if form.summary["mean_low"].notna().any() else ""
         text = f"Frequency by envelope: {figure_text(form.summary)}; dashed{shaded}: {REFERENCE}."
         yield _figure(form, "frequency_by_envelope", draw, text, "summary")
+    items = "Word pairs" if form.profile["negative"].astype(bool).any() else "Items"
     for name, conditions in _profiles(form, names):
         draw = partial(attrakdiff.profile_figure, form.profile, conditions, low, high)
         of = f" of {', '.join(conditions)}" if len(names) > 1 else ""
-        yield _figure(form, name, draw, f"{_items(form)}: {means_of(form.summary)}{of}.", "word_pairs")
+        yield _figure(form, name, draw, f"{items}: {means_of(form.summary)}{of}.", "word_pairs")
     if form.grouped is not None:
         yield from _grouped_figures(form, form.grouped)
 
@@ -60,13 +57,8 @@ def _figure(
     return Figure(f"{form.stem}_{name}", draw, caption, f"{form.stem}_{table}", of)
 
 
-def _items(form: Ratings) -> str:
-    """Whether the items of a questionnaire are pairs of words or sentences."""
-    return "Word pairs" if form.profile["negative"].astype(bool).any() else "Items"
-
-
 def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """The thesis's comparisons where its patterns were rated, else all conditions together."""
+    """Return the conditions of each figure: the thesis's comparisons of its patterns, else all together."""
     if form.crossed is None:
         return [("word_pairs", list(names[:MOST_LINES]))]
     groups = {f: [p for p, (frequency, _) in THESIS.items() if frequency == f] for f, _ in THESIS.values()}
@@ -75,7 +67,7 @@ def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]
 
 
 def _grouped_figures(form: Ratings, grouped: pd.DataFrame) -> Iterator[Figure]:
-    """The thesis's comparisons of frequencies and of envelopes, each with the single focus."""
+    """Yield comparisons of frequencies and of envelopes, each with the single focus."""
     for of, profile in grouped.groupby("of", sort=False):
         names = list(dict.fromkeys(profile["condition"]))
         draw = partial(attrakdiff.profile_figure, profile, names, form.form.score_low, form.form.score_high)

@@ -1,4 +1,4 @@
-"""Tables of tasks without a curve: a section of its own, or below those of the dependent values that are its means."""
+"""Tables of tasks without a curve."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -9,50 +9,48 @@ from ...figures.preference import share_figure
 from ...result import Analysis
 from ...tasks import preference
 from ...tasks.kinds import RESULTS
-from ..section import Details, Figure, Lead, ResultKind, Section, TextTable, grid, rows_of
+from ..section import Content, Details, Figure, Lead, ResultKind, Section, TextTable, grid, rows_of
 
-TOLD = {task: results for task, results in RESULTS.items() if results.title or results.dependent}
+SHOWN = {task: results for task, results in RESULTS.items() if results.title or results.dependent}
 
 
 def _views(analysis: Analysis) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Each task with its table as a person reads it; a column of notes only where there are any."""
-    for task in (task for task in TOLD if task in analysis.tables):
-        told = analysis.tables[TOLD[task].compared or task]
-        table = TOLD[task].view(told, analysis.trials, analysis.unit)
+    """Yield the table of each task for readers, with a column of notes only if there are any."""
+    for task in (task for task in SHOWN if task in analysis.tables):
+        shown = analysis.tables[SHOWN[task].compared or task]
+        table = SHOWN[task].view(shown, analysis.trials, analysis.unit)
         is_noted = "note" in table.columns and (table["note"] != "").any()
         yield task, table if is_noted else table.drop(columns="note", errors="ignore")
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
-    # below the dependent values, whose sections stand before, the means of participants come first
+    # The means of participants follow the sections of their dependent values.
     for task, view in _views(analysis):
-        if TOLD[task].dependent:
+        if SHOWN[task].dependent:
             title = f"Participants: {task} ({len(view)} rows)"
             yield Section("", (Details(title, (grid(view, analysis.factors),)),))
     for task, view in _views(analysis):
-        if TOLD[task].title:
-            yield Section(
-                TOLD[task].title, (Lead(TOLD[task].lead), grid(view, analysis.factors), *_figures(analysis, task))
-            )
+        if SHOWN[task].title:
+            blocks: list[Content] = [Lead(SHOWN[task].lead), grid(view, analysis.factors)]
+            blocks += [_share_figure(analysis)] if task == preference.TASK else []
+            yield Section(SHOWN[task].title, tuple(blocks))
 
 
-def _figures(analysis: Analysis, task: str) -> Iterator[Figure]:
-    if task != preference.TASK:
-        return
-    shares = TOLD[task].view(analysis.tables[preference.SHARES], analysis.trials, analysis.unit)
+def _share_figure(analysis: Analysis) -> Figure:
+    shares = SHOWN[preference.TASK].view(analysis.tables[preference.SHARES], analysis.trials, analysis.unit)
     together = "one participant" if analysis.trials.rows["participant"].nunique() == 1 else "all participants together"
     text = (
         f"How often each was preferred, of the pairs with it, {together}; bars are exact 95 % intervals, which count "
         "each answer as independent, dotted is chance."
     )
     items = list(dict.fromkeys(shares["item"]))
-    yield Figure(preference.SHARES, partial(share_figure, shares, items), text, preference.SHARES)
+    return Figure(preference.SHARES, partial(share_figure, shares, items), text, preference.SHARES)
 
 
 def _terminal(analysis: Analysis) -> Iterator[TextTable]:
     for task, view in _views(analysis):
-        if TOLD[task].in_terminal:
-            yield TextTable(view, TOLD[task].in_terminal)
+        if SHOWN[task].in_terminal:
+            yield TextTable(view, SHOWN[task].in_terminal)
 
 
-KIND = ResultKind(_sections, _terminal, rows_of(*TOLD))
+KIND = ResultKind(_sections, _terminal, rows_of(*SHOWN))

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal import Responses, drive, emitted, focus_amplitude, impulse_responses
+from tactometry.stimuli.time_reversal import Responses, drive, focus_amplitude, impulse_responses
+from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.focusing.merit import contrast_whole_of, field, modal_history
 from tactometry.stimuli.time_reversal.focusing.modulator import modulate
 from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from tactometry.stimuli.perception import Components, components, sensation_level_db
+from tactometry.stimuli.perception import sensation_level_db
 from tactometry.stimuli.perception.channels import channel_levels_db
+from tactometry.stimuli.perception.detection import Components, components
 
 from ..problem import Problem, Real, Reference, Setting, largest_relative
 

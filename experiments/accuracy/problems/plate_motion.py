@@ -8,13 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal import Attenuation, Fingertip, PlateLoad, PointForce, Screen, loaded_responses
+from tactometry.stimuli.time_reversal import Fingertip, Screen
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.propagator import run_linear
+from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses, values_at
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce
 
 from ..problem import Problem, Real, Reference, Setting, over_largest
 

@@ -12,7 +12,8 @@ from scipy.special import ndtr, ndtri
 from tactometry.analysis.hierarchical.model import GroupModel, StudyCounts
 from tactometry.analysis.hierarchical.posterior import Conditional, Laplace, integrate
 from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
-from tactometry.protocols import ParameterGrid, QuestPlus
+from tactometry.protocols import QuestPlus
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.psychometric import PsychometricFunction, shape_named
 
 from ..problem import Problem, Real, Reference, Setting, over_interval

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from tactometry.analysis.threshold.fitting import fit_many
-from tactometry.protocols import ConstantStimuli, ParameterGrid, Procedure, Quest, QuestPlus, Staircase
-from tactometry.protocols.procedures.procedure import Rule
+from tactometry.protocols import ConstantStimuli, Quest, QuestPlus, Staircase
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
+from tactometry.protocols.procedures.procedure import Procedure, Rule
 from tactometry.psychometric import PsychometricFunction
 
 from ..problem import Problem, Real, Reference, Setting, error_of_decibels

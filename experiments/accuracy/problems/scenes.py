@@ -9,14 +9,14 @@ import numpy as np
 
 from tactometry.signal import Signal
 from tactometry.stimuli import time_reversal
-from tactometry.stimuli.electrovibration import (
-    AmplitudeModulated,
-    PowerLawArea,
-    Skin,
-    electrostatic_force_n_at,
-)
+from tactometry.stimuli.electrovibration import AmplitudeModulated, Skin
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
-from tactometry.stimuli.time_reversal import Attenuation, Band, Fingertip, OneBit, PlateLoad, Screen
+from tactometry.stimuli.time_reversal import Band, Fingertip, Screen
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.responses.load import PlateLoad
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 
 from ...scenes import path_of
 from ..problem import Problem, Real, Reference, Setting, over_largest

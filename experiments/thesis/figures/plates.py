@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tactometry.palette import BLACK, BLUE, ORANGE
-from tactometry.stimuli.time_reversal import emitted
 from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
 from tactometry.stimuli.time_reversal.figures.style import label, sheet
+from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.focusing.merit import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S, Attenuation

@@ -27,9 +27,10 @@ from tactometry.analysis.threshold.log_posterior import (
 )
 from tactometry.analysis.threshold.mode import find_mode
 from tactometry.analysis.threshold.shared_grid import batched_marginals
-from tactometry.protocols import ParameterGrid, QuestPlus
+from tactometry.protocols import QuestPlus
 from tactometry.protocols.batch.answers import criteria
 from tactometry.protocols.batch.tracks import tracks
+from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.weighing import normalised
 from tactometry.psychometric import SHAPES, PsychometricFunction
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from tactometry.analysis.hierarchical.fitting import fit_hierarchical
 from tactometry.analysis.threshold.fitting import ThresholdFit, fit_many
-from tactometry.protocols import MethodOfLimits, PsiSettings
+from tactometry.protocols import MethodOfLimits
+from tactometry.protocols.bayesian.settings import PsiSettings
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction
 

@@ -72,7 +72,7 @@ class WithOffset:
         return _sum(plain.scaled(share), constant.scaled(self.ratio * share * peak_v))
 
     def remark(self, skin: Skin, law: Law, area_m2: float = 1e-4) -> str | None:
-        """What becomes of the force of the offset, if the skin changes it in time; None if it does not.
+        """Describe how the skin changes the offset's force, or return None.
 
         The time is that of the slowest relaxation of the law on the contact area (1 cm^2: unverified default).
 

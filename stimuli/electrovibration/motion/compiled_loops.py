@@ -34,7 +34,7 @@ def sinusoids_at(i: int, piece: int, heights: Heights, phases: Phases) -> float:
 
 @compiled
 def response_at(m: int, i: int, piece: int, heights: Heights, phases: Phases) -> float:
-    """What relaxation m makes of the sinusoids of a piece at node i."""
+    """Return the response of relaxation m to a piece's sinusoids at node i."""
     total = 0.0
     for k in range(phases.turns.shape[1]):
         total += (phases.turns[i, k] * phases.responses[m, k] * heights.amplitudes[piece, k]).real

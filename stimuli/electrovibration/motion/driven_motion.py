@@ -29,7 +29,9 @@ TERMS: Final = 20
 
 @dataclass(frozen=True)
 class Circuit:
-    """Which states the circuit has: relaxations, line, sinusoids; `active` says which relaxations still move.
+    """States of the circuit: relaxations, line and sinusoids.
+
+    `active` marks the relaxations that still move.
 
     States in order: active relaxations; value of the line (if it counts); slope of the line (if any); for each
     frequency real and imaginary part of ``c exp(2 pi i f t)``.

@@ -71,8 +71,10 @@ class FrictionLag(Effect):
         return (Stage("friction_lag", needs, "friction_force_n", target, dict(vars(self)), size=size),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Of each component in its steady state, as the exact course costs a hundred times as much; that course where
-        another effect acts on it."""
+        """Return a steady-state stage, or the exact one if friction is altered.
+
+        The exact course costs a hundred times as much.
+        """
         if is_changed("friction_force_n", scene):
             return tuple(replace(stage, size=None) for stage in self.stages(scene))
         return (self.stage(),)
@@ -99,7 +101,8 @@ def lagged_friction_n(
     Raises `InvalidParameter` if a value is outside of its domain, or the corner is so high that rounding would pass
     1e-9 (`CYCLES_MAX`).
 
-    >>> from tactometry.stimuli.electrovibration import Skin, Step, force_form
+    >>> from tactometry.stimuli.electrovibration import Skin, Step
+    >>> from tactometry.stimuli.electrovibration.attraction.force import force_form
     >>> pieces, form = Step(duration_s=0.1).pieces(40.0), force_form("parallel_plate", Skin(), 1e-4)
     >>> lag, friction = FrictionLag(slope_hz_per_m_per_s=0.0, floor_hz=100.0), CoulombFriction(0.5)
     >>> t_s = [0.0, 1 / (2 * np.pi * 100.0), 0.1]

@@ -14,7 +14,10 @@ DECAYED = 40.0
 
 
 class Heights(NamedTuple):
-    """What of a voltage is not time: per piece its value and slope, and its sinusoids (n_pieces, n_turns)."""
+    """Value and slope per piece of a voltage, and sinusoids.
+
+    The sinusoids have the shape (n_pieces, n_turns).
+    """
 
     offsets: FloatArray
     slopes: FloatArray
@@ -22,7 +25,7 @@ class Heights(NamedTuple):
 
 
 class Phases(NamedTuple):
-    """Where each node lies, and the factors of a circuit that its time gives.
+    """Times of the nodes, and the circuit factors that depend on them.
 
     Per node the piece that holds it and the time since that started; decay and line factor of each relaxation there,
     (n_relax, n_nodes); the same at the ends of the pieces, with their lengths; the turn of each sinusoid at each node,

@@ -158,7 +158,7 @@ def _square(c: FloatArray, factor: float, out: FloatArray) -> None:
 
 @compiled
 def _push_series(skin: SkinState, contact: ContactConstants, series: Series) -> None:
-    """What drives a skin that slips: friction, and the inertia of a finger that speeds up."""
+    """Fill the series of friction and inertia on a slipping skin."""
     friction = skin.direction * contact.kinetic
     push, force = series.push, series.force
     for n in range(DEGREE + 1):
@@ -189,7 +189,10 @@ def _stick_series(skin: SkinState, contact: ContactConstants, h: float, series: 
 def _breaks_loose(
     skin: SkinState, contact: ContactConstants, h: float, stretch: FloatArray, limit: FloatArray
 ) -> float:
-    """Where the friction that a stuck finger asks for, ``k s + c V``, passes the limit, in units of `h`."""
+    """Return when the friction of a stuck finger passes the limit.
+
+    The friction is ``k s + c V``; the time is in units of `h`.
+    """
     asked = contact.stiffness_n_per_m * stretch
     asked[0] += contact.damping_n_s_per_m * skin.rate_m_per_s
     asked[1] += contact.damping_n_s_per_m * contact.acceleration_m_per_s2 * h
@@ -198,7 +201,7 @@ def _breaks_loose(
 
 @compiled
 def _comes_to_rest(skin: SkinState, contact: ContactConstants, h: float, stretch: FloatArray) -> float:
-    """Where the skin is as fast as the finger that slips over it, in units of `h`."""
+    """Return when the skin reaches the finger's speed, in units of `h`."""
     ahead, direction = np.zeros(DEGREE + 1), skin.direction
     ahead[0], ahead[1] = direction * _speed(contact, skin.time_s), direction * contact.acceleration_m_per_s2 * h
     for n in range(DEGREE):
@@ -239,7 +242,7 @@ def _follow(skin: SkinState, contact: ContactConstants) -> SkinState:
 
 @compiled
 def _gives_way(skin: SkinState, contact: ContactConstants, limit_n: float) -> bool:
-    """Whether a skin that sticks is asked for more friction than it can bear."""
+    """Return True if a stuck skin needs more friction than it can bear."""
     return skin.direction == 0 and abs(_holding_friction(skin, contact)) > limit_n * (1 + 1e-14)
 
 
@@ -252,7 +255,10 @@ def _after(skin: SkinState, stretch: FloatArray, reached: float, unit_s: float, 
 
 @compiled
 def _change(skin: SkinState, contact: ContactConstants, events: FloatArray, n: int) -> SkinState:
-    """From slip to stick, or from stick to slip where friction pulls, event n: the skin is as fast as the finger."""
+    """Record event n and return the state after slip or stick ends.
+
+    The skin is then as fast as the finger. It slips in the direction of the friction.
+    """
     direction = 0.0 if skin.direction != 0 else (1.0 if _holding_friction(skin, contact) > 0 else -1.0)
     events[n, 0], events[n, 1] = skin.time_s, direction
     return SkinState(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)

@@ -73,7 +73,9 @@ def stick_slip(
     travel: Travel,
     n_events_max: int = 100_000,
 ) -> StickSlip:
-    """Motion of a finger that sticks while friction can hold it, and slips until the skin stands still again.
+    """Return the motion of a finger that sticks and slips.
+
+    It sticks while friction can hold it, and slips until the skin is at rest again.
 
     In stick the skin follows the screen, ``s' = V``, and asks for ``k s + c V``; it breaks away above
     ``mu_s (F_n + F_e)``. In slip ``m s'' + c s' + k s = m V' + sign mu_k (F_n + F_e)``. Between events the motion is
@@ -119,7 +121,7 @@ def stick_slip(
 def _plan(
     timing: Timing, form: ForceForm, finger: Finger
 ) -> "tuple[IndexArray, Phases, power_series.Layers, power_series.Steps]":
-    """What does not depend on heights: the nodes that were asked for, their phases, the circuit, the longest steps."""
+    """Compute nodes, phases, circuit and longest steps for any heights."""
     from . import power_series
 
     check_times(timing.t_s, timing.pieces)
@@ -138,5 +140,5 @@ def _plan(
 
 
 def _fastest_rad_per_s(finger: Finger) -> float:
-    """Of the pad in slip: its swing, or the decay of its speed."""
+    """Return the fastest rate in slip: pad resonance or speed decay."""
     return max(sqrt(finger.stiffness_n_per_m / finger.mass_kg), finger.damping_n_s_per_m / finger.mass_kg)

@@ -64,7 +64,7 @@ class Layer:
 
     @property
     def rate_per_s(self) -> float:
-        """Rate of its own discharge, ``1/(e0 e rho)``; 0 without leakage."""
+        """Rate of self-discharge, ``1/(e0 e rho)``; 0 without leakage."""
         if self.resistivity_ohm_m == 0:
             return inf
         return 1 / (VACUUM_PERMITTIVITY_F_PER_M * self.permittivity * self.resistivity_ohm_m)
@@ -173,7 +173,9 @@ class _Series:
 
 
 def _zero(function: Callable[[float], float], reach: float) -> float:
-    """Where a function turns from below 0 (at 0) to above 0 (at `reach`), to the last bit.
+    """Return the sign change of a function between 0 and `reach`, exactly.
+
+    The function is below 0 at 0 and above 0 at `reach`.
 
     Halves the numbers in between, not the distance: the smallest root too takes 63 steps and has all of its digits.
     A library's search would take longer to load than a scene to compute.

@@ -47,7 +47,7 @@ class CosineGrating(Effect):
         return (self._stage("unit_voltage", "under_finger"),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Of a voltage that is played, sample by sample."""
+        """Return the stages for a played voltage, sample by sample."""
         return (self._stage("record", "sampled_under_finger"),)
 
     def _stage(self, voltage: str, way: str) -> Stage:

@@ -22,7 +22,7 @@ from .way import Way, directions_along, without_jitter
 
 
 class Followed(NamedTuple):
-    """What is remembered of a path: the way of the finger, and the last parts, before they are averaged."""
+    """State of a followed path: the way, and recent unaveraged parts."""
 
     way: Way
     recent: FloatArray
@@ -96,7 +96,7 @@ class FollowedTexture(Ramped):
         """Parts (0..1) of the voltage at places (n_samples,), one a sample: the root of the share, averaged.
 
         `before` is what the same path gave so far; without it the finger begins here, as if it had been here before.
-        Where a place is NaN, nobody knows where the finger is: nothing is played.
+        NaN is an unknown place of the finger: nothing is played there.
         """
         x_m = np.atleast_1d(require.array("FollowedTexture.parts.x_m", x_m))
         require.expect(x_m.size > 0, "FollowedTexture.parts.x_m", "no place", "at least one")

@@ -1,4 +1,4 @@
-"""Textures out of a study file: a row of a picture, and heights along a line, written there or in a file beside it."""
+"""Textures of a study file: picture rows, and heights along a line."""
 
 import io
 import warnings
@@ -26,9 +26,11 @@ LARGEST_MAP: Final = 2**26
 @checked
 @dataclass(frozen=True)
 class Mapped:
-    """Values along a line, or rows of them: here, or in a file, of which `sha256` says that it is still the same.
+    """Values along a line or in rows, stated here or read from a file.
 
-    Raises `InvalidParameter` if there are neither or both, the digest is missing (it is told) or another, or the file
+    `sha256` detects changes to the file.
+
+    Raises `InvalidParameter` if there are neither or both, the digest is missing or differs, or the file
     holds no numbers; `InvalidFile` if it cannot be read.
 
     Parameters
@@ -105,7 +107,7 @@ class GreyImage(Mapped):
     path : str, optional
         A PNG or CSV file, relative to the study file.
     sha256 : str, optional
-        Of the file; a refusal tells it.
+        Digest of the file; the error for a missing digest states it.
     row : int
         The row of the file that the finger follows, from 0.
 
@@ -142,7 +144,7 @@ class HeightMap(Mapped):
     path : str, optional
         A PNG or CSV file, relative to the study file.
     sha256 : str, optional
-        Of the file; a refusal tells it.
+        Digest of the file; the error for a missing digest states it.
     row : int
         The row of the file that the finger follows, from 0.
     direction : int

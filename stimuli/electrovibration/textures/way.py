@@ -9,7 +9,7 @@ from ...arrays import FloatArray
 
 
 class Way(NamedTuple):
-    """What is known of a finger's way up to a moment.
+    """State of a finger's path up to a moment.
 
     Parameters
     ----------

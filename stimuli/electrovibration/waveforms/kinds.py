@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 
 
 class WaveformKind(NamedTuple):
-    """Where the class of a waveform is, which is imported when it is named, and fields that make one.
+    """Import path of a waveform class, and an example of its fields.
 
     The fields are those without a default: with them the laws of all stimuli run, and its keys are described.
     """

@@ -116,7 +116,7 @@ class Square(Periodic):
 
 @dataclass(frozen=True)
 class Triangle(Periodic):
-    """From 0 to ``V0``, to ``-V0`` and back, in straight lines; the force has twice the frequency.
+    """Triangle wave from ``V0`` to ``-V0``; doubles the force frequency.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ class Triangle(Periodic):
 
 @dataclass(frozen=True)
 class Trapezoid(Periodic):
-    """From the low value up to ``V0``, hold, down, hold, in straight lines, over and over.
+    """Trapezoid wave: rise to ``V0``, hold, fall to the low value, hold.
 
     Raises `InvalidParameter` if a value is outside of its domain, or the voltage stays for less than a sample above or
     below the middle of its two values, so that samples may miss it.

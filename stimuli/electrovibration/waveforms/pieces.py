@@ -260,7 +260,10 @@ class Corners:
 
     @property
     def is_antisymmetric(self) -> bool:
-        """Whether half a period later the value is the opposite one: the square has twice the frequency."""
+        """True if the value changes sign after half a period.
+
+        The frequency of its square is then doubled.
+        """
         middles = np.concatenate([self.phases, np.mod(np.add(self.phases, 0.5), 1.0), [0.0, 1.0]])
         middles = np.unique(middles)
         probe = (middles[1:] + middles[:-1]) / 2

@@ -1,4 +1,4 @@
-"""A voltage step, with a rise of its own."""
+"""A voltage step with a chosen rise time."""
 
 from dataclasses import dataclass
 

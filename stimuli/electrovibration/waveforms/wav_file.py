@@ -38,8 +38,8 @@ class WavFile:
     path : str
         The file: whole numbers of 8 to 32 bits, or floating point; its path is relative to the study file.
     sha256 : str
-        Its digest, which says that it is still the same. Without it the file is refused, in a sentence that
-        tells it: write it then.
+        Digest that detects changes to the file. Without it the file is refused, and the error states the digest
+        to write.
     rate_hz : float
         Sampling rate of the file, stated so that data can be read without it.
     duration_s : float

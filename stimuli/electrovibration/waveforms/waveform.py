@@ -1,4 +1,4 @@
-"""What every waveform is: a level (decibel re 1 V peak, or volt peak), samples in time, ramps on and off."""
+"""Levels, samples and ramps that all waveforms share."""
 
 from math import log10
 from typing import Literal, Protocol, get_args, runtime_checkable

@@ -1,4 +1,4 @@
-"""What is heard of an emission."""
+"""Airborne sound of an emission."""
 
 from dataclasses import dataclass
 from math import inf, log10

@@ -31,7 +31,7 @@ class BodyResistance(Alteration):
         return self.stage(), circuit_stage(self.kind)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """The area is no factor: it sets how fast the layers are charged."""
+        """Return stages under the true area, which sets the charging time."""
         return self.stage(), of_true_area()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:

@@ -16,7 +16,7 @@ TARGETS: Final = ("foci", "friction")
 
 @dataclass(frozen=True)
 class CrossMasking(Effect):
-    """What is felt is the `target` alone, foci or friction, and the other one masks it.
+    """Masking of the `target` (foci or friction) by the other stimulus.
 
     The threshold of the target rises by `slope` times the level of the other one above its own threshold. That they
     mask each other so is an unverified default: no source states it of a focus and friction. 0.52 is the slope of
@@ -44,7 +44,7 @@ class CrossMasking(Effect):
         super().__post_init__()
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """On the fingers of a scene, of which one rests and the other slides."""
+        """Return the stages for a resting and a sliding finger."""
         levels = "sensation_db", "sliding_sensation_db"
         return (self._stage(levels, levels[TARGETS.index(self.target)]),)
 

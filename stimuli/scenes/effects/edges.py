@@ -74,13 +74,13 @@ class Edges(Alteration):
 
     @property
     def singular(self) -> bool:
-        """Whether a free edge meets a clamped one."""
+        """True if a free edge meets a clamped one."""
         return any(
             {a, b} == {"C", "F"} for a, b in zip(self.boundary, self.boundary[1:] + self.boundary[0], strict=True)
         )
 
     def error(self, scene: Surroundings) -> float:
-        """What the polynomials add: the error of the frequencies, and the part of the phase that is seen."""
+        """Return the error of the polynomials in frequency and visible phase."""
         from ...time_reversal.plate.plate import degrees
 
         surface = scene.surface

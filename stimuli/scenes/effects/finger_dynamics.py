@@ -26,7 +26,7 @@ OUTPUTS: Mapping[bool, Mapping[str, str]] = {
 class FingerDynamics(Effect):
     """Mass and stiffness as published per sliding speed; the damping, of all speeds, is an unverified default.
 
-    What is felt is the motion of this skin, in place of that of `skin_mobility`. With `friction` the finger slides
+    The motion of this skin is felt instead of that of `skin_mobility`. With `friction` the finger slides
     all the time, and its friction is what it is without; with `dry_friction` it sticks and slips.
 
     Parameters
@@ -48,7 +48,9 @@ class FingerDynamics(Effect):
 
     @property
     def natural_rad_per_s(self) -> float:
-        """Of the pad without damping, at any speed: mass and stiffness grow alike.
+        """Natural frequency of the undamped pad, equal at all speeds.
+
+        Mass and stiffness are both proportional to speed.
 
         >>> round(FingerDynamics().natural_rad_per_s)
         354
@@ -79,7 +81,10 @@ class FingerDynamics(Effect):
         return motion, *courses, felt
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """The course itself, under the true area: what moves is no factor of the attraction."""
+        """Return the stages of the time course under the true area.
+
+        A moving pad is not proportional to the attraction.
+        """
         *course, _ = (replace(stage, size=None) for stage in self.stages(scene))
         return *course, spectrum_of_record("skin_spectrum", "skin_displacement_m", "skin_components"), of_true_area()
 

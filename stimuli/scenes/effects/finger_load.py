@@ -19,7 +19,7 @@ PLATE = "tactometry.stimuli.scenes.stages.plate"
 class FingerLoad(Effect):
     """Every contact at rest as damper, mass and spring at a point, which grow with ``(F/2 N)^exponent``.
 
-    Without a place of its own a contact is at the focus. The plate has learnt without. All defaults are unverified.
+    A contact without a place is at the focus. The responses were learnt without contacts. All defaults are unverified.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class FingerLoad(Effect):
         )
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Of a plate that plays a signal, under the fingers that share the one contact of a run."""
+        """Return the stages of a played plate under fingers of one contact."""
         pulp, where = dict(vars(self)), ("setup", "places_m", "contact")
         return (
             Stage("finger_load", ("displacement_m", *where), "displacement_m", f"{PLATE}:under_load", pulp),
@@ -74,7 +74,10 @@ class FingerLoad(Effect):
         )
 
     def impedance_ratio(self, scene: Surroundings) -> float:
-        """Of all fingers at the top of the band, over that of the infinite plate."""
+        """Return the impedance of all fingers over that of the infinite plate.
+
+        At the top of the band.
+        """
         surface = scene.surface
         omega = 2 * pi * surface.f_max_hz
         one = self.resistance_n_s_per_m + self.mass_kg * omega + self.stiffness_n_per_m / omega

@@ -14,7 +14,7 @@ PLACES = "tactometry.stimuli.scenes.stages.emission:several"
 
 @dataclass(frozen=True)
 class Foci(Effect):
-    """Further places to focus on at the same instant, beside the one of the surface.
+    """Additional places to focus on at the same instant.
 
     Parameters
     ----------

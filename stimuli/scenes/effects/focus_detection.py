@@ -1,4 +1,4 @@
-"""What a finger feels of foci: the level of the strongest above the threshold of a single one."""
+"""Sensation level of the strongest focus under a finger."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 class FocusDetection(Effect):
     """A single focus of `reference_m` is at threshold, as in `tactometry.stimuli.time_reversal.TimeReversalSensation`.
 
-    It is what the first finger at rest feels where it rests, at the focus without a place of its own or without a
-    finger; it loads the plate with `finger_load` alone. 10 um is an unverified default.
+    The level is that at the first resting finger, by default at the focus. The finger loads the
+    plate only with `finger_load`. 10 um is an unverified default.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class FocusDetection(Effect):
         return Stage("events", needs, "felt_at_1v_m", target), self.stage()
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Of the displacement under each finger, as a signal makes it."""
+        """Return the stages for displacements under fingers by a signal."""
         events = Stage("events", ("t_s", "displacement_m"), "felt_m", f"{__name__}:single_events_m")
         return events, replace(self.stage(), needs=("felt_m",))
 

@@ -1,4 +1,7 @@
-"""Which of the four laws of the literature gives the electrostatic force; they differ by a factor near 1000."""
+"""Choice of one of four electrostatic force laws.
+
+They differ by a factor near 1000.
+"""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, get_args
@@ -50,7 +53,10 @@ class ForceLaw(Effect):
         return super().stages(scene)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Under the area that the force is computed for, of which the force of the contact is a multiple."""
+        """Return the stages under the area for which the force is computed.
+
+        The force of a contact is a multiple of it.
+        """
         (drawn,) = self.stages(scene)
         return (replace(drawn, needs=("skin", "form_area_m2")),)
 

@@ -57,7 +57,7 @@ class Movie(Effect):
         return Size({"n_frames": self._n_frames(demand.surface), "span_s": self.span_s})
 
     def _n_frames(self, surface: Any) -> int:
-        """As many as asked for, or an odd number, so that one is that of the focus."""
+        """Return the requested frames, or an odd number with one at the focus."""
         if self.n_frames is not None:
             return self.n_frames
         f_max_hz: float = surface.f_max_hz

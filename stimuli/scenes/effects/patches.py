@@ -1,4 +1,4 @@
-"""Bonded patches in place of pushes at points."""
+"""Bonded patches instead of point forces."""
 
 from dataclasses import dataclass
 

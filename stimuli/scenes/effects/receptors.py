@@ -1,4 +1,4 @@
-"""Receptor channels in place of one threshold: the channel furthest above its own mediates detection."""
+"""Detection by the receptor channel furthest above its threshold."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

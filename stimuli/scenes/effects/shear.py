@@ -1,4 +1,4 @@
-"""Shear and rotary inertia: Mindlin's plate in place of the thin one."""
+"""Shear and rotary inertia, by Mindlin's instead of the thin plate."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -30,7 +30,7 @@ class Shear(Alteration):
         return {"shear_factor": self.shear_factor}
 
     def wavenumber_rad_per_m(self, plate: "Plate", frequency_hz: float) -> float:
-        """Of the waves at a frequency."""
+        """Return the wavenumber of bending waves."""
         from ...time_reversal.plate.dispersion import mindlin_wavenumber_rad_per_m
 
         return float(mindlin_wavenumber_rad_per_m(plate, frequency_hz, self.shear_factor))

@@ -15,7 +15,9 @@ LEARNING = "tactometry.stimuli.scenes.stages.emission:learning_colder"
 
 @dataclass(frozen=True)
 class TemperatureDrift(Effect):
-    """What was learnt on a plate `kelvin` colder (below 0: warmer), not 0; the shift of -5e-5/K is unverified.
+    """Temperature drift of a plate since its responses were learnt.
+
+    `kelvin` is not 0. The shift of -5e-5/K is unverified.
 
     Parameters
     ----------

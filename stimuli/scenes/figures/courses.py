@@ -1,4 +1,4 @@
-"""What a scene gives over time: a panel per output, numbers in the title."""
+"""Time courses of a scene: one panel per output, numbers in the title."""
 
 import shutil
 from collections.abc import Mapping
@@ -70,7 +70,7 @@ def draw_course(panel: Axes, t_s: Any, course: Any, name: str, colour: str) -> N
 
 
 def mark(panel: Axes, result: Result, name: str) -> None:
-    """What a course alone does not show: where a finger sticks and slips, or would lift off."""
+    """Mark stick, slip and lift-off in a panel."""
     if name in RUBBED and "slip_events_s" in result.values:
         events_s = np.asarray(result.values["slip_events_s"])[:MOST_EVENTS]
         for event_s in events_s:
@@ -190,7 +190,7 @@ def _courses(figure: SubFigure, result: Result, drawn: list[str]) -> None:
 
 
 def _sliding_courses(figure: SubFigure, result: Result, drawn: list[str]) -> None:
-    """What a finger that slides meets, over a time of its own."""
+    """Draw the courses of a sliding finger on its own time axis."""
     values = result.values
     panels = figure.subplots(len(drawn), 1, squeeze=False, sharex=True)[:, 0]
     for panel, name, colour in zip(panels, drawn, cycle(COLOURS[2:]), strict=False):
@@ -228,7 +228,7 @@ class MapWriter(animation.AbstractMovieWriter):
 
 @cache
 def _palette() -> Image.Image:
-    """255 colours are what a GIF has, beside one for what does not change."""
+    """Return a GIF palette of 255 colours plus one for unchanged pixels."""
     of_map = colormaps[DIVERGING](np.linspace(0, 1, 255 - GREYS))[:, :3]
     greys = np.repeat(np.linspace(0, 1, GREYS), 3).reshape(GREYS, 3)
     image = Image.new("P", (1, 1))

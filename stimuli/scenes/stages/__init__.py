@@ -1,1 +1,1 @@
-"""What the stages call: callables and a-priori errors that several effects or surfaces share."""
+"""Callables of stages, and predicted errors shared by effects."""

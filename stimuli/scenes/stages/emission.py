@@ -1,4 +1,4 @@
-"""From a plate to what its transducers emit: learn, reverse, quantise."""
+"""Emission of the transducers: learning, reversal and quantisation."""
 
 from dataclasses import dataclass, replace
 
@@ -85,7 +85,7 @@ def several(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> Points:
 def learning(
     screen: Screen, foci: Points, rate_hz: float, reversal_s: float, f_max_hz: float, flank_hz: float
 ) -> Responses:
-    """What the transducers do at the foci: the modes of the band, over the reversal time."""
+    """Return the responses at the foci: band modes over the reversal time."""
     band = Band(0.0, f_max_hz, flank_hz)
     return Emission(band, reversal_s, rate_hz, modes_to_hz=f_max_hz).responses(screen, foci)
 
@@ -106,7 +106,7 @@ def amplified_responses(learnt: Responses, cutoff_hz: float, order: int) -> Resp
 
 
 def amplified(emission: EmittedSignal, cutoff_hz: float, order: int) -> EmittedSignal:
-    """What leaves the amplifier."""
+    """Apply the low pass of the amplifier."""
     return through(emission, Butterworth(cutoff_hz, order))
 
 
@@ -117,7 +117,10 @@ def emit(learnt: Responses, rule: Quantiser) -> EmittedSignal:
 
 
 def in_band(emission: EmittedSignal, f_max_hz: float, flank_hz: float, margin_s: float) -> EmittedSignal:
-    """What of an emission lies in the band, without a change of phase; what rings outside fades over `margin_s`."""
+    """Return the zero-phase band-limited part of an emission.
+
+    Ringing before and after it fades over `margin_s`.
+    """
     wide = through(emission, Band(0.0, f_max_hz, flank_hz), margin_s)
     rise = np.sin(np.linspace(0, np.pi / 2, round(margin_s * emission.rate_hz))) ** 2
     flat = np.ones(emission.samples.shape[1])

@@ -53,7 +53,7 @@ class PlateMotion:
 
     @property
     def modes(self) -> Modes:
-        """Those that move, and behind them those that follow."""
+        """The modes that move, followed by those that respond statically."""
         return self.screen.modes(self.static_to_hz)
 
     def among(self, part: slice) -> "PlateMotion":

@@ -25,7 +25,7 @@ def setup(**fields: Any) -> "Setup":
 
 
 def places(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> "Places":
-    """Where fingers are."""
+    """Return the places of the fingers."""
     return tuple(zip(x_m, y_m, strict=True))
 
 

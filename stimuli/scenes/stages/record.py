@@ -1,4 +1,4 @@
-"""What an electrode is given, sample by sample: the voltage of a signal that is played, and what follows from it.
+"""Voltage of a played signal at the electrode, and its effects.
 
 A signal is taken as it is played, straight from sample to sample, so that any waveform is felt alike.
 """
@@ -58,7 +58,7 @@ def skin(tissue: Tissue, **layers: float) -> "Skin":
 
 
 def layer_voltage(record: VoltageRecord, form: "ForceForm") -> FloatArray:
-    """What of the voltage lies across the layer of a law, exactly."""
+    """Return the exact voltage across the layer of a force law."""
     return form.relaxations.sampled(record.voltage_v, record.rate_hz)
 
 
@@ -154,14 +154,14 @@ def _transform(lines: float) -> float:
 
 
 def resting(signal: Signal) -> Signal:
-    """What the transducers play, until they are silent."""
+    """Return the transducer channels up to their last nonzero sample."""
     foci = signal.samples[:-1]
     n_driven = int(np.flatnonzero(np.any(foci, axis=0)).max(initial=0)) + 1
     return Signal(foci[:, :n_driven], signal.rate_hz, signal.unit)
 
 
 def sliding(signal: Signal) -> Signal:
-    """What the electrode plays."""
+    """Return the electrode channel."""
     return Signal(signal.samples[-1:], signal.rate_hz, signal.unit)
 
 

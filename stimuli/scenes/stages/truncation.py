@@ -40,7 +40,7 @@ MAPS = frozenset(("field_m", "movie_m"))
 
 @dataclass(frozen=True)
 class Cut:
-    """Where the modes end, and the error of that."""
+    """Highest frequencies of the modes, and the truncation error."""
 
     modes_to_hz: float
     static_to_hz: float
@@ -50,7 +50,10 @@ class Cut:
 
 @dataclass(frozen=True)
 class Tail:
-    """What the modes above q times the band do: `size` over q, and from a root of q of `turning` on less."""
+    """Error of truncating modes at q times the band: `size` over q.
+
+    Above a root of q of `turning` it falls faster.
+    """
 
     size: float
     turning: float
@@ -72,7 +75,7 @@ def remainder(scene: Surroundings) -> float:
 
 
 def content_of(scene: Surroundings) -> PlateContent:
-    """What all effects bring."""
+    """Return the sum of the content of all effects."""
     return sum((effect.in_plate(scene) for effect in scene.effects), start=PlateContent())
 
 
@@ -126,7 +129,7 @@ def n_modes(scene: Surroundings, frequency_hz: float) -> float:
 
 
 def wavenumber_rad_per_m(scene: Surroundings, frequency_hz: float) -> float:
-    """Of the waves at a frequency: those of a thin plate, unless an effect changes them."""
+    """Return the wavenumber of a thin plate, unless an effect changes it."""
     plate = scene.surface.plate
     changed = (effect.wavenumber_rad_per_m(plate, frequency_hz) for effect in scene.effects)
     thin = sqrt(2 * pi * frequency_hz / plate.wave_constant_m2_per_s)
@@ -172,18 +175,18 @@ Place = tuple[float, float]
 
 
 def at_rest(scene: Surroundings) -> list[FingerContact]:
-    """The contacts that rest."""
+    """Return the contacts at rest."""
     return [touch for touch in scene.contacts if not touch.slides]
 
 
 def places_m(scene: Surroundings) -> list[Place]:
-    """Where they rest: without a place of their own, at the focus."""
+    """Return the places of resting fingers; by default the focus."""
     x_m, y_m = scene.surface.focus_m
     return [(x_m if at.x_m is None else at.x_m, y_m if at.y_m is None else at.y_m) for at in at_rest(scene)]
 
 
 def check_on_plate(scene: Surroundings) -> None:
-    """Refuse a finger that rests beside the plate."""
+    """Refuse a finger that rests outside the plate."""
     plate = scene.surface.plate
     for n, (x_m, y_m) in enumerate(places_m(scene)):
         if not plate.contains(x_m, y_m):
@@ -194,13 +197,13 @@ def check_on_plate(scene: Surroundings) -> None:
 
 
 def felt_at_m(scene: Surroundings) -> Place:
-    """Where the first of them feels; without any, at the focus."""
+    """Return the place of the first resting finger; by default the focus."""
     focus_m: Place = scene.surface.focus_m
     return next(iter(places_m(scene)), focus_m)
 
 
 def is_away(scene: Surroundings) -> bool:
-    """Whether that is beside the focus."""
+    """Return True if the first resting finger is away from the focus."""
     focus_m: Place = scene.surface.focus_m
     return felt_at_m(scene) != focus_m
 

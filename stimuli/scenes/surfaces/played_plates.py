@@ -32,7 +32,7 @@ class PlayedPlate(Surface):
     """The screen of a stimulus: plate, transducers and losses are those that its drives were made for.
 
     One finger rests on it, or several that share the force of a touch evenly (an unverified simplification); what is
-    computed has a row for each. `finger` is that whose contact force is told where no effect says that it loads the
+    computed has a row for each. `finger` is the one whose contact force is reported if no effect loads the
     plate.
     """
 
@@ -52,7 +52,7 @@ class PlayedPlate(Surface):
 
     @property
     def places_m(self) -> "Places":
-        """Where the fingers are."""
+        """Places of the fingers."""
         raise NotImplementedError
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:
@@ -81,7 +81,7 @@ class PlayedTimeReversal(PlayedPlate):
     finger_y_m : float, optional
         Place of the finger along the width. Default: at the focus.
     finger : Fingertip
-        Whose contact force is told where no effect says that it loads the plate.
+        Finger whose contact force is reported if no effect loads the plate.
 
     >>> PlayedTimeReversal().given
     ('signal', 'contact')
@@ -97,13 +97,15 @@ class PlayedTimeReversal(PlayedPlate):
 
     @property
     def places_m(self) -> "Places":
-        """Where the finger is; what is not said of it is that of the focus."""
+        """Place of the finger; by default the focus."""
         return (place_on(self.setup, self.finger_x_m, self.finger_y_m),)
 
 
 @dataclass(frozen=True)
 class PlayedFingers(PlayedPlate):
-    """A plate under fingers, of which the one that feels most decides a detection, and all of them a localisation.
+    """A played plate under several fingers.
+
+    The finger that feels most decides a detection, and all of them a localisation.
 
     Raises `InvalidParameter` if a finger rests on no place, or two are nearer to each other than a fingertip is wide.
 
@@ -115,7 +117,7 @@ class PlayedFingers(PlayedPlate):
     fingers : tuple of str
         The places where a finger rests, a fingertip or more from each other; by default on every one.
     finger : Fingertip
-        Whose contact force is told where no effect says that it loads the plate.
+        Finger whose contact force is reported if no effect loads the plate.
 
     >>> PlayedFingers(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).names
     ('index', 'middle')

@@ -240,7 +240,7 @@ class TimeReversal(GlassPanel, Surface):
         return n_x, n_y
 
     def grid_error(self, demand: Demand) -> float:
-        """Of straight lines between the points, relative to the largest of a map."""
+        """Return the interpolation error over the largest value of a map."""
         n_x, n_y = demand.once(self.grid)
         step_m = max(self.length_m / (n_x - 1), self.width_m / (n_y - 1))
         return (wavenumber_rad_per_m(demand, self.f_max_hz) * step_m) ** 2 / 8

@@ -1,4 +1,4 @@
-"""What theory says of a focus before anything is simulated.
+"""Closed-form theory of a focus, without simulation.
 
 Sources: diffuse wave fields (J0 correlation, Aki 1957) and a statistical theory of reverberating plates
 with equal mode weights, exponential decay and many modes; the latter is derived, not the thesis's, and
@@ -63,7 +63,7 @@ def analogue_amplitude_ratio(reversal_s: UnboundedArray, tau_s: Positive) -> Flo
 @checked
 @dataclass(frozen=True)
 class Reverberation:
-    """What the contrast of a focus depends on.
+    """The quantities that determine the contrast of a focus.
 
     Parameters
     ----------

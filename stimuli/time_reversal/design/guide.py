@@ -75,7 +75,7 @@ class Transducers:
 @checked
 @dataclass(frozen=True)
 class Target:
-    """What is wanted; None is no wish.
+    """Design targets; None for a quantity without a target.
 
     Parameters
     ----------
@@ -122,14 +122,17 @@ class Design:
 
     @property
     def overlap_ratio(self) -> float:
-        """What drives that overlap leave of the amplitude; 1 for T up to T_r."""
+        """Share of the amplitude left by overlapping drives; 1 for T up to T_r."""
         if self.repetition_s is None or self.repetition_s >= self.reversal_s:
             return 1.0
         return repetition_amplitude_ratio(self.reversal_s, self.repetition_s, self.tau_s)
 
     @property
     def reverberation(self) -> Reverberation:
-        """Of the modes as the patches weight them: N_eff = n_f (integral of W^2)^2 / integral of W^4."""
+        """Reverberation of the modes as the patches weight them.
+
+        N_eff = n_f (integral of W^2)^2 / integral of W^4.
+        """
         return Reverberation(
             self.transducers.n, effective_hz(*self._weighting), self.tau_s, self.reversal_s, self.plate.modal_density_s
         )
@@ -142,7 +145,10 @@ class Design:
 
     @property
     def is_diffuse(self) -> bool:
-        """Whether waves cross the plate often enough, and modes are enough, for the laws to hold as `OFF` states."""
+        """True if the field is diffuse enough for the laws, as `OFF` states.
+
+        Waves must cross the plate often enough, and the band must contain enough modes.
+        """
         return self.n_crossings >= FEWEST_CROSSINGS and self.reverberation.n_modes >= FEWEST_MODES
 
     @property

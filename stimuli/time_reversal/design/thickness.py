@@ -1,4 +1,4 @@
-"""Which sheet of glass: the design guide for every thickness that can be had, and the nearest that meets the target.
+"""Choice of the glass sheet: the nearest thickness that meets a target.
 
 Thinner glass sharpens a focus (width ~ h^(1/2)), holds more modes (~ 1/h) and moves more for the same moment, and bends
 and breaks sooner: stress under a finger ~ 1/h^2, deflection ~ 1/h^3.
@@ -57,12 +57,12 @@ class Sheet:
 
     @property
     def bends_linearly(self) -> bool:
-        """Whether the deflection is small, at most `SMALL` of the thickness."""
+        """True if the deflection is at most `SMALL` of the thickness."""
         return self.deflection_m <= SMALL * self.thickness_m
 
     @property
     def unreachable(self) -> tuple[str, ...]:
-        """What the guide says, and the stress where glass does not bear it."""
+        """Targets missed, and the stress if it exceeds that of glass."""
         if self.stress_pa <= STRESS_MAX_PA:
             return self.guide.unreachable
         return (

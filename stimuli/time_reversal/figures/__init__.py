@@ -1,1 +1,1 @@
-"""The thesis's figures as functions, each of which returns a matplotlib figure; `gallery` draws all of them."""
+"""Figures of the thesis; `gallery` draws all of them."""

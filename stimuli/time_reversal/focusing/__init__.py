@@ -1,1 +1,1 @@
-"""From responses to drives: reverse, quantise, repeat."""
+"""Drives from responses: reversal, quantisation and repetition."""

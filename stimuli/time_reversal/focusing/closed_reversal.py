@@ -41,7 +41,10 @@ class ClosedReversal:
 
     @classmethod
     def of(cls, plate: Plate, attenuation: Attenuation, f_max_hz: float, reversal_s: Positive) -> "ClosedReversal":
-        """From the modes below `f_max_hz`, which must all oscillate (no rigid body, tau above their 1 / omega)."""
+        """Build it from the modes below `f_max_hz`, which must oscillate.
+
+        Rigid-body modes, and a tau below 1 / omega of a mode, are refused.
+        """
         modes = modes_of(plate, f_max_hz)
         decay = attenuation.rate_per_s(modes.frequency_hz)
         oscillators = Oscillators(modes.angular_frequency_rad_per_s, decay)

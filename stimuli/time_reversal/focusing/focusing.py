@@ -83,7 +83,7 @@ def drive(
     weights: Sequence[float] | None = None,
     window: FloatArray | None = None,
 ) -> Signal:
-    """What the amplifiers emit (V) to focus; the focus comes at the last sample.
+    """Return the voltage that focuses at the last sample of the drive.
 
     Parameters
     ----------
@@ -180,5 +180,5 @@ class Emission:
         return band_limited(raw, self.band)
 
     def drive(self, foci: Responses) -> Signal:
-        """What is emitted to focus where these responses were learnt."""
+        """Return the drive that focuses at the points of these responses."""
         return drive(foci, self.voltage_v, self.quantiser)

@@ -24,7 +24,7 @@ FEEDBACK: Final = {1: (1.0, 0.0), 2: (2.0, -1.0)}
 
 @dataclass(frozen=True, eq=False)
 class BitStream:
-    """What a modulator emitted.
+    """The bits of a modulator and its largest state.
 
     `bits` (n_channels, n_samples) are -1 or +1, one byte each; `peak_state` is the largest |y|, and `limit` what a
     sound modulator of this order keeps to: 2 exactly for the first order with |u| <= 1, 10 by simulation for the

@@ -213,7 +213,10 @@ def pattern_drive(
 
 @checked
 def reversed_waveforms(foci: Responses, rows: Sequence[int], reversal_s: float | None) -> dict[int, FloatArray]:
-    """By the row of each place that a train has foci at: (n_channels, n_reversal), not quantised yet."""
+    """Return the unquantised reversed waveform of each row with foci.
+
+    Each has the shape (n_channels, n_reversal).
+    """
     return {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
 
 

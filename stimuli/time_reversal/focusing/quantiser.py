@@ -42,7 +42,7 @@ def normalised(waveform: Matrix, *, per_channel: bool = False) -> FloatArray:
 
 
 def one_bit() -> Quantiser:
-    """What is emitted by default; imported when it is, for an effect that is off is not."""
+    """Return the default quantiser, imported only when it is needed."""
     from .one_bit import OneBit
 
     return OneBit()

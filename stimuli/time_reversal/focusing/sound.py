@@ -47,7 +47,9 @@ def a_weighting_db(frequency_hz: NotNegativeArray) -> FloatArray:
 
 @checked
 def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: Positive = SOUND_SPEED_M_PER_S) -> float:
-    """Where bending waves are as fast as sound: c^2 / (2 pi) sqrt(rho_s / D).
+    """Return the frequency at which bending waves are as fast as sound.
+
+    It is c^2 / (2 pi) sqrt(rho_s / D).
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(coincidence_frequency_hz(A4_SCREEN) / 1e3, 1)

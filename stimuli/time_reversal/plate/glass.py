@@ -64,7 +64,7 @@ MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")
 
 @dataclass(frozen=True)
 class NamedGlass:
-    """A glass by its name, in place of the keys of its material.
+    """A glass by name, which replaces the keys of its material.
 
     Parameters
     ----------

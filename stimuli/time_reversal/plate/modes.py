@@ -117,7 +117,7 @@ class SeparableModes(Modes):
 @checked
 @dataclass(frozen=True, eq=False)
 class RitzModes(Modes):
-    """Any edges: the blocks of `ritz.solve`, of which `order` picks and sorts the modes."""
+    """Modes of any edges, selected and sorted from blocks of `ritz.solve`."""
 
     plate: Plate
     angular_frequency_rad_per_s: FloatArray

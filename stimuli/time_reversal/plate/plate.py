@@ -111,7 +111,7 @@ class Plate:
         return 8 * math.sqrt(self.bending_rigidity_n_m * self.area_density_kg_per_m2)
 
     def contains(self, x_m: float, y_m: float) -> bool:
-        """Whether a point is on the plate, its edges included."""
+        """Return True if a point lies on the plate or its edges."""
         return 0 <= x_m <= self.length_m and 0 <= y_m <= self.width_m
 
     def check_holds(self, name: str, at_m: tuple[float, float]) -> None:
@@ -124,7 +124,7 @@ class Plate:
 
     @property
     def rectangle(self) -> Rectangle:
-        """What the shapes of the modes depend on."""
+        """The parameters that determine the mode shapes."""
         return Rectangle(self.length_m, self.width_m, self.boundary, self.poisson_ratio)
 
     def frequencies_hz(self, f_max_hz: float) -> FloatArray:

@@ -96,7 +96,10 @@ def _creeping_input(omega: FloatArray, a: FloatArray, split: FloatArray, step_s:
 
 
 def _exponential_input(omega: float, a: float, step_s: float) -> FloatArray:
-    """From the exponential of the state with the force and its slope, in units of the step."""
+    """Return the force weights of a step from a matrix exponential.
+
+    The state contains the force and its slope, in units of the step.
+    """
     from scipy.linalg import expm
 
     w, d = omega * step_s, a * step_s

@@ -1,4 +1,4 @@
-"""What a steady force does: deflection, and the bending stress under a finger."""
+"""Static deflection and bending stress under a finger."""
 
 from typing import Final
 

@@ -36,7 +36,7 @@ FADE_PART: Final = 0.05
 @checked
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """What is played on one channel: values from -1 to 1, and the band (Hz) that they fill.
+    """A signal for one channel, from -1 to 1, and the band that it fills.
 
     >>> sweep(20e3, 60e3, rate_hz=250e3, duration_s=0.01).samples.shape, sequence(10, rate_hz=250e3).samples.shape
     ((2500,), (1023,))
@@ -179,7 +179,9 @@ def learn(
 
 @checked
 def as_displacement(responses: Responses, f_min_hz: Positive, f_max_hz: float) -> Responses:
-    """The displacement of responses in velocity or acceleration: divided by (i omega)^k within a band, 0 beside it.
+    """Integrate velocity or acceleration responses to displacement.
+
+    Divides by (i omega)^k within a band and sets the rest to 0.
 
     The band's edges rise and fall over a tenth of `f_min_hz`, so that the response stays short.
 
@@ -210,9 +212,9 @@ def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str 
 
 @checked
 def read_provenance(path: Path) -> dict[str, str | float | int]:
-    """Where learnt responses come from; empty for a file that does not say.
+    """Return the provenance of learnt responses, or {} if none is stored.
 
-    Raises `InvalidFile` if the file is no NPZ of responses.
+    Raises `InvalidFile` if the file is not an NPZ file of responses.
     """
     content = read_file(path, "learnt responses")
     try:

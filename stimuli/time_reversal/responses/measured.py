@@ -101,7 +101,7 @@ def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
 @checked
 @dataclass(frozen=True)
 class Findings:
-    """What is wrong with measured responses, by (point, channel); all empty for sound ones.
+    """Defects of measured responses by (point, channel), or empty tuples.
 
     `clipped` repeat their largest value, `silent` are zero, `noisy` end less than `snr_db` below their start.
     """
@@ -139,7 +139,10 @@ def _pairs(bad: NDArray[np.bool_] | np.bool_) -> tuple[tuple[int, int], ...]:
 
 
 def _left_of_decay(pairs: FloatArray) -> float:
-    """Share of its loudest tenth to which a pair may have decayed at its end; 0 where no decay can be told."""
+    """Return the share of its loudest tenth at which a pair may end.
+
+    0 if no decay can be measured.
+    """
     size = pairs.shape[1] // N_BLOCKS if len(pairs) else 0
     if size == 0:
         return 0.0
@@ -229,7 +232,7 @@ def _read_csv(content: bytes, full_scale: float, quantity: str) -> Responses:
 
 
 def _first_line(line: str) -> dict[str, str]:
-    """What the first line of a CSV file says, every word known and said once."""
+    """Parse the first line of a CSV file into known, unique keys."""
     words = [word.partition("=")[::2] for word in line.lstrip("#").split()]
     said = dict(words)
     for word in said:

@@ -26,7 +26,7 @@ MAX_SAMPLES: Final = 1_000_000_000
 @checked
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """What each point does per unit sample on each channel.
+    """Responses of each point to a unit sample on each channel.
 
     Parameters
     ----------

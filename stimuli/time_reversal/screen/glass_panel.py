@@ -17,8 +17,9 @@ LEARNT_S: Final = 7e-3
 @checked
 @dataclass(frozen=True)
 class GlassPanel:
-    """What a study's setup and a scene's surface say alike of a screen; see there. Every default is unverified: the
-    thesis's prototype as far as it is known.
+    """Screen fields shared by a study's setup and a scene's surface.
+
+    Their documentation describes the fields. Every default is unverified: the thesis's prototype as far as it is known.
     """
 
     glass: str = BOROFLOAT_33.name

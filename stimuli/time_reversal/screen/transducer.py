@@ -1,4 +1,4 @@
-"""What pushes the plate: point forces and bonded piezoelectric patches."""
+"""Transducers: point forces and bonded piezoelectric patches."""
 
 import math
 from collections.abc import Sequence

@@ -1,1 +1,1 @@
-"""As a study names it: set-up, focus and pattern, what is felt, what a vibrometer reads."""
+"""Time-reversal stimuli of studies: setup, patterns and sensation."""

@@ -222,13 +222,13 @@ class FocusTrain:
     supply_v : float, optional
         Voltage of an amplifier that switches, above 0: the lengths of bursts set the level (a `packed` output sets it).
     repetition_hz : float, optional
-        Number of foci per second, in place of the pattern's.
+        Number of foci per second; overrides the pattern.
     train_s : float, optional
-        Duration of a train, in place of the pattern's.
+        Duration of a train; overrides the pattern.
     envelope : optional
-        Name of the weights of the foci, in place of the pattern's.
+        Name of the weights of the foci; overrides the pattern.
     envelope_table : optional
-        Weights of the foci at equal steps over the train, in place of the pattern's.
+        Weights of the foci at equal steps over the train; overrides the pattern.
 
     >>> stimulus = FocusTrain(Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3), f_max_hz=20e3)
     >>> signal = stimulus.at(0.0)
@@ -275,7 +275,7 @@ class FocusTrain:
         return Pattern(self.repetition_hz or named.repetition_hz, self.train_s or named.duration_s, envelope)
 
     def heard(self, learnt: Responses | None = None) -> Responses:
-        """What the place of the focus does: of the model, or as it was learnt there."""
+        """Return responses at the focus: the learnt ones, or the model's."""
         return self.setup.responses_at(*self.setup.focus_m) if learnt is None else learnt
 
     @property
@@ -306,7 +306,7 @@ class FocusTrain:
 
 @checked
 def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
-    """The same foci from responses that were measured on a bench, in place of those of the model.
+    """Return the same foci from responses measured on a bench.
 
     Raises `InvalidParameter` if the responses are of more points, no displacements, too short, or sampled too slowly
     for the band.

@@ -94,7 +94,7 @@ class PlacedFoci(FocusTrain):
 
     @property
     def made(self) -> tuple[int, ...]:
-        """Which of the places have a focus, from 0."""
+        """Indices of the places that have a focus."""
         names = list(self.places)
         return tuple(names.index(name) for name in self._named)
 
@@ -105,7 +105,9 @@ class PlacedFoci(FocusTrain):
         return tuple(everywhere[n] for n in self.made)
 
     def heard(self, learnt: Responses | None = None) -> Responses:
-        """What the places of the foci do, on average: of the model, or as was learnt at all places in their order.
+        """Return the mean response at the foci, learnt or of the model.
+
+        Responses must be learnt at all places, in their order.
 
         Raises `InvalidParameter` if responses were learnt at another number of places.
         """
@@ -140,8 +142,9 @@ def _mean_of_model(setup: Setup, places: tuple[Point, ...]) -> Responses:
 @checked
 @dataclass(frozen=True)
 class FingersSensation:
-    """What a scene of foci under fingers that rest on named places is made of, and nothing that computes
-    (`tactometry.stimuli.scenes.default_scenes.default_scene`).
+    """Settings of a scene of foci under fingers at named places.
+
+    `tactometry.stimuli.scenes.default_scenes.default_scene` builds the scene.
 
     Each finger feels the field of all foci under it, by the amplitude of the free plate: that fingers do not damp what
     others feel is an unverified simplification, which the effect `finger_load` of a scene does without.

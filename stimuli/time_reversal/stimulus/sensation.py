@@ -1,4 +1,4 @@
-"""What drives do at a place that something presses on: a finger's sensation level, a vibrometer's reading."""
+"""Sensation and displacement at a loaded place of a driven plate."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -48,8 +48,9 @@ READING_M: Final = 1e-9
 @checked
 @dataclass(frozen=True)
 class TimeReversalSensation:
-    """What a scene of the foci under a finger is made of, and nothing that computes: each is an effect of the scene or
-    of its surface (`tactometry.stimuli.scenes.default_scenes.default_scene`).
+    """Settings of a scene of foci under a finger.
+
+    Each is an effect of the scene or of its surface (`tactometry.stimuli.scenes.default_scenes.default_scene`).
 
     The plate's displacement under the finger is in the ultrasonic range, where touch feels nothing: each focus is felt
     as one event that throws the skin off. Of a train the Pacinian channel sums the energy over 0.2 s
@@ -100,7 +101,7 @@ class TimeReversalSensation:
 
     @property
     def finger(self) -> Fingertip:
-        """What presses on the plate, and loads it where that counts."""
+        """The finger that presses on the plate, and its load if it counts."""
         return Fingertip(self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m, self.exponent)
 
 
@@ -162,7 +163,7 @@ class FocusReading:
 
     @property
     def pressers(self) -> tuple[str, ...]:
-        """What presses, in words."""
+        """Descriptions of the contacts that press."""
         return (self._presses.words,)
 
     @property
@@ -254,7 +255,9 @@ def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, Float
 
 @checked
 def peaks(x: Vector, height: FloatArray | float, apart: int) -> IntArray:
-    """Where `x` has maxima of at least `height`, the middle of a flat one; of those nearer than `apart` the highest.
+    """Return the maxima of `x` of at least `height`.
+
+    The middle of a flat maximum counts. Of maxima closer than `apart` the highest counts.
 
     `height` is one for all places, or of each.
 
@@ -276,7 +279,7 @@ def peaks(x: Vector, height: FloatArray | float, apart: int) -> IntArray:
 
 
 def _highest(places: IntArray, heights: FloatArray, apart: int) -> list[bool]:
-    """Which of the ascending places are kept, when each, from the highest on, takes those nearer than `apart` away."""
+    """Mark the ascending places to keep, at least `apart` from higher ones."""
     first = np.searchsorted(places, places - apart, side="right").tolist()
     behind = np.searchsorted(places, places + apart, side="left").tolist()
     kept = [True] * len(places)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from tactometry.experiments.bench.preflight_computer import _period
+from tactometry.experiments.bench.preflight_checks import _period
 from tactometry.rigs.frame_timing import PERIOD_WITHOUT_BLANK_S, Pacer, Rhythm, nominal_rate_hz, rhythm_of, timing_of
 from tactometry.rigs.pages.page import Page
 

@@ -34,7 +34,7 @@ def test_step_is_exact_at_any_rate() -> None:
 
 
 @pytest.mark.parametrize("rise_s", [10e-6, 1e-3])
-def test_a_ramp_over_one_or_many_samples_gives_the_same_voltage(rise_s: float) -> None:
+def test_voltage_ramp_is_independent_of_its_sampling(rise_s: float) -> None:
     coarse_v = corneum_voltage_v(np.array([0.0, 100.0]), 1 / rise_s, P0, AREA_M2)[-1]
     fine_v = corneum_voltage_v(np.linspace(0, 100, 10_001), 10_000 / rise_s, P0, AREA_M2)[-1]
     assert fine_v == pytest.approx(coarse_v, rel=1e-12)
@@ -52,14 +52,14 @@ def test_long_records_agree_with_short_ones_across_the_blocks() -> None:
     np.testing.assert_allclose(corneum_voltage_v(voltage_v, 1e6, P0, AREA_M2), expected_v, rtol=0, atol=1e-13)
 
 
-def test_stacked_voltages_are_solved_each_on_its_own() -> None:
+def test_stacked_voltages_are_solved_separately() -> None:
     voltages_v = np.random.default_rng(1).normal(size=(2, 3, 5_000))
     stacked_n = sc_force_n(voltages_v, 1e5)
     assert stacked_n.shape == voltages_v.shape
     np.testing.assert_array_equal(stacked_n[1, 2], sc_force_n(voltages_v[1, 2], 1e5))
 
 
-def test_a_sampled_sine_approaches_the_closed_form_with_the_square_of_the_step() -> None:
+def test_sampled_sine_error_falls_with_step_squared() -> None:
     errors_v = []
     for rate_hz in (1e5, 1e6):
         t_s = np.arange(int(0.02 * rate_hz)) / rate_hz
@@ -69,7 +69,7 @@ def test_a_sampled_sine_approaches_the_closed_form_with_the_square_of_the_step()
     assert errors_v[0] / errors_v[1] == pytest.approx(100, rel=0.05)
 
 
-def test_force_of_a_sine_is_its_mean_plus_the_double_frequency() -> None:
+def test_sine_force_is_mean_plus_double_frequency() -> None:
     rate_hz, frequency_hz = 1e6, 250.0
     t_s = np.arange(40_000) / rate_hz
     force_n = sc_force_n(100 * np.sin(2 * np.pi * frequency_hz * t_s), rate_hz)[-20_000:]
@@ -95,7 +95,7 @@ def test_square_in_steady_state() -> None:
     np.testing.assert_allclose(amplitudes_n[[2, 4, 6]], expected_n, rtol=3e-3)
 
 
-def test_a_constant_offset_leaves_no_force_after_ten_time_constants() -> None:
+def test_constant_offset_force_decays_in_ten_time_constants() -> None:
     rate_hz = 1e5
     t_s = np.arange(20_000) / rate_hz
     late = t_s > 40 * P0.tau_s
@@ -106,7 +106,7 @@ def test_a_constant_offset_leaves_no_force_after_ten_time_constants() -> None:
 
 
 @given(area_m2=st.floats(1e-9, 1.0), factor=st.floats(0.1, 10))
-def test_force_over_area_does_not_depend_on_area_without_body_resistance(area_m2: float, factor: float) -> None:
+def test_force_is_proportional_to_area_without_body_resistance(area_m2: float, factor: float) -> None:
     voltage_v = np.random.default_rng(2).normal(size=50)
     one, other = (sc_force_n(voltage_v, 1e4, area_m2=a) / a for a in (area_m2, area_m2 * factor))
     np.testing.assert_allclose(one, other, rtol=1e-13)
@@ -119,7 +119,7 @@ def test_force_over_area_depends_on_area_with_body_resistance() -> None:
     assert np.abs(one / other - 1).max() > 0.1
 
 
-def test_body_resistance_agrees_with_a_numerical_solution_of_the_circuit() -> None:
+def test_body_resistance_matches_numerical_circuit_solution() -> None:
     skin = Skin(body_resistance_ohm=1e4)
     c_i, c_sc = skin.insulator_capacitance_f(AREA_M2), skin.corneum_capacitance_f(AREA_M2)
     r_sc, r_b = skin.corneum_resistance_ohm(AREA_M2), skin.body_resistance_ohm
@@ -142,14 +142,14 @@ def test_a_small_body_resistance_tends_to_none(body_ohm: float) -> None:
     )
 
 
-def test_a_lossless_skin_turns_a_square_into_a_constant_force() -> None:
+def test_square_wave_force_is_constant_on_lossless_skin() -> None:
     square_v = np.tile(np.r_[np.ones(10), -np.ones(10)], 20) * 100
     force_n = sc_force_n(square_v, 1e4, Skin(corneum_resistivity_ohm_m=np.inf))
     np.testing.assert_allclose(force_n, 21.2523982e-3, rtol=1e-8)
 
 
 @given(rho=st.one_of(st.sampled_from([0.0, np.inf]), positive), body_ohm=st.sampled_from([0.0, 1e-9, 1e3, 1e9]))
-def test_any_resistivity_gives_a_finite_force_that_is_not_negative(rho: float, body_ohm: float) -> None:
+def test_force_is_finite_and_nonnegative_at_any_resistivity(rho: float, body_ohm: float) -> None:
     skin = Skin(corneum_resistivity_ohm_m=rho, body_resistance_ohm=body_ohm)
     force_n = sc_force_n(np.array([100.0, -100.0, 0.0, 3.0]), 1e4, skin)
     assert np.isfinite(force_n).all()

@@ -1,4 +1,4 @@
-"""What electrovibration says of itself is so: each claim against the force or the motion that it speaks of."""
+"""Claims about electrovibration, checked against force and motion."""
 
 import re
 
@@ -7,24 +7,12 @@ import numpy as np
 import pytest
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import (
-    LAWS,
-    CoulombFriction,
-    DryFriction,
-    Finger,
-    FrictionLag,
-    Layer,
-    Sine,
-    Skin,
-    Step,
-    Travel,
-    WithOffset,
-    electrostatic_force_n_at,
-    force_form,
-    lagged_friction_n,
-    sliding,
-    stick_slip,
-)
+from tactometry.stimuli.electrovibration import CoulombFriction, Finger, Layer, Sine, Skin, Step, sliding, stick_slip
+from tactometry.stimuli.electrovibration.attraction.force import LAWS, electrostatic_force_n_at, force_form
+from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag, lagged_friction_n
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
 
 P0, AREA_M2 = Skin(), 1e-4
 FORM = force_form("sc_layer", P0, AREA_M2)
@@ -52,7 +40,7 @@ def force_after_a_step_n(skin: Skin, law: str, t_s) -> np.ndarray:
 
 
 @pytest.mark.parametrize("skin", SKINS)
-def test_where_an_offset_is_said_to_be_blocked_its_force_has_gone(skin: Skin) -> None:
+def test_offset_force_vanishes_when_remark_says_blocked(skin: Skin) -> None:
     remark = TONE.remark(skin, "sc_layer", AREA_M2)
     assert remark is not None
     assert "blocks" in remark
@@ -64,7 +52,7 @@ def test_where_an_offset_is_said_to_be_blocked_its_force_has_gone(skin: Skin) ->
 
 
 @pytest.mark.parametrize("skin", SKINS)
-def test_where_an_offset_is_said_to_stay_its_force_has_risen(skin: Skin) -> None:
+def test_offset_force_settles_when_remark_says_kept(skin: Skin) -> None:
     remark = TONE.remark(skin, "interface", AREA_M2)
     assert remark is not None
     assert "keeps" in remark
@@ -77,7 +65,7 @@ def test_where_an_offset_is_said_to_stay_its_force_has_risen(skin: Skin) -> None
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_without_a_remark_the_force_of_a_constant_does_not_change(law: str) -> None:
+def test_constant_force_is_unchanged_without_remark(law: str) -> None:
     skin = P0 if law in ("total_thickness", "parallel_plate") else Skin(corneum_resistivity_ohm_m=np.inf)
     assert TONE.remark(skin, law) is None
     first_n, last_n = force_after_a_step_n(skin, law, [1e-6, 50.0])
@@ -95,20 +83,20 @@ def lagged_n(lag: FrictionLag, friction: CoulombFriction, force_n: float, speed_
     )
 
 
-def test_without_load_a_constant_coefficient_leaves_the_friction_of_the_voltage() -> None:
+def test_unloaded_friction_comes_from_voltage_alone() -> None:
     motion = slid(CoulombFriction(0.5), 0.0)
     np.testing.assert_array_equal(motion.lateral_n, 0.5 * motion.electrostatic_n)
     assert motion.lateral_n.max() > 1e-5
 
 
 @pytest.mark.parametrize("friction", [CoulombFriction(0.5), CoulombFriction(0.5, load_exponent=1.0)])
-def test_the_friction_without_load_is_the_limit_of_a_small_load(friction: CoulombFriction) -> None:
+def test_unloaded_friction_is_limit_of_small_load(friction: CoulombFriction) -> None:
     np.testing.assert_allclose(slid(friction, 0.0).lateral_n, slid(friction, 1e-14).lateral_n, rtol=0, atol=1e-13)
     without_n, small_n = (lagged_n(FrictionLag(), friction, force_n) for force_n in (0.0, 1e-14))
     np.testing.assert_allclose(without_n, small_n, rtol=0, atol=1e-13)
 
 
-def test_without_load_a_finger_that_slips_has_the_same_friction_in_both_motions() -> None:
+def test_slip_friction_matches_coulomb_friction_without_load() -> None:
     stuck_or_slipping = stick_slip(
         T_S,
         PIECES,
@@ -124,7 +112,7 @@ def test_without_load_a_finger_that_slips_has_the_same_friction_in_both_motions(
     np.testing.assert_allclose(stuck_or_slipping.lateral_n[slips], expected_n[slips], rtol=1e-9, atol=1e-15)
 
 
-def test_a_coefficient_that_grows_without_limit_is_refused_without_load() -> None:
+def test_unbounded_friction_coefficient_is_refused_without_load() -> None:
     with pytest.raises(
         InvalidParameter, match=r"found -0.1 for a normal force of 0.0 N, expected a coefficient within"
     ):
@@ -141,14 +129,14 @@ def test_the_coefficient_depends_on_the_load_in_every_friction(force_n: float, m
     assert lagged_n(FrictionLag(), friction, force_n)[0] == pytest.approx(mu * force_n, rel=1e-13)
 
 
-def test_the_corner_of_the_lag_is_intercept_plus_slope_times_speed() -> None:
+def test_lag_corner_is_linear_in_speed() -> None:
     lag = FrictionLag(slope_hz_per_m_per_s=1000.0, intercept_hz=200.0, floor_hz=150.0)
     assert lag.cutoff_hz(0.1) == pytest.approx(300.0)
     assert lag.gain(300.0, 0.1) == pytest.approx(np.sqrt(0.5))
     assert FrictionLag(1000.0, 200.0, 250.0).cutoff_hz(0.01) == 250.0
 
 
-def test_a_stretched_finger_starts_from_its_stretch_and_breaks_away_sooner() -> None:
+def test_stretched_finger_breaks_away_sooner() -> None:
     finger, quiet = Finger(), Step(duration_s=0.1).pieces(-6000.0)
 
     def breaks_away_s(stretch_m: float) -> float:
@@ -176,7 +164,7 @@ CLOSED_FORMS = {
 
 
 @pytest.mark.parametrize("call", CLOSED_FORMS.values(), ids=CLOSED_FORMS)
-def test_a_closed_form_refuses_a_skin_that_it_has_no_term_for(call) -> None:
+def test_closed_form_refuses_unsupported_skin_terms(call) -> None:
     assert np.isfinite(call(Skin(gap_m=1e-6))).all()
     with pytest.raises(InvalidParameter, match=r"found a skin with Skin.body_resistance_ohm other than 0.0"):
         call(Skin(body_resistance_ohm=1.0))
@@ -191,7 +179,10 @@ def test_harmonics_of_a_square_are_counted_from_1(n_harmonic) -> None:
 
 
 def swept_n(corner_hz: float, t_s) -> np.ndarray:
-    """A lagging friction of a sine in `sc_layer`, written out: squares of exponentials, each lagged by itself."""
+    """Return the lagged friction of a sine in `sc_layer`.
+
+    The squared exponentials are written out, and each is lagged on its own.
+    """
     (gain,), (decay_per_s,) = FORM.relaxations.gains, FORM.relaxations.rates_per_s
     rate_per_s, omega = 2 * np.pi * corner_hz, 2 * np.pi * 60.0
     response = gain * 1j * omega / (1j * omega + decay_per_s)
@@ -203,7 +194,7 @@ def swept_n(corner_hz: float, t_s) -> np.ndarray:
 
 
 @pytest.mark.parametrize("corner_hz", [1e2, 1e4, 1e6, 1e8, 9.9e9])
-def test_a_lag_that_is_not_refused_is_exact(corner_hz: float) -> None:
+def test_accepted_friction_lag_is_exact(corner_hz: float) -> None:
     t_s = np.linspace(0, 0.1, 101)
     found_n = lagged_n(FrictionLag(0.0, 0.0, corner_hz), CoulombFriction(), 0.0, t_s=t_s)
     expected_n = swept_n(corner_hz, t_s)

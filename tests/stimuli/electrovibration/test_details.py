@@ -1,4 +1,4 @@
-"""Details that mutations of the code showed to be held by no other test."""
+"""Details that mutation testing showed to be untested elsewhere."""
 
 import numpy as np
 import pytest
@@ -6,43 +6,42 @@ import pytest
 from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import (
     CoulombFriction,
-    DryFriction,
     Finger,
     Noise,
-    PowerLawArea,
     PulseTrain,
-    Region,
-    Sampled,
     Sine,
     Skin,
     Step,
-    TableArea,
-    Travel,
     Velvet,
     sliding,
     stick_slip,
 )
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea, TableArea
 from tactometry.stimuli.electrovibration.attraction.force import force_form
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.textures.texture import Region
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 from tactometry.stimuli.scenes.stages.record import recorded
 
 AREA_M2, FINGER = 1e-4, Finger()
 
 
 @pytest.mark.parametrize("gap_m", [1e-7, 5e-6])
-def test_share_and_time_constant_of_a_skin_with_a_gap_are_those_of_its_stack(gap_m: float) -> None:
+def test_gap_skin_share_and_time_constant_match_stack(gap_m: float) -> None:
     skin = Skin(gap_m=gap_m)
     found = skin.relaxations(AREA_M2)
     assert found.gains[0] == pytest.approx(skin.k, rel=1e-13)
     assert 1 / found.rates_per_s[0] == pytest.approx(skin.tau_s, rel=1e-13)
 
 
-def test_an_infinite_rate_passes_nothing_not_even_the_first_sample() -> None:
+def test_infinite_relaxation_rate_passes_no_sample() -> None:
     assert not Relaxations((1.0,), (np.inf,)).sampled(np.array([5.0, 1.0, -3.0]), 1e3).any()
 
 
-def test_the_skin_of_a_stuck_finger_accelerates_as_the_finger_does() -> None:
+def test_stuck_skin_accelerates_with_finger() -> None:
     motion = stick_slip(
         np.linspace(0, 0.1, 11), straight([0, 1.0], [0, 0]), force_form("sc_layer", Skin(), AREA_M2), finger=FINGER,
         friction=DryFriction(), force_n=100.0, travel=Travel(0.01, 0.3),
@@ -51,7 +50,7 @@ def test_the_skin_of_a_stuck_finger_accelerates_as_the_finger_does() -> None:
     np.testing.assert_array_equal(motion.stretch_m_per_s2, 0.3)
 
 
-def test_a_table_of_areas_starts_at_no_area_without_force() -> None:
+def test_area_table_starts_at_zero_force() -> None:
     table = TableArea((0.2, 1.5), (0.5e-4, 1.5e-4))
     np.testing.assert_allclose(table.area_m2([0.0, 0.1, 0.2]), [0.0, 0.25e-4, 0.5e-4], atol=1e-18)
 
@@ -65,7 +64,7 @@ def test_a_region_ends_at_both_of_its_edges() -> None:
     np.testing.assert_array_equal(share, [0.0, 1.0, 1.0, 0.0, 0.0])
 
 
-def test_a_second_reversal_starts_from_where_the_pile_lay() -> None:
+def test_second_reversal_starts_from_current_pile() -> None:
     velvet = Velvet(with_pile=0.2, against_pile=1.0, tuft_depth=0.0, reversal_m=2e-3)
     path_m = np.r_[np.linspace(0, 0.05, 501), np.linspace(0.05, 0.049, 11)[1:], np.linspace(0.049, 0.06, 111)[1:]]
     share = velvet.force_share_along(path_m)
@@ -74,7 +73,7 @@ def test_a_second_reversal_starts_from_where_the_pile_lay() -> None:
     np.testing.assert_allclose(share[511:], 0.2 + (turned - 0.2) * np.exp(-(path_m[511:] - 0.049) / 2e-3), rtol=1e-9)
 
 
-def test_a_wait_on_the_way_does_not_turn_the_pile() -> None:
+def test_pause_does_not_turn_velvet_pile() -> None:
     back_m, velvet = np.linspace(0.05, 0.03, 201), Velvet(tuft_depth=0.0)
     path_m = np.r_[0.0, 0.05, back_m]
     waiting_m = np.r_[path_m[:50], np.full(7, path_m[49]), path_m[50:]]
@@ -87,7 +86,7 @@ def test_noise_has_no_line_at_0() -> None:
 
 
 @pytest.mark.parametrize("n", [8, 9, 400, 401])
-def test_samples_at_twice_the_rate_pass_through_the_old_ones(n: int) -> None:
+def test_doubled_rate_keeps_original_samples(n: int) -> None:
     voltage_v = np.random.default_rng(n).normal(size=n)
     finer = recorded(Signal(voltage_v[None], 20e3, "V"), share=1e-4)
     found_v, rate_hz = finer.voltage_v, finer.rate_hz
@@ -95,7 +94,7 @@ def test_samples_at_twice_the_rate_pass_through_the_old_ones(n: int) -> None:
     np.testing.assert_allclose(found_v[::2], voltage_v, atol=1e-12)
 
 
-def test_alternating_pulses_change_sign_at_the_frequency_of_the_pulses() -> None:
+def test_alternating_pulses_change_sign_at_pulse_frequency() -> None:
     train = PulseTrain(frequency_hz=50.0, width_s=1e-3, duration_s=0.1, ramp_s=0.0, polarity="alternating")
     samples = train.at(0.0).samples[0]
     starts = np.flatnonzero(np.diff(np.abs(samples), prepend=0) > 0)
@@ -104,7 +103,7 @@ def test_alternating_pulses_change_sign_at_the_frequency_of_the_pulses() -> None
     assert (train.voltage_frequency_hz, train.force_frequency_hz) == (25.0, 50.0)
 
 
-def test_times_that_are_almost_even_are_not_taken_for_even_ones() -> None:
+def test_almost_uniform_times_are_not_treated_as_uniform() -> None:
     pieces, form = (
         Sine(frequency_hz=240.0, ramp_s=0.0, duration_s=0.05).pieces(40.0),
         force_form("interface", Skin(), AREA_M2),

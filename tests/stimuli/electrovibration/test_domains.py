@@ -1,4 +1,4 @@
-"""Outside of its domain each thing says so, in one clear sentence; within it nothing is NaN."""
+"""Refusals of out-of-domain input, and finite results within it."""
 
 import numpy as np
 import pytest
@@ -9,23 +9,23 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     Bump,
     CoulombFriction,
-    FrictionLag,
     Grating,
     GreyImage,
     Layer,
     Noise,
     PulseTrain,
-    Region,
     Sine,
     Skin,
-    Solution,
     Square,
     Stack,
     Step,
     electrostatic_force_n,
-    electrostatic_force_n_at,
-    ellipse_area_m2,
 )
+from tactometry.stimuli.electrovibration.attraction.contact_area import ellipse_area_m2
+from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
+from tactometry.stimuli.electrovibration.textures.texture import Region
 
 P0, AREA_M2 = Skin(), 1e-4
 PIECES = Step(duration_s=0.1).pieces(40.0)
@@ -131,7 +131,7 @@ def test_outside_of_its_domain_it_says_so(call, message: str) -> None:
 @pytest.mark.parametrize(
     "texture", [Grating(1e-3), Region(0.0, 1.0), Bump(0.0, 1.0), NOISE, GreyImage(1e-3, (1.0, 1.0, 1.0))]
 )
-def test_a_texture_refuses_a_position_that_is_not_finite(texture) -> None:
+def test_texture_refuses_non_finite_position(texture) -> None:
     with pytest.raises(InvalidParameter, match=r"x_m: found nan, expected a finite number"):
         texture.force_share(np.nan)
 

@@ -1,4 +1,4 @@
-"""The flow of a driven system against the exponential of its equation on products of states, and states in two ways."""
+"""The flow of a driven system, against its matrix exponential."""
 
 import mpmath as mp
 import numpy as np
@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 from numba import njit
 
-from tactometry.stimuli.electrovibration import AmplitudeModulated, Finger, Pieces, Sine, Skin, Step, Trapezoid
+from tactometry.stimuli.electrovibration import AmplitudeModulated, Finger, Sine, Skin, Step, Trapezoid
 from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.motion.compiled_loops import march, states
 from tactometry.stimuli.electrovibration.motion.driven_motion import (
@@ -20,6 +20,7 @@ from tactometry.stimuli.electrovibration.motion.driven_motion import (
 )
 from tactometry.stimuli.electrovibration.motion.phases import heights
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
 
 RATE_PER_S = 1e3
 LAG = LinearSystem(((-4335.0,),), (2167.0,))
@@ -37,7 +38,7 @@ STATES, MARCH = njit(states), njit(march)
 
 
 def lifted(circuit: Circuit, system: LinearSystem, length_s: float) -> mp.matrix:
-    """The flow of (all products z_i z_j, x), whose equation is linear, in 40 digits."""
+    """Return the linear flow of (all products z_i z_j, x) in 40 digits."""
     z, g, n = circuit.matrix(), circuit.output(), circuit.n_states
     one = np.eye(n)
     products = np.kron(z, one) + np.kron(one, z)
@@ -74,7 +75,7 @@ def test_flows_over_two_lengths_make_one_over_both(first_s: float, second_s: flo
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("pieces", TONES.values(), ids=TONES)
-def test_a_state_follows_as_the_compiled_loop_lets_it(pieces: Pieces, law: str) -> None:
+def test_state_flow_matches_compiled_loop(pieces: Pieces, law: str) -> None:
     form = force_form(law, Skin(), 1e-4)
     plan = plan_of(Timing(pieces, T_S), form.relaxations, LAG)
     z = STATES(heights(pieces), plan)

@@ -1,4 +1,4 @@
-"""A sliding finger: the lifted exponential against a 50-digit sum of exponentials, friction, limits."""
+"""A sliding finger, against a 50-digit sum of exponentials."""
 
 import mpmath as mp
 import numpy as np
@@ -11,20 +11,18 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     CoulombFriction,
     Finger,
-    FrictionLag,
-    Pieces,
     Sine,
     Skin,
-    Solution,
     Square,
     Step,
     Trapezoid,
     sliding,
 )
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
-from tactometry.stimuli.electrovibration.motion.friction_lag import lagged_friction_n
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag, lagged_friction_n
 from tactometry.stimuli.electrovibration.motion.skin_mobility import SkinMobility
-from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 from tactometry.stimuli.scenes.effects.finger_dynamics import FingerDynamics
 
 FINGER, FRICTION = Finger(), CoulombFriction(0.5)
@@ -41,7 +39,10 @@ def form_of(tau_s: float, law: str = "sc_layer", **changes: float) -> ForceForm:
 
 
 def reference_m(pieces: Pieces, form: ForceForm, t_s: np.ndarray) -> list[float]:
-    """Deflection by the force, piece by piece, each force a sum of complex exponentials, in 50 digits."""
+    """Return the deflection by the force of each piece in 50 digits.
+
+    Each force is a sum of complex exponentials.
+    """
     with mp.workdps(50):
         m, c, k = (mp.mpf(x) for x in (FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m))
         root = mp.sqrt(mp.mpc(c**2 - 4 * m * k))
@@ -130,14 +131,14 @@ def test_the_motion_obeys_newton(law: str, pieces: Pieces) -> None:
     np.testing.assert_allclose(balance_n, motion.lateral_n, rtol=1e-12)
 
 
-def test_the_form_of_a_law_drives_what_its_force_says() -> None:
+def test_force_form_matches_force_of_its_law() -> None:
     motion = sliding(T_S, SINE, form_of(3e-4), finger=FINGER, friction=FRICTION, force_n=2.0)
     force_n = form_of(3e-4).newton_per_v2 * Solution(SINE, form_of(3e-4).relaxations).at(T_S) ** 2
     np.testing.assert_allclose(motion.lateral_n, 0.5 * (2.0 + force_n), rtol=1e-14)
 
 
 @given(scale=st.floats(0.01, 100))
-def test_the_deflection_grows_with_the_square_of_the_voltage(scale: float) -> None:
+def test_deflection_is_proportional_to_squared_voltage(scale: float) -> None:
     one, other = (
         sliding(T_S[::32], p, form_of(3e-4), finger=FINGER, friction=FRICTION, force_n=1.0).speed_m_per_s
         for p in (SINE, SINE.scaled(scale))
@@ -153,7 +154,7 @@ def test_lag_of_a_step_is_an_exponential() -> None:
     np.testing.assert_allclose(found_n, expected_n, rtol=1e-12)
 
 
-def test_lag_of_a_sine_has_the_gain_of_its_formula() -> None:
+def test_sine_lag_matches_its_gain_formula() -> None:
     lag, form = FrictionLag(), form_of(1e-4)
     t_s = np.linspace(0.025, 0.05, 4001)
     found_n = lagged_friction_n(t_s, SINE, form, lag=lag, friction=FRICTION, force_n=1.0, speed_m_per_s=0.05)
@@ -201,7 +202,7 @@ def test_published_growth_of_a_finger_with_speed() -> None:
 
 
 def test_a_pad_is_damped_as_the_skin_is() -> None:
-    """By its overshoot behind a step, exp(-pi z/sqrt(1 - z^2)) of a damping ratio z below 1."""
+    """Overshoot after a step: exp(-pi z/sqrt(1 - z^2)), damping ratio z."""
     t_s, finger = np.linspace(0, 0.1, 10_001), Finger.at_speed(0.1)
     lossless = force_form("sc_layer", Skin(corneum_resistivity_ohm_m=np.inf), AREA_M2)
     held = straight([0, 0.1], [100.0, 100.0])

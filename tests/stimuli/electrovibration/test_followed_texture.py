@@ -1,4 +1,4 @@
-"""A texture that follows a finger: against a tone of the same envelope, piece by piece, and out of a study file."""
+"""Textures that follow a finger, and their study files."""
 
 import hashlib
 import struct
@@ -20,13 +20,13 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     Bump,
     ElectrovibrationSensation,
-    FollowedTexture,
     Grating,
     GreyImage,
     HeightMap,
-    Region,
     Velvet,
 )
+from tactometry.stimuli.electrovibration.textures.followed_texture import FollowedTexture
+from tactometry.stimuli.electrovibration.textures.texture import Region
 
 SPEED_M_PER_S = 0.05
 CONTACT = Contact(1.0, SPEED_M_PER_S)
@@ -48,7 +48,7 @@ def under(texture, times_s, path_m, level=30.0, **keys):
 
 
 @pytest.mark.parametrize("frequency_hz", [25.0, 100.0, 240.0])
-def test_a_sinusoidal_grating_under_a_steady_finger_is_felt_as_a_tone_of_its_frequency(frequency_hz):
+def test_sinusoidal_grating_feels_like_tone_at_constant_speed(frequency_hz):
     texture = Grating(SPEED_M_PER_S / frequency_hz, "sinusoidal")
     signal = under(texture, [0.0, 1.0], [0.0, SPEED_M_PER_S], rise_s=5e-5)
     tone = AmplitudeModulated(frequency_hz=frequency_hz, carrier_hz=2000.0).at(30.0)
@@ -58,7 +58,7 @@ def test_a_sinusoidal_grating_under_a_steady_finger_is_felt_as_a_tone_of_its_fre
 
 @pytest.mark.parametrize("texture", TEXTURES, ids=lambda texture: type(texture).__name__)
 @given(seed=st.integers(0, 2**32 - 1), n_first=st.integers(1, 199))
-def test_a_path_in_pieces_is_the_path(texture, seed, n_first):
+def test_path_in_pieces_equals_whole_path(texture, seed, n_first):
     path_m = 0.02 + np.cumsum(np.random.default_rng(seed).normal(0.0, 2e-3, 200))
     stimulus = FollowedTexture(texture)
     first, before = stimulus.parts(path_m[:n_first])
@@ -68,7 +68,7 @@ def test_a_path_in_pieces_is_the_path(texture, seed, n_first):
 
 @pytest.mark.parametrize("texture", TEXTURES, ids=lambda texture: type(texture).__name__)
 @given(seed=st.integers(0, 2**32 - 1), rise_s=st.floats(1e-4, 5e-3))
-def test_parts_are_parts_and_rise_no_faster_than_they_may(texture, seed, rise_s):
+def test_texture_parts_have_limited_rise(texture, seed, rise_s):
     path_m = np.random.default_rng(seed).uniform(-0.01, 0.05, 500)
     stimulus = FollowedTexture(texture, rise_s=rise_s)
     parts, _ = stimulus.parts(path_m)
@@ -77,7 +77,7 @@ def test_parts_are_parts_and_rise_no_faster_than_they_may(texture, seed, rise_s)
 
 
 @pytest.mark.parametrize("texture", [Bump(0.02, 5e-3), HeightMap(0.01, (0.0, 1.0, 0.0))])
-def test_a_finger_that_comes_back_meets_the_other_flank(texture):
+def test_returning_finger_meets_opposite_flank(texture):
     forth_m = np.linspace(0.0, 0.04, 4001)
     path_m = np.r_[forth_m, forth_m[::-1]]
     roots, _ = FollowedTexture(texture, rise_s=5e-5, turn_m=0.0).parts(path_m)
@@ -94,7 +94,7 @@ def test_noise_of_the_position_turns_no_finger():
     assert np.ptp(unsure) > 0.01
 
 
-def test_a_study_feels_its_texture_by_the_way_of_each_finger(tmp_path, capsys):
+def test_study_texture_follows_path_of_each_finger(tmp_path, capsys):
     text = changed(TEXT, {"repeats = 4": "repeats = 1"})
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     words = ("simulate", tmp_path / "study.toml", "--participants", 1, "--seed", 3, "--out", tmp_path / "d")
@@ -108,7 +108,7 @@ def test_a_study_feels_its_texture_by_the_way_of_each_finger(tmp_path, capsys):
     assert len(set(digests)) == len(digests) > 15  # no two fingers go the same way
 
 
-def test_maps_come_from_files_whose_digest_the_study_holds(tmp_path):
+def test_maps_load_from_files_with_stated_digest(tmp_path):
     from PIL import Image as Picture
 
     Picture.fromarray(np.array([[0, 255, 51]] * 2, dtype=np.uint8)).save(tmp_path / "map.png")
@@ -139,13 +139,13 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("changes", "words"), REFUSED.values(), ids=REFUSED)
-def test_what_no_texture_can_be_is_refused_in_one_sentence(changes, words):
+def test_invalid_texture_is_refused_in_one_sentence(changes, words):
     with pytest.raises(InvalidParameter, match=words):
         wired(changed(TEXT, changes))
 
 
 def png(width_px, height_px, *more):
-    """A picture with other chunks where rows are expected."""
+    """Return a PNG with other chunks where rows are expected."""
     head = (b"IHDR", struct.pack(">IIBBBBB", width_px, height_px, 8, 0, 0, 0, 0))
     chunks = [head, (b"IDAT", zlib.compress(b"")), *more, (b"IEND", b"")]
     packed = (struct.pack(">I", len(d)) + k + d + struct.pack(">I", zlib.crc32(k + d)) for k, d in chunks)
@@ -173,7 +173,7 @@ NO_MAPS = {
 
 @pytest.mark.parametrize("kind", ["image", "height_map"])
 @pytest.mark.parametrize(("name", "content", "words"), NO_MAPS.values(), ids=NO_MAPS)
-def test_a_file_that_holds_no_map_is_refused_in_one_sentence(kind, name, content, words, tmp_path, capsys):
+def test_file_without_map_is_refused_in_one_sentence(kind, name, content, words, tmp_path, capsys):
     path, digest = tmp_path / name, hashlib.sha256(content).hexdigest()
     path.write_bytes(content)
     texture = f'texture = {{ kind = "{kind}", pixel_m = "1 mm", path = "{path}", sha256 = "{digest}" }}'

@@ -1,4 +1,4 @@
-"""Hard cases, each named, each with its reference."""
+"""Named hard cases, each with its reference."""
 
 from itertools import pairwise
 
@@ -17,17 +17,15 @@ from tactometry.stimuli.electrovibration import (
     PulseTrain,
     Sine,
     Skin,
-    Solution,
     Square,
     Step,
     Trapezoid,
-    WithOffset,
     electrostatic_force_n,
-    electrostatic_force_n_at,
     sliding,
 )
-from tactometry.stimuli.electrovibration.attraction.force import force_form
-from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, high_passed
+from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at, force_form
+from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, Solution, high_passed
 
 AREA_M2 = 1e-4
 P0 = Skin()
@@ -60,7 +58,7 @@ def test_resistivity_0_leaves_no_voltage_on_the_corneum() -> None:
     hard_case("conducting skin", pressed_n, plates_n * P0.insulator_permittivity, 1e-14, against="two plates")
 
 
-def test_resistivity_to_0_and_to_infinity_tends_to_the_limits() -> None:
+def test_resistivity_limits_are_reached() -> None:
     voltage_v = np.array([100.0, 50.0, -30.0])
     for rho, limit in ((1e-15, 0.0), (1e25, np.inf)):
         near_n = layer_force_n(voltage_v, Skin(corneum_resistivity_ohm_m=rho))
@@ -136,7 +134,7 @@ def test_10_seconds_at_1_megahertz_without_drift(tau_s: float) -> None:
     hard_case("10 s at 1 MHz", found[at], expected, 2e-12, against="40 digits", floor=1e-288)
 
 
-def test_10_seconds_of_a_sine_at_1_megahertz_end_in_its_steady_state() -> None:
+def test_long_sine_ends_in_its_steady_state() -> None:
     rate_hz, n = 1e6, 10_000_000
     tone_v = np.sin(2 * np.pi * ((np.arange(n) * 240) % 1_000_000) / 1e6)
     found_v = corneum_voltage_v(tone_v, rate_hz, P0, AREA_M2)[-4167:]
@@ -154,7 +152,7 @@ def test_a_normal_force_of_0_and_of_1_kilonewton() -> None:
     hard_case("normal force of 1 kN", large.lateral_n, 0.5 * (1e3 + large.electrostatic_n), 1e-15, against="Coulomb")
 
 
-def test_frequency_0_has_no_response_and_is_refused_as_a_tone() -> None:
+def test_zero_frequency_is_refused_as_tone() -> None:
     assert P0.gain(0.0) == 0
     with pytest.raises(InvalidParameter, match=r"Sine\.frequency_hz: found 0\.0"):
         Sine(frequency_hz=0.0)
@@ -163,14 +161,14 @@ def test_frequency_0_has_no_response_and_is_refused_as_a_tone() -> None:
 
 
 @pytest.mark.parametrize("kind", [Sine, Square])
-def test_frequency_at_nyquist_and_above_is_refused_and_just_below_is_played(kind: type) -> None:
+def test_tone_is_refused_at_nyquist_and_above(kind: type) -> None:
     for frequency_hz in (10_000.0, 15_000.0):
         with pytest.raises(InvalidParameter, match="expected less than half of rate_hz"):
             kind(frequency_hz=frequency_hz, rate_hz=20_000.0)
     assert kind(frequency_hz=9_999.0, rate_hz=20_000.0).at(20.0).peak <= 10
 
 
-def test_a_band_limited_square_just_below_nyquist_is_a_sine() -> None:
+def test_band_limited_square_near_nyquist_is_a_sine() -> None:
     square = Square(frequency_hz=9_000.0, rate_hz=20_000.0, ramp_s=0.0, band_limited=True, duration_s=0.01)
     tone = np.sin(2 * np.pi * 9_000.0 * np.arange(200) / 20_000)
     hard_case("band-limited square below Nyquist", square.at(0.0).samples[0], tone, 1e-6, against="a sine", floor=1)
@@ -185,7 +183,10 @@ def test_voltage_0_and_1_kilovolt() -> None:
 
 
 def pulsed_v(corners: list[tuple[float, float]], period_s: mp.mpf, before_s: mp.mpf) -> float:
-    """Steady corneum voltage a time before a period ends, of lines between corners (time, voltage of 1), of 100 V."""
+    """Return the steady corneum voltage shortly before a period ends.
+
+    The 100 V drive consists of lines between corners (time, voltage per volt).
+    """
     tau_s, total = mp.mpf(P0.tau_s), mp.mpf(0)
     for (start_s, low), (end_s, high) in pairwise(corners):
         span = end_s - start_s
@@ -221,7 +222,7 @@ def test_a_million_pulses(train: PulseTrain | Trapezoid, period_s: float, corner
 
 
 @pytest.mark.parametrize("ratio", [0.5, -3.0])
-def test_a_voltage_whose_mean_is_not_0_is_blocked_in_steady_state(ratio: float) -> None:
+def test_nonzero_mean_voltage_is_blocked_in_steady_state(ratio: float) -> None:
     shifted = WithOffset(Sine(frequency_hz=60.0, ramp_s=0.0), ratio)
     plain_v = Solution(Sine(frequency_hz=60.0, ramp_s=0.0).pieces(40.0), P0.relaxations(AREA_M2))
     shifted_v = Solution(shifted.pieces(40.0), P0.relaxations(AREA_M2))
@@ -230,14 +231,14 @@ def test_a_voltage_whose_mean_is_not_0_is_blocked_in_steady_state(ratio: float) 
     hard_case("a mean that is blocked", blocked_v, plain_v.at(late_s), 1e-12, against="no mean", floor=1)
 
 
-def test_ramps_shorter_than_a_sample_and_as_long_as_half_the_signal() -> None:
+def test_shortest_and_longest_ramps_are_finite_and_bounded() -> None:
     for ramp_s in (1e-9, 0.05):
         signal = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=ramp_s).at(20.0)
         assert signal.peak <= 10
         assert np.isfinite(signal.samples).all()
 
 
-def test_the_exact_carrier_and_its_samples_give_the_same_slow_force() -> None:
+def test_exact_and_sampled_carrier_have_same_slow_force() -> None:
     carrier = AmplitudeModulated(frequency_hz=240.0, carrier_hz=2000.0, rate_hz=400_000.0, duration_s=0.2)
     sampled_n = layer_force_n(carrier.at(40.0).samples[0], rate_hz=400_000.0)[:60_000]
     t_s = np.arange(60_000) / 400_000

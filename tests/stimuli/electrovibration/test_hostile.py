@@ -1,4 +1,7 @@
-"""Hostile values, one argument at a time, into every public callable: a finite result, or one clear sentence."""
+"""Hostile values for one argument at a time of every public callable.
+
+The result is finite or an error of one clear sentence.
+"""
 
 import warnings
 from collections.abc import Callable, Iterator
@@ -216,7 +219,7 @@ UNBOUNDED = {
 
 
 def spoilt(value: Any, hostile: tuple[Any, ...]) -> Iterator[Any]:
-    """Hostile values for an argument; for an array or a mapping, with one of its elements replaced, too."""
+    """Return hostile values for an argument and for its elements."""
     yield from hostile
     if isinstance(value, list | tuple) and value:
         yield from (type(value)((bad, *value[1:])) for bad in hostile)
@@ -225,7 +228,7 @@ def spoilt(value: Any, hostile: tuple[Any, ...]) -> Iterator[Any]:
 
 
 def numbers(found: Any, where: str, depth: int = 0) -> Iterator[tuple[str, Any]]:
-    """Every number in a result, its fields and its properties, with the name of what holds it."""
+    """Yield every number in a result, with the name of its container."""
     if isinstance(found, int | float | complex | np.ndarray | np.generic) and not isinstance(found, np.void):
         yield where, found
     elif isinstance(found, Signal):
@@ -257,7 +260,7 @@ def check_sentence(message: str) -> None:
 
 
 def complaint(name: str, call: Callable[..., Any], arguments: dict[str, Any]) -> str | None:
-    """What is wrong with the answer to hostile arguments; None if nothing is."""
+    """Return what is wrong with the answer to hostile arguments, or None."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -282,7 +285,7 @@ def complaints(name: str, call: Callable[..., Any], valid: dict[str, Any], hosti
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_a_hostile_value_gives_a_finite_result_or_one_sentence(name: str) -> None:
+def test_hostile_value_gives_finite_result_or_one_sentence(name: str) -> None:
     call, valid = CALLS[name]
     check_finite(call(**valid), name)
     assert complaints(name, call, valid, HOSTILE) == []

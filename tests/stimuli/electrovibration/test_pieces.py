@@ -7,19 +7,19 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     PulseTrain,
-    Sampled,
     Sine,
     Skin,
     Square,
     Step,
     Trapezoid,
     Triangle,
-    WithOffset,
     electrostatic_force_n,
 )
+from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
 from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
+from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 from tactometry.stimuli.electrovibration.waveforms.waveform import Waveform
-from tactometry.stimuli.perception import components
+from tactometry.stimuli.perception.detection import components
 
 RAMPED = [
     Sine(frequency_hz=60.0, phase_rad=0.3),
@@ -75,7 +75,7 @@ def test_neither_samples_nor_exact_voltage_pass_the_peak(waveform: Waveform) -> 
 
 
 @pytest.mark.parametrize("waveform", RAMPED)
-def test_the_force_frequency_is_the_lowest_line_of_the_force(waveform: Waveform) -> None:
+def test_force_frequency_is_lowest_line_of_force(waveform: Waveform) -> None:
     lossless = isinstance(waveform, WithOffset)
     skin = Skin(corneum_resistivity_ohm_m=np.inf if lossless else 2e4)
     assert lowest_force_hz(waveform, skin) == pytest.approx(waveform.force_frequency_hz, abs=1.1)
@@ -98,9 +98,7 @@ def lowest_force_hz(waveform: Waveform, skin: Skin) -> float:
         (Step(duration_s=0.5), 0.5, 0.0),
     ],
 )
-def test_an_offset_brings_the_frequency_of_the_voltage_into_the_force(
-    waveform: Waveform, ratio: float, force_hz: float
-) -> None:
+def test_offset_adds_voltage_frequency_to_force(waveform: Waveform, ratio: float, force_hz: float) -> None:
     assert WithOffset(waveform, ratio).force_frequency_hz == force_hz
 
 
@@ -121,7 +119,7 @@ def test_after_its_end_a_voltage_stays() -> None:
     np.testing.assert_array_equal(pieces.at([0.105, 3.0]), pieces.at(0.104))
 
 
-def test_no_sample_with_an_offset_passes_the_peak_by_rounding() -> None:
+def test_offset_samples_never_exceed_peak() -> None:
     tone = Sine(frequency_hz=50.0, rate_hz=1000.0, duration_s=0.1, ramp_s=0.0, phase_rad=np.pi / 2)
     levels = (20.0, 13.0, 7.3, 40.0)
     peaks = [(WithOffset(tone, r).at(x).peak, 10 ** (x / 20)) for r in np.linspace(-3, 3, 121) for x in levels]
@@ -137,7 +135,7 @@ def test_all_periods_of_a_square_have_the_same_samples(frequency_hz: float, duty
     np.testing.assert_array_equal(square.at(0.0).samples[0], expected)
 
 
-def test_a_leaky_skin_blocks_an_offset_and_the_remark_says_so() -> None:
+def test_leaky_skin_blocks_offset_with_remark() -> None:
     tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
     assert lowest_force_hz(tone, Skin()) == pytest.approx(120.0)
     assert tone.remark(Skin(), "sc_layer") == (
@@ -162,7 +160,7 @@ def test_a_leaky_skin_blocks_an_offset_and_the_remark_says_so() -> None:
         ),
     ],
 )
-def test_a_band_limited_waveform_has_no_line_beside_its_harmonics(waveform: Square) -> None:
+def test_band_limited_waveform_contains_harmonics_only(waveform: Square) -> None:
     signal = waveform.at(0.0)
     window = np.blackman(signal.samples.shape[1])
     spectrum = np.abs(np.fft.rfft(signal.samples[0] * window)) / window.sum()
@@ -189,7 +187,7 @@ def test_fourier_coefficients_equal_the_integral(waveform: Square | Triangle) ->
     np.testing.assert_allclose(waveform.corners.harmonics([1, 2, 5]), integral, atol=1e-8)
 
 
-def test_a_trapezoid_with_equal_holds_and_both_signs_has_doubled_force_frequency() -> None:
+def test_symmetric_trapezoid_doubles_force_frequency() -> None:
     both = Trapezoid(rise_s=1e-3, high_s=4e-3, fall_s=1e-3, low_s=4e-3, low_ratio=-1.0)
     one = Trapezoid(rise_s=1e-3, high_s=4e-3, fall_s=1e-3, low_s=4e-3)
     assert (both.voltage_frequency_hz, both.force_frequency_hz) == pytest.approx((100.0, 200.0))
@@ -197,7 +195,7 @@ def test_a_trapezoid_with_equal_holds_and_both_signs_has_doubled_force_frequency
     assert one.force_frequency_hz == almost.force_frequency_hz == pytest.approx(100.0)
 
 
-def test_a_line_of_zero_length_is_a_jump_and_pieces_may_be_split_anywhere() -> None:
+def test_zero_length_line_is_jump_and_pieces_split() -> None:
     pieces = straight([0, 1, 1, 3], [0, 2, -1, 1])
     dense = np.linspace(0, 3, 31)
     np.testing.assert_allclose(pieces.split_at([0.3, 1.0, 2.2, 9.0]).at(dense), pieces.at(dense), atol=1e-15)

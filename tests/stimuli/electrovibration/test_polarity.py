@@ -1,4 +1,4 @@
-"""An asymmetry between positive and negative voltages, off unless it is asked for."""
+"""Polarity asymmetry of the force, off by default."""
 
 import numpy as np
 import pytest
@@ -9,15 +9,9 @@ from sampled_corneum import corneum_voltage_v
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.felt_scene import FeltScene
-from tactometry.stimuli.electrovibration import (
-    ElectrovibrationSensation,
-    Polarity,
-    PulseTrain,
-    Skin,
-    electrostatic_force_n,
-    electrostatic_force_n_at,
-)
-from tactometry.stimuli.electrovibration.attraction.force import LAWS
+from tactometry.stimuli.electrovibration import ElectrovibrationSensation, PulseTrain, Skin, electrostatic_force_n
+from tactometry.stimuli.electrovibration.attraction.force import LAWS, electrostatic_force_n_at
+from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
 
 P0, AREA_M2, RATE_HZ = Skin(), 1e-4, 2e4
 TOUCH = Contact(force_n=1.5, speed_m_per_s=0.05)
@@ -32,14 +26,14 @@ def force_n(voltage_v: np.ndarray, law: str = "sc_layer", **changes) -> np.ndarr
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_by_default_the_sign_of_the_voltage_does_not_matter(law: str) -> None:
+def test_force_ignores_voltage_sign_by_default(law: str) -> None:
     voltage_v = pulses("positive").at(40.0).samples[0]
     np.testing.assert_array_equal(force_n(voltage_v, law), force_n(-voltage_v, law))
     np.testing.assert_array_equal(force_n(voltage_v, law, polarity=Polarity(1.0)), force_n(voltage_v, law))
 
 
 @given(share=st.floats(0, 2))
-def test_the_share_scales_the_force_where_the_layer_is_positive_and_only_there(share: float) -> None:
+def test_polarity_share_scales_positive_half_only(share: float) -> None:
     voltage_v = pulses("biphasic").at(40.0).samples[0]
     layer_v, plain_n = corneum_voltage_v(voltage_v, RATE_HZ, P0, AREA_M2), force_n(voltage_v)
     found_n = force_n(voltage_v, polarity=Polarity(share))
@@ -60,7 +54,7 @@ def test_samples_and_pieces_have_the_same_asymmetry() -> None:
     assert set(np.round(ratio, 12)) == {0.25, 1.0}
 
 
-def test_positive_pulses_are_felt_less_than_negative_and_biphasic_ones_once_it_is_asked_for() -> None:
+def test_positive_pulses_feel_weaker_when_polarity_is_set() -> None:
     def felt_db(polarity: str, model: FeltScene) -> float:
         return model.sensation_db(pulses(polarity).at(30.0), TOUCH)
 

@@ -12,8 +12,9 @@ from corneum_closed_form import (
     step_voltage_v,
 )
 
-from tactometry.stimuli.electrovibration import Sine, Skin, Solution, Square, Step, electrostatic_force_n
+from tactometry.stimuli.electrovibration import Sine, Skin, Square, Step, electrostatic_force_n
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
 
 P0 = Skin()
 AREA_M2 = 1e-4
@@ -95,7 +96,7 @@ def exact_v(stimulus, t_s) -> np.ndarray:
     [(15, 0.0093699), (30, 0.0373807), (60, 0.1479612), (120, 0.5681134), (240, 1.9583526), (480, 5.0444265),
      (1920, 9.9388513)],
 )  # fmt: skip
-def test_the_exact_force_of_a_sine_is_its_mean_and_twice_the_frequency(frequency_hz: float, mean_mn: float) -> None:
+def test_exact_sine_force_is_mean_plus_second_harmonic(frequency_hz: float, mean_mn: float) -> None:
     late_s = 0.5 + np.arange(64) / 64 / frequency_hz
     lines_mn = np.fft.rfft(1e3 * B * exact_v(Sine(frequency_hz, ramp_s=0.0), late_s) ** 2) / 64
     assert lines_mn[0].real == pytest.approx(mean_mn, abs=5.1e-8)
@@ -106,12 +107,12 @@ def test_the_exact_force_of_a_sine_is_its_mean_and_twice_the_frequency(frequency
 @pytest.mark.parametrize(
     ("rise_s", "peak_v"), [(10e-6, 43.132420), (1e-4, 37.549525), (1e-3, 13.233804), (1e-2, 1.381253)]
 )
-def test_the_exact_voltage_at_the_end_of_a_rise(rise_s: float, peak_v: float) -> None:
+def test_rise_end_voltage_matches_exact_value(rise_s: float, peak_v: float) -> None:
     assert float(exact_v(Step(rise_s=rise_s, duration_s=0.1), rise_s)) == pytest.approx(peak_v, abs=5e-7)
 
 
 @pytest.mark.parametrize(("frequency_hz", "edge_v"), [(60.0, 87.640449), (1920.0, 60.957854)])
-def test_the_exact_voltage_after_an_edge_of_a_square(frequency_hz: float, edge_v: float) -> None:
+def test_square_edge_voltage_matches_exact_value(frequency_hz: float, edge_v: float) -> None:
     square = Square(frequency_hz, ramp_s=0.0)
     late_s = square.pieces(40.0).starts_s[int(0.5 * 2 * frequency_hz) :][:2]
     np.testing.assert_allclose(np.abs(exact_v(square, late_s)), edge_v, rtol=0, atol=5e-7)

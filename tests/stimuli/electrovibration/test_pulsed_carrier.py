@@ -1,4 +1,4 @@
-"""A carrier by the width of pulses: the mean square of each half period, and what is felt of it."""
+"""Pulse-width carrier: mean square per half period, and sensation."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def pulsed(**fields):
 
 
 @given(st.floats(26.0, 42.0), st.floats(20.0, 400.0), st.sampled_from(["square_root", "full", "suppressed_carrier"]))
-def test_up_to_any_zero_of_the_carrier_the_square_adds_up_to_half_a_sample(level, frequency_hz, modulation):
+def test_pulsed_carrier_energy_error_is_below_half_sample(level, frequency_hz, modulation):
     stimulus = pulsed(frequency_hz=frequency_hz, modulation=modulation)
     asked, made = stimulus.waveform.at(level).samples[0], stimulus.at(level).samples[0]
     assert set(np.unique(made)) == {-SUPPLY_V, 0.0, SUPPLY_V}
@@ -37,7 +37,7 @@ def test_it_feels_as_the_carrier_does(level):
     assert made_db == pytest.approx(asked_db, abs=0.6)
 
 
-def test_levels_beyond_a_board_are_told_with_the_cure():
+def test_levels_above_supply_are_refused_with_fix():
     assert (pulsed().level_unit, pulsed().duration_s) == ("dB re 1 V", 0.2)
     with pytest.raises(
         LimitExceeded, match="found an effective voltage of 141.. V, above the 100 V of the supply; low"

@@ -1,4 +1,4 @@
-"""A waveform is added as CONTRIBUTING says, one file and one line: a study is felt with it, and the laws hold it."""
+"""A custom waveform, added as CONTRIBUTING describes."""
 
 import json
 import os
@@ -55,7 +55,7 @@ print(json.dumps(said), file=sys.stderr)
 
 @pytest.fixture(scope="module")
 def added(tmp_path_factory):
-    """What a fresh program does that finds the file and the line."""
+    """Return what a new process prints after loading the waveform."""
     folder = tmp_path_factory.mktemp("sawtooth")
     (folder / "sawtooth.py").write_text(FILE)
     study = TUTORIAL.replace('kind = "amplitude_modulated"', 'kind = "sawtooth"')
@@ -76,7 +76,7 @@ def added(tmp_path_factory):
     ).stderr.splitlines()  # fmt: skip
 
 
-def test_a_study_is_simulated_validated_and_replayed_with_it(added):
+def test_custom_waveform_study_simulates_validates_and_replays(added):
     assert json.loads(added[-1])["status"] == [0, 0, 0, 2]
 
 
@@ -86,5 +86,5 @@ def test_the_page_of_keys_and_the_laws_of_all_stimuli_have_it(added):
     assert "sawtooth" in told["laws"]
 
 
-def test_a_mistyped_name_of_it_is_told(added):
+def test_mistyped_custom_waveform_name_is_reported(added):
     assert "did you mean 'sawtooth'" in " ".join(added[:-1])

@@ -1,4 +1,4 @@
-"""Numbers and words that no circuit, friction or figure can take: one sentence each."""
+"""Invalid numbers and names, each refused in one sentence."""
 
 import numpy as np
 import pytest
@@ -7,21 +7,21 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
     Bump,
     CoulombFriction,
-    DryFriction,
     Finger,
     Noise,
-    PowerLawArea,
-    Region,
     Sine,
     Skin,
-    Travel,
-    WithOffset,
     electrostatic_force_n,
-    force_form,
-    peak_voltage_v,
     sliding,
     stick_slip,
 )
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.attraction.force import force_form
+from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
+from tactometry.stimuli.electrovibration.textures.texture import Region
+from tactometry.stimuli.electrovibration.waveforms.waveform import peak_voltage_v
 
 T_S = np.linspace(0, 0.01, 11)
 FORM = force_form("sc_layer", Skin(), 1e-4)
@@ -52,7 +52,7 @@ def stuck(n_events_max):
         ),
     ],
 )
-def test_what_cannot_be_is_refused_in_one_sentence(call, sentence):
+def test_invalid_input_is_refused_in_one_sentence(call, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         call()
 
@@ -80,7 +80,7 @@ def slid(finger):
         (lambda: Noise.drawn(1.0, 1e20, 1e9, rng=np.random.default_rng(0)), "expected at most 268435456 lines"),
     ],
 )
-def test_two_arguments_that_cannot_be_together_are_refused(call, sentence):
+def test_incompatible_arguments_are_refused(call, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
         call()
 

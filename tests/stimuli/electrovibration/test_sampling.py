@@ -1,4 +1,4 @@
-"""What samples can hold: no pulse, texture or line of the force is lost or folded in silence."""
+"""Sampling limits of pulses, textures and force components."""
 
 import numpy as np
 import pytest
@@ -6,16 +6,17 @@ from hard_cases import hard_case
 from hypothesis import example, given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Sine, Square, Step, Trapezoid
+from tactometry.stimuli.electrovibration import PulseTrain, Sine, Square, Step, Trapezoid
 from tactometry.stimuli.electrovibration.textures.followed_texture import finest_period_m
 from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Noise, Region, Texture, Velvet
+from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 
 RATE_HZ = 1000.0
 LINE_S = st.one_of(st.just(0.0), st.floats(1e-12, 4e-3))
 
 
 @given(rise_s=LINE_S, high_s=LINE_S, fall_s=LINE_S, low_s=LINE_S, low_ratio=st.sampled_from([0.0, -1.0]))
-def test_the_samples_of_a_trapezoid_pass_its_middle_both_ways(
+def test_trapezoid_samples_cross_its_middle_both_ways(
     rise_s: float, high_s: float, fall_s: float, low_s: float, low_ratio: float
 ) -> None:
     edges_s = (rise_s + fall_s) / 2
@@ -45,7 +46,7 @@ def test_the_samples_of_a_step_reach_its_half(onset_s: float, rise_s: float, fal
         assert Step(**times, rate_hz=RATE_HZ).at(0.0).samples.max() >= 0.5 - 1e-9
 
 
-def test_a_short_pulse_plays_band_limited_or_at_a_higher_rate() -> None:
+def test_short_pulse_needs_band_limit_or_higher_rate() -> None:
     lines = {"rise_s": 0.0, "high_s": 1e-5, "fall_s": 0.0, "low_s": 3.99e-3}
     assert Trapezoid(**lines, rate_hz=200_000.0).at(0.0).peak == 1.0
     mean = Trapezoid(**lines, band_limited=True).at(0.0).samples.mean()
@@ -61,7 +62,7 @@ def test_pulses_may_follow_each_other_without_a_pause(polarity: str) -> None:
 
 @pytest.mark.parametrize("frequency_hz", [30.0, 2400.0, 5100.0, 9900.0])
 @pytest.mark.parametrize("n", [20_000, 20_001])
-def test_the_force_of_a_sampled_tone_has_twice_its_frequency(frequency_hz: float, n: int) -> None:
+def test_sampled_tone_force_has_twice_its_frequency(frequency_hz: float, n: int) -> None:
     tone = Sampled(tuple(np.sin(2 * np.pi * frequency_hz * np.arange(n) / 20_000)), rate_hz=20_000.0)
     assert tone.force_frequency_hz == pytest.approx(2 * frequency_hz, abs=1.0)
 
@@ -71,7 +72,7 @@ def test_the_force_of_a_sampled_tone_has_twice_its_frequency(frequency_hz: float
     share=st.floats(0.01, 0.999),
     start=st.floats(0, 1),
 )
-def test_positions_within_the_guard_miss_no_part_of_a_texture(texture: Texture, share: float, start: float) -> None:
+def test_positions_within_guard_sample_whole_texture(texture: Texture, share: float, start: float) -> None:
     step_m = share * (finest_period_m(texture) or 0.0) / 2
     found = texture.force_share(np.arange(-10e-3 - start * step_m, 10e-3, step_m))
     assert found.max() > 0.85
@@ -79,7 +80,7 @@ def test_positions_within_the_guard_miss_no_part_of_a_texture(texture: Texture, 
 
 
 @pytest.mark.parametrize("n_rms", [10.0, 40.0])
-def test_a_noise_texture_has_the_rms_it_was_asked_for(n_rms: float) -> None:
+def test_noise_texture_has_requested_rms(n_rms: float) -> None:
     drawn = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(5))
     noise = Noise(100.0, 1000.0, 0.1, drawn.phases_rad, n_rms=n_rms)
     share = noise.force_share(np.arange(1000) * 1e-4)
@@ -165,7 +166,7 @@ def test_a_band_limited_polygon_is_its_fourier_series(n_highest: int) -> None:
     hard_case("700 harmonics of a polygon", found, scale * series, 1e-11, against="Fourier series", floor=1)
 
 
-def test_a_slow_band_limited_square_at_a_high_rate_is_its_series() -> None:
+def test_slow_band_limited_square_matches_its_series() -> None:
     square = Square(frequency_hz=0.3003, duration_s=0.5, ramp_s=0.0, rate_hz=192_000.0, band_limited=True)
     samples, n = square.at(0.0).samples[0], np.arange(1, 319_681)
     where = np.array([0, 1, 2, 40_000, 95_999])

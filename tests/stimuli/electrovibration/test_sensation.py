@@ -1,4 +1,4 @@
-"""From samples to a sensation level: thresholds of the model, contact, cache."""
+"""Sensation levels of samples: model thresholds, contact and cache."""
 
 from dataclasses import replace
 
@@ -18,11 +18,11 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     CoulombFriction,
     ElectrovibrationSensation,
-    FrictionLag,
-    PowerLawArea,
     Sine,
     Skin,
 )
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 
@@ -46,7 +46,10 @@ def carrier(frequency_hz: float) -> AmplitudeModulated:
 
 
 def threshold_force_n(frequency_hz: float) -> float:
-    """Amplitude of the friction at threshold, written out: Meissner or Pacini, then the pulp as a phasor."""
+    """Return the friction amplitude at threshold.
+
+    Written out: the threshold of Meissner or Pacini, then the pulp as a phasor.
+    """
     meissner_db, pacini_db = 28 - 5 * np.log2(frequency_hz / 3), -20 + 12 * abs(np.log2(250 / frequency_hz))
     skin_m = 1e-6 * 10 ** ((min(meissner_db, pacini_db) if frequency_hz <= 100 else pacini_db) / 20)
     omega = 2 * np.pi * frequency_hz
@@ -55,7 +58,7 @@ def threshold_force_n(frequency_hz: float) -> float:
 
 @pytest.mark.parametrize("frequency_hz", OCTAVES_HZ[:5])
 def test_thresholds_of_sines_are_those_of_the_displaced_skin(frequency_hz: int) -> None:
-    """From the force of a sine at twice its frequency, which a leaky corneum lets through by w tau."""
+    """The force has twice the frequency; a leaky corneum passes w tau."""
     omega_tau = 2 * np.pi * frequency_hz * 315.209086e-6
     high_pass = omega_tau / np.hypot(1, omega_tau)
     of_one_volt_n = 0.5 * (1e-4 * 1.5 ** (1 / 3)) * 1.10677348e-1 * (0.438202247 * high_pass) ** 2 / 2
@@ -65,14 +68,14 @@ def test_thresholds_of_sines_are_those_of_the_displaced_skin(frequency_hz: int) 
 
 @pytest.mark.parametrize("frequency_hz", OCTAVES_HZ[1:6])
 def test_thresholds_of_carriers_are_those_of_the_displaced_skin(frequency_hz: int) -> None:
-    """Relative to 240 Hz: their force vibrates at their own frequency, and the carrier is far above any leak."""
+    """Relative to 240 Hz, with the carrier far above any leakage."""
     found_db = threshold_db(carrier(frequency_hz), NO_LAG) - threshold_db(carrier(240.0), NO_LAG)
     expected_db = 10 * np.log10(threshold_force_n(frequency_hz) / threshold_force_n(240.0))
     assert found_db == pytest.approx(expected_db, abs=0.05)
 
 
 @pytest.mark.parametrize("frequency_hz", [960.0, 1920.0])
-def test_a_vibration_that_no_channel_answers_to_is_not_felt(frequency_hz: float) -> None:
+def test_vibration_outside_all_channels_is_not_felt(frequency_hz: float) -> None:
     assert MODEL.sensation_db(carrier(frequency_hz).at(46.0), TOUCH) < -60
 
 
@@ -93,13 +96,13 @@ def test_the_sensation_of_a_sine_follows_the_closed_forms() -> None:
     assert MODEL.sensation_db(Sine(frequency_hz=120.0).at(20.0), TOUCH) == pytest.approx(expected_db, abs=0.02)
 
 
-def test_a_threshold_of_friction_is_a_fraction_of_a_millinewton() -> None:
-    """Not microns of the force that was calibrated to a voltage: 0.1 um of skin, by its mobility."""
+def test_friction_threshold_is_below_one_millinewton() -> None:
+    """The threshold is 0.1 um of skin displacement, by its mobility."""
     assert threshold_force_n(250.0) == pytest.approx(2.44e-4, rel=1e-2)
     assert [round(1e3 * threshold_force_n(f), 2) for f in (60.0, 120.0, 480.0)] == [1.94, 0.63, 1.67]
 
 
-def test_a_threshold_of_force_of_an_older_study_file_holds_at_250_hz() -> None:
+def test_reference_force_applies_at_250_hz() -> None:
     by_force = felt_by(ElectrovibrationSensation(reference_force_n=threshold_force_n(250.0)))
     signal = carrier(120.0).at(40.0)
     assert by_force.sensation_db(signal, TOUCH) == pytest.approx(MODEL.sensation_db(signal, TOUCH), abs=1e-9)
@@ -109,7 +112,7 @@ def test_a_threshold_of_force_of_an_older_study_file_holds_at_250_hz() -> None:
     ("law", "voltage_v"), [("parallel_plate", 1.05), ("interface", 0.89), ("total_thickness", 19.8), ("sc_layer", 30.8)]
 )
 def test_each_force_law_has_its_own_threshold_voltage(law: str, voltage_v: float) -> None:
-    """What docs/reference/electrovibration.md states: nothing is set to any of them."""
+    """The values are those in docs/reference/electrovibration.md."""
     found_db = threshold_db(AmplitudeModulated(frequency_hz=240.0), felt_by(ElectrovibrationSensation(law=law)))
     assert 10 ** (found_db / 20) == pytest.approx(voltage_v, rel=0.01)
 
@@ -142,13 +145,13 @@ def test_doubling_the_voltage_quadruples_the_force() -> None:
 
 
 @pytest.mark.parametrize("touch", [Contact(1.5, 0.0), Contact(0.0, 0.05), Contact(0.0, 0.0)])
-def test_nothing_is_felt_at_rest_or_without_contact(touch: Contact) -> None:
+def test_sensation_is_absent_at_rest_or_without_contact(touch: Contact) -> None:
     assert MODEL.sensation_db(sine(120.0).at(40.0), touch) == -np.inf
 
 
 @pytest.mark.parametrize("model", [MODEL, NO_LAG])
 def test_sensation_goes_smoothly_to_nothing_at_rest(model) -> None:
-    """In proportion to the speed, once it is far below the speed of slip."""
+    """Sensation is proportional to speed far below the slip speed."""
     speeds_m_per_s = np.geomspace(1e-12, 1e-5, 8)
     signal = sine(120.0).at(40.0)
     levels_db = np.array([model.sensation_db(signal, Contact(1.5, speed)) for speed in speeds_m_per_s])
@@ -158,7 +161,7 @@ def test_sensation_goes_smoothly_to_nothing_at_rest(model) -> None:
 
 @pytest.mark.parametrize("speed_m_per_s", [1e-4, 0.05])
 @pytest.mark.parametrize(("frequency_hz", "ramp_s"), [(30.0, 0.02), (60.0, 0.05), (120.0, 0.05), (240.0, 0.05)])
-def test_a_tenth_of_a_second_with_ramps_feels_the_same_by_a_scene(frequency_hz, ramp_s, speed_m_per_s) -> None:
+def test_short_ramped_tone_matches_its_scene(frequency_hz, ramp_s, speed_m_per_s) -> None:
     tone = {"frequency_hz": frequency_hz, "duration_s": 0.1, "ramp_s": ramp_s, "carrier_hz": 2000.0}
     signal = AmplitudeModulated(**tone, rate_hz=64e3).at(30.0)
     carrier_effect = effect("carrier", carrier_hz=tone.pop("carrier_hz"))
@@ -171,7 +174,7 @@ def test_a_tenth_of_a_second_with_ramps_feels_the_same_by_a_scene(frequency_hz, 
 
 
 @pytest.mark.parametrize("frequency_hz", [6_000.0, 9_900.0])
-def test_the_force_of_a_fast_sine_does_not_alias_into_what_is_felt(frequency_hz: float) -> None:
+def test_fast_sine_force_does_not_alias(frequency_hz: float) -> None:
     coarse, fine = (Sine(frequency_hz=frequency_hz, rate_hz=rate_hz).at(40.0) for rate_hz in (20e3, 200e3))
     assert MODEL.sensation_db(coarse, TOUCH) < 0
     assert MODEL.sensation_db(fine, TOUCH) < 0
@@ -179,7 +182,7 @@ def test_the_force_of_a_fast_sine_does_not_alias_into_what_is_felt(frequency_hz:
 
 @pytest.mark.parametrize("n_more", [0, 1])
 @pytest.mark.parametrize("carrier_hz", [2_000.0, 7_000.0, 9_700.0])
-def test_a_carrier_feels_the_same_at_any_rate_that_can_play_it(carrier_hz: float, n_more: int) -> None:
+def test_carrier_sensation_is_independent_of_rate(carrier_hz: float, n_more: int) -> None:
     duration_s, tone = 1.0 + n_more / 20e3, AmplitudeModulated(frequency_hz=240.0, modulation="full")
     levels_db = [
         MODEL.sensation_db(replace(tone, carrier_hz=carrier_hz, rate_hz=r, duration_s=duration_s).at(20.0), TOUCH)
@@ -188,7 +191,7 @@ def test_a_carrier_feels_the_same_at_any_rate_that_can_play_it(carrier_hz: float
     assert levels_db[0] == pytest.approx(levels_db[1], abs=0.1)
 
 
-def test_a_weak_fast_tone_beside_a_strong_one_does_not_alias_into_what_is_felt() -> None:
+def test_weak_fast_tone_does_not_alias() -> None:
     t_s = [np.arange(round(rate_hz)) / rate_hz for rate_hz in (20e3, 200e3)]
     volts = [40 * np.sin(2 * np.pi * 3_000 * t) + 4 * np.sin(2 * np.pi * 9_875 * t) for t in t_s]
     coarse, fine = (Signal(v[None, :], v.size, "V") for v in volts)
@@ -199,7 +202,7 @@ def test_silence_is_not_felt() -> None:
     assert MODEL.sensation_db(Signal(np.zeros((1, 1000)), 20e3, "V"), TOUCH) == -np.inf
 
 
-def test_equal_samples_give_equal_sensations_in_any_order_of_calls() -> None:
+def test_sensation_is_independent_of_call_order() -> None:
     levels_db = np.linspace(0, 40, 7)
     touches = [Contact(f, v) for f in (0.5, 3.0) for v in (0.02, 0.1)]
     once = {(x, t): MODEL.sensation_db(carrier(120.0).at(x), t) for x in levels_db for t in touches}
@@ -207,7 +210,7 @@ def test_equal_samples_give_equal_sensations_in_any_order_of_calls() -> None:
     assert once == again
 
 
-def test_body_resistance_makes_the_area_more_than_a_factor() -> None:
+def test_body_resistance_makes_area_dependence_nonlinear() -> None:
     touches = [Contact(0.5, 0.05), Contact(3.0, 0.05)]
     shifts_db = [
         np.diff([model.sensation_db(carrier(240.0).at(20.0), touch) for touch in touches])[0]

@@ -1,5 +1,4 @@
-"""Series of leaky layers: closed forms, an independent impedance, a 50-digit solution, `solve_ivp`,
-energy."""
+"""Series of leaky layers, against closed forms and solvers."""
 
 import mpmath as mp
 import numpy as np
@@ -11,9 +10,10 @@ from scipy.integrate import quad
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.defaults import VACUUM_PERMITTIVITY_F_PER_M as E0
-from tactometry.stimuli.electrovibration import Layer, Pieces, Sine, Skin, Solution, Stack, Step
+from tactometry.stimuli.electrovibration import Layer, Sine, Skin, Stack, Step
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
 from tactometry.stimuli.electrovibration.skin.stack import DispersiveLayer
-from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 
 AREA_M2 = 1e-4
 GLASS = Layer(1e-6, 3.9)
@@ -95,8 +95,7 @@ def test_the_exact_voltage_of_a_trapezoid_against_50_digits(tau_s: float, body_o
 
 
 def _reference_v(skin: Skin, times_s: list[float], values_v: list[float], t_s: float) -> float:
-    """Corneum voltage as an exact sum over kinks of the response to a line, from the two poles in 50
-    digits."""
+    """Return the corneum voltage as an exact 50-digit sum over kinks."""
     with mp.workdps(50):
         c_i, c_s = mp.mpf(skin.insulator_capacitance_f(AREA_M2)), mp.mpf(skin.corneum_capacitance_f(AREA_M2))
         r_s, r_b = mp.mpf(skin.corneum_resistance_ohm(AREA_M2)), mp.mpf(skin.body_resistance_ohm)
@@ -122,7 +121,7 @@ def _reference_v(skin: Skin, times_s: list[float], values_v: list[float], t_s: f
     [straight([0, 2e-4, 6e-4, 1e-3], [0, 100, 40, 40]), Sine(3e3, duration_s=1e-3, ramp_s=2e-4).pieces(40.0)],
     ids=["lines", "sine"],
 )
-def test_the_source_gives_what_the_resistors_burn_and_the_capacitors_keep(pieces: Pieces) -> None:
+def test_source_energy_equals_dissipated_plus_stored_energy(pieces: Pieces) -> None:
     skin = Skin(body_resistance_ohm=2e4, gap_m=1e-6)
     solved = [Solution(pieces, skin.stack.relaxations(i, AREA_M2)) for i in range(3)]
     r_s = skin.corneum_resistance_ohm(AREA_M2)
@@ -146,7 +145,7 @@ def test_the_source_gives_what_the_resistors_burn_and_the_capacitors_keep(pieces
     assert burnt_j + leaked_j + kept_j == pytest.approx(given_j, rel=1e-10)
 
 
-def test_properties_between_two_rows_lie_on_a_line_of_logarithms() -> None:
+def test_properties_interpolate_logarithmically_between_rows() -> None:
     table = DispersiveLayer(1e-4, (1.0, 100.0), (1e4, 1e2), (1e6, 1e2))
     permittivity, resistivity = table.properties([0.1, 10.0, 1e4])
     np.testing.assert_allclose(permittivity, [1e4, 1e3, 1e2], rtol=1e-12)
@@ -162,7 +161,7 @@ def test_deeper_tissue_is_a_layer_of_the_stack() -> None:
     assert (skin.gain(f_hz, AREA_M2) < Skin().gain(f_hz, AREA_M2)).all()
 
 
-def test_tissue_that_only_resists_is_a_body_resistance() -> None:
+def test_purely_resistive_tissue_equals_body_resistance() -> None:
     tissue = Skin(tissue=Layer(5e-3, 1.0, 20.0))
     body = Skin(body_resistance_ohm=20.0 * 5e-3 / AREA_M2)
     f_hz = [1.0, 60.0, 1e3, 1e5]

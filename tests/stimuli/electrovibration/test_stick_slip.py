@@ -1,4 +1,4 @@
-"""Stick and slip: closed form, an independent solver with events, laws of friction, hard speeds and loads."""
+"""Stick and slip, against a closed form and a solver with events."""
 
 import numpy as np
 import pytest
@@ -8,22 +8,13 @@ from hypothesis import given, strategies as st
 from scipy.integrate import solve_ivp
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import (
-    DryFriction,
-    Finger,
-    Pieces,
-    Sine,
-    Skin,
-    Solution,
-    Square,
-    StickSlip,
-    Trapezoid,
-    Travel,
-    stick_slip,
-)
+from tactometry.stimuli.electrovibration import Finger, Sine, Skin, Square, StickSlip, Trapezoid, stick_slip
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.motion import power_series, stick_slip as sticking
-from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
+from tactometry.stimuli.electrovibration.skin.relaxation import Solution
+from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
 
 FINGER, FRICTION = Finger(damping_n_s_per_m=0.0466), DryFriction(0.6, 0.5, gated=False)
 """A pad that rings, so that it sticks and slips again and again."""
@@ -58,7 +49,7 @@ def test_period_of_stick_and_slip_in_closed_form() -> None:
 
 
 def test_whole_numbers_and_columns_are_not_compiled_anew() -> None:
-    """Each other type of an argument took seconds."""
+    """Compiling for another argument type took seconds."""
     starts_s, flat = np.array([0.0, 0.05]), np.zeros(2)
     by_columns = Pieces(starts_s, 0.1, flat, flat, np.array([60.0, 90.0]), np.ones((2, 2), np.complex128, order="F"))
     run(force_n=1.0)
@@ -67,7 +58,10 @@ def test_whole_numbers_and_columns_are_not_compiled_anew() -> None:
 
 
 def leg(pieces: Pieces, form: ForceForm, travel: Travel, force_n: float, way: int, start: list[float], stop: float):
-    """An adaptive solution in stick (way 0) or slip from (time, stretch, rate) to the next event or `stop`."""
+    """Solve stick (way 0) or slip adaptively up to the next event.
+
+    Starts at (time, stretch, rate) and ends at `stop` at the latest.
+    """
     m, c, k = FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
     solved, before_stop = Solution(pieces, form.relaxations), np.nextafter(stop, 0)
 
@@ -99,7 +93,10 @@ def leg(pieces: Pieces, form: ForceForm, travel: Travel, force_n: float, way: in
 def reference(
     pieces: Pieces, travel: Travel, force_n: float, form: ForceForm = STRONG
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Stretch at `T_S` and event times, by an adaptive solver restarted at events and starts of pieces."""
+    """Return stretch at `T_S` and event times from an adaptive solver.
+
+    The solver restarts at events and at the starts of pieces.
+    """
     c, k = FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
     time, s, rate, way = 0.0, 0.0, travel.speed_m_per_s, 0
     found_m, events_s = np.zeros(len(T_S)), []
@@ -138,7 +135,7 @@ def test_events_and_motion_against_an_adaptive_solver(pieces: Pieces, travel: Tr
 
 @pytest.mark.parametrize("tau_s", [1e-9, 1e-5, 1.0, 1e3])
 @pytest.mark.parametrize("body_ohm", [0.0, 1e4])
-def test_any_time_constant_of_the_skin_against_an_adaptive_solver(tau_s: float, body_ohm: float) -> None:
+def test_motion_matches_adaptive_solver_at_any_time_constant(tau_s: float, body_ohm: float) -> None:
     skin = Skin(corneum_resistivity_ohm_m=2e4 * tau_s / Skin().tau_s, body_resistance_ohm=body_ohm)
     layer = force_form("sc_layer", skin, 1e-4)
     peak_v = np.abs(Solution(SINE, layer.relaxations).at(np.linspace(0, 0.1, 1000))).max()
@@ -152,7 +149,7 @@ def test_any_time_constant_of_the_skin_against_an_adaptive_solver(tau_s: float, 
 
 
 @pytest.mark.parametrize("tau_s", [1e-5, 1e-4])
-def test_the_force_of_a_slope_that_has_settled_against_an_adaptive_solver(tau_s: float) -> None:
+def test_settled_slope_force_matches_adaptive_solver(tau_s: float) -> None:
     layer = force_form("sc_layer", Skin(corneum_resistivity_ohm_m=2e4 * tau_s / Skin().tau_s), 1e-4)
     slopes = Trapezoid(rise_s=0.02, high_s=0.0, fall_s=0.03, low_s=0.0, duration_s=0.1).pieces(46.0)
     peak_v = np.abs(Solution(slopes, layer.relaxations).at(np.linspace(0, 0.1, 1000))).max()
@@ -165,7 +162,7 @@ def test_the_force_of_a_slope_that_has_settled_against_an_adaptive_solver(tau_s:
 
 
 @pytest.mark.parametrize("pieces", [SINE, SQUARE, TRAPEZOID])
-def test_the_motion_does_not_depend_on_the_times_asked_for(pieces: Pieces) -> None:
+def test_motion_is_independent_of_output_times(pieces: Pieces) -> None:
     coarse, fine = run(pieces, T_S[::40]), run(pieces, np.linspace(0, 0.1, 8001))
     np.testing.assert_allclose(fine.events_s, coarse.events_s, rtol=0, atol=1e-13)
     np.testing.assert_allclose(fine.stretch_m[::800], coarse.stretch_m, rtol=0, atol=1e-15)
@@ -176,7 +173,7 @@ def test_the_motion_does_not_depend_on_the_times_asked_for(pieces: Pieces) -> No
     gated=st.booleans(),
 )  # fmt: skip
 @examples(60)
-def test_friction_is_the_kinetic_one_in_slip_and_bearable_in_stick(
+def test_stick_slip_friction_obeys_its_limits(
     speed: float, force_n: float, mu: float, more: float, gated: bool
 ) -> None:
     friction = DryFriction(mu + more, mu, gated)
@@ -218,7 +215,7 @@ def test_normal_force_0_without_voltage_has_no_friction() -> None:
     assert np.abs(motion.lateral_n).max() == 0
 
 
-def test_normal_force_0_with_voltage_has_the_friction_of_the_voltage() -> None:
+def test_zero_normal_force_leaves_friction_of_voltage() -> None:
     motion = run(SINE, force_n=0.0)
     assert (np.abs(motion.lateral_n) <= 0.6 * motion.electrostatic_n + 1e-15).all()
     assert motion.lateral_n.any()
@@ -238,7 +235,7 @@ def test_chatter_at_a_kilohertz_stays_exact() -> None:
     hard_case("chatter at 1 kHz (m)", again.stretch_m, motion.stretch_m[::100], 1e-13, against="other times", floor=1)
 
 
-def test_equal_coefficients_agree_with_a_regularised_law_and_unequal_ones_do_not() -> None:
+def test_regularised_law_agrees_for_equal_coefficients_only() -> None:
     def smooth_n(mu_static: float) -> np.ndarray:
         width = 1e-4
         m, c, k = FINGER.mass_kg, FINGER.damping_n_s_per_m, FINGER.stiffness_n_per_m
@@ -259,7 +256,7 @@ def test_equal_coefficients_agree_with_a_regularised_law_and_unequal_ones_do_not
     assert np.abs(smooth_n(0.75) - sharp_n(0.75)).max() > 2e-2 * scale
 
 
-def test_a_gated_voltage_does_not_help_the_finger_to_stick() -> None:
+def test_gated_voltage_does_not_increase_sticking() -> None:
     constant = straight([0, 1.0], [50, 50])
     lossless = ForceForm(force_form("sc_layer", Skin(corneum_resistivity_ohm_m=np.inf), 1e-4).relaxations, 1e-3)
     breaks_s = [
@@ -304,7 +301,7 @@ def test_too_many_events_stop_with_their_time() -> None:
         run(n_events_max=3)
 
 
-def test_a_finger_so_fast_that_the_series_would_take_hours_is_refused(monkeypatch) -> None:
+def test_finger_is_refused_when_series_needs_many_steps(monkeypatch) -> None:
     monkeypatch.setattr(sticking, "N_STEPS_MAX", 20_000)  # as many as take milliseconds, for one that slips
     light = Finger(mass_kg=1e-15, stiffness_n_per_m=1e7, damping_n_s_per_m=0.0)
     with pytest.raises(InvalidParameter, match=r"more than 2e\+04 steps of the series at .* up to 1e\+11 rad/s\)"):
@@ -312,10 +309,8 @@ def test_a_finger_so_fast_that_the_series_would_take_hours_is_refused(monkeypatc
 
 
 @pytest.mark.parametrize("speed_m_per_s", [1e-12, 1e-9, 1e-7, 1e-5])
-def test_a_finger_that_hardly_moves_sticks_and_takes_no_more_steps_than_the_voltage_does(
-    monkeypatch, speed_m_per_s: float
-) -> None:
-    """Its published mass falls with its speed, and with it the time in which it would decay if it slipped."""
+def test_slow_finger_sticks_without_extra_steps(monkeypatch, speed_m_per_s: float) -> None:
+    """Published mass falls with speed, as does the decay time in slip."""
     monkeypatch.setattr(sticking, "N_STEPS_MAX", 20_000)
     finger = Finger.at_speed(speed_m_per_s)
     motion = run(finger=finger, travel=Travel(speed_m_per_s))

@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.electrovibration import (
-    FollowedTexture,
+from tactometry.stimuli.electrovibration.attraction.contact_area import (
+    UNVERIFIED_PRINTS,
     PowerLawArea,
     Print,
     TableArea,
     area_of_prints,
     power_law_of_prints,
 )
-from tactometry.stimuli.electrovibration.attraction.contact_area import UNVERIFIED_PRINTS
+from tactometry.stimuli.electrovibration.textures.followed_texture import FollowedTexture
 from tactometry.stimuli.electrovibration.textures.maps import GreyImage
 from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Noise, Region, Texture, Velvet
 
@@ -58,7 +58,7 @@ def test_spectrum_of_a_grating_under_a_finger(shape: str, expected: list[float])
 
 
 @pytest.mark.parametrize("exponent", [0.0, -2.0])
-def test_noise_has_the_spectrum_it_was_asked_for(exponent: float) -> None:
+def test_noise_texture_has_requested_spectrum(exponent: float) -> None:
     noise = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(5), exponent=exponent)
     x_m = np.arange(1000) * 1e-4
     power = np.abs(np.fft.rfft(noise.height(x_m)) / 1000) ** 2 * 2
@@ -74,20 +74,20 @@ def test_the_same_seed_draws_the_same_noise() -> None:
     assert Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(3)) == NOISE
 
 
-def test_a_bump_is_a_hole_for_a_finger_that_comes_from_the_other_side() -> None:
+def test_reversed_bump_is_a_hole() -> None:
     x_m = np.linspace(0, 0.04, 101)
     bump, hole = Bump(0.02, 3e-3, direction=-1), Bump(0.02, 3e-3, height_sign=-1)
     np.testing.assert_array_equal(bump.force_share(x_m), hole.force_share(x_m))
 
 
-def test_the_slope_of_a_bump_adds_up_to_its_height() -> None:
+def test_bump_slope_integrates_to_its_height() -> None:
     x_m = np.linspace(-0.02, 0.06, 8001)
     height = np.cumsum(Bump(0.02, 3e-3).force_share(x_m) - 0.5) * 1e-5
     expected = np.exp(-(((x_m - 0.02) / 3e-3) ** 2) / 2) * 3e-3 * np.exp(0.5) / 2
     np.testing.assert_allclose(height, expected, atol=1e-5)
 
 
-def test_velvet_is_rough_against_the_pile_and_smooth_with_it() -> None:
+def test_velvet_is_rough_against_its_pile() -> None:
     there, back = np.linspace(0, 0.05, 2001), np.linspace(0.05, 0, 2001)[1:]
     share = Velvet().force_share_along(np.r_[there, back])
     assert share[1000:2001].mean() < 0.5 * share[3000:].mean()
@@ -108,7 +108,7 @@ def test_velvet_tufts_beat_at_speed_over_their_distance() -> None:
     assert np.argmax(spectrum) == 100
 
 
-def test_a_finger_that_waits_keeps_the_pile_as_it_lies() -> None:
+def test_resting_finger_leaves_velvet_pile_unchanged() -> None:
     share = Velvet(tuft_depth=0.0).force_share_along(np.r_[np.linspace(0.05, 0, 101), np.zeros(50)])
     np.testing.assert_allclose(share[-50:], share[100])
 

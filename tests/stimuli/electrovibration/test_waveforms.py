@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import AmplitudeModulated, Sine
-from tactometry.stimuli.perception import components
+from tactometry.stimuli.perception.detection import components
 
 STIMULI = [
     Sine(frequency_hz=60.0),
@@ -35,7 +35,7 @@ def test_a_level_in_volt_is_the_peak() -> None:
     assert Sine(frequency_hz=50.0, level_unit="V").at(7.0).peak == pytest.approx(7.0, rel=1e-12)
 
 
-def test_ramps_start_and_end_at_zero_and_are_a_raised_cosine() -> None:
+def test_ramps_are_raised_cosines_from_zero() -> None:
     stimulus = Sine(frequency_hz=5000.0, rate_hz=20_000.0, phase_rad=0.0)
     steady = Sine(frequency_hz=5000.0, rate_hz=20_000.0, phase_rad=0.0, ramp_s=0.0)
     ramped, plain = stimulus.at(0.0).samples[0], steady.at(0.0).samples[0]
@@ -68,7 +68,7 @@ def test_components_of_a_squared_sine_with_and_without_offset() -> None:
 
 
 @pytest.mark.parametrize("stimulus", [s for s in STIMULI if s.duration_s == 1.0])
-def test_the_force_frequency_is_that_of_the_strongest_slow_component(
+def test_force_frequency_is_strongest_slow_component(
     stimulus: Sine | AmplitudeModulated,
 ) -> None:
     parts = components(stimulus.at(0.0).samples[0] ** 2, stimulus.rate_hz)

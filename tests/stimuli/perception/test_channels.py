@@ -1,4 +1,4 @@
-"""Receptor channels, spatial summation, and what they do in a scene."""
+"""Receptor channels, spatial summation, and their effect in a scene."""
 
 import numpy as np
 import pytest
@@ -17,11 +17,11 @@ from tactometry.stimuli.perception.detection import Components
 
 
 @pytest.mark.parametrize(("frequency_hz", "channel"), [(1.0, NP_III), (20.0, NP_I), (60.0, P), (250.0, P), (500.0, P)])
-def test_the_channel_that_is_known_for_a_frequency_has_the_lowest_threshold(frequency_hz, channel):
+def test_expected_channel_has_lowest_threshold(frequency_hz, channel):
     assert channel_thresholds_db(frequency_hz)[:, 0].argmin() == channel
 
 
-def test_the_best_threshold_is_that_of_pacini_at_250_hz():
+def test_lowest_threshold_is_pacinian_at_250_hz():
     f_hz = np.geomspace(0.5, 790.0, 400)
     best = channel_thresholds_db(f_hz).min(axis=0)
     assert channel_thresholds_db(250.0)[P, 0] == 0
@@ -29,7 +29,7 @@ def test_the_best_threshold_is_that_of_pacini_at_250_hz():
     assert abs(f_hz[best.argmin()] - 250) < 5
 
 
-def test_what_no_channel_hears_is_silent():
+def test_channels_are_silent_above_their_range():
     assert channel_levels_db(Components(np.array([2000.0]), np.array([1.0])), 1.0).max() == -np.inf
     assert channel_levels_db(Components(np.zeros(0), np.zeros(0)), 1.0).max() == -np.inf
 
@@ -50,18 +50,18 @@ def felt(*effects):
     return panel(effect("friction"), *effects, outputs=("sensation_db",)).resolve().run(LEVEL)["sensation_db"]
 
 
-def test_a_larger_contact_gains_three_decibels_per_doubling_where_pacini_feels():
+def test_pacinian_gain_is_3_db_per_area_doubling():
     plain = felt(effect("receptors"))
     doubled = felt(effect("receptors"), effect("summation", reference_m2=0.5e-4))
     assert doubled - plain == pytest.approx(10 * np.log10(2), abs=1e-9)
 
 
-def test_a_masker_takes_what_it_raises_the_threshold_by():
+def test_masker_lowers_level_by_its_threshold_rise():
     masked = felt(effect("sensitivity"), effect("masking", level_db_re_threshold=25.0))
     assert felt(effect("sensitivity")) - masked == pytest.approx(13.0, abs=1e-9)
 
 
-def test_two_thresholds_over_frequency_are_refused_with_the_cure():
+def test_two_frequency_thresholds_are_refused_with_fix():
     with pytest.raises(InvalidParameter, match=r"'sensitivity' beside 'receptors', .*remove 'sensitivity' or 'recep"):
         panel(effect("friction"), effect("sensitivity"), effect("receptors"))
     with pytest.raises(InvalidParameter, match=r"'summation' without an effect of receptors"):

@@ -1,4 +1,4 @@
-"""Components of a record, and the rule of the one furthest above threshold."""
+"""Components of a record, and the most detectable of them."""
 
 import numpy as np
 import pytest
@@ -6,13 +6,12 @@ from hard_cases import exact_case, hard_case
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.perception import Components, components, sensation_level_db
+from tactometry.stimuli.perception import sensation_level_db
+from tactometry.stimuli.perception.detection import Components, components
 
 
 @given(frequency_hz=st.floats(20, 900), amplitude=st.floats(1e-9, 1e9), offset=st.floats(-10, 10))
-def test_the_amplitude_of_a_steady_tone_is_read_within_four_parts_in_a_thousand(
-    frequency_hz: float, amplitude: float, offset: float
-) -> None:
+def test_steady_tone_amplitude_is_accurate(frequency_hz: float, amplitude: float, offset: float) -> None:
     t_s = np.arange(4000) / 4000
     found = components(amplitude * (offset + np.sin(2 * np.pi * frequency_hz * t_s)), 4000.0)
     strongest = np.argmax(found.amplitudes)

@@ -1,4 +1,4 @@
-"""Trains of short events, as the Pacinian channel sums them: laws, and the same through a filter on samples."""
+"""Pacinian summation over trains of short events."""
 
 import math
 
@@ -21,7 +21,7 @@ def felt_db(n, repetition_hz):
 
 
 def energy(times_s, peaks):
-    """Largest energy in a leaky integrator behind the filter of P: samples, a spectrum, a recursion."""
+    """Return the largest energy in a leaky integrator after the filter."""
     n = 2 ** int(np.ceil(np.log2((times_s[-1] + 1.0) * RATE_HZ)))
     samples = np.zeros(n)
     np.add.at(samples, np.round((times_s + 0.4) * RATE_HZ).astype(int), peaks)
@@ -33,20 +33,23 @@ def energy(times_s, peaks):
 
 
 def filtered_db(n, repetition_hz, beginnings):
-    """The strongest of some beginnings of a train, against its first event."""
+    """Return the level of the strongest start of a train.
+
+    Relative to its first event.
+    """
     times_s, one = np.arange(n) / repetition_hz, energy(np.zeros(1), np.ones(1))
     return max(10 * np.log10(energy(times_s[:k], np.ones(k)) / one) for k in beginnings)
 
 
 @pytest.mark.parametrize("repetition_hz", [1, 2, 5, 10, 40, 100, 200, 250, 400, 500, 800, 1000])
 @pytest.mark.parametrize("n", [2, 5, 12])
-def test_a_train_is_felt_as_its_samples_are_behind_a_filter_and_a_leaky_integrator(n, repetition_hz):
+def test_train_matches_filtered_and_integrated_samples(n, repetition_hz):
     expected_db = filtered_db(n, repetition_hz, range(1, n + 1))
     assert felt_db(n, repetition_hz) == pytest.approx(expected_db, abs=0.2)
 
 
 @pytest.mark.parametrize("repetition_hz", [1, 10, 100, 250, 500, 1000])
-def test_a_thousand_foci_are_felt_as_their_samples_are(repetition_hz):
+def test_thousand_foci_match_their_samples(repetition_hz):
     expected_db = filtered_db(1000, repetition_hz, (1, 2, 3, 1000))
     assert felt_db(1000, repetition_hz) == pytest.approx(expected_db, abs=0.2)
 
@@ -62,8 +65,8 @@ def test_one_event_is_felt_as_it_is(peak):
 
 
 @given(st.floats(0.02, 100.0))
-def test_nothing_recurs(apart_s):
-    """Beyond the answer of the filter two events add their energy, and what is left of the first fades."""
+def test_distant_event_adds_only_its_energy(apart_s):
+    """Beyond the filter response, the energy of the first event decays."""
     left_db = 10 * np.log10(1 + np.exp(-apart_s / TAU_S))
     assert 20 * np.log10(summed_amplitude(np.array([0.0, apart_s]), np.ones(2))) == pytest.approx(left_db, abs=0.07)
 
@@ -80,7 +83,7 @@ def test_a_train_is_never_weaker_than_its_beginning(train):
 
 
 @given(trains, st.floats(1e-9, 1e9))
-def test_a_train_lies_between_its_largest_event_and_their_sum_and_grows_in_proportion(train, factor):
+def test_train_is_bounded_and_proportional(train, factor):
     times_s, peaks = train
     felt = summed_amplitude(times_s, peaks)
     assert peaks.max() <= felt <= peaks.sum() * (1 + 1e-12)
@@ -88,21 +91,21 @@ def test_a_train_lies_between_its_largest_event_and_their_sum_and_grows_in_propo
 
 
 @given(trains)
-def test_events_beyond_the_answer_of_the_filter_hold_no_more_than_their_energy(train):
+def test_distant_events_add_at_most_their_energy(train):
     times_s, peaks = train
     apart_s = times_s + HORIZON_S * np.arange(peaks.size)
     assert summed_amplitude(apart_s, peaks) <= math.hypot(*peaks) * (1 + 1e-12)
 
 
 @given(trains, st.randoms(use_true_random=False))
-def test_the_order_in_which_events_are_told_does_not_matter(train, random):
+def test_summation_is_independent_of_event_order(train, random):
     times_s, peaks = train
     order = random.sample(range(peaks.size), peaks.size)
     assert summed_amplitude(times_s[order], peaks[order]) == pytest.approx(summed_amplitude(times_s, peaks), rel=1e-12)
 
 
 @pytest.mark.parametrize("repetition_hz", [50.0, 100.0, 250.0])
-def test_a_train_gains_three_decibels_per_doubling_while_it_is_short_and_nothing_beyond_a_second(repetition_hz):
+def test_train_gain_with_duration_follows_leaky_integrator(repetition_hz):
     """The leaky integrator: 10 log10 (1 - exp(-d/tau)) for a duration d."""
     durations_s = np.array([0.08, 0.16, 0.32, 1.28, 5.12])
     found_db = [felt_db(round(d * repetition_hz), repetition_hz) for d in durations_s]
@@ -111,7 +114,7 @@ def test_a_train_gains_three_decibels_per_doubling_while_it_is_short_and_nothing
     assert found_db[-1] - found_db[-2] < 0.03
 
 
-def test_the_likeness_of_an_answer_is_the_integral_of_its_spectrum():
+def test_response_autocorrelation_matches_its_spectrum():
     frequency_hz = np.arange(35.0, 800.0, 0.01) + 0.005
     power = 10 ** (-channel_thresholds_db(frequency_hz)[P] / 10)
     lags_s = np.array([0.0, 0.5e-3, 2e-3, 4e-3, 0.011, 0.1, 0.2, 0.4, 1.0])

@@ -1,4 +1,4 @@
-"""The four built-in scenes keep the accuracy that is asked for, output by output, and are not needlessly dear."""
+"""Accuracy and cost of every output of the built-in scenes."""
 
 from dataclasses import replace
 
@@ -41,22 +41,24 @@ def ran():
 
 
 def reference(scene):
-    """The finest scene that is not refused, on a coarse map."""
+    """Return the most accurate accepted scene, on a coarse map."""
     fine = next(finer for finer in (replace(scene, accuracy=value) for value in FINEST) if not refusal(finer))
     stages = {stage.name for stage in fine.resolve().stages}
     return replace(fine, settings={name: {"n": n} for name, n in (("grid_x", 157), ("grid_y", 113)) if name in stages})
 
 
 def error(got, true, output):
-    """On the clock of the output."""
+    """Return the error on the output's own clock."""
     clock = "sliding_t_s" if output in RUBBED and "sliding_t_s" in got else "t_s"
     return error_of({**got, "t_s": got.get(clock)}, {**true, "t_s": true.get(clock)}, output)
 
 
 @pytest.mark.parametrize(("name", "outputs"), CASES)
-def test_a_built_in_scene_keeps_the_accuracy_of_every_output_or_refuses_it_with_the_reason(ran, name, outputs):
-    """That no error above the request is predicted makes it at most ten times the larger of a tenth of the request and
-    the true error; of courses and maps it is at most ten times the true error itself."""
+def test_built_in_scene_meets_accuracy_or_is_refused(ran, name, outputs):
+    """The predicted error never exceeds the requested accuracy.
+
+    It is at most ten times the true error, or a tenth of the request if that is larger.
+    """
     found = load_scene(path_of(name))
     finest = reference(replace(found.scene, outputs=outputs))
     true, _ = ran(found, finest)

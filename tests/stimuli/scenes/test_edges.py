@@ -1,4 +1,4 @@
-"""Edges by Rayleigh and Ritz: what their polynomials miss stands in the plan, or is refused."""
+"""Plate edges by Rayleigh-Ritz: predicted truncation errors."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -22,7 +22,7 @@ COURSE = ("t_s", "focus_displacement_m")
 
 @pytest.fixture
 def with_degrees(monkeypatch):
-    """A run whose polynomials go so many degrees beyond the shortest wave."""
+    """Run with this many polynomial degrees above the shortest wave."""
 
     def clear():
         modes._modes_of.cache_clear()
@@ -41,7 +41,7 @@ def with_degrees(monkeypatch):
 
 @dataclass(frozen=True)
 class Exact:
-    """Modes solved by other means, for the whole of a scene to run on."""
+    """Modes from another solver, for a whole scene."""
 
     plate: object
     angular_frequency_rad_per_s: np.ndarray
@@ -62,7 +62,7 @@ class Exact:
 
 
 class Itself:
-    """In the place of functions of x or y."""
+    """Stand-in for functions of x or y."""
 
     def value(self, at):
         return np.atleast_1d(at)
@@ -70,7 +70,7 @@ class Itself:
 
 @cache
 def exact(plate, f_max_hz, shear_factor):
-    """Levy's solution, or products of Legendre polynomials with one dense eigenproblem for a free plate."""
+    """Return modes of Levy's solution or of one dense eigenproblem."""
     assert shear_factor is None
     if plate.boundary == "FFFF":
         omega, shapes = dense_ritz(plate, 26)
@@ -83,7 +83,7 @@ def exact(plate, f_max_hz, shear_factor):
 
 @pytest.fixture
 def on_exact_modes(monkeypatch):
-    """A run on modes of another origin."""
+    """Return a runner that uses modes of another solver."""
 
     def run_on(scene):
         with monkeypatch.context() as patch:
@@ -97,7 +97,7 @@ def on_exact_modes(monkeypatch):
 
 
 @pytest.mark.parametrize("boundary", ["SFSF", "SCSC", "FFFF"])
-def test_what_exact_modes_change_is_within_the_error_of_the_stage(boundary, on_exact_modes):
+def test_edges_error_bounds_difference_to_exact_modes(boundary, on_exact_modes):
     scene = replace(held(boundary), settings={"motion": {"modes_to_hz": 12e3, "static_to_hz": 16e3}})
     predicted = next(stage.error for stage in scene.resolve().stages if stage.name == "edges")
     assert error_of(run(scene), on_exact_modes(scene), COURSE[1]) <= predicted
@@ -105,7 +105,7 @@ def test_what_exact_modes_change_is_within_the_error_of_the_stage(boundary, on_e
 
 @pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["SFSF", "SCSC"])
-def test_a_scene_between_simple_supports_keeps_its_accuracy_beside_levy(boundary, on_exact_modes):
+def test_simply_supported_scene_matches_levy_within_accuracy(boundary, on_exact_modes):
     scene = held(boundary, LOSSY)
     to_hz, accuracies = (120e3, (1e-1, 1e-2, 1e-3, 1e-4)) if SOAK else (60e3, (1e-1, 1e-2, 1e-3))
     whole = {"motion": {"modes_to_hz": to_hz, "static_to_hz": to_hz}}
@@ -121,7 +121,7 @@ def held(boundary, *effects, **changes):
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_what_more_degrees_change_is_within_the_error_of_the_stage(boundary, with_degrees):
+def test_edges_error_bounds_difference_to_more_degrees(boundary, with_degrees):
     scene = replace(held(boundary), settings={"motion": {"modes_to_hz": 12e3, "static_to_hz": 16e3}})
     predicted = next(stage.error for stage in scene.resolve().stages if stage.name == "edges")
     assert predicted > 0
@@ -138,7 +138,7 @@ def test_a_scene_with_other_edges_keeps_its_accuracy(boundary, with_degrees):
         assert error_of(run(finer), reference, COURSE[1]) <= finer.resolve().error <= accuracy
 
 
-def test_an_accuracy_finer_than_the_polynomials_is_refused_with_the_cure():
+def test_accuracy_finer_than_polynomials_is_refused():
     assert held("FFFF").resolve()
     with pytest.raises(InvalidParameter, match=r"accuracy: .*edges CFFF, expected at least .*; loosen the accuracy"):
         replace(held("CFFF"), accuracy=1e-4).resolve()

@@ -1,4 +1,4 @@
-"""Electrovibration scenes: only what is called for is computed, in the one right order, as accurately as asked."""
+"""Electrovibration scenes: laziness, stage order and accuracy."""
 
 import itertools
 from dataclasses import replace
@@ -27,15 +27,10 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.electrovibration import (
-    CoulombFriction,
-    ElectrovibrationSensation,
-    FrictionLag,
-    PowerLawArea,
-    Sine,
-    Skin,
-    electrostatic_force_n_at,
-)
+from tactometry.stimuli.electrovibration import CoulombFriction, ElectrovibrationSensation, Sine, Skin
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
 from tactometry.stimuli.electrovibration.motion.pad import Finger
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
@@ -50,8 +45,9 @@ def run(scene: Scene):
 
 
 def calls(plan: Plan) -> int:
-    """Calls once everything is imported and compiled: the fewest of five, for the interpreter calls in things of its
-    own now and then.
+    """Count the calls of a warm run: the fewest of five.
+
+    The interpreter occasionally adds calls of its internals.
     """
     plan.run(LEVEL)
     return min(counted(plan, LEVEL) for _ in range(5))
@@ -61,7 +57,7 @@ def calls(plan: Plan) -> int:
 
 
 @pytest.mark.parametrize("kind", sorted(set(ELECTROVIBRATION) - {"carrier", "texture"}))
-def test_an_effect_that_no_output_needs_costs_no_call(kind):
+def test_unneeded_effect_costs_no_calls(kind):
     without = panel(outputs=("voltage_v",)).resolve()
     with_it = panel(*with_needs(kind), outputs=("voltage_v",)).resolve()
     if kind == "dc_offset":
@@ -71,7 +67,7 @@ def test_an_effect_that_no_output_needs_costs_no_call(kind):
         assert calls(with_it) == calls(without)
 
 
-def test_what_does_not_depend_on_the_level_is_computed_once():
+def test_level_independent_stages_run_once():
     plan = panel(default("skin_leakage")).resolve()
     plan.prepare()
     assert len(plan._program.steps) < len(plan.stages) / 2
@@ -88,7 +84,7 @@ def test_a_static_scene_computes_no_friction():
 
 
 @pytest.mark.parametrize("kind", sorted(ELECTROVIBRATION))
-def test_an_effect_that_is_on_changes_or_brings_its_output(kind):
+def test_active_effect_changes_or_adds_its_output(kind):
     _, needs, output = ELECTROVIBRATION[kind]
     on = run(panel(*with_needs(kind), outputs=(output,)))[output]
     assert np.all(np.isfinite(on))
@@ -97,7 +93,7 @@ def test_an_effect_that_is_on_changes_or_brings_its_output(kind):
         assert on.shape != without.shape or np.abs(on - without).max() > 1e-3 * without.max()
 
 
-def test_the_force_is_that_of_the_physics():
+def test_scene_force_matches_physics():
     scene = panel(default("skin_leakage"), default("contact_area"), outputs=("t_s", "electrostatic_force_n"))
     got = run(scene)
     pieces = Sine(60.0, duration_s=0.05, ramp_s=0.01).pieces(40.0)
@@ -116,7 +112,7 @@ def test_a_scene_without_losses_is_a_divider():
     )
 
 
-def test_a_texture_is_a_share_of_the_force_along_the_path():
+def test_texture_scales_force_along_path():
     texture, outputs = default("texture"), ("t_s", "electrostatic_force_n")
     fine = panel(texture, outputs=outputs, accuracy=1e-4)
     got = run(fine)
@@ -127,7 +123,7 @@ def test_a_texture_is_a_share_of_the_force_along_the_path():
     np.testing.assert_allclose(got["electrostatic_force_n"], without * share, atol=2e-4 * without.max())
 
 
-def test_the_sensation_is_that_of_the_observer_up_to_its_flat_top_window():
+def test_scene_sensation_matches_observer():
     surface = Electrovibration(60.0, duration_s=1.0)
     effects = [default(k) for k in ("force_law", "skin_leakage", "contact_area", "friction", "friction_lag")]
     scene = Scene(surface, (*effects, default("sensitivity")), ("sensation_db",), 1e-3, SLIDING)
@@ -141,8 +137,10 @@ def test_the_sensation_is_that_of_the_observer_up_to_its_flat_top_window():
 
 
 def error_of(got, reference, output: str) -> float:
-    """Largest error of straight lines between the samples, jumps left out, over the peak; of a level, as
-    a ratio."""
+    """Return the largest error of straight lines over the peak.
+
+    Jumps are left out; the error of a level is a ratio.
+    """
     if output == "sensation_db":
         return abs(10 ** ((got[output] - reference[output]) / 20) - 1)
     if np.ndim(got[output]) == 0:
@@ -153,7 +151,7 @@ def error_of(got, reference, output: str) -> float:
 
 
 @pytest.mark.parametrize("kind", sorted(ELECTROVIBRATION))
-def test_the_accuracy_that_is_asked_for_is_kept_and_costs_less_when_loosened(kind):
+def test_accuracy_is_met_and_looser_accuracy_costs_less(kind):
     output = ELECTROVIBRATION[kind][2]
     scene = panel(*with_needs(kind), outputs=(output,) if output == "sensation_db" else ("t_s", output))
     finest = 2e-6 if output == "sensation_db" else FINEST
@@ -185,7 +183,7 @@ KINKED = (
 
 
 @pytest.mark.parametrize(("case", "accuracy"), [(JERK, 1e-3), (KINKED, 1e-4)], ids=["jerk", "kinks"])
-def test_the_end_of_a_ramp_and_kinks_beside_a_constant_keep_the_accuracy(case, accuracy):
+def test_accuracy_is_met_at_ramp_ends_and_kinks(case, accuracy):
     scene = Scene(*case, accuracy, (FingerContact(0.5, 0.05),))
     reference = run(replace(scene, settings={"sampling": {"n_samples": 100_001}}))
     assert error_of(run(scene), reference, "electrostatic_force_n") <= accuracy
@@ -205,7 +203,7 @@ def test_random_scenes_keep_their_accuracy(case):
             hard_case("random scenes, in parts of the accuracy asked for", error, 0, 1.0, against="finer", floor=1)
 
 
-def test_an_accuracy_that_takes_more_samples_than_fit_is_refused_with_the_reason():
+def test_accuracy_is_refused_when_it_needs_many_samples():
     fine = panel(default("carrier"), default("skin_leakage"), accuracy=1e-8)
     with pytest.raises(
         InvalidParameter, match=r"accuracy: .* left for 'sampling', .*\(n_samples = 4000000\); loosen the accuracy"
@@ -214,7 +212,7 @@ def test_an_accuracy_that_takes_more_samples_than_fit_is_refused_with_the_reason
 
 
 @pytest.mark.parametrize(("frequency_hz", "ramp_s"), [(20.0, 0.0), (60.0, 0.01)])
-def test_stick_and_slip_is_exact_in_its_events_and_right_between_them(frequency_hz, ramp_s):
+def test_stick_slip_events_are_exact(frequency_hz, ramp_s):
     ringing = effect("finger_dynamics", damping_n_s_per_m=0.05)  # else it slips once, and slides on
     effects = (effect("force_law", law="sc_layer"), default("dry_friction"), ringing)
     outputs = ("t_s", "slip_events_s", "friction_force_n", "skin_displacement_m")
@@ -230,7 +228,7 @@ def test_stick_and_slip_is_exact_in_its_events_and_right_between_them(frequency_
 
 
 def test_the_voltage_does_not_hold_a_finger_that_sticks():
-    """The first slip comes when spring and damper of the pad bear the static friction of the load."""
+    """Slip starts when the pad bears the static friction of the load."""
     pad, force_n, speed_m_per_s = Finger.at_speed(0.05), 0.5, 0.05
     at_rest_n = 0.6 * force_n - pad.damping_n_s_per_m * speed_m_per_s
     law = effect("force_law", law="sc_layer")
@@ -244,7 +242,7 @@ def test_the_voltage_does_not_hold_a_finger_that_sticks():
     assert slips_s[1] > 1.01 * slips_s[0]
 
 
-def test_an_accuracy_that_an_output_cannot_meet_is_refused_with_the_reason():
+def test_unreachable_accuracy_of_output_is_refused_with_reason():
     with pytest.raises(InvalidParameter, match=r"for 'spectrum', .*\(padding = \d+\); loosen the accuracy"):
         panel(default("friction"), default("sensitivity"), outputs=("sensation_db",), accuracy=1e-9).resolve()
 
@@ -280,7 +278,7 @@ def test_the_order_of_the_tuple_does_not_matter():
         ),
     ],
 )
-def test_effects_that_contradict_each_other_are_refused_with_the_cure(effects, message):
+def test_contradictory_effects_are_refused_with_fix(effects, message):
     with pytest.raises(InvalidParameter, match=message):
         panel(*effects())
 
@@ -291,7 +289,7 @@ def test_a_finger_at_rest_has_no_friction():
         replace(scene, effects=(*scene.effects, default("friction")), contacts=())
 
 
-def test_a_law_without_a_term_is_refused_with_the_cure():
+def test_law_without_required_term_is_refused():
     surface = Electrovibration(60.0)
     lossy = (effect("force_law", law="total_thickness"), default("skin_leakage"))
     with pytest.raises(InvalidParameter, match=r"'total_thickness' beside 'skin_leakage', .* interface or sc_layer"):
@@ -299,7 +297,7 @@ def test_a_law_without_a_term_is_refused_with_the_cure():
 
 
 @pytest.mark.parametrize("kind", ["dc_offset", "skin_leakage", "body_resistance"])
-def test_a_sudden_onset_that_would_relax_is_refused_with_the_cure(kind):
+def test_sudden_onset_is_refused_when_effect_relaxes(kind):
     scene = replace(panel(default(kind)), surface=Electrovibration(60.0, duration_s=0.05, ramp_s=0.0))
     with pytest.raises(InvalidParameter, match=rf"{kind}: .*give the tone a ramp_s above 0"):
         scene.resolve()
@@ -320,7 +318,7 @@ def test_an_accuracy_outside_of_its_range_is_refused(accuracy):
         panel(accuracy=accuracy)
 
 
-def test_a_setting_of_a_person_takes_the_place_of_the_chosen_one():
+def test_custom_setting_overrides_chosen_setting():
     scene = replace(panel(outputs=("t_s",)), settings={"sampling": {"n_samples": 33}})
     assert scene.resolve().run({})["t_s"].size == 33
     for bad, message in (

@@ -1,4 +1,4 @@
-"""What a finger feels of a signal through a scene: closed forms, silence, and refusals of another signal."""
+"""Sensation of a signal through a scene, and refused signals."""
 
 from dataclasses import dataclass, replace
 from math import inf
@@ -14,18 +14,11 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, FingerContact
-from tactometry.stimuli.electrovibration import (
-    AmplitudeModulated,
-    CoulombFriction,
-    FrictionLag,
-    PulseTrain,
-    Sampled,
-    Sine,
-    Skin,
-    Square,
-    force_form,
-)
+from tactometry.stimuli.electrovibration import AmplitudeModulated, CoulombFriction, PulseTrain, Sine, Skin, Square
+from tactometry.stimuli.electrovibration.attraction.force import force_form
+from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
 from tactometry.stimuli.electrovibration.waveforms.pieces import VoltageRecord
+from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.perception.detection import components
 from tactometry.stimuli.scenes.effects import OF_ELECTROVIBRATION
@@ -55,13 +48,13 @@ def felt(*kinds, played=(), tone=60.0, **surface):
 
 
 def pulp_m_per_n(frequency_hz):
-    """Spring, damper and mass by default, as a phasor."""
+    """Return the default spring, damper and mass as a phasor."""
     omega = 2 * np.pi * frequency_hz
     return 1 / np.abs(1000.0 - 0.15e-3 * omega**2 + 1.5j * omega)
 
 
 def by_hand_db(frequency_hz, share, voltage_v, contact, lag):
-    """The level of one component of friction: divider, square, coefficient, pulp and the threshold of Pacini."""
+    """Return the level of one friction component in closed form."""
     skin = Skin(corneum_resistivity_ohm_m=inf)
     layer_v = skin.k * voltage_v
     force_n = force_form("sc_layer", skin, 1e-4).force_n(np.array([layer_v]))[0]
@@ -72,7 +65,7 @@ def by_hand_db(frequency_hz, share, voltage_v, contact, lag):
 
 @pytest.mark.parametrize("lag", [False, True])
 @pytest.mark.parametrize("name", TONES)
-def test_a_level_is_that_of_the_closed_form(name, lag):
+def test_sensation_level_matches_closed_form(name, lag):
     stimulus, played, frequency_hz, share = TONES[name]
     tone = stimulus.frequency_hz
     scene = felt(*(["friction_lag"] if lag else []), played=played, tone=tone)
@@ -82,15 +75,15 @@ def test_a_level_is_that_of_the_closed_form(name, lag):
         assert scene.sensation(stimulus.at(level), contact) == pytest.approx(expected_db, abs=0.02)
 
 
-def test_a_lag_of_components_is_that_of_the_course():
-    """The steady state of the lag beside its exact solution, which a scene uses that is asked for its course."""
+def test_lag_of_components_matches_time_course():
+    """The steady state of the lag, against its exact solution."""
     scene = felt("friction_lag", "skin_leakage")
     touched = replace(scene, contacts=(FingerContact(1.5, 0.05),), accuracy=1e-3)
     exact_db = touched.resolve().run({"level_db_re_1v": 30.0})["sensation_db"]
     assert scene.sensation(Sine(60.0, 0.5).at(30.0), TOUCH) == pytest.approx(exact_db, abs=1e-3)
 
 
-def test_receptors_and_masking_stand_behind_the_skin():
+def test_receptors_and_masking_act_after_the_skin():
     scene = replace(felt(), effects=tuple(default(k) for k in ("force_law", "friction", "receptors")))
     signal = Sine(60.0, 0.5).at(40.0)
     masked = replace(scene, effects=(*scene.effects, effect("masking", level_db_re_threshold=25.0)))
@@ -98,11 +91,11 @@ def test_receptors_and_masking_stand_behind_the_skin():
 
 
 @pytest.mark.parametrize("contact", [Contact(0.0), Contact(1.5), Contact(0.0, 0.05)], ids=str)
-def test_nothing_is_felt_at_rest_or_without_contact(contact):
+def test_sensation_is_absent_at_rest_or_without_contact(contact):
     assert felt().sensation(Sine(60.0, 0.5).at(40.0), contact) == -inf
 
 
-def test_nothing_is_felt_of_silence():
+def test_silence_is_not_felt():
     assert felt().sensation(Signal(np.zeros((1, 10_000)), 20_000.0, "V"), TOUCH) == -inf
 
 
@@ -117,7 +110,7 @@ WAVEFORMS = {
 
 @pytest.mark.parametrize("name", WAVEFORMS)
 def test_any_voltage_is_felt_as_its_samples_say(name):
-    """Beside the law of force at the samples of a finer record, whose square cannot alias, and the spectrum of that."""
+    """Against the force law on a finer record, which cannot alias."""
     signal = WAVEFORMS[name].at(30.0)
     (voltage_v,) = signal.samples
     finer_v = resample(voltage_v, 4 * voltage_v.size)
@@ -132,7 +125,7 @@ def test_any_voltage_is_felt_as_its_samples_say(name):
 
 
 def test_a_body_and_a_grating_depend_on_the_contact():
-    """No factor of components: beside the course of the same scene, computed for that contact alone."""
+    """Against the time course of the same scene with that contact."""
     added = effect("body_resistance", resistance_ohm=3e4), effect("texture", period_m=1e-3), default("contact_area")
     for kinds in (added[:1], added[1:2], added):
         scene = replace(felt("skin_leakage"), effects=(*felt("skin_leakage").effects, *kinds))
@@ -143,7 +136,7 @@ def test_a_body_and_a_grating_depend_on_the_contact():
             assert scene.sensation(signal, contact) == pytest.approx(expected_db, abs=0.01)
 
 
-def test_a_finger_that_sticks_and_slips_is_felt_by_its_course():
+def test_stick_slip_sensation_follows_time_course():
     kinds = ("force_law", "dry_friction", "finger_dynamics", "sensitivity")
     scene = replace(felt(), effects=tuple(default(kind) for kind in kinds), accuracy=1e-3)
     touched = replace(scene, contacts=(FingerContact(0.5, 0.05),))
@@ -154,7 +147,7 @@ def test_a_finger_that_sticks_and_slips_is_felt_by_its_course():
 
 @dataclass(frozen=True)
 class Sweat(Effect):
-    """An effect as the recipe makes one: it changes the course of friction, and says nothing of what is felt."""
+    """A custom effect that changes the time course of friction."""
 
     kind = slot = "sweat"
     reads, gives = ("friction_force_n",), "friction_force_n"
@@ -170,7 +163,7 @@ class Sweaty(PlayedElectrovibration):
 
 
 @pytest.mark.parametrize("kinds", [(), ("contact_area",), ("friction_lag",), ("body_resistance",)])
-def test_an_effect_that_acts_on_the_course_of_friction_is_felt(kinds):
+def test_custom_effect_on_friction_changes_sensation(kinds):
     scene = replace(felt(*kinds), surface=Sweaty())
     signal, touch = Sine(60.0, 0.5).at(30.0), Contact(2.0, 0.05)
     whole, half = (
@@ -182,7 +175,7 @@ def test_an_effect_that_acts_on_the_course_of_friction_is_felt(kinds):
     )  # components of a lag are in their steady state
 
 
-def test_a_signal_that_is_no_voltage_is_refused():
+def test_signal_is_refused_when_not_single_channel_voltage():
     with pytest.raises(InvalidParameter, match=r"signal: found 2 channels in 'V', expected one channel in volt"):
         felt().sensation(Signal(np.ones((2, 10_000)), 20_000.0, "V"), TOUCH)
 
@@ -213,8 +206,8 @@ PLATE = (effect("attenuation", tau_s=2e-3), effect("patches", side_m=8e-3))
 
 
 @pytest.mark.parametrize("kinds", [(), ("finger_load",)])
-def test_on_the_plate_of_a_scene_a_stimulus_is_felt_as_the_scene_feels_its_own_drive(kinds):
-    """The scene computes its modes and its drive by itself, in a band that has no sharp end: 0.07 dB."""
+def test_focus_stimulus_sensation_matches_scene_drive(kinds):
+    """The scene computes its own modes and drive: 0.07 dB difference."""
     others = (effect(kind) for kind in ("one_bit", *kinds, "focus_detection"))
     scene = Scene(small_screen(), (*PLATE, *others), ("sensation_db",), 0.02, (FingerContact(1.5),))
     drive = FocusTrain(scene.felt().surface.setup, f_max_hz=15e3).at(0.0)
@@ -223,9 +216,11 @@ def test_on_the_plate_of_a_scene_a_stimulus_is_felt_as_the_scene_feels_its_own_d
 
 
 @pytest.mark.parametrize("place", [{"x_m": 0.03, "y_m": 0.02}, {"y_m": 0.06}], ids=str)
-def test_a_finger_beside_the_focus_is_felt_where_it_rests_whether_it_loads_the_plate_or_not(place):
-    """As under a finger of hardly any load, which is computed another way, and as on the plate of a stimulus, whose
-    samples miss the top of a wave by up to a decibel; the focus is 8 dB and more above both."""
+def test_finger_off_focus_feels_its_own_place(place):
+    """Against a finger with hardly any load and the stimulus's plate.
+
+    Samples of the stimulus miss a wave's peak by up to 1 dB; the focus is at least 8 dB stronger.
+    """
     scene = Scene(small_screen(flank_hz=500.0), (*PLATE, effect("focus_detection")), ("sensation_db",), 1e-3)
     drive = FocusTrain(scene.felt().surface.setup, drive="analogue", f_min_hz=1e-3, f_max_hz=15e3).at(0.0)
     touched = replace(scene, contacts=(FingerContact(1.5, **place),))
@@ -238,14 +233,14 @@ def test_a_finger_beside_the_focus_is_felt_where_it_rests_whether_it_loads_the_p
     assert level_db < at_focus_db - 8
 
 
-def test_a_finger_beside_the_plate_feels_nothing_of_it():
+def test_finger_outside_plate_feels_nothing():
     touched = (FingerContact(1.5, x_m=1.0),)
     scene = Scene(small_screen(), (*PLATE, effect("focus_detection")), ("sensation_db",), contacts=touched)
     with pytest.raises(InvalidParameter, match=r"^contacts\[0\]: found \(1\.0, 0\.04\) m, expected a place on the pl"):
         scene.resolve()
 
 
-def test_the_plate_that_a_signal_is_felt_on_is_that_of_all_effects_that_make_it():
+def test_played_plate_includes_all_plate_effects():
     effects = (*PLATE, effect("edges", boundary="FFFF"), effect("shear"), effect("focus_detection"))
     touch = FingerContact(1.5, x_m=0.03, y_m=0.02)
     played = Scene(small_screen(), effects, ("sensation_db",), contacts=(touch,)).felt().surface
@@ -256,14 +251,14 @@ def test_the_plate_that_a_signal_is_felt_on_is_that_of_all_effects_that_make_it(
 OF_PLATE = {"tau_s": 2e-3, "side_m": 8e-3, "boundary": "FFFF", "shear_factor": 5 / 6, "modes_to_hz": 18e3}
 
 
-def test_a_built_in_screen_is_felt_without_its_sound_which_acts_on_losses_that_make_the_plate():
+def test_screen_sensation_ignores_airborne_sound():
     screen, drive = load_scene(path_of("a4-screen")).scene, FocusTrain().at(20.0)
     silent = replace(screen, effects=tuple(one for one in screen.effects if one.kind != "airborne_sound"))
     silent = replace(silent, outputs=("sensation_db",))
     assert screen.sensation(drive, Contact(2.0)) == silent.sensation(drive, Contact(2.0))
 
 
-def test_on_a_hybrid_screen_the_stronger_side_is_felt():
+def test_hybrid_screen_sensation_is_the_stronger_side():
     screen = load_scene(path_of("hybrid-screen")).scene
     drives = Hybrid(FocusTrain(), AmplitudeModulated(120.0, duration_s=0.5, rate_hz=250e3))
     friction = Scene(
@@ -294,7 +289,7 @@ FELT_WRONGLY = {
 
 
 @pytest.mark.parametrize("name", FELT_WRONGLY)
-def test_what_is_no_signal_or_no_contact_is_refused(name):
+def test_sensation_refuses_invalid_signal_or_contact(name):
     arguments, sentence = FELT_WRONGLY[name]
     with pytest.raises(InvalidParameter, match=sentence):
         felt().sensation(*arguments)
@@ -310,14 +305,13 @@ MADE_WRONGLY = {
 
 
 @pytest.mark.parametrize("name", MADE_WRONGLY)
-def test_a_scene_of_what_is_none_is_refused(name):
+def test_scene_refuses_invalid_fields(name):
     value, sentence = MADE_WRONGLY[name]
     with pytest.raises(InvalidParameter, match=sentence):
         replace(felt(), **{name: value})
 
 
-def test_settings_are_chosen_once_and_a_spectrum_is_read_once_for_a_signal(monkeypatch):
-    """And a level that was told is not computed again."""
+def test_sensation_resolves_once_and_caches_spectra(monkeypatch):
     scene, resolved, read, ran = felt(), [], [], []
     kept, spectrum, run = Scene.resolve, record.components_of_record, Plan.run
     monkeypatch.setattr(Scene, "resolve", lambda self: resolved.append(self) or kept(self))
@@ -330,8 +324,8 @@ def test_settings_are_chosen_once_and_a_spectrum_is_read_once_for_a_signal(monke
     assert (ran.count(("signal",)), sum("contact" in given for given in ran)) == (2, 4)
 
 
-def test_lines_that_touch_is_deaf_to_are_not_carried_along():
-    """A carrier has hundreds of them: 60 Hz of friction are felt, 4 kHz are not."""
+def test_imperceptible_lines_are_dropped():
+    """A carrier has hundreds of lines: 60 Hz is felt, 4 kHz is not."""
     t_s = np.arange(20_000) / 20_000.0
     course = np.sin(2 * np.pi * 60 * t_s) + np.sin(2 * np.pi * 4000 * t_s)
     found = record.components_of_record(VoltageRecord(course, 20_000.0), course, 1)

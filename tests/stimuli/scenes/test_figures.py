@@ -1,4 +1,4 @@
-"""What the figures of scenes say: one unit for one quantity, the load of a finger, beginnings of stick and slip."""
+"""Scene figures: units, finger load, and starts of stick and slip."""
 
 from dataclasses import replace
 
@@ -34,7 +34,7 @@ def test_beginnings_of_slip_and_stick_are_marked():
 
 
 @pytest.mark.parametrize("draw", [courses, focus_sheet])
-def test_a_contact_force_is_drawn_beside_the_load_that_it_comes_on_top_of(draw):
+def test_contact_force_figure_marks_static_load(draw):
     outputs = ("t_s", "contact_force_n", "x_m", "y_m", "field_m")
     result, figure = drawn(screen(effect("finger_load"), outputs=outputs, accuracy=0.1), VOLT, draw)
     assert loads_n(result.plan).tolist() == [2.0]
@@ -56,7 +56,7 @@ def test_micrometres_are_written_one_way_and_levels_say_above_what():
     assert next(text for text in numbers(result.values) if text.startswith("sensation")).endswith(" dB SL")
 
 
-def test_the_error_of_friction_is_that_of_its_swing_not_of_the_load():
+def test_friction_error_is_relative_to_its_swing():
     scene = panel(default("friction"), outputs=("t_s", "friction_force_n"), accuracy=1e-2)
     got, fine = (
         plan.run(LEVEL)

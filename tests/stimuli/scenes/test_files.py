@@ -1,4 +1,4 @@
-"""Scene files and the command: strict, with key paths; the plan in words; figures that are drawn."""
+"""Scene files and the scene command: key paths, plan and figures."""
 
 import json
 import math
@@ -50,7 +50,7 @@ def table(**changes):
         ({"outputs": []}, r"^outputs: found none"),
     ],
 )
-def test_a_wrong_file_is_one_sentence_with_the_key_path(changes, message):
+def test_invalid_file_is_refused_with_key_path(changes, message):
     with pytest.raises(InvalidParameter, match=message) as refused:
         scene_of(table(**changes))
     assert "\n" not in str(refused.value)
@@ -65,7 +65,7 @@ def test_a_wrong_file_is_one_sentence_with_the_key_path(changes, message):
         ({"n_sample": 33}, r"settings\.sampling\.n_sample: .*did you mean 'n_samples'"),
     ],
 )
-def test_a_setting_in_a_file_takes_the_place_of_the_chosen_one_or_is_refused(setting, message):
+def test_setting_in_file_overrides_or_is_refused(setting, message):
     given = {"level_db_re_1v": 40.0}
     ours = scene_of(table(settings={"sampling": {"n_samples": 33}}, given=given)).scene
     assert ours.resolve().run(given)["t_s"].size == 33
@@ -73,15 +73,14 @@ def test_a_setting_in_a_file_takes_the_place_of_the_chosen_one_or_is_refused(set
         scene_of(table(settings={"sampling": setting})).scene.resolve()
 
 
-def test_no_error_is_told_of_a_scene_with_a_setting_of_ones_own(capsys, tmp_path):
-    """It said "predicted error inf"."""
+def test_custom_setting_hides_predicted_error(capsys, tmp_path):
     page = (DOCS / "reference" / "scenes.md").read_text("utf-8")
     (tmp_path / "s.toml").write_text(page.partition("```toml\n")[2].partition("```")[0])
     assert status("scene", tmp_path / "s.toml") == 0
     assert "predicted error not known (a setting is given)" in capsys.readouterr().out
 
 
-def test_settings_that_no_memory_holds_are_one_sentence():
+def test_settings_beyond_memory_are_refused():
     huge = scene_of(table(settings={"sampling": {"n_samples": 10**15}}, given={"level_db_re_1v": 40.0}))
     with pytest.raises(
         InvalidParameter, match=r"^scene: found more than this memory holds .*; loosen the accuracy, or"
@@ -89,13 +88,13 @@ def test_settings_that_no_memory_holds_are_one_sentence():
         compute(huge.scene.resolve(), huge.given)
 
 
-def test_a_film_of_a_scene_without_a_plate_is_refused(capsys):
+def test_movie_without_plate_is_refused(capsys):
     assert status("scene", "electrovibration-panel", "--movie", "a.gif") == 2
     assert "--movie: found a scene on 'electrovibration', which has no wave" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("level", [float("nan"), float("inf")])
-def test_what_is_given_is_finite(level):
+def test_given_values_must_be_finite(level):
     found = scene_of(table(given={"level_db_re_1v": level}))
     with pytest.raises(InvalidParameter, match=r"given\.level_db_re_1v: found (nan|inf), expected a finite number"):
         found.scene.resolve().run(found.given)
@@ -108,7 +107,7 @@ def test_what_is_given_is_finite(level):
         ("skin", r"^outputs\[1\]: found 'skin', which stages hand on to each other, .*; remove it"),
     ],
 )
-def test_what_is_given_or_no_number_is_no_output(output, message):
+def test_given_and_non_numeric_quantities_are_refused_outputs(output, message):
     with pytest.raises(InvalidParameter, match=message):
         scene_of(table(outputs=["t_s", output])).scene.resolve()
 
@@ -125,7 +124,7 @@ def test_an_unknown_output_names_the_known_ones():
     ("outputs", "effect", "place"),
     [("t_s", "skin_leekage", "effects[0].kind"), ("nonsense_n", "skin_leakage", "outputs")],
 )
-def test_the_command_names_the_file_that_holds_what_is_wrong(tmp_path, capsys, outputs, effect, place):
+def test_command_names_the_faulty_file(tmp_path, capsys, outputs, effect, place):
     file = tmp_path / "own.toml"
     file.write_text(
         f'outputs = ["{outputs}"]\n[surface]\nkind = "electrovibration"\nfrequency_hz = 60.0\n'
@@ -137,7 +136,7 @@ def test_the_command_names_the_file_that_holds_what_is_wrong(tmp_path, capsys, o
         assert capsys.readouterr().err.startswith(f"tactometry: {file}, {place}: found")
 
 
-def test_a_modulator_that_overloads_is_of_the_file_and_no_failure_of_a_device(tmp_path, capsys):
+def test_modulator_overload_is_reported_as_file_error(tmp_path, capsys):
     screen = (
         "kind = 'time_reversal'\nn_transducers = 2\nf_max_hz = 5e3\nflank_hz = 500\nrate_hz = 2e4\nreversal_s = 1e-3"
     )
@@ -152,7 +151,7 @@ def test_a_modulator_that_overloads_is_of_the_file_and_no_failure_of_a_device(tm
         assert capsys.readouterr().err.startswith(f"tactometry: {file}, SigmaDelta(")
 
 
-def test_a_file_that_is_no_toml_or_is_absent_is_one_sentence(tmp_path):
+def test_invalid_or_absent_file_is_refused(tmp_path):
     bad = tmp_path / "bad.toml"
     bad.write_text("outputs = [", encoding="utf-8")
     with pytest.raises(InvalidFile, match=r"found no valid TOML"):
@@ -168,7 +167,7 @@ def roughly(name):
 
 
 @pytest.mark.parametrize("name", names())
-def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
+def test_built_in_scene_runs_with_units_and_provenance(name):
     found = roughly(name)
     result = compute(found.scene.resolve(), found.given)
     assert set(result.values) == set(found.scene.outputs)
@@ -179,7 +178,7 @@ def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
 
 
 @pytest.mark.parametrize("name", names())
-def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
+def test_explanation_is_aligned_within_100_columns(name):
     found = roughly(name)
     lines = explanation(found.scene, found.given).splitlines()
     assert max(map(len, lines)) <= 100
@@ -193,7 +192,7 @@ def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
     assert lines[-1].startswith("one more digit")
 
 
-def test_the_plan_in_words_opens_with_what_is_taken_for_granted():
+def test_explanation_starts_with_assumptions():
     found = load_scene(path_of("a4-screen"))
     given = replace(found.scene, outputs=("peak_m",))
     said = " ".join(explanation(given, found.given).partition("\nStage")[0].split())
@@ -209,15 +208,15 @@ def test_the_plan_in_words_opens_with_what_is_taken_for_granted():
 
 
 @pytest.mark.parametrize("kind", EFFECTS)
-def test_every_effect_says_what_it_takes_for_granted(kind):
+def test_every_effect_states_its_assumptions(kind):
     effect = resolve(EFFECTS[kind])
     assert isinstance(effect.assumes, tuple)
     assert all(words and words == words.strip(" .;") for words in effect.assumes)
     assert effect.rests_on == effect.rests_on.strip(" .;")
 
 
-def test_a_level_is_told_with_the_constant_that_it_rests_on(capsys):
-    """Whoever prints a level names it; an output that does not take the constant does not."""
+def test_level_is_printed_with_its_calibration_constant(capsys):
+    """Outputs that do not use the constant do not print it."""
     from command_line import output
 
     said = output(capsys, "scene", "a4-screen")
@@ -229,7 +228,7 @@ def test_a_level_is_told_with_the_constant_that_it_rests_on(capsys):
     assert replace(found.scene, effects=(), outputs=("peak_m",), contacts=()).rests_on() == ()
 
 
-def test_a_scene_that_takes_long_says_so_before(capsys, monkeypatch):
+def test_slow_scene_announces_its_duration(capsys, monkeypatch):
     from command_line import call
 
     assert "this takes about" not in call(capsys, "scene", "electrovibration-panel")[1]
@@ -241,15 +240,15 @@ def test_a_scene_that_takes_long_says_so_before(capsys, monkeypatch):
 
 
 @pytest.mark.parametrize(("boundary", "times"), [("FFFF", 1.0), ("CFFF", 2.0)])
-def test_the_predicted_time_has_the_modes_of_other_edges(boundary, times):
-    """They took 11 s of processor time, and 30 s without parities along an axis, where 0.06 s were predicted."""
+def test_predicted_time_includes_ritz_modes(boundary, times):
+    """A plan predicted 0.06 s for edges that took 11 s or more."""
     scene = load_scene(path_of("a4-screen")).scene
     effects = (resolve(EFFECTS["attenuation"])(3.5e-3), resolve(EFFECTS["edges"])(boundary))
     plan = replace(scene, effects=effects, outputs=("peak_m",), contacts=(), accuracy=0.2).resolve()
     assert plan.predicted_s == pytest.approx(12 * times, rel=0.3)
 
 
-def test_amplitudes_go_with_the_constant_that_they_rest_on():
+def test_amplitudes_scale_with_their_calibration_constant():
     scene = replace(load_scene(path_of("a4-screen")).scene, outputs=("peak_m",), accuracy=0.1)
     patches = next(effect for effect in scene.effects if effect.kind == "patches")
     others = tuple(effect for effect in scene.effects if effect is not patches)
@@ -259,7 +258,7 @@ def test_amplitudes_go_with_the_constant_that_they_rest_on():
     assert twice_m == pytest.approx(2 * once_m, rel=1e-12)
 
 
-def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, capsys):
+def test_lift_off_is_reported_when_linear_contact_pulls(tmp_path, capsys):
     plate = '[surface]\nkind = "time_reversal"\nlength_m = 0.12\nwidth_m = 0.09\nn_transducers = 8\nfocus_x_m = 0.05\n'
     plate += "focus_y_m = 0.04\nf_max_hz = 15e3\nflank_hz = 3e3\nrate_hz = 60e3\nreversal_s = 3e-3\nafter_s = 1e-3\n"
     rest = '[[effects]]\nkind = "one_bit"\n[[effects]]\nkind = "finger_load"\n[given]\nvoltage_v = 30.0\n'
@@ -279,7 +278,7 @@ def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, caps
     assert pulled[0.01] > 0 == pulled[20.0]
 
 
-def test_a_finger_is_told_to_lift_off_where_its_force_is_not_asked_for():
+def test_lift_off_is_reported_without_force_output():
     found = load_scene(path_of("a4-screen"))
     peak_alone = replace(found.scene, outputs=("peak_m",), accuracy=0.1)
     (pulled,) = pulled_by(peak_alone, peak_alone.resolve(), found.given)
@@ -297,7 +296,7 @@ def test_a_finger_is_told_to_lift_off_where_its_force_is_not_asked_for():
     assert "contact is\n    lost from 16." in said
 
 
-def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():
+def test_next_digit_cost_comes_from_tenfold_accuracy_plan():
     found = load_scene(path_of("electrovibration-panel"))
     finer = replace(found.scene, accuracy=found.scene.accuracy / 10).resolve()
     ratio = finer.predicted_s / found.scene.resolve().predicted_s
@@ -306,7 +305,7 @@ def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():
     assert last.endswith(f", {ratio:.1f} times as long")
 
 
-def test_the_measured_columns_are_those_of_a_first_and_a_second_run(monkeypatch):
+def test_measured_times_are_first_and_second_run(monkeypatch):
     found = load_scene(path_of("electrovibration-panel"))
     n_stages, runs = len(found.scene.resolve().stages), iter((12.5, 0.25))
     monkeypatch.setattr(Plan, "timed", lambda _plan, _values: (next(runs),) * n_stages)
@@ -315,7 +314,7 @@ def test_the_measured_columns_are_those_of_a_first_and_a_second_run(monkeypatch)
     assert lines[-2].endswith(f"measured {12.5 * n_stages:.3g} s cold, {0.25 * n_stages:.3g} s warm")
 
 
-def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
+def test_explanation_lists_every_effect_of_surface():
     found = load_scene(path_of("electrovibration-panel"))
     said = explanation(found.scene, found.given)
     kinds = {stage.effect for stage in found.scene.resolve().stages} - {""}
@@ -323,20 +322,20 @@ def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
         assert kind in kinds or f"\n{kind.ljust(24)}  off" in said, kind
 
 
-def test_a_stage_is_for_those_that_run_behind_it():
+def test_explanation_names_later_stages_only():
     found = load_scene(path_of("thin-screen"))
     said = explanation(replace(found.scene, outputs=("peak_m",)), found.given)
     assert "shear                     on    for attenuation, learning" in said
     assert "attenuation               on    for learning" in said
 
 
-def test_an_effect_that_nothing_needs_says_so():
+def test_explanation_marks_unneeded_effect_off():
     sliding = {"contacts": [{"force_n": 1.0, "speed_m_per_s": 0.05}], "given": {"level_db_re_1v": 20.0}}
     found = scene_of(table(effects=[LAW, {"kind": "friction"}], **sliding))
     assert "friction                  off   no output needs it" in explanation(found.scene, found.given)
 
 
-def test_a_run_without_what_it_takes_is_refused(tmp_path, capsys):
+def test_run_without_given_values_is_refused(tmp_path, capsys):
     file = tmp_path / "scene.toml"
     file.write_text(
         'outputs = ["peak_force_n"]\n[surface]\nkind = "electrovibration"\nfrequency_hz = 60\nduration_s = 0.05\n'
@@ -370,13 +369,13 @@ def test_the_figure_is_drawn(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("name", names())
-def test_a_built_in_file_says_what_is_unverified(name):
+def test_built_in_file_states_unverified_values(name):
     text = path_of(name).read_text(encoding="utf-8")
     assert "unverified" in text
     assert tomllib.loads(text)["title"]
 
 
-def test_json_has_null_for_a_level_that_is_not_finite():
+def test_json_writes_null_for_infinite_level():
     @subcommand("scene")
     def command():
         say("", {"silent_db": -math.inf, "courses": [(1.0, math.nan)], "n": 3})

@@ -1,4 +1,4 @@
-"""Hybrid scenes: a focus and electrovibration on one plate at once; results that are kept; films."""
+"""Hybrid scenes, cached results and films."""
 
 from dataclasses import replace
 
@@ -33,7 +33,7 @@ def run(scene):
     return plan.run({name: GIVEN[name] for name in plan.given})
 
 
-def test_each_side_of_a_hybrid_scene_is_what_it_is_alone():
+def test_hybrid_sides_match_their_single_scenes():
     alone = Scene(small_screen(), FOCUS, ("peak_m",), 0.01, (REST, replace(SLIDE, speed_m_per_s=0.0)))
     got = run(HYBRID)
     assert got["peak_m"] == pytest.approx(run(alone)["peak_m"], rel=1e-3)
@@ -41,7 +41,7 @@ def test_each_side_of_a_hybrid_scene_is_what_it_is_alone():
     assert got["friction_force_n"].max() == pytest.approx(dragged.max(), rel=1e-2)
 
 
-def test_a_finger_that_slides_takes_some_of_the_focus_of_the_one_that_rests():
+def test_sliding_finger_weakens_focus_under_resting_finger():
     both, one = run(HYBRID), run(screen(*FOCUS))
     assert both["peak_m"] < 0.995 * one["peak_m"]
 
@@ -56,7 +56,7 @@ def test_those_at_rest_have_the_first_rows_and_feel_the_focus():
     assert run(replace(felt, contacts=(REST, SLIDE)))["sensation_db"] == got["sensation_db"]
 
 
-def test_a_side_that_no_output_needs_has_no_stage():
+def test_unneeded_hybrid_side_has_no_stages():
     dragged = replace(HYBRID, outputs=("friction_force_n",)).resolve()
     assert not any("time_reversal" in stage.target or stage.gives == "motion" for stage in dragged.stages)
     assert dragged.given == ("level_db_re_1v",)
@@ -64,14 +64,14 @@ def test_a_side_that_no_output_needs_has_no_stage():
     assert not any("electrovibration" in stage.target for stage in focused.stages)
 
 
-def test_stages_of_both_sides_have_names_of_their_own():
+def test_hybrid_stages_have_distinct_names():
     plan = replace(HYBRID, outputs=("t_s", "focus_displacement_m", "sliding_t_s", "friction_force_n")).resolve()
     names = [stage.name for stage in plan.stages]
     assert len(set(names)) == len(names)
     assert {"sampling", "sliding_sampling"} <= set(names)
 
 
-def test_a_finger_that_slides_has_a_place_on_a_hybrid_plate():
+def test_sliding_finger_without_place_is_refused():
     with pytest.raises(InvalidParameter, match=r"contacts\[0\]: .* slides without a place, .*add x_m and y_m"):
         replace(HYBRID, contacts=(FingerContact(1.0, 0.05), REST)).resolve()
 
@@ -95,7 +95,7 @@ def kept(scene, folder):
     return cached_result(plan, {name: GIVEN[name] for name in plan.given}, folder).values
 
 
-def test_a_kept_result_is_read_back_bit_for_bit_and_not_computed_again(tmp_path, monkeypatch):
+def test_cached_result_is_identical_and_not_recomputed(tmp_path, monkeypatch):
     runs = counting(monkeypatch)
     first, second = kept(HYBRID, tmp_path), kept(HYBRID, tmp_path)
     assert len(runs) == 1
@@ -106,7 +106,7 @@ def test_a_kept_result_is_read_back_bit_for_bit_and_not_computed_again(tmp_path,
 
 
 @pytest.mark.parametrize("damage", ["torn", "altered", "empty", "one bit"])
-def test_a_damaged_file_is_found_out_and_computed_again(tmp_path, monkeypatch, damage):
+def test_damaged_cache_file_is_recomputed(tmp_path, monkeypatch, damage):
     runs = counting(monkeypatch)
     first = kept(HYBRID, tmp_path)
     (file,) = tmp_path.glob("*.npz")
@@ -125,7 +125,7 @@ def test_a_damaged_file_is_found_out_and_computed_again(tmp_path, monkeypatch, d
     assert len(list(tmp_path.iterdir())) == 1
 
 
-def test_no_bit_of_a_kept_file_is_turned_unseen(tmp_path):
+def test_cache_detects_any_flipped_bit(tmp_path):
     cache._write(tmp_path / "a.npz", {"peak_m": 1e-6})
     content = (tmp_path / "a.npz").read_bytes()
     for n in range(len(content)):
@@ -135,7 +135,7 @@ def test_no_bit_of_a_kept_file_is_turned_unseen(tmp_path):
         assert cache._read(tmp_path / "b.npz") in (None, {"peak_m": 1e-6})
 
 
-def test_what_the_same_stages_give_for_other_outputs_is_kept_apart(tmp_path):
+def test_cache_separates_outputs_of_equal_stages(tmp_path):
     alone, timed = (panel(outputs=("electrostatic_force_n", *more)) for more in ((), ("t_s",)))
     assert alone.resolve().stages == timed.resolve().stages
     assert set(kept(alone, tmp_path)) == {"electrostatic_force_n"}
@@ -171,7 +171,7 @@ def test_a_film_has_a_picture_for_each_frame(tmp_path):
 
 
 def test_a_film_has_the_colours_of_its_map(tmp_path):
-    """Those of each frame were chosen anew, by how often they come: twenty of a scale of a few hundred."""
+    """A palette chosen per frame had only twenty colours."""
     from matplotlib import colormaps
     from PIL import Image
 
@@ -183,7 +183,7 @@ def test_a_film_has_the_colours_of_its_map(tmp_path):
         assert np.abs(shown - colour).max(axis=1).min() <= 3
 
 
-def test_a_film_is_mp4_where_there_is_ffmpeg_and_refused_elsewhere(tmp_path, monkeypatch):
+def test_mp4_film_requires_ffmpeg(tmp_path, monkeypatch):
     pytest.importorskip("imageio_ffmpeg")
     write_film(film(), "a focus", tmp_path / "a.mp4")
     assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
@@ -193,11 +193,11 @@ def test_a_film_is_mp4_where_there_is_ffmpeg_and_refused_elsewhere(tmp_path, mon
     assert not (tmp_path / "b.mp4").exists()
 
 
-def test_a_film_longer_than_what_is_watched_is_refused_with_the_cure():
+def test_overlong_film_is_refused_with_fix():
     with pytest.raises(InvalidParameter, match=r"movie: found a span of 0\.01 s, .*shorten it or raise those"):
         screen(effect("movie", span_s=0.01), outputs=("movie_m",)).resolve()
 
 
-def test_the_built_in_hybrid_screen_has_a_finger_at_rest_and_one_that_slides():
+def test_hybrid_screen_has_resting_and_sliding_finger():
     contacts = load_scene(path_of("hybrid-screen")).scene.contacts
     assert [touch.slides for touch in contacts] == [False, True]

@@ -1,4 +1,4 @@
-"""HybridScreen scenes keep the accuracy that is asked for, on both sides, and cost less when it is loosened."""
+"""Accuracy and cost of hybrid scenes on both sides."""
 
 from dataclasses import replace
 
@@ -21,7 +21,9 @@ from soak import SOAK
 
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.electrovibration import PowerLawArea, Sine, Skin, electrostatic_force_n_at
+from tactometry.stimuli.electrovibration import Sine, Skin
+from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLawArea
+from tactometry.stimuli.electrovibration.attraction.force import electrostatic_force_n_at
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
@@ -71,7 +73,10 @@ OF_REFERENCE = 3e-4
 
 
 def sampled(factor):
-    """(n,): the focus under both fingers from 3 ms before to 0.9 ms behind, stepped at a multiple of the clock."""
+    """Return the focus under both fingers, shape (n,).
+
+    From 3 ms before to 0.9 ms after, stepped at a multiple of the clock.
+    """
     plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
     whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
     band = Band(0.0, 15e3, 3e3)
@@ -89,19 +94,19 @@ def sampled(factor):
 
 @pytest.fixture(scope="module")
 def in_time():
-    """Two runs in time, extrapolated to steps of no length."""
+    """Extrapolate two time-domain runs to steps of zero length."""
     course = 2 * sampled(8)[::2] - sampled(4)
     return {"t_s": (np.arange(course.size) - 720) / 240e3, "focus_displacement_m": course}
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
-def test_the_focus_under_two_fingers_is_that_of_the_physics_in_time(in_time, accuracy):
+def test_focus_under_two_fingers_matches_time_domain(in_time, accuracy):
     got = run(replace(SCENE, accuracy=accuracy))
     assert error(got, in_time, "focus_displacement_m") <= accuracy + OF_REFERENCE
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
-def test_the_friction_of_the_finger_that_slides_is_that_of_the_exact_circuit(accuracy):
+def test_sliding_friction_matches_exact_circuit(accuracy):
     got = run(replace(SCENE, accuracy=accuracy))
     t_s = np.linspace(0.0, 0.05, 20_001)
     pieces, area_m2 = Sine(60.0, duration_s=0.05, ramp_s=0.01).pieces(40.0), float(PowerLawArea().area_m2(1.0))
@@ -117,7 +122,7 @@ MU = 0.5 * 0.05 / np.hypot(0.05, 1e-3)
 # --- against much finer runs
 
 
-def test_the_accuracy_is_kept_on_both_sides_and_costs_less_when_loosened():
+def test_hybrid_accuracy_is_met_and_looser_costs_less():
     reference, costs = run(replace(SCENE, accuracy=2e-5)), []
     for accuracy in ACCURACIES:
         plan = replace(SCENE, accuracy=accuracy).resolve()

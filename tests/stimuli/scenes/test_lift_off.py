@@ -1,4 +1,4 @@
-"""A finger of a scene that the plate throws off: beside the linear contact that it is else."""
+"""Lift-off of a finger in a scene, against the linear contact."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ def touched(*more, contacts=LIGHT, outputs=(*COURSES, "contact_lost_s"), accurac
     return replace(screen(*DRIVE, effect("finger_load"), *more, outputs=outputs, accuracy=accuracy), contacts=contacts)
 
 
-def test_a_finger_that_stays_is_the_linear_one():
+def test_finger_in_contact_matches_linear_contact():
     firm = (FingerContact(2.0),)
     opened, linear = (
         run(replace(touched(*more, contacts=firm, outputs=COURSES), settings={"sampling": {"factor": 8}}))
@@ -39,14 +39,14 @@ def test_a_finger_that_stays_is_the_linear_one():
     assert run(touched(effect("lift_off"), contacts=firm, outputs=("contact_lost_s",)))["contact_lost_s"] == 0
 
 
-def test_a_finger_never_pulls_by_more_than_presses_it_and_so_is_not_linear():
+def test_lift_off_limits_pull_to_static_force():
     opened, linear = run(touched(effect("lift_off"))), run(touched(outputs=COURSES))
     assert linear["contact_force_n"].min() < -0.06
     assert opened["contact_force_n"].min() == pytest.approx(-0.05, rel=1e-12)
     assert opened["contact_lost_s"] > 0
 
 
-def test_a_force_that_is_followed_more_finely_is_as_accurate_as_is_predicted():
+def test_lift_off_error_is_within_predicted_error():
     for force_n in (0.05, 2.0):
         scene = touched(effect("lift_off"), contacts=(FingerContact(force_n),), outputs=COURSES[:3], accuracy=3e-3)
         plan = scene.resolve()
@@ -57,7 +57,7 @@ def test_a_force_that_is_followed_more_finely_is_as_accurate_as_is_predicted():
             assert np.abs(got[name] - true[name]).max() <= stage.error * np.abs(true[name]).max()
 
 
-def test_two_fingers_that_stay_are_two_linear_loads():
+def test_two_fingers_in_contact_match_linear_loads():
     whole = screen(*DRIVE).surface.plate
     places, rate_hz, band = [(0.05, 0.04), (0.09, 0.06)], 400e3, 8e3
     sampling = {"rate_hz": rate_hz, "duration_s": 3e-3, "f_max_hz": band}
@@ -70,7 +70,7 @@ def test_two_fingers_that_stay_are_two_linear_loads():
     assert found.displacement_m == pytest.approx(expected, abs=5e-3 * np.abs(expected).max())
 
 
-def test_a_light_finger_is_thrown_off_beside_a_firm_one():
+def test_light_finger_lifts_off_next_to_firm_finger():
     contacts = (FingerContact(0.05), FingerContact(2.0, x_m=0.09, y_m=0.06))
     got = run(touched(effect("lift_off"), contacts=contacts))
     light_s, firm_s = got["contact_lost_s"]
@@ -82,7 +82,7 @@ def test_no_voltage_throws_nothing_off():
     assert not any(np.any(got[name]) for name in (*COURSES[1:], "contact_lost_s"))
 
 
-def test_what_cannot_be_is_refused_with_the_cure():
+def test_lift_off_is_refused_without_suitable_load():
     with pytest.raises(InvalidParameter, match=r"'lift_off' without an effect of load, which it acts on"):
         Scene(small_screen(), (effect("lift_off"),), ("peak_m",), contacts=LIGHT)
     heavy = screen(*DRIVE, effect("finger_load", mass_kg=1e-4), effect("lift_off"))

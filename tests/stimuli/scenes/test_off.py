@@ -1,4 +1,4 @@
-"""Off costs nothing: an effect that is absent is not imported, has no stage, and changes no call of the run."""
+"""Cost of absent effects: no import, no stage, no call."""
 
 import json
 import os
@@ -48,7 +48,7 @@ OWNERS = {
 
 @dataclass(frozen=True)
 class Side:
-    """A surface, the effects that keep it company, and what is asked of it without any effect and with those."""
+    """A surface, its effects, and its outputs with and without them."""
 
     surface: Mapping[str, object]
     effects: tuple[Mapping[str, object], ...]
@@ -88,7 +88,6 @@ def table(side: str, effects, outputs):
 
 
 def named(kind: str):
-    """The effect and what it needs."""
     return [{"kind": name, **CASES[name][0]} for name in (kind, *CASES[kind][1])]
 
 
@@ -107,7 +106,10 @@ def with_it(side: str, kind: str):
 
 @pytest.fixture(scope="module")
 def answers():
-    """Of every surface without effects, and of every effect: without it, with it, and without it again."""
+    """Return results without each effect, with it, and again without it.
+
+    Includes every surface without effects.
+    """
     if not hasattr(os, "fork"):
         pytest.skip("needs os.fork for a process per effect")
     asked = {
@@ -131,12 +133,12 @@ def kinds_in(scene) -> set[str]:
 
 
 def imported(answer) -> set[str]:
-    """Effects whose module is there."""
+    """Return the effects whose module is imported."""
     return {kind for kind in EFFECTS if module_of(kind) in answer["modules"]} - BY_DEFAULT
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_a_surface_without_effects_imports_none_and_nothing_that_only_effects_need(answers, side):
+def test_surface_without_effects_imports_no_effect_modules(answers, side):
     plain = answers[0][side]
     assert not imported(plain)
     assert not {f"tactometry.stimuli.{name}" for name in OWNERS} & set(plain["modules"])
@@ -146,7 +148,7 @@ def test_a_surface_without_effects_imports_none_and_nothing_that_only_effects_ne
 
 
 @pytest.mark.parametrize(("side", "kind"), EVERY)
-def test_an_effect_that_is_absent_is_not_imported_has_no_stage_and_costs_no_call(answers, side, kind):
+def test_absent_effect_costs_no_import_stage_or_call(answers, side, kind):
     never, on, lost = answers[1][side][kind]
     assert imported(never) == kinds_in(without(side, kind))
     assert imported(on) == kinds_in(with_it(side, kind)) | imported(never)
@@ -157,7 +159,7 @@ def test_an_effect_that_is_absent_is_not_imported_has_no_stage_and_costs_no_call
 
 
 @pytest.mark.parametrize("physics", OWNERS)
-def test_the_physics_of_an_effect_is_imported_with_it_alone(answers, physics):
+def test_effect_physics_is_imported_only_with_effect(answers, physics):
     module = f"tactometry.stimuli.{physics}"
     for side, kind in EVERY:
         never, on, _ = answers[1][side][kind]
@@ -177,7 +179,7 @@ def other_side():
 
 
 @pytest.mark.parametrize("kind", OTHER)
-def test_an_effect_on_one_side_of_a_hybrid_scene_costs_the_other_side_no_call(other_side, kind):
+def test_hybrid_effect_costs_other_side_no_calls(other_side, kind):
     got, alone = told(table("hybrid", named(kind), OTHER[kind])), other_side[OTHER[kind]]
     assert got["stages"] == alone["stages"]
     assert got["calls"] == alone["calls"]

@@ -1,4 +1,4 @@
-"""Each pair of effects that a study may state: either both act on what is felt, or one clear sentence refuses them."""
+"""Pairs of effects that a study may combine."""
 
 from collections.abc import Iterator
 from math import log10
@@ -50,7 +50,7 @@ def kinds(of_surface) -> list[str]:
 
 
 def level_db(surface, *stated: Effect) -> float:
-    """Of the least that gives a level, with these in their slots."""
+    """Return the level of the smallest scene with these effects."""
     slots = {one.slot for one in stated}
     threshold = "sensitivity" if "receptors" in slots else "receptors" if "summation" in slots else ""
     added = (effect("receptors"),) if threshold == "receptors" and "receptors" not in slots else ()
@@ -68,7 +68,7 @@ def pairs() -> Iterator[object]:
 
 
 def felt(surface, *stated: Effect) -> float | str:
-    """The level, or the sentence that refuses it."""
+    """Return the level, or the message of the refusal."""
     try:
         return level_db(surface, *stated)
     except InvalidParameter as refused:
@@ -76,7 +76,7 @@ def felt(surface, *stated: Effect) -> float | str:
 
 
 @pytest.mark.parametrize(("surface", "first", "others"), [*pairs()])
-def test_two_effects_are_both_felt_or_refused_in_one_sentence(surface, first, others) -> None:
+def test_effect_pair_is_felt_or_refused(surface, first, others) -> None:
     for second in others[others.index(first) + 1 :]:
         stated = [effect(kind, **VALUES[kind]) for kind in (first, second)]
         both = felt(surface, *stated)
@@ -89,7 +89,7 @@ def test_two_effects_are_both_felt_or_refused_in_one_sentence(surface, first, ot
 
 
 @pytest.mark.parametrize("of_plate", ["finger_load", "focus_detection"])
-def test_on_a_hybrid_screen_each_side_feels_its_own(of_plate) -> None:
+def test_hybrid_sides_feel_their_own_effects(of_plate) -> None:
     on_plate = effect(of_plate, **VALUES[of_plate])
     plate_db = level_db(PLATE, on_plate)
     for kind in ("weber_fraction", "air_gap", "body_resistance", "finger_dynamics", "receptors"):
@@ -97,8 +97,8 @@ def test_on_a_hybrid_screen_each_side_feels_its_own(of_plate) -> None:
         assert level_db(BOTH, on_plate, on_panel) == pytest.approx(max(plate_db, level_db(PANEL, on_panel)), abs=1e-6)
 
 
-def test_a_fraction_of_what_presses_is_detected_of_a_pad_that_moves_too() -> None:
-    """Weber's law beside `finger_dynamics`: of components before the pad, which nothing reads, it changed nothing."""
+def test_weber_fraction_applies_with_dynamics_and_lag() -> None:
+    """Weber's law had no effect when applied before the pad moved."""
     for kind in ("finger_dynamics", "friction_lag"):
         once_db, twice_db = (level_db(PANEL, effect(kind), effect("weber_fraction", reference_n=n)) for n in (1.0, 2.0))
         assert twice_db - once_db == pytest.approx(20 * log10(2), abs=1e-9)

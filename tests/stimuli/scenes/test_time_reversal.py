@@ -1,4 +1,4 @@
-"""Time-reversal scenes: only what is called for, in the one right order, as accurately as asked."""
+"""Time-reversal scenes: laziness, stage order and accuracy."""
 
 import itertools
 import tracemalloc
@@ -37,7 +37,7 @@ PATCHES, ONE_BIT = effect("patches", side_m=8e-3), effect("one_bit")
 # --- what it computes is what the plate does
 
 
-def test_the_peak_of_one_bit_is_the_sum_of_the_learnt_responses():
+def test_one_bit_peak_is_sum_of_learnt_responses():
     plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
     whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
     raw = impulse_responses(whole, [(0.05, 0.04)], rate_hz=60e3, duration_s=3e-3, f_max_hz=15e3)
@@ -48,7 +48,7 @@ def test_the_peak_of_one_bit_is_the_sum_of_the_learnt_responses():
 
 @pytest.fixture(scope="module")
 def fine():
-    """A scene of the whole bandwidth of its clock, so that the physics in time has the same band, four times finer."""
+    """Return a scene over the full bandwidth and its 4x finer physics."""
     plate = BOROFLOAT_33.plate(0.12, 0.09, 1.1e-3, "SSSS")
     whole = Screen(plate, tuple(border(plate, 8, 8e-3)), Attenuation(2e-3))
     raw = impulse_responses(whole, [(0.05, 0.04)], rate_hz=60e3, duration_s=3e-3, f_max_hz=15e3)
@@ -60,7 +60,7 @@ def fine():
     return whole, Signal(16 * np.fft.irfft(spectrum, 48 * n), 960e3, "V"), 16 * (2 * n - 1)
 
 
-def test_the_focus_signal_is_that_of_the_physics_in_time(fine):
+def test_focus_signal_matches_time_domain(fine):
     whole, signal, focus = fine
     responses = impulse_responses(whole, [(0.05, 0.04)], rate_hz=960e3, duration_s=12e-3, f_max_hz=120e3)
     expected = emitted(signal, responses)[0]
@@ -70,7 +70,7 @@ def test_the_focus_signal_is_that_of_the_physics_in_time(fine):
     assert np.abs(course - expected[focus - 3000 : focus + 900]).max() < 1e-3 * np.abs(expected[focus])
 
 
-def test_the_field_and_the_energy_are_those_of_the_physics_in_time(fine):
+def test_field_and_energy_match_time_domain(fine):
     whole, signal, focus = fine
     outputs = ("x_m", "y_m", "field_m", "energy_j")
     got = run(screen(LOSSY, PATCHES, ONE_BIT, effect("drive_energy"), outputs=outputs, accuracy=1e-2))
@@ -90,7 +90,7 @@ def test_the_power_does_not_change_with_the_clock(quantiser):
     assert power_w == pytest.approx([power_w[-1]] * 3, rel=0.02)
 
 
-def test_a_finger_is_that_of_the_loaded_responses(fine):
+def test_finger_load_matches_loaded_responses(fine):
     whole, signal, focus = fine
     finger = Fingertip().load((0.05, 0.04), 2.0)
     sampling = {"rate_hz": 960e3, "duration_s": 12e-3, "f_max_hz": 400e3}
@@ -105,7 +105,7 @@ def test_a_finger_is_that_of_the_loaded_responses(fine):
     np.testing.assert_allclose(got["contact_force_n"][0], 10.0 * velocity, atol=1e-2 * 10.0 * np.abs(velocity).max())
 
 
-def test_a_finger_that_is_thrown_off_is_that_of_a_solution_in_time(fine):
+def test_lift_off_matches_time_domain_solution(fine):
     whole, signal, focus = fine
     responses = impulse_responses(whole, [(0.05, 0.04)], rate_hz=960e3, duration_s=12e-3, f_max_hz=120e3)
     free_m = emitted(signal, responses)[0]
@@ -121,14 +121,14 @@ def test_a_finger_that_is_thrown_off_is_that_of_a_solution_in_time(fine):
 
 
 @pytest.mark.parametrize("voltage_v", [0.0, -30.0])
-def test_no_voltage_is_silent_and_a_turned_one_is_as_strong(voltage_v):
+def test_zero_voltage_is_silent_and_sign_is_irrelevant(voltage_v):
     outputs = ("peak_m", "sensation_db", "sound_level_dba")
     plan = screen(LOSSY, effect("airborne_sound"), effect("focus_detection"), outputs=outputs, accuracy=0.1).resolve()
     silence = {"peak_m": 0.0, "sensation_db": -np.inf, "sound_level_dba": -np.inf}
     assert plan.run({"voltage_v": voltage_v}) == (plan.run({"voltage_v": 30.0}) if voltage_v else silence)
 
 
-def test_the_course_passes_through_the_peak_at_the_focus_instant():
+def test_course_passes_through_peak_at_focus_instant():
     got = run(screen(LOSSY, ONE_BIT, outputs=("peak_m", "t_s", "focus_displacement_m")))
     assert got["focus_displacement_m"][got["t_s"] == 0] == pytest.approx([got["peak_m"]], rel=1e-9)
     assert np.abs(got["focus_displacement_m"]).max() == pytest.approx(got["peak_m"], rel=1e-9)
@@ -143,8 +143,8 @@ def test_a_movie_shows_the_field_at_the_focus_instant():
 
 
 @pytest.mark.parametrize("f_max_hz", [15e3, 60e3])
-def test_by_default_a_film_has_eight_frames_to_the_shortest_period_and_one_at_the_focus(f_max_hz):
-    """61 frames of 0.5 ms were two to a period of 60 kHz, so that waves seemed to stand or to run back."""
+def test_movie_has_eight_frames_per_shortest_period(f_max_hz):
+    """At two frames per period of 60 kHz, waves appeared to run back."""
     scene = screen(LOSSY, ONE_BIT, effect("movie"), outputs=("frames_s",), accuracy=0.1)
     surface = replace(scene.surface, f_max_hz=f_max_hz, rate_hz=4 * f_max_hz)
     frames_s = run(replace(scene, surface=surface))["frames_s"]
@@ -159,7 +159,7 @@ PLAIN = ("t_s", "focus_displacement_m")
 
 
 @pytest.mark.parametrize("kind", ["airborne_sound", "drive_energy", "focus_detection", "movie"])
-def test_an_effect_that_no_output_needs_changes_no_stage(kind):
+def test_unneeded_effect_changes_no_stages(kind):
     needs = [effect(name) for name in TIME_REVERSAL.get(kind, ({}, (), ""))[1]]
     with_it = screen(effect(kind), *needs, outputs=PLAIN)
     assert with_it.resolve().stages == screen(*needs, outputs=PLAIN).resolve().stages
@@ -167,7 +167,7 @@ def test_an_effect_that_no_output_needs_changes_no_stage(kind):
 
 
 @pytest.mark.parametrize("kind", sorted(TIME_REVERSAL))
-def test_an_effect_that_is_on_changes_or_brings_its_output(kind):
+def test_active_effect_changes_or_adds_its_output(kind):
     output = TIME_REVERSAL[kind][2]
     on = run(screen(*tuned(kind), outputs=("t_s", output)))[output]
     assert np.isfinite(on).all()
@@ -177,14 +177,14 @@ def test_an_effect_that_is_on_changes_or_brings_its_output(kind):
         assert on.shape != without.shape or np.abs(on - without).max() > 1e-3 * np.abs(without).max()
 
 
-def test_an_observer_of_the_peak_asks_for_no_course_no_map_and_no_movie():
+def test_peak_output_needs_no_course_map_or_movie():
     plan = screen(LOSSY, PATCHES, ONE_BIT, effect("movie"), outputs=("peak_m",)).resolve()
     given = {stage.gives for stage in plan.stages}
     assert not given & {"per_volt_course", "per_volt_field", "x_m", "per_volt_movie", "t_s"}
     assert [stage.name for stage in plan.stages][-2:] == ["instant", "peak"]
 
 
-def test_a_course_does_not_depend_on_whether_a_map_is_asked_beside_the_peak():
+def test_peak_is_the_same_when_map_is_requested():
     assert run(screen(ONE_BIT))["peak_m"] == pytest.approx(
         run(screen(ONE_BIT, outputs=("peak_m", "field_m")))["peak_m"], rel=1e-2
     )
@@ -207,7 +207,7 @@ BESIDE = {"field_m": ("x_m", "y_m"), "peak_m": (), "energy_j": (), "sound_level_
 
 
 @pytest.mark.parametrize("output", sorted(OUTPUTS))
-def test_the_accuracy_that_is_asked_for_is_kept_and_costs_less_when_loosened(output):
+def test_accuracy_is_met_and_looser_accuracy_costs_less(output):
     scene = Scene(small_screen(), OUTPUTS[output], (*BESIDE.get(output, ("t_s",)), output), 0.01, RESTING)
     reference = run(finer(scene))
     costs = []
@@ -244,7 +244,7 @@ def test_random_scenes_keep_their_accuracy(scene):
 
 @pytest.mark.parametrize("aside_m", [0.0, 2e-3, 8e-3, 25e-3])
 @pytest.mark.parametrize("n", [2, 7])
-def test_a_focus_of_few_patches_beside_one_of_them_keeps_its_accuracy(n, aside_m):
+def test_focus_near_patch_meets_accuracy(n, aside_m):
     near = border(small_screen().plate, n, 8e-3, 12e-3)[0]
     surface = small_screen(n_transducers=n, focus_x_m=near.x_m, focus_y_m=near.y_m + 4e-3 + aside_m)
     scene = Scene(surface, (LOSSY, PATCHES), ("t_s", "focus_displacement_m"), 0.01)
@@ -276,8 +276,8 @@ def test_trains_under_a_finger_on_the_a4_screen_fit(repetition_hz, envelope, dur
     assert replace(a4, effects=(*a4.effects, train)).resolve().error <= a4.accuracy
 
 
-def test_a_motion_under_a_finger_takes_the_memory_that_its_limit_counts_on():
-    """Of the numbers of a motion the free and the loaded one are there at once, and next to nothing beside them."""
+def test_loaded_motion_stays_within_its_memory_limit():
+    """Only the free and the loaded motion are in memory at once."""
     scene = screen(effect("repetition", duration_s=0.2), effect("finger_load"), outputs=("contact_force_n",))
     found = cut(scene, scene.accuracy / 2)
     n_numbers = n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)

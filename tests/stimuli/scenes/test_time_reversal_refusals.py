@@ -1,4 +1,4 @@
-"""Time-reversal scenes that cannot be: what contradicts, leaves its domain or takes too much is refused with a cure."""
+"""Refusals of contradictory, invalid or too costly scenes."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 
 
-def test_an_accuracy_that_takes_too_much_is_refused_with_the_reason():
+def test_too_costly_accuracy_is_refused_with_reason():
     large = Scene(TimeReversal(), (LOSSY,), ("field_m",), 5e-5)
     with pytest.raises(InvalidParameter, match=r"field_m: .*for a grid, which takes .* points, .*loosen"):
         large.resolve()
@@ -40,12 +40,12 @@ def test_an_accuracy_that_takes_too_much_is_refused_with_the_reason():
         (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not know"),
     ],
 )
-def test_effects_that_contradict_each_other_are_refused_with_the_cure(effects, message):
+def test_contradictory_effects_are_refused_with_fix(effects, message):
     with pytest.raises(InvalidParameter, match=message):
         screen(*effects())
 
 
-def test_a_finger_load_without_contact_is_refused_with_the_cure():
+def test_finger_load_without_contact_is_refused():
     with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*\[\[contacts\]\]"):
         Scene(small_screen(), (effect("finger_load"),), ("peak_m",))
     with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*no speed"):
@@ -101,7 +101,7 @@ def test_an_effect_outside_of_its_domain_is_refused(kind, values, message):
         ("pulse_width", {"carrier_hz": 20e3}, r"PulseWidth\.carrier_hz: .*lower it or raise rate_hz"),
     ],
 )
-def test_an_effect_that_does_not_fit_the_screen_is_refused_with_the_cure(kind, values, message):
+def test_unsuitable_effect_is_refused_with_fix(kind, values, message):
     with pytest.raises(InvalidParameter, match=message):
         screen(effect(kind, **values)).resolve()
 
@@ -114,7 +114,7 @@ def test_a_finger_off_the_plate_is_refused():
         run(scene)
 
 
-def test_a_finger_that_slides_over_a_focus_is_refused_with_the_cure():
+def test_sliding_finger_on_focus_is_refused_with_fix():
     slides = replace(screen(), contacts=(FingerContact(2.0), FingerContact(2.0, speed_m_per_s=0.05)))
     message = r"contacts\[1\]: found a finger that slides \(0.05 m/s\) on a plate that focuses, .*'hybrid'"
     with pytest.raises(InvalidParameter, match=message):

@@ -1,4 +1,4 @@
-"""Each effect of a time-reversal scene keeps the accuracy that is asked for; quantised drives in their spectrum too."""
+"""Accuracy of each time-reversal effect and of quantised spectra."""
 
 from dataclasses import replace
 
@@ -48,14 +48,17 @@ def quantised(draw):
 
 
 def spectrum(got, n_lines):
-    """The first lines of the course at the focus, which lasts as long however finely it is sampled."""
+    """Return the first lines of the course at the focus.
+
+    Its duration does not depend on the sampling.
+    """
     course = got["focus_displacement_m"][:-1]
     return np.fft.rfft(course)[:n_lines] / course.size
 
 
 @given(quantised())
 @settings(max_examples=100 if SOAK else 5, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-def test_the_spectrum_of_a_quantised_drive_keeps_the_accuracy_in_the_band_or_is_refused_with_the_reason(scene):
+def test_quantised_spectrum_meets_accuracy_or_is_refused(scene):
     """Relative to its highest line."""
     finest = finest_of(scene, *((3e-5, 1e-4) if SOAK else ()), 3e-4, 9e-4)
     found = run(finest)
@@ -73,7 +76,7 @@ def test_the_spectrum_of_a_quantised_drive_keeps_the_accuracy_in_the_band_or_is_
 
 
 @pytest.mark.parametrize("quantiser", QUANTISERS, ids=lambda each: each.kind)
-def test_a_quantised_drive_whose_accuracy_cannot_be_met_is_refused_with_the_reason(quantiser):
+def test_quantised_drive_is_refused_at_unreachable_accuracy(quantiser):
     scene = screen(LOSSY, quantiser, outputs=COURSE, accuracy=1e-12)
     assert "left for the modes" in refusal(scene)
     assert "loosen the accuracy" in refusal(scene)

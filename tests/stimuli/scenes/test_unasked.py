@@ -1,4 +1,4 @@
-"""An effect that stands in a scene but that no output needs acts on nothing: plan, bytes, imports, words, refusals."""
+"""Effects that no output needs: they change no plan or result."""
 
 import json
 import os
@@ -69,7 +69,7 @@ BARE = {
 
 
 def scenes():
-    """Every surface with the least company, and every built-in scene."""
+    """Return every surface with its smallest scene, and built-in scenes."""
     for kind, scene in BARE.items():
         yield f"bare {kind}", replace(scene, effects=tuple(COMPANY[kind]))
     for name in names():
@@ -121,7 +121,10 @@ def plan_if_had(name, output, effects):
 
 
 def unneeded(name, kind):
-    """Of every output that does not need an effect: the output, the plan without the effect, the plan with it."""
+    """Yield each output that does not need an effect, and both plans.
+
+    The first plan is without the effect, the second with it.
+    """
     without, with_it = pair(SCENES[name], kind)
     for output in OUTPUTS[SCENES[name].surface.kind]:
         one = plan_if_had(name, output, without)
@@ -136,7 +139,7 @@ ALWAYS = {"carrier", "dc_offset", "texture"}
 
 
 @pytest.mark.parametrize(("name", "kind"), EVERY)
-def test_an_effect_that_an_output_does_not_need_leaves_its_plan_as_it_is(name, kind):
+def test_unneeded_effect_leaves_plan_unchanged(name, kind):
     plans = list(unneeded(name, kind))
     found = [output for output, one, both in plans if one == both]
     assert found == [output for output, _, _ in plans]
@@ -149,7 +152,7 @@ HEAVY = {"movie_m", "field_m", "sound_level_dba", "energy_j", "slip_events_s"}
 
 
 @pytest.mark.parametrize(("side", "kind"), [(side, kind) for side in KINDS for kind in KINDS[side]])
-def test_an_effect_that_an_output_does_not_need_leaves_its_bytes_as_they_are(side, kind):
+def test_unneeded_effect_leaves_output_bytes_unchanged(side, kind):
     given = {**LEVEL, **VOLT}
     for output, one, both in unneeded(f"bare {side}", kind):
         if output in HEAVY:
@@ -158,7 +161,7 @@ def test_an_effect_that_an_output_does_not_need_leaves_its_bytes_as_they_are(sid
         assert values[0].tobytes() == values[1].tobytes()
 
 
-def test_which_outputs_a_finger_pad_and_a_body_act_on():
+def test_finger_pad_and_body_leave_expected_outputs_unchanged():
     """Friction in full slip knows no motion, and nothing behind the output changes its voltage."""
     pad = [output for output, _, _ in unneeded("bare electrovibration", "finger_dynamics")]
     assert pad == ["t_s", "voltage_v", "electrostatic_force_n", "peak_force_n", "friction_force_n"]
@@ -205,7 +208,7 @@ def told():
 
 
 @pytest.mark.parametrize("kind", UNASKED)
-def test_an_effect_that_no_output_needs_imports_no_more_than_its_name(told, kind):
+def test_unneeded_effect_imports_only_its_own_module(told, kind):
     without, with_it, _ = told[kind]
     named = {EFFECTS[name].partition(":")[0] for name in (kind, *CASES[kind][1])}
     rooms = {module.rpartition(".")[0] for module in named}  # whose `__init__` holds nothing
@@ -233,7 +236,7 @@ def others(lines, kinds):
 @pytest.mark.parametrize(
     ("side", "kind"), [(side, kind) for side in KINDS for kind in KINDS[side] if kind not in ALWAYS]
 )
-def test_the_explanation_tells_of_an_effect_that_no_output_needs_that_it_is_off(side, kind):
+def test_explanation_lists_unneeded_effect_as_off(side, kind):
     scene = SCENES[f"bare {side}"]
     output = next(output for output, _, _ in unneeded(f"bare {side}", kind))
     without, with_it = (replace(scene, outputs=(output,), effects=effects) for effects in pair(scene, kind))
@@ -253,11 +256,11 @@ def test_the_explanation_tells_of_an_effect_that_no_output_needs_that_it_is_off(
         (screen(effect("movie", span_s=1.0)), "peak_m"),
     ],
 )
-def test_what_no_output_needs_is_not_refused(scene, output):
+def test_unneeded_effects_are_not_refused(scene, output):
     replace(scene, outputs=(output,)).resolve()
 
 
-def test_the_side_of_a_hybrid_scene_that_no_output_needs_is_not_refused():
+def test_unneeded_hybrid_side_is_not_refused():
     fine = replace(BARE["hybrid"], outputs=("electrode_voltage_v",), accuracy=1e-10)
     fine.resolve()
     with pytest.raises(InvalidParameter, match="expected at most"):

@@ -17,7 +17,7 @@ SUPPLY_V = 100.0
 
 
 def moved_m(signal, setup):
-    """What the focus point does, by the definition of a response: each channel convolved, and added up."""
+    """Return the motion of the focus: the sum of convolved channels."""
     [heard] = setup.responses_at(*setup.focus_m).samples
     return sum(fftconvolve(drive, response) for drive, response in zip(signal.samples, heard, strict=True))
 
@@ -35,7 +35,7 @@ def test_each_focus_has_the_amplitude_asked_for_at_one_supply(pattern, level):
     assert np.abs(course_m).max() <= 1.005 * asked_m
 
 
-def test_at_the_voltage_that_a_level_needs_the_whole_of_a_focus_is_on():
+def test_burst_drive_keeps_whole_focus_at_needed_voltage():
     by_voltage = FocusTrain(SETUP, f_max_hz=800.0, duration_s=1.0)
     needed_v = by_voltage.voltage_v(-20.0)
     switched = FocusTrain(SETUP, f_max_hz=800.0, duration_s=1.0, supply_v=needed_v * (1 + 1e-9))
@@ -69,7 +69,7 @@ def test_a_moving_focus_is_made_at_each_of_its_points():
         assert made_m == pytest.approx(level, rel=RESOLVED)
 
 
-def test_what_no_burst_makes_is_told_with_the_cure():
+def test_level_above_burst_range_is_refused_with_fix():
     train = FocusTrain(supply_v=SUPPLY_V)
     with pytest.raises(
         LimitExceeded,
@@ -99,7 +99,7 @@ def test_what_no_burst_makes_is_told_with_the_cure():
         ),
     ],
 )
-def test_a_supply_that_would_have_to_scale_or_to_add_is_refused(make, message):
+def test_supply_voltage_is_refused_when_drive_cannot_switch(make, message):
     with pytest.raises(InvalidParameter, match=message):
         make()
 

@@ -1,4 +1,4 @@
-"""Theory of the focus: its own numbers, and the simulation beside it."""
+"""Focus theory: its own numbers, and comparison with simulation."""
 
 import math
 
@@ -168,9 +168,7 @@ def test_repetition_penalty_meets_the_simulation(around_s):
         (8e-3, 4.0, Band(20e3, 60e3), (6.0, 13.0), (4.6, 5.4)),
     ],
 )
-def test_one_bit_beats_the_same_peak_voltage_by_a_factor_that_grows_with_time_and_bandwidth(
-    tau_s, ratio, band, common, each
-):
+def test_one_bit_gain_over_analogue_is_within_bounds(tau_s, ratio, band, common, each):
     """The ends of what is simulated, and the prototype; one gain for all channels, and one for each."""
     screen = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 32)), Attenuation(tau_s))
     h = band_limited(impulse_responses(screen, FOCI, rate_hz=240e3, duration_s=ratio * tau_s, f_max_hz=66e3), band)

@@ -1,4 +1,4 @@
-"""Perfect reversal in closed form: the integrals, degenerate and lossless modes, and the sum over samples beside it."""
+"""Perfect reversal in closed form, against a sum over samples."""
 
 import numpy as np
 import pytest

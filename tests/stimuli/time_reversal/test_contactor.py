@@ -1,4 +1,4 @@
-"""A rigid contactor beside its equations of motion."""
+"""A rigid contactor, against its equations of motion."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce
 
 
-def test_a_rigid_contactor_is_the_mass_behind_a_spring_of_its_equations_of_motion():
+def test_rigid_contactor_matches_its_equations_of_motion():
     """Modes and tip as one system of ordinary differential equations after a tap, by Runge-Kutta of order 8.
 
     M (q'' + 2 a q' + w^2 q) = - sum_i R_i phi_i phi_i.q' - phi_c k (phi_c.q - z), m z'' = k (phi_c.q - z).
@@ -46,13 +46,13 @@ def test_a_rigid_contactor_is_the_mass_behind_a_spring_of_its_equations_of_motio
     assert heard == pytest.approx(here @ q, abs=3e-3 * np.abs(here @ q).max())
 
 
-def test_the_mass_of_a_rigid_contactor_does_not_grow_with_its_force():
+def test_rigid_contactor_mass_is_independent_of_force():
     light, heavy = (Contactor("rigid").loads(A4_SCREEN, (0.1, 0.1), force_n)[-1] for force_n in (0.1, 4.0))
     assert light.mass_kg == heavy.mass_kg
     assert heavy.stiffness_n_per_m == pytest.approx(40 ** (1 / 3) * light.stiffness_n_per_m)
 
 
-def test_a_free_mass_behind_a_hard_spring_is_the_mass_and_a_heavy_one_behind_a_soft_spring_the_spring():
+def test_sprung_mass_reduces_to_mass_or_spring():
     s = np.array([10j, 1e3j, 100 + 1e5j])
     np.testing.assert_allclose(SprungMass(0.1, 0.1, 1e-3, 1e20).dynamic_stiffness(s), 1e-3 * s**2, rtol=1e-9)
     np.testing.assert_allclose(SprungMass(0.1, 0.1, 1e9, 1.0).dynamic_stiffness(s), 1.0, rtol=1e-9)

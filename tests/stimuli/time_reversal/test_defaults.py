@@ -1,4 +1,4 @@
-"""What stimuli of studies, effects and surfaces of scenes, and design call alike has one default, from one place."""
+"""Defaults shared by stimuli, effects, surfaces and the design guide."""
 
 import ast
 from collections import defaultdict
@@ -57,5 +57,5 @@ def test_a_field_of_one_name_has_one_default_from_one_place(field):
     assert not any(isinstance(part, ast.Constant) for default in owners.values() for part in ast.walk(default)), stated
 
 
-def test_what_is_said_to_be_two_quantities_is_there():
+def test_two_quantity_names_exist():
     assert set(by_name()) >= set(TWO_QUANTITIES)

@@ -81,7 +81,7 @@ def check_laws(thickness_m, side_m, band, n=32, tau_s=TAU_S, ratio=2.0, size_m=(
         (4e-3, 5e-3, Band(36e3, 108e3)),
     ],
 )
-def test_the_laws_are_off_the_simulation_by_what_they_state(thickness_m, side_m, band):
+def test_design_laws_match_simulation_at_chosen_points(thickness_m, side_m, band):
     """The ends of their domain, and where they are worst: patches longer than the wave, and few modes."""
     check_laws(thickness_m, side_m, band)
 
@@ -99,13 +99,11 @@ BANDS = (Band(1e3, 10e3), Band(200.0, 60e3), Band(1e3, 25e3), BAND, Band(36e3, 1
     size_m=st.sampled_from([(0.297, 0.21), (0.21, 0.148)]),
 )
 @settings(max_examples=300 if SOAK else 12, deadline=None)
-def test_the_laws_are_off_the_simulation_by_what_they_state_anywhere_in_their_domain(
-    thickness_m, side_m, band, n, tau_s, ratio, size_m
-):
+def test_design_laws_match_simulation_within_stated_error(thickness_m, side_m, band, n, tau_s, ratio, size_m):
     check_laws(thickness_m, side_m, band, n, tau_s, ratio, size_m)
 
 
-def test_a_field_that_is_not_diffuse_is_said_to_be_outside_of_the_laws():
+def test_guide_notes_when_field_is_not_diffuse():
     slow = recommend(BOROFLOAT_33.plate(0.297, 0.21, 0.47e-3, "SSSS"), Transducers(), Band(1e3, 10e3), 0.3e-3, Target())
     assert slow.notes[-1].startswith("laws: in T and tau the waves cross the plate 0.38 times")
     few = recommend(BOROFLOAT_33.plate(0.1, 0.1, 4e-3, "SSSS"), Transducers(8), Band(1e3, 10e3), TAU_S, Target())
@@ -113,7 +111,7 @@ def test_a_field_that_is_not_diffuse_is_said_to_be_outside_of_the_laws():
     assert recommend(A4_SCREEN, Transducers(), BAND, TAU_S, Target()).design.is_diffuse
 
 
-def test_a_patch_longer_than_the_wave_counts_the_modes_that_it_passes():
+def test_long_patch_reduces_effective_number_of_modes():
     """Contrast of 36 to 108 kHz on 0.4 mm was 34 % above the simulation with the square of the mean of W^2."""
     plate = BOROFLOAT_33.plate(0.297, 0.21, 0.4e-3, "SSSS")
     design = Design(plate, Transducers(), Band(36e3, 108e3), TAU_S, 2 * TAU_S)
@@ -138,7 +136,7 @@ def test_contrast_of_a_fast_train_meets_the_simulation():
     assert design.contrast == pytest.approx(contrast_whole_of(amplitude, u), rel=0.25)
 
 
-def test_more_patches_than_the_edges_hold_are_not_promised():
+def test_guide_limits_patches_to_available_edge_length():
     wide = recommend(A4_SCREEN, Transducers(n=8, side_m=35e-3), Band(1e3, 25e3), TAU_S, Target(contrast=15.0))
     assert wide.design.transducers.n <= 24
     assert wide.unreachable[0].startswith("contrast: ")
@@ -170,7 +168,7 @@ def test_every_wish_is_met_or_named_as_unreachable(resolution, contrast, amplitu
     assert design.repetition_s >= 2 / design.band.width_hz or "repetition" in names
 
 
-def test_contrast_beyond_the_modes_is_refused_with_the_reason():
+def test_contrast_beyond_modes_is_refused_with_reason():
     guide = recommend(A4_SCREEN, Transducers(), BAND, TAU_S, Target(contrast=40.0))
     assert len(guide.unreachable) == 1
     assert guide.unreachable[0].startswith("contrast: 40 is above sqrt(N) = 24.")
@@ -183,7 +181,7 @@ def test_thinner_glass_sharpens_as_advised():
     assert resolution_m(thin, BAND) == pytest.approx(6e-3, rel=1e-9)
 
 
-def test_band_is_moved_up_for_resolution_while_the_wave_is_longer_than_a_patch():
+def test_guide_raises_band_to_reach_resolution():
     guide = recommend(A4_SCREEN, Transducers(side_m=5e-3), BAND, TAU_S, Target(resolution_m=7e-3))
     assert guide.unreachable == ()
     assert guide.design.resolution_m == pytest.approx(7e-3, rel=1e-6)
@@ -208,7 +206,7 @@ def test_command_prints_the_design_as_json():
     assert record["unreachable"] == []
 
 
-def test_command_says_how_far_off_its_laws_are_and_what_it_leaves_out():
+def test_command_reports_law_errors_and_omissions():
     shown = CliRunner().invoke(command, [])
     assert shown.exit_code == 0, shown.output
     for said in ("simulation over these laws: resolution -15% to +10%, contrast -25%", "moment per volt", "> 150 um"):

@@ -57,7 +57,7 @@ SAMPLING = {"rate_hz": 1e3, "duration_s": 5e-3, "f_max_hz": 500.0}
 SAMPLES = np.random.default_rng(0).standard_normal((1, 2, 50))
 
 
-def test_a_screen_takes_the_list_that_border_gives():
+def test_screen_accepts_list_from_border():
     from_list = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
     assert from_list == Screen(A4_SCREEN, tuple(border(A4_SCREEN, 4)), Attenuation(3e-3))
     assert from_list.modal_forces(500.0).shape[1] == 4
@@ -177,7 +177,7 @@ def test_a_csv_file_says_its_unit(tmp_path, said, factor):
         ("# unit=um\na\n1\n", "rate_hz"),
     ],
 )
-def test_a_csv_file_that_would_be_misread_is_refused(tmp_path, text, found):
+def test_csv_file_is_refused_when_header_is_wrong(tmp_path, text, found):
     path = tmp_path / "a.csv"
     path.write_text(text)
     with pytest.raises(InvalidFile, match=found):

@@ -8,40 +8,36 @@ import pytest
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import (
     A4_SCREEN,
-    Attenuation,
     Band,
-    Emission,
     Fingertip,
     FocusTrain,
     Pattern,
-    PlateLoad,
     Responses,
     Screen,
     Setup,
     TimeReversalStimulus,
-    Transducers,
-    amplitude_loss,
-    border,
-    emitted,
-    loaded_responses,
-    n_held,
 )
 from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
-from tactometry.stimuli.time_reversal.design.guide import Design, amplitudes_m
+from tactometry.stimuli.time_reversal.design.guide import Design, Transducers, amplitudes_m, n_held
+from tactometry.stimuli.time_reversal.finger import amplitude_loss
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import overlap
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted
 from tactometry.stimuli.time_reversal.focusing.pattern import Table, focus_samples
 from tactometry.stimuli.time_reversal.plate.dispersion import (
     mindlin_wavenumber_rad_per_m,
     wavenumber_rad_per_m,
 )
 from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
+from tactometry.stimuli.time_reversal.screen.transducer import border
 
 SCREEN = Screen(A4_SCREEN, border(A4_SCREEN, 4), Attenuation(3e-3))
 EMISSION = Emission(Band(200.0, 9e3), 4e-3, 20e3)
 FOCUS = (0.12, 0.09)
 
 
-def test_a_finger_that_does_not_press_takes_nothing():
+def test_finger_without_force_causes_no_loss():
     assert amplitude_loss(SCREEN, FOCUS, [Fingertip().load(FOCUS, 0.0)], EMISSION) == 0.0
 
 
@@ -65,7 +61,7 @@ def test_drives_that_overlap_take_their_penalty_from_the_amplitude():
     np.testing.assert_allclose(amplitudes_m(train, times), amplitudes_m(alone, times) * penalty, rtol=1e-12)
 
 
-def test_a_long_train_keeps_its_penalty_at_any_ratio_of_times():
+def test_long_train_penalty_is_finite_at_any_ratio():
     """T of 1e6 tau is as good as endless, and its exponentials do not overflow."""
     endless = repetition_amplitude_ratio(1.0, 1e-3, 1e-3)
     assert repetition_amplitude_ratio(1e3, 1e-3, 1e-3) == pytest.approx(endless, rel=1e-9)
@@ -91,7 +87,7 @@ def test_more_modes_than_a_machine_holds_are_refused():
 
 @pytest.mark.parametrize("tau_s", [1e-3, 1.0, 1e4, math.inf])
 @pytest.mark.parametrize("reversal_s", [1e-5, 1e-3, 8e-3, 1.0])
-def test_the_factored_overlap_is_that_of_one_exponential_per_pair(tau_s, reversal_s):
+def test_factored_overlap_matches_pairwise_exponentials(tau_s, reversal_s):
     """Equal modes, near ones and far ones, from nearly nothing to a long reversal."""
     omega = np.array([1e4, 1e4, 1e4 + 1e-3, 1.001e4, 2e4, 1.5e5])
     both = Oscillators(omega, np.full(6, 1 / tau_s))
@@ -120,7 +116,7 @@ MOVING = Responses(1e-9 * np.random.default_rng(0).standard_normal((2, 3, 40)), 
 
 
 @pytest.mark.parametrize("modulation", ["voltage", "burst"])
-def test_a_moving_focus_has_its_level_where_it_is_largest(modulation):
+def test_moving_focus_level_is_its_largest_amplitude(modulation):
     pattern = Pattern(10.0, 0.4, Table((0.5, 1.0)))
     stimulus = TimeReversalStimulus(MOVING, pattern, path=(0, 1, 0, 1), modulation=modulation, tau_s=0.02)
     level = 0.5 * stimulus.level_max
@@ -129,7 +125,7 @@ def test_a_moving_focus_has_its_level_where_it_is_largest(modulation):
     assert moved[3] > moved[1]
 
 
-def test_what_is_heard_has_as_many_points_as_are_focused():
+def test_heard_responses_are_refused_when_shape_differs():
     with pytest.raises(InvalidParameter, match="found 1 points and 3 channels, expected 2 and 3 as in focus"):
         TimeReversalStimulus(MOVING, heard=MOVING.at_point(0))
 

@@ -68,16 +68,16 @@ def mean_width_m(band, level=0.5):
 
 @pytest.mark.parametrize("level", [0.5, math.sqrt(0.5)])
 @pytest.mark.parametrize("band", [WIDE, LOW, HIGH], ids=["wide", "low", "high"])
-def test_item_7_a_simulated_focus_is_as_wide_as_the_diffuse_field_says(band, level):
+def test_focus_width_matches_diffuse_field_theory(band, level):
     assert mean_width_m(band, level) == pytest.approx(resolution_m(A4_SCREEN, band, level), rel=0.05)
 
 
 @pytest.mark.parametrize("band", [WIDE, LOW, HIGH], ids=["wide", "low", "high"])
-def test_item_7_a_simulated_focus_is_half_a_wavelength_wide(band):
+def test_focus_is_half_a_wavelength_wide(band):
     assert mean_width_m(band) == pytest.approx(float(half_wavelength_m(A4_SCREEN, band.mean_hz)), rel=0.05)
 
 
-def test_item_7_one_frequency_is_0_48_of_its_wavelength():
+def test_single_frequency_focus_is_048_wavelengths_wide():
     """A plate of eleven A4 sheets has 180 modes in the one kilohertz."""
     plate, band = BOROFLOAT_33.plate(0.99, 0.7, 1.1e-3, "SSSS"), Band(12e3, 13e3)
     places = [(x, y) for x in (0.31, 0.47, 0.63) for y in (0.27, 0.41)]
@@ -97,14 +97,14 @@ def fields_around(plate, band, places, reach_m, n=61, reversal_s=6e-3):
     return at, total
 
 
-def test_the_focus_has_the_profile_of_the_diffuse_field_out_to_its_first_ring():
+def test_focus_profile_matches_diffuse_field_theory():
     at, mean = fields_around(A4_SCREEN, HIGH, FOCI, 20e-3)
     expected = focus_profile(A4_SCREEN, HIGH, np.hypot(at[:, None], at[None, :]))
     assert np.sqrt(np.mean((mean - expected) ** 2)) < 0.08
     assert np.corrcoef(mean.ravel(), expected.ravel())[0, 1] > 0.95
 
 
-def test_item_8_hudin_2015_focus_is_5_mm_wide_and_has_20_mm2():
+def test_focus_area_matches_hudin_2015():
     """148 x 210 x 0.5 mm, 20 to 70 kHz (band from memory); published 5.2 mm and 20 mm^2, theory 5.15 and 20.8."""
     plate = D263T.plate(0.210, 0.148, 0.5e-3, "SSSS")
     places = [(0.061, 0.049), (0.111, 0.083), (0.147, 0.061), (0.083, 0.101)]
@@ -113,7 +113,7 @@ def test_item_8_hudin_2015_focus_is_5_mm_wide_and_has_20_mm2():
 
 
 @pytest.mark.parametrize("reversal_s", [1e-3, 1.5e-3, 3e-3, 6e-3, 9e-3])
-def test_item_5_amplitude_grows_with_reversal_as_the_closed_forms_say(reversal_s):
+def test_amplitude_growth_with_reversal_matches_closed_forms(reversal_s):
     """Foci of drives of T against those of eight tau, within 2 %."""
     h = impulse_responses(screen(side_m=10e-3), FOCI[:4], rate_hz=150e3, duration_s=24e-3, f_max_hz=60e3)
     for quantiser, law in ((OneBit(), one_bit_amplitude_ratio), (Analogue(), analogue_amplitude_ratio)):
@@ -132,7 +132,7 @@ def test_amplitude_of_a_long_reversal_grows_with_tau():
 
 
 @pytest.mark.parametrize("band", [WIDE, HIGH], ids=["wide", "high"])
-def test_one_bit_amplitude_is_the_closed_form_of_the_design(band):
+def test_one_bit_amplitude_matches_design_closed_form(band):
     """V Q (2 / pi)^(1/2) times the decaying rms of a diffuse field, within 10 %, patches of 5 mm."""
     made = emission(band)
     on = screen(side_m=5e-3)
@@ -152,7 +152,7 @@ def rms_contrast(on, band, reversal_s):
     return math.sqrt(np.mean(np.square(found)))
 
 
-def test_item_6_contrast_grows_with_transducers_and_with_the_root_of_the_bandwidth_as_the_closed_form_says():
+def test_contrast_grows_as_closed_form_predicts():
     """tau of 1 ms, T of 3 ms; 4 times the transducers, then 4 times the band; each within 10 %."""
     found, expected = [], []
     for n, f_max_hz in ((2, 15e3), (8, 15e3), (8, 45e3)):
@@ -185,7 +185,7 @@ def test_a_wave_arrives_with_the_group_velocity(thickness_m, shear_factor):
         assert np.polyfit(away, centre_s, 1)[0] * speed == pytest.approx(1.0, rel=0.01)
 
 
-def test_waves_run_together_and_apart_again_with_the_group_velocity():
+def test_waves_converge_and_diverge_at_group_velocity():
     """A ring of radius c |t| before and after the focus, 15 to 25 kHz on a large plate."""
     plate, band, focus = BOROFLOAT_33.plate(1.2, 1.0, 1.1e-3, "SSSS"), Band(15e3, 25e3, 5e3), (0.6, 0.5)
     on, made = screen(plate, 64, tau_s=20e-3), emission(band, 8e-3)
@@ -202,7 +202,7 @@ def test_waves_run_together_and_apart_again_with_the_group_velocity():
         assert rings[np.argmax(in_ring)] == pytest.approx(speed * abs(step) / made.rate_hz, abs=0.025)
 
 
-def test_the_focus_lasts_as_long_as_a_pulse_of_its_bandwidth():
+def test_focus_duration_matches_pulse_of_its_bandwidth():
     """Envelope of a flat band: 1.207 / B at half its height, within 5 %."""
     for band in (LOW, Band(10e3, 25e3)):
         made, widths = emission(band), []
@@ -212,7 +212,7 @@ def test_the_focus_lasts_as_long_as_a_pulse_of_its_bandwidth():
         assert np.mean(widths) * band.width_hz == pytest.approx(1.207, rel=0.05)
 
 
-def test_a_drive_of_another_thickness_or_emitted_the_wrong_way_round_makes_no_focus():
+def test_wrong_or_unreversed_drive_makes_no_focus():
     band = Band(500.0, 25e3)
     thick = replace(screen(), plate=replace(A4_SCREEN, thickness_m=2e-3))
     here, there = (emission(band).responses(on, FOCI[:6]) for on in (screen(), thick))
@@ -224,7 +224,7 @@ def test_a_drive_of_another_thickness_or_emitted_the_wrong_way_round_makes_no_fo
         assert abs(focus_amplitude(forward, here, i)) < 0.2 * own
 
 
-def test_a_plate_twice_as_thick_does_the_same_in_half_the_time():
+def test_doubled_thickness_halves_all_times():
     """Similarity: omega and mass double, so that a sample at twice the rate is an eighth."""
     one, two = (
         impulse_responses(
@@ -239,7 +239,7 @@ def test_a_plate_twice_as_thick_does_the_same_in_half_the_time():
     assert 8 * two == pytest.approx(one, abs=1e-12 * np.abs(one).max())
 
 
-def test_item_17_one_bit_filtered_is_nearly_as_strong_as_one_bit_and_far_quieter():
+def test_filtered_one_bit_is_quieter_and_similarly_strong():
     on = screen(tau_s=2e-3)
     raw = impulse_responses(on, [FOCI[4]], rate_hz=5e5, duration_s=4e-3, f_max_hz=60e3)
     plain, quiet = band_limited(raw, Band(1e3, 60e3)), band_limited(raw, HIGH)

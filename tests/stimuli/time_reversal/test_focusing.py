@@ -48,14 +48,14 @@ some_responses = arrays(float, (1, 3, 20), elements=st.floats(-1, 1, width=32)).
 
 
 @given(some_responses)
-def test_one_bit_focus_is_voltage_times_the_sum_of_absolute_responses(samples):
+def test_one_bit_focus_is_sum_of_absolute_responses(samples):
     h = Responses(samples, 1e3)
     found = focus_amplitude(drive(h, 30.0, OneBit()), h)
     assert found == pytest.approx(30.0 * np.abs(samples).sum(), rel=1e-13)
 
 
 @given(some_responses)
-def test_analogue_focus_is_voltage_times_gain_times_the_energy(samples):
+def test_analogue_focus_is_proportional_to_response_energy(samples):
     h = Responses(samples, 1e3)
     found = focus_amplitude(drive(h, 30.0, Analogue()), h)
     gain = 1 / np.abs(samples).max()
@@ -69,7 +69,7 @@ def test_no_drive_within_the_voltage_beats_one_bit(samples, seed):
     assert focus_amplitude(Signal(other, 1e3, "V"), h) <= focus_amplitude(drive(h, 30.0), h) * (1 + 1e-12)
 
 
-def test_the_focus_comes_at_the_last_sample_of_the_drive(learnt):
+def test_focus_occurs_at_last_drive_sample(learnt):
     signal = drive(learnt.at_point(0), 30.0, reversal_s=6e-3)
     u = emitted(signal, learnt)
     assert np.argmax(np.abs(u[0])) == 599
@@ -102,7 +102,7 @@ def test_two_foci_have_their_weights_and_signs(learnt):
 
 @pytest.mark.parametrize("n", [2, 8, 32])
 @pytest.mark.parametrize("f_min_hz", [1e3, 10e3])
-def test_p_foci_share_the_amplitude_as_one_over_root_p_and_a_little_more(n, f_min_hz):
+def test_foci_amplitude_falls_with_root_of_their_number(n, f_min_hz):
     """1 bit: the mean over 16 sets of foci at random is 1 to 12 % above the law."""
     rng, over = np.random.default_rng(), []
     for _ in range(16):
@@ -117,7 +117,7 @@ def test_p_foci_share_the_amplitude_as_one_over_root_p_and_a_little_more(n, f_mi
 
 @pytest.mark.parametrize("duration_s", [1e-3, 8e-3])
 @pytest.mark.parametrize(("tau_s", "exponent"), [(math.inf, 0.0), (3.5e-3, 0.0), (3.5e-3, 1.0)])
-def test_a_plate_at_rest_has_no_sign_for_one_bit_to_emit(duration_s, tau_s, exponent):
+def test_unfiltered_one_bit_drive_ends_at_positive_voltage(duration_s, tau_s, exponent):
     """The response to a pulse begins with 0 exactly: the last sample of an unfiltered drive is +V in every channel."""
     screen = replace(A4_PROTOTYPE, attenuation=Attenuation(tau_s, exponent=exponent))
     h = impulse_responses(screen, [FOCUS], **(TIMING | {"duration_s": duration_s}))
@@ -141,7 +141,7 @@ def test_focus_on_a_held_edge_or_corner_is_refused(boundary, place):
 
 
 @pytest.mark.parametrize(("boundary", "power"), [("SSSS", 1), ("SFSF", 1), ("CCCC", 2)])
-def test_a_focus_beside_a_held_edge_falls_with_the_distance_or_its_square(boundary, power):
+def test_focus_amplitude_falls_near_held_edge(boundary, power):
     screen = replace(A4_PROTOTYPE, plate=replace(A4_PROTOTYPE.plate, boundary=boundary))
     places = [(distance_m, 0.093) for distance_m in (1e-6, 1e-5, 1e-4)]
     h = impulse_responses(screen, places, rate_hz=20e3, duration_s=2e-3, f_max_hz=4e3)
@@ -171,7 +171,7 @@ def test_matrix_product_field_is_the_sum_over_modes(boundary):
     assert modes.field(amplitude, x, y) == pytest.approx(summed.reshape(2, 13, 9), abs=1e-12 * np.abs(summed).max())
 
 
-def test_movie_meets_the_matrix_product_during_and_after_the_drive(learnt):
+def test_movie_matches_matrix_product_throughout(learnt):
     signal = drive(learnt.at_point(0), 30.0)
     instants = [10, 400, 799, 900]
     history = modal_history(A4_PROTOTYPE, signal, instants, F_MAX_HZ)
@@ -183,14 +183,14 @@ def test_movie_meets_the_matrix_product_during_and_after_the_drive(learnt):
     assert np.abs(frames[2]).max() > 0
 
 
-def test_a_movie_of_the_beginning_plays_the_beginning_of_the_drive(learnt):
+def test_early_movie_plays_start_of_drive(learnt):
     signal = drive(learnt.at_point(0), 30.0)
     (column,) = modal_history(A4_PROTOTYPE, signal, [150], F_MAX_HZ).T
     expected = modal_amplitudes(A4_PROTOTYPE, signal, 150, F_MAX_HZ)
     assert column == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
 
 
-def test_what_is_emitted_is_the_convolution_of_drive_and_response():
+def test_emitted_signal_is_convolution_of_drive_and_response():
     rng = np.random.default_rng()
     h = Responses(rng.normal(size=(2, 3, 37)), 1e3)
     signal = Signal(rng.normal(size=(3, 21)), 1e3, "V")
@@ -206,7 +206,7 @@ def test_band_limited_responses_have_nothing_outside(learnt):
     assert power[(f < 1.5e3) | (f > 20.5e3)].max() < 1e-4 * power.max()
 
 
-def test_a_band_holds_its_ends_and_rises_over_its_flanks():
+def test_band_rises_over_its_flanks():
     band = Band(2e3, 6e3, 1e3)
     f = np.array([1999.0, 2e3, 2.5e3, 3e3, 5e3, 5.25e3, 6e3, 6001.0])
     assert band.at(f).real == pytest.approx([0, 0, 0.5, 1, 1, (1 + math.sqrt(0.5)) / 2, 0, 0], abs=1e-12)
@@ -223,7 +223,7 @@ def test_the_inaudible_part_goes_up_to_the_nyquist_frequency():
     assert power[f < 15e3].max() < 0.02
 
 
-def test_audible_filter_costs_hardly_any_amplitude_and_drops_the_audible_part(learnt):
+def test_audible_filter_keeps_amplitude_and_removes_audible_part(learnt):
     h = impulse_responses(A4_PROTOTYPE, [FOCUS], rate_hz=200e3, duration_s=7e-3, f_max_hz=60e3)
     quiet = inaudible(h, 20e3)
     f = np.fft.rfftfreq(h.n_samples, 1 / h.rate_hz)

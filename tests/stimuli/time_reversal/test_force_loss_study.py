@@ -48,7 +48,7 @@ def asked(task, answers):
     raise AssertionError(requests)
 
 
-def test_a_measurement_presses_then_asks_for_the_reading_and_gives_it_as_a_level():
+def test_measurement_requests_press_then_reading():
     requests, outcome = asked(Measurement(), [Touched(0.0, 20.0, "x"), Rated(6900.0, 1.0, 0.5)])
     assert [type(request) for request in requests] == [Press, Enter]
     (reply,) = outcome.replies
@@ -57,7 +57,7 @@ def test_a_measurement_presses_then_asks_for_the_reading_and_gives_it_as_a_level
     assert reply.level_measured == pytest.approx(20 * np.log10(6.9), abs=1e-6)
 
 
-def test_a_contact_that_slips_is_not_read():
+def test_measurement_is_invalid_when_contact_slips():
     requests, outcome = asked(Measurement(), [Touched(0.0, 20.0, "x", valid=False)])
     assert len(requests) == 1
     assert not outcome.valid
@@ -130,19 +130,19 @@ def loss(rows, contactor, place):
     return {force_n: float(np.mean(each)) for force_n, each in sorted(by_force.items())}
 
 
-def test_every_cell_is_measured_as_often_as_the_study_says(rows):
+def test_every_cell_is_measured_as_stated(rows):
     valid = [row for row in rows if row.valid]
     assert len(valid) == 5 * 2 * 5 * 3
     assert all(row.task == "measurement" and row.level_measured is not None for row in valid)
 
 
-def test_the_finger_takes_what_the_thesis_measured(rows):
+def test_finger_loss_matches_thesis(rows):
     """Up to 30 % at the focus, 6 % elsewhere, with a force that is held within 30 %."""
     assert 0.22 <= loss(rows, "finger", "F")[2.0] <= 0.37
     assert 0.02 <= loss(rows, "finger", "P1")[2.0] <= 0.09
 
 
-def test_each_reading_is_that_of_the_force_that_was_held(rows):
+def test_reading_matches_model_at_held_force(rows):
     signal = FocusTrain().at(20.0)
     for row in [row for row in rows if row.valid][::10]:
         kind, _, size = row.factors["contactor"].partition(" ")
@@ -160,7 +160,7 @@ def test_more_force_takes_more(rows, contactor, place):
     assert found[0.1] < found[1.0] < found[4.0]
 
 
-def test_at_the_focus_a_contact_takes_more_than_elsewhere(rows):
+def test_contact_loss_is_largest_at_focus(rows):
     for contactor in ("finger", "soft 5 mm", "soft 10 mm", "rigid 5 mm", "rigid 10 mm"):
         assert loss(rows, contactor, "F")[2.0] > loss(rows, contactor, "P1")[2.0]
 

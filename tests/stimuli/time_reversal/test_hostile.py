@@ -1,6 +1,6 @@
-"""Every public function and class of time reversal, one argument at a time replaced by what does not belong there.
+"""Invalid values for one argument at a time of every public callable.
 
-What comes back is finite, or one sentence: no NaN, no warning, no traceback of Python's or numpy's own.
+The result is finite or an error of one sentence, without warnings or tracebacks.
 """
 
 import importlib
@@ -34,30 +34,28 @@ import tactometry.stimuli.time_reversal as room
 from tactometry.errors import TactometryError
 from tactometry.stimuli.composition.effect import Effect
 from tactometry.stimuli.time_reversal import (
-    Analogue,
-    Attenuation,
-    Contactor,
     DiscPatch,
     Fingertip,
     Glass,
-    OneBit,
-    Patch,
     Pattern,
-    PlateLoad,
-    PointForce,
-    PulseWidth,
-    SigmaDelta,
     Target,
     TimeReversalSensation,
     TimeReversalStimulus,
 )
 from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.filters import Butterworth
+from tactometry.stimuli.time_reversal.finger import Contactor
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
+from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.focusing.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
-from tactometry.stimuli.time_reversal.responses.load import SprungMass
+from tactometry.stimuli.time_reversal.responses.load import PlateLoad, SprungMass
+from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.glass_panel import GlassPanel
+from tactometry.stimuli.time_reversal.screen.transducer import Patch, PointForce
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
 HOSTILE: Mapping[str, Any] = {

@@ -1,4 +1,4 @@
-"""Impulse responses learnt from sweeps and sequences: exact without noise, and good enough to focus with it."""
+"""Impulse responses learnt from sweeps and sequences."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def plate():
 
 
 def recorded(plate, excitation, voltage_v, noise_db, rng):
-    """What a vibrometer gives while each channel of the plate is driven alone, with noise below its rms by so much."""
+    """Record each channel, with noise `noise_db` below its rms."""
     clean = np.array([np.convolve(voltage_v * excitation.samples, h) for h in plate.samples[0]])
     noise = (
         rng.standard_normal(clean.shape) * np.sqrt(np.mean(clean**2, axis=1, keepdims=True)) * 10 ** (noise_db / -20)
@@ -46,7 +46,7 @@ def recorded(plate, excitation, voltage_v, noise_db, rng):
 
 
 @pytest.mark.parametrize("excitation", EXCITATIONS.values(), ids=EXCITATIONS)
-def test_responses_learnt_at_40_db_focus_within_5_percent_of_the_true_ones(plate, excitation):
+def test_responses_learnt_at_40_db_focus_accurately(plate, excitation):
     heard = recorded(plate, excitation, 10.0, 40.0, np.random.default_rng(20261121))
     learned = learn(10.0 * excitation.samples, heard, RATE_HZ, duration_s=DURATION_S)
     true = Responses(plate.samples[:, :, : learned.n_samples], RATE_HZ)
@@ -134,7 +134,7 @@ def test_learnt_responses_are_kept_with_where_they_come_from(tmp_path, plate):
     assert read_provenance(path) == {"measured_by": "ZG", "excitation": "sweep", "voltage_v": 10.0}
 
 
-def test_a_file_that_says_nothing_of_where_it_comes_from_is_named(tmp_path):
+def test_file_without_provenance_is_refused_by_name(tmp_path):
     (tmp_path / "torn.npz").write_bytes(b"PK\x03\x04")
     for name in ("none.npz", "torn.npz"):
         with pytest.raises(InvalidFile, match=f"{name}: cannot be read .*expected"):
@@ -153,6 +153,6 @@ def test_a_file_that_says_nothing_of_where_it_comes_from_is_named(tmp_path):
         (lambda: sequence(1, rate_hz=1e3), "sequence.order: found 1"),
     ],
 )
-def test_what_cannot_be_learnt_from_is_refused(call, message):
+def test_learning_refuses_invalid_input(call, message):
     with pytest.raises(InvalidParameter, match=message):
         call()

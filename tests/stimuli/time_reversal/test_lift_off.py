@@ -1,4 +1,4 @@
-"""A finger that the plate throws off, beside its equations of motion with events."""
+"""Lift-off from the plate, against equations of motion with events."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ RATE_HZ = 400e3
 
 
 @pytest.mark.parametrize("finger", [Fingertip(), Fingertip(stiffness_n_per_m=2e3)], ids=["damper", "damper and spring"])
-def test_a_finger_that_lifts_off_is_that_of_its_events(finger):
+def test_lift_off_matches_event_based_solution(finger):
     plate, skin, n_events = by_events(finger, 0.5, RATE_HZ)
     found = one_sided_contact(SMALL, AT, free_m(RATE_HZ), RATE_HZ, TO_HZ, 0.5, finger)
     assert n_events >= 3
@@ -34,7 +34,7 @@ def test_a_finger_that_lifts_off_is_that_of_its_events(finger):
     assert found.skin_m == pytest.approx(skin, abs=2e-4 * largest)
 
 
-def test_a_finger_that_is_pressed_hard_is_the_linear_one():
+def test_hard_pressed_finger_matches_linear_contact():
     finger = replace(Fingertip(), exponent=0.0)
     found = one_sided_contact(SMALL, AT, free_m(RATE_HZ), RATE_HZ, TO_HZ, 1e3, finger)
     sampling = {"rate_hz": RATE_HZ, "duration_s": DURATION_S, "f_max_hz": TO_HZ}

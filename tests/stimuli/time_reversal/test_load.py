@@ -139,7 +139,7 @@ def test_pinned_contacts_that_coincide_are_refused():
     exact_case("two rigid contacts at one place", against="refusal")
 
 
-def test_a_pin_in_the_time_domain_holds_its_point_and_coinciding_pins_are_refused():
+def test_pin_holds_its_point_and_duplicates_are_refused():
     pin = PlateLoad(0.2, 0.13, stiffness_n_per_m=math.inf)
     both = loaded_responses(screen(), [(0.2, 0.13), FOCUS], [pin], **SAMPLING)
     held, free = band_limited(both, Band(0.0, 10e3, 500.0)).samples[:, :, 20:-20]
@@ -284,7 +284,7 @@ def test_bigger_soft_contactors_take_more():
     assert np.all(np.diff(losses) > 0)
 
 
-def test_a_contactor_is_seven_equal_dampers_and_a_rigid_one_a_tip_at_its_centre_too():
+def test_contactor_has_seven_dampers_and_a_rigid_tip():
     """Resistance by area, six of the points on 2/3 of the radius; a mass and a Hertz stiffness, both whole."""
     soft, rigid = (Contactor(kind, 5e-3).loads(A4_SCREEN, FOCUS, 0.5) for kind in ("soft", "rigid"))
     assert rigid[:-1] == soft
@@ -302,7 +302,7 @@ def test_all_of_a_finger_grows_with_the_root_of_its_force():
     assert (load.resistance_n_s_per_m, load.mass_kg, load.stiffness_n_per_m) == (5.0, 2e-4, 150.0)
 
 
-def test_the_loss_after_relearning_is_the_ratio_of_the_sums_of_both_responses():
+def test_loss_after_relearning_is_ratio_of_response_sums():
     """1 bit: each drive makes V times the sum of |h| of the plate that it was learnt on."""
     focus, at = PAIRS[1]
     loads = [Fingertip().load(at)]

@@ -154,7 +154,7 @@ def test_inspection_finds_clipping_silence_and_noise(recorded):
     assert found.noisy == ((1, 7),)
 
 
-def test_a_slow_peak_and_a_peak_that_comes_again_are_not_clipped():
+def test_slow_and_repeated_peaks_are_not_clipped():
     t = np.arange(400) / 400
     slow = np.exp(-6 * t) * np.sin(2 * np.pi * 3 * t)
     again = np.where(np.arange(400) % 2 == 0, 1.0, 0.2) * (np.arange(400) < 40)
@@ -198,7 +198,7 @@ def test_short_responses_without_noise_are_sound(n_taus):
     assert inspect(record_of(3.5e-3, n_taus, -math.inf, np.random.default_rng())).sound
 
 
-def test_a_floor_that_all_pairs_share_is_found():
+def test_inspection_finds_noise_floor_common_to_all_pairs():
     assert len(inspect(record_of(3.5e-3, 8, -3.0, np.random.default_rng())).noisy) > 16
 
 
@@ -211,7 +211,7 @@ def test_tau_of_a_silent_or_short_response_is_refused():
         tau_s(np.ones(1000), 1e3)
 
 
-def test_the_sign_of_a_correlated_waveform_finds_the_root_of_its_share_of_power():
+def test_sign_correlation_gives_root_of_power_share():
     """Gaussian x and y of correlation r: <x sign(y)> = r <|x|>."""
     rng = np.random.default_rng()
     x, other = rng.normal(size=(2, 400_000))
@@ -235,6 +235,6 @@ def test_bad_input_is_refused_in_one_sentence(recorded, call, message):
 
 
 @pytest.mark.parametrize("n_taus", [2.0, 5.0, 20.0, 60.0, 300.0])
-def test_tau_of_a_clean_decay_does_not_depend_on_the_length_of_its_record(n_taus) -> None:
+def test_tau_is_independent_of_record_length(n_taus) -> None:
     t_s = np.arange(round(n_taus * 4e-3 * 1e5)) / 1e5
     assert tau_s(np.exp(-t_s / 4e-3) * np.sin(1e4 * t_s), 1e5) == pytest.approx(4e-3, rel=0.02)

@@ -128,7 +128,7 @@ def test_envelopes():
     assert Table((0.0, 1.0)).at(np.array([0.25])) == 0.25
 
 
-def test_an_envelope_is_taken_at_the_middle_of_the_place_of_each_focus():
+def test_envelope_is_sampled_at_middle_of_each_focus():
     assert Pattern(200.0, 20e-3, Table((0.0, 1.0))).weights == pytest.approx(np.array([1, 3, 5, 7]) / 7)
     for envelope in (Sinc(), RaisedCosine()):
         weights = Pattern(200.0, 50e-3, envelope).weights
@@ -152,7 +152,7 @@ def test_stimulus_delivers_its_level(focus, name, quantiser):
     assert signal.peak == pytest.approx(stimulus.voltage_v(2e-6), rel=1e-12)
 
 
-def test_the_level_is_that_of_the_largest_focus_also_where_it_is_a_negative_one():
+def test_level_is_amplitude_of_largest_negative_focus():
     h = Responses(1e-9 * np.array([[[3.0, -2.0, 1.0]]]), 1e3)
     pattern = Pattern(50.0, 0.04, Table((0.6, -1.0)))
     stimulus = TimeReversalStimulus(h, pattern)

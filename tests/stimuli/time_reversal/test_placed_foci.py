@@ -108,7 +108,7 @@ def test_foci_from_responses_that_were_learnt_at_all_places():
         measured(foci("middle"), learnt.at_point(1))
 
 
-def test_a_board_that_switches_makes_foci_at_once():
+def test_switched_supply_makes_simultaneous_foci():
     stimulus = foci("index + thumb", supply_v=400.0)
     signal = stimulus.at(20.0)
     assert set(np.unique(np.abs(signal.samples))) == {0.0, 400.0}

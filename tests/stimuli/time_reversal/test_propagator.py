@@ -53,7 +53,7 @@ def test_one_step_is_exact(case):
     )  # fmt: skip
 
 
-def test_tau_of_a_nanosecond_creeps_to_the_static_deflection_as_its_two_poles_say():
+def test_nanosecond_tau_creeps_as_its_poles_predict():
     """q = (1 - (p2 e^(p1 t) - p1 e^(p2 t)) / (p2 - p1)) / w^2 under a constant force; p1 is 1e-8 of p2."""
     mp.dps = 60
     omega, decay = CASES["tau of 1 ns"]

@@ -191,7 +191,7 @@ def test_small_patch_is_a_disc_of_the_same_area():
     assert square == pytest.approx(disc, rel=1e-5, abs=1e-6 * np.abs(disc).max())
 
 
-def test_patch_drive_has_a_flat_displacement_spectrum_and_point_force_falls_with_frequency():
+def test_patch_spectrum_is_flat_unlike_point_force():
     modes = modes_of(A4_SCREEN, 50e3)
     omega = modes.angular_frequency_rad_per_s
     patch = Patch(0.1, 0.08, 2e-3, 2e-3, 1.0).modal_force(modes) / omega
@@ -213,7 +213,7 @@ def test_transducer_as_large_as_the_plate_is_the_exact_integral():
     ).all()
 
 
-def test_border_begins_half_a_step_from_a_corner_and_goes_round_in_equal_steps():
+def test_border_places_patches_in_equal_steps():
     n, (a, b) = 10, (0.297 - 0.024, 0.21 - 0.024)
     patches = border(A4_SCREEN, n)
     assert (patches[0].x_m, patches[0].y_m) == pytest.approx((12e-3 + (a + b) / n, 12e-3))
@@ -221,7 +221,7 @@ def test_border_begins_half_a_step_from_a_corner_and_goes_round_in_equal_steps()
     assert steps == pytest.approx([2 * (a + b) / n] * (n - 1))
 
 
-def test_responses_cannot_be_written_to_and_a_choice_of_channels_keeps_its_points():
+def test_responses_are_read_only_and_select_channels():
     h = Responses(np.arange(24.0).reshape(2, 3, 4), 1e3)
     with pytest.raises(ValueError, match="read-only"):
         h.samples[0, 0, 0] = 1.0
@@ -321,6 +321,6 @@ def test_the_static_residual_is_on_sample_0_alone():
 
 
 @pytest.mark.parametrize("keywords", [{"static_to_hz": 5e3}, {"static_to_hz": 1e5, "quantity": "velocity"}])
-def test_a_static_residual_that_cannot_be_is_refused(keywords):
+def test_invalid_static_residual_is_refused(keywords):
     with pytest.raises(InvalidParameter, match=r"^static_to_hz: found"):
         impulse_responses(STATIC_SCREEN, STATIC_POINTS, rate_hz=50e3, duration_s=1e-3, f_max_hz=1e4, **keywords)

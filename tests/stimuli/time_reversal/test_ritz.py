@@ -152,7 +152,7 @@ def test_rigid_body_modes_are_zero_hertz_and_flat():
 
 
 def test_a_mode_just_below_the_highest_frequency_is_there():
-    """By more than the 1e-8 that separate the frequencies of two bases."""
+    """Two bases differ in frequency by 1e-8."""
     frequency_hz = float(plate("FFFF").frequencies_hz(300.0)[5])
     assert len(plate("FFFF").frequencies_hz(frequency_hz * (1 + 1e-7))) == 6
 
@@ -208,7 +208,6 @@ def test_basis_meets_its_edge_conditions():
 
 @pytest.mark.parametrize("edges", ["FF", "SS", "CF"])
 def test_integrals_of_the_basis_over_a_side_are_exact_at_degree_60(edges):
-    """Of a function, the first Legendre coefficient; of its curvature, the change of its slope."""
     for family in families(2.0, edges, 60):
         axis = family.axis
         assert axis.integral(0.0, 2.0)[:, 0] == pytest.approx(np.sqrt(2) * axis.function[:, 0], abs=1e-12)

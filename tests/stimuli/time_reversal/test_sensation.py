@@ -1,4 +1,4 @@
-"""What a finger feels of foci, and the stimuli of study files that make them."""
+"""Sensation of foci, and time-reversal stimuli of study files."""
 
 from dataclasses import replace
 
@@ -55,7 +55,7 @@ def test_the_level_is_the_unloaded_amplitude_of_the_focus():
     assert heard[drive.samples.shape[1] - 1] == pytest.approx(7e-6, rel=1e-12)
 
 
-def test_a_focus_of_the_reference_amplitude_is_at_threshold_with_hardly_a_finger():
+def test_reference_focus_is_at_threshold_with_light_touch():
     assert felt_db(20.0) == pytest.approx(0.0, abs=1e-3)
 
 
@@ -65,7 +65,7 @@ def test_the_sensation_level_rises_as_the_level_does(level, higher_by):
     assert felt_db(level + higher_by, 1.0) - felt_db(level, 1.0) == pytest.approx(higher_by, abs=1e-9)
 
 
-def test_a_finger_of_two_newtons_on_the_prototype_costs_what_the_thesis_measured():
+def test_two_newton_finger_loss_matches_thesis():
     setup = Setup()
     free, pressed = (
         loaded(setup).sensation_db(FocusTrain(setup, f_max_hz=25e3).at(20.0), Contact(force_n))
@@ -82,7 +82,7 @@ def test_more_force_on_a_loaded_plate_never_adds_sensation(forces_n):
 
 
 def test_a_focus_of_the_reference_amplitude_is_at_threshold_under_every_force():
-    """As the thesis found; science note 5.3 keeps an effect of force as an option."""
+    """The thesis found no effect; science note 5.3 keeps a force effect optional."""
     drive = train().at(20.0)
     felt = felt_by(TimeReversalSensation(SMALL))
     assert felt.sensation_db(drive, Contact(3.0)) == pytest.approx(0.0, abs=1e-3)
@@ -150,12 +150,12 @@ def test_drives_of_a_pattern_do_not_overlap_unless_asked_to():
     assert train(pattern="P4", reversal_s=5e-3).emission_s == 5e-3
 
 
-def test_a_train_at_the_best_frequency_of_touch_is_felt_more_than_one_focus():
+def test_train_at_250_hz_feels_strongest():
     slow, best, fast = (felt_amplitude_m(np.arange(25) / f_hz, np.ones(25)) for f_hz in (40, 250, 600))
     assert best > 1.1 * max(slow, fast)
 
 
-def test_two_foci_half_a_millisecond_apart_are_nearly_one_to_a_sense_that_is_best_at_250_hz():
+def test_foci_half_a_millisecond_apart_add_up():
     assert felt_amplitude_m([0.0, 0.5e-3], [1.0, 1.0]) > 1.7
     assert felt_amplitude_m([0.0, 2e-3], [1.0, 1.0]) == 1.0
 
@@ -176,7 +176,7 @@ def test_side_lobes_of_an_envelope_are_events_and_reverberation_is_none():
     assert len(peaks_m) <= len(at) + 6  # of noise 1 is expected, 7 are so with a probability of 1e-4
 
 
-def test_of_reverberation_alone_the_largest_peak_is_felt():
+def test_only_largest_peak_of_reverberation_is_felt():
     course = np.random.default_rng(16).uniform(-1.0, 1.0, 5000)
     _, peaks_m = events(course, 100e3)
     assert peaks_m.tolist() == [np.abs(course).max()]
@@ -213,13 +213,13 @@ def test_peaks_are_those_of_scipy(x, scale, height, apart):
     np.testing.assert_array_equal(peaks(signal, scale * height, apart), expected)
 
 
-def test_a_setup_gives_its_shear_factor_and_the_place_of_its_patches_to_the_screen():
+def test_setup_passes_shear_factor_and_inset_to_screen():
     screen = replace(SMALL, shear_factor=5 / 6, inset_m=20e-3).screen
     assert screen.shear_factor == 5 / 6
     assert min(min(patch.x_m, patch.y_m) for patch in screen.sources) == pytest.approx(20e-3)
 
 
-def test_responses_are_heard_for_60_db_and_at_least_as_long_as_they_are_learnt():
+def test_heard_duration_covers_60_db_and_learnt_duration():
     short = replace(SMALL, tau_s=1e-4)
     assert short.heard_s == short.learnt_s == short.learnt().duration_s == 7e-3
     assert SMALL.heard_s == pytest.approx(np.log(1000) * SMALL.tau_s)
@@ -233,7 +233,7 @@ def test_events_are_timed_to_the_sample():
 
 @given(st.lists(st.floats(1e-9, 1e-3), min_size=1, max_size=30), st.floats(100, 900))
 @settings(deadline=None)
-def test_a_train_is_never_weaker_than_its_largest_focus_nor_stronger_than_their_sum(peaks_m, repetition_hz):
+def test_train_amplitude_lies_between_largest_and_sum(peaks_m, repetition_hz):
     times_s = np.arange(len(peaks_m)) / repetition_hz
     assert max(peaks_m) <= felt_amplitude_m(times_s, peaks_m) <= sum(peaks_m) * (1 + 1e-12)
 
@@ -249,11 +249,11 @@ def test_a_named_drive_is_its_quantiser(name):
 
 
 @pytest.mark.parametrize("name", ["rectangular", "raised_cosine", "exponential", "sinc"])
-def test_a_named_envelope_is_the_class_of_that_name(name):
+def test_envelope_name_selects_its_class(name):
     assert type(train(pattern="P1", envelope=name).foci.envelope).__name__ == name.title().replace("_", "")
 
 
-def test_measured_responses_of_the_model_need_its_voltage_also_where_less_is_reversed_than_learnt():
+def test_measured_responses_need_same_voltage_with_short_reversal():
     short = train(reversal_s=3e-3)
     assert measured(short, SMALL.responses_at(*SMALL.focus_m)).voltage_v(0.0) == short.voltage_v(0.0)
 
@@ -293,7 +293,7 @@ def test_stimulus_and_sensation_are_built_from_tables():
         ({"pattern": "P1", "duration_s": 0.04}, "FocusTrain.duration_s: found 0.04, shorter than the 0.05 s"),
     ],
 )
-def test_a_train_that_cannot_be_is_refused_in_one_sentence(changes, sentence):
+def test_invalid_train_is_refused_in_one_sentence(changes, sentence):
     with pytest.raises(InvalidParameter) as caught:
         train(**changes)
     assert str(caught.value).startswith(sentence)
@@ -311,7 +311,7 @@ def test_a_train_that_cannot_be_is_refused_in_one_sentence(changes, sentence):
         ({"modes_to_hz": 30e3}, "Setup.modes_to_hz: found 30000.0, expected at most half of rate_hz, 25000.0"),
     ],
 )
-def test_a_setup_that_cannot_be_is_refused_in_one_sentence(changes, sentence):
+def test_invalid_setup_is_refused_in_one_sentence(changes, sentence):
     with pytest.raises(InvalidParameter) as caught:
         replace(SMALL, **changes)
     assert str(caught.value).startswith(sentence)

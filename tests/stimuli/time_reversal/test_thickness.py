@@ -20,7 +20,7 @@ def among(target, plate=A4_SCREEN, transducers=SMALL, thicknesses_m=SHEETS_M):
     return sheets(plate, transducers, BAND, TAU_S, target, thicknesses_m)
 
 
-def test_a_plate_that_will_do_is_kept():
+def test_best_sheet_keeps_plate_that_meets_target():
     assert best_sheet(among(Target(contrast=20.0)), 1.1e-3).thickness_m == 1.1e-3
 
 
@@ -33,7 +33,7 @@ def test_more_contrast_than_the_plate_holds_gets_the_nearest_thinner_sheet():
     assert recommend(A4_SCREEN, SMALL, BAND, TAU_S, Target(contrast=28.0)).unreachable
 
 
-def test_a_plate_that_a_finger_overstresses_gets_the_nearest_thicker_sheet():
+def test_overstressed_plate_gets_nearest_thicker_sheet():
     thin = BOROFLOAT_33.plate(0.297, 0.21, 0.3e-3, "SSSS")
     best = best_sheet(among(Target(), thin), 0.3e-3)
     assert best.thickness_m == 0.5e-3
@@ -48,7 +48,7 @@ def test_stress_and_deflection_of_a_sheet_are_those_of_the_plate():
         assert sheet.deflection_m == pytest.approx(bent_m, rel=1e-12)
 
 
-def test_what_no_sheet_reaches_is_said_for_the_one_that_misses_least():
+def test_best_sheet_lists_unreachable_targets():
     found = among(Target(resolution_m=6e-3, amplitude_m=10e-6), transducers=Transducers())
     best = best_sheet(found, 1.1e-3)
     assert len(best.unreachable) == min(len(each.unreachable) for each in found) == 1
