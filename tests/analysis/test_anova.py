@@ -1,4 +1,4 @@
-"""Repeated-measures analysis of variance: published values, invariances, and a refusal for what has no answer."""
+"""Tests of repeated-measures ANOVA: published values and invariances."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""Sentences made from numbers, and the assumptions that are printed with them."""
+"""Tests of the sentences of results and of printed assumption checks."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""AttrakDiff: published scores, consistency, word pairs, portfolio, comparisons of patterns, refusals."""
+"""Tests of AttrakDiff scores, consistency, portfolio and comparisons."""
 
 import re
 from pathlib import Path

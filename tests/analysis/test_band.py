@@ -1,4 +1,4 @@
-"""The band of a psychometric function: against the fit, and against what many answers settle."""
+"""Tests of the posterior band of a psychometric function."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,6 @@
-"""Operating characteristics of the statuses, reduced; in full in the soak, and in docs/reference/analysis.md.
+"""Tests of operating characteristics of statuses, at reduced size.
+
+The soak runs them in full; results are in docs/reference/analysis.md.
 
 Tolerances are the numbers' own standard errors at 1e-4. Chances of settings differ: a mean of chances below a bound has
 at most the binomial's variance at the bound.
@@ -56,7 +58,7 @@ def test_outer_thresholds_are_seldom_ok(outcomes, n_trials) -> None:
 @pytest.mark.parametrize("n_trials", [30, *MANY])
 @pytest.mark.parametrize("chosen", ["ok", "all"])
 def test_intervals_contain_the_truth(outcomes, chosen, n_trials) -> None:
-    """At least 93.5 %; few trials have more (the docs say why)."""
+    """Coverage is at least 93.5 %; that of few trials is higher (see docs)."""
     some = outcomes[outcomes["n_trials"] == n_trials]
     some = some[some["status"] == Status.OK] if chosen == "ok" else some
     missed = (~some["true_db"].between(some["low_db"], some["high_db"])).sum()
@@ -69,7 +71,7 @@ def test_few_inner_thresholds_are_flat(outcomes) -> None:
 
 
 def test_mode_of_constant_stimuli_is_nearly_unbiased() -> None:
-    """0.1 of its standard deviation, at six levels of 40 trials."""
+    """Bias is within 0.1 standard deviations at six levels of 40 trials."""
     rng, n_sets, levels = np.random.default_rng(), 4000 if SOAK else 300, np.linspace(-2.5, 2.5, 6)
     curve = PsychometricFunction("normal", 0.3, 4.0, 0.5, 0.02)
     n_yes = rng.binomial(40, [curve.probability(float(x)) for x in levels], (n_sets, 6))
@@ -80,7 +82,7 @@ def test_mode_of_constant_stimuli_is_nearly_unbiased() -> None:
 
 
 def test_adaptive_estimates_are_within_quarter_standard_deviation(outcomes) -> None:
-    """Except QUEST, which stays at one level (docs)."""
+    """QUEST is excluded, as it stays at one level (see docs)."""
     adaptive = outcomes[(outcomes["place"] == INSIDE) & ~outcomes["procedure"].isin(("QUEST", "constant stimuli"))]
     longest = adaptive[adaptive["n_trials"] == adaptive["n_trials"].max()]
     (found,) = summary(longest, ["place"]).itertuples()
@@ -91,7 +93,7 @@ def test_adaptive_estimates_are_within_quarter_standard_deviation(outcomes) -> N
     "design", [design for design in estimates.DESIGNS if design.task.told], ids=lambda each: each.name
 )
 def test_forced_choice_estimates_reach_their_goal_with_lapses(design) -> None:
-    """With 2 % lapses and a normal truth, which the fitted shape is not."""
+    """The truth is normal with 2 % lapses; the fitted shape differs."""
     n_sets = 1000 if SOAK else 60
     tables = estimates.outcomes_of(
         n_sets, np.random.default_rng(), designs=[design], lapse_rates=[0.02], truths=["normal"]
@@ -102,7 +104,7 @@ def test_forced_choice_estimates_reach_their_goal_with_lapses(design) -> None:
 
 
 def test_docs_have_the_tables_of_the_benchmark(outcomes) -> None:
-    """Heads, rows and numbers of tracks."""
+    """Compare heads, rows and numbers of tracks."""
     status_table = benchmark_module("bias_study").status_table
     docs = (ROOT / "docs" / "reference" / "analysis.md").read_text("utf-8")
     n_sets = int(re.search(r"python benchmarks/bias_study.py statuses --n (\d+)", docs)[1])

@@ -1,4 +1,4 @@
-"""Ranks of truths drawn from the prior are uniform in their posteriors."""
+"""Tests of simulation-based calibration of fits."""
 
 import numpy as np
 import pytest

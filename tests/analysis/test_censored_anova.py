@@ -1,4 +1,4 @@
-"""Analysis of variance of bounds: the analysis of variance where nothing is censored, integrals, recovery, refusals."""
+"""Tests of ANOVA with bounds against ANOVA, integrals and truths."""
 
 import re
 from itertools import product

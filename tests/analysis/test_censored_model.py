@@ -1,4 +1,4 @@
-"""Mixed models of censored values: restricted likelihood if none is, integrals in extended precision, recovery."""
+"""Tests of censored mixed models against exact likelihoods and truths."""
 
 from dataclasses import replace
 from itertools import product
@@ -70,7 +70,7 @@ def test_censored_likelihood_equals_mpmath_integral() -> None:
     sd, own = (float(np.sqrt(v * 2 / 3)) for v in (found.residual_variance, found.participant_variance))
     means = dict(zip((0.5, 1.0, 2.0), beta[0] + np.array([0.0, *beta[1:]]), strict=True))
 
-    def of_aof_value(row, u):
+    def probability_of(row, u):
         mean = means[row.force_n] + own * u
         if not np.isnan(row.y):
             return mpmath.npdf(row.y, mean, sd)
@@ -81,7 +81,7 @@ def test_censored_likelihood_equals_mpmath_integral() -> None:
         total = mpmath.mpf(0)
         for _, part in table.groupby("who"):
             rows = list(part.itertuples())
-            integrand = lambda u, rows=rows: mpmath.npdf(u) * mpmath.fprod(of_aof_value(row, u) for row in rows)  # noqa: E731
+            integrand = lambda u, rows=rows: mpmath.npdf(u) * mpmath.fprod(probability_of(row, u) for row in rows)  # noqa: E731
             total += mpmath.log(mpmath.quad(integrand, [-9, -4, -1.5, 0, 1.5, 4, 9]))
     hard_case("likelihood of censored values", found.log_likelihood, float(total), 1e-8, against="25 digits")
 

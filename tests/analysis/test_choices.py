@@ -1,4 +1,4 @@
-"""Same-different and paired preferences: published values, known observers, what has no answer."""
+"""Tests of same-different and preference analyses."""
 
 import numpy as np
 import pandas as pd
@@ -55,7 +55,10 @@ def test_impossible_counts_are_refused() -> None:
 
 
 def league() -> tuple[list[str], list[str], list[int]]:
-    """American League East 1987, the place of the game left out: each pair in either order alike."""
+    """American League East 1987, with home advantage left out.
+
+    Each pair occurs equally often in either order.
+    """
     wins = np.array([0 if word == "-" else int(word) for word in WINS.split()]).reshape(7, 7)
     rows = [(a, b) for i, a in enumerate(TEAMS) for j, b in enumerate(TEAMS) for _ in range(wins[i, j])]
     both = [(a, b, 1) for a, b in rows] + [(b, a, 2) for a, b in rows]
@@ -64,7 +67,10 @@ def league() -> tuple[list[str], list[str], list[int]]:
 
 
 def test_published_worths_of_baseball_teams() -> None:
-    """Agresti, Categorical Data Analysis (2002), table 10.10, against Baltimore."""
+    """Agresti (2002), Categorical Data Analysis, table 10.10.
+
+    Worths are relative to Baltimore.
+    """
     found = bradley_terry(*league())
     worth = found.worths.set_index("item")["worth"]
     against = (worth - worth["Baltimore"])[["Milwaukee", "Detroit", "Toronto", "New York", "Cleveland"]]

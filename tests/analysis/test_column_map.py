@@ -1,4 +1,4 @@
-"""Tables of other programs through a column map, and tables in every guise that a spreadsheet gives them."""
+"""Tests of column maps and of tables in spreadsheet formats."""
 
 import re
 from pathlib import Path
@@ -204,7 +204,7 @@ ROWS = st.lists(st.tuples(CODES, LEVELS, st.just("yes_no"), st.sampled_from("01"
 
 @st.composite
 def guises(draw):
-    """Bytes of a table, the map that reads it, and its rows."""
+    """Draw the bytes of a table, the map that reads it, and its rows."""
     rows = draw(ROWS)
     extra = [f"note{n}" for n in range(draw(st.integers(0, 2)))]
     order = draw(st.permutations([*COLUMNS, *extra]))

@@ -1,5 +1,7 @@
-"""Just noticeable differences of people who lapse: free or equal asymptotes, and intervals that hold the truth as
-often as they say, without lapses and with some. In full in the soak, and in docs/reference/analysis.md.
+"""Tests of just noticeable differences of participants who lapse.
+
+They cover free and equal asymptotes, and the coverage of intervals with and without lapses. The soak runs them in full;
+results are in docs/reference/analysis.md.
 
 Tolerances are the numbers' own standard errors at 1e-4.
 """
@@ -44,7 +46,7 @@ def found() -> pd.DataFrame:
 @pytest.mark.slow
 @pytest.mark.parametrize(("quantity", "least", "most"), [("difference", LEAST, MOST), ("equality", 0.93, 1.0)])
 def test_comparison_intervals_have_stated_coverage(found, quantity, least, most) -> None:
-    """For each person and for all, within the tolerance of the number of data sets."""
+    """Coverage is right for each participant and overall, within tolerance."""
     covered, n = (found["covered"] * found["n"])[quantity], found["n"][quantity]
     assert (covered >= binom.ppf(1e-4, n, least)).all()
     assert (covered <= binom.ppf(1 - 1e-4, n, most)).all()
@@ -99,7 +101,10 @@ def test_shared_and_single_grids_agree_with_sum(some) -> None:
 
 
 def test_reversed_answers_have_same_difference() -> None:
-    """More for less, and levels for their negatives: with equal asymptotes a comparison has no preferred end."""
+    """Swap "more" and "less" and negate the levels.
+
+    With equal asymptotes a comparison has no preferred end.
+    """
     n_more = np.array([1, 2, 5, 9, 16, 19, 18])
     one, other = fit(LEVELS, n_more, 20, **EQUAL), fit(LEVELS, (20 - n_more)[::-1], 20, **EQUAL)
     assert other.threshold == pytest.approx(-one.threshold, abs=1e-6)

@@ -1,4 +1,4 @@
-"""Applied force per condition, time in band, and rules of exclusion stated before the data."""
+"""Tests of applied force, time in band, and exclusion rules."""
 
 import re
 
@@ -18,7 +18,10 @@ COLUMNS += ",force_mean_n,force_sd_n,force_in_band,valid,catch"
 
 
 def trials(tmp_path, rows):
-    """Rows of participant, target, mean force, time in band, valid, catch, response, latency."""
+    """Write rows of trials.
+
+    They are participant, target, mean force, time in band, valid, catch, response and latency.
+    """
     lines = [COLUMNS]
     for n, (code, target, mean, band, valid, catch, response, latency) in enumerate(rows, 1):
         level = "" if catch else "20"
@@ -154,7 +157,10 @@ def test_exclusion_rule_names_its_missing_column(some) -> None:
 
 
 def data_set(tmp_path, analysis):
-    """A yes/no data set of two participants, one of whom says yes in every catch trial, and its study."""
+    """Write a yes/no data set of two participants, and its study.
+
+    One of them says yes in every catch trial.
+    """
     (tmp_path / "data").mkdir()
     (tmp_path / "study.toml").write_text(f'name = "s"\n{analysis}')
     rows = [

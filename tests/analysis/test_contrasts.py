@@ -1,4 +1,4 @@
-"""The exact contrasts under the analysis of variance: peers side by side, sphericity, permutations, hard cases."""
+"""Tests of ANOVA contrasts: peers, sphericity, permutations, hard cases."""
 
 import warnings
 from itertools import product
@@ -249,7 +249,10 @@ def test_permutation_test_works_when_sphericity_is_untestable() -> None:
 
 
 def false_positive_rates(n_studies: int, rng: np.random.Generator) -> np.ndarray:
-    """Share of null studies 10 x 3 x 7 that are significant at 5 %: corrected main effects, and all by permutation."""
+    """Return the shares of null studies that are significant at 5 %.
+
+    Studies have 10 x 3 x 7 values. The shares are of corrected main effects, and of all effects by permutation.
+    """
     scale = np.sqrt(np.geomspace(1, 30, 21))
     mixing = np.linalg.cholesky(0.5 * np.eye(21) + 0.5)
     hits = np.zeros(4)

@@ -1,4 +1,4 @@
-"""The figure of a participant: where its panels put levels, rates and thresholds."""
+"""Tests of the curve figure: places of levels, rates and thresholds."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Signal detection: published values (science 11.3, exact), inverses, refusals."""
+"""Tests of signal detection measures (science 11.3) and inverses."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Answers that are estimates: settings of adjustments, and numbers for magnitudes."""
+"""Tests of adjustment settings and magnitude estimates."""
 
 import csv
 from itertools import product

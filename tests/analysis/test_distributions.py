@@ -1,4 +1,4 @@
-"""Distributions, splines and rising fits against those of scipy that are slow to load."""
+"""Tests of distributions, splines and rising fits against scipy."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Figures that are drawn in other processes."""
+"""Tests of figures drawn in other processes."""
 
 from pathlib import Path
 

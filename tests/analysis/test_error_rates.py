@@ -1,4 +1,4 @@
-"""How often statistics of a group are wrong, simulated: false alarms of F, coverage of intervals.
+"""Tests of simulated error rates of F and coverage of intervals.
 
 Reduced in `make test`; in full in the soak. A tolerance is the standard error of the share at 1e-4.
 """

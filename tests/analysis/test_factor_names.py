@@ -1,4 +1,4 @@
-"""Factors may have any name but those that the columns of a table, or the analysis, keep for themselves."""
+"""Tests of reserved names of factors."""
 
 from pathlib import Path
 

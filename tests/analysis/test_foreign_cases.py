@@ -1,4 +1,4 @@
-"""Tables with the faults of other programs' files, analysed through the command with their known results."""
+"""Tests of other programs' files with defects and known results."""
 
 import json
 

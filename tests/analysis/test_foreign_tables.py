@@ -1,4 +1,4 @@
-"""Tables as PsychoPy and jsPsych write them, and what is said of a table that is not clear."""
+"""Tests of tables of PsychoPy and jsPsych and of their messages."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Frames of the screen in the quality of the data."""
+"""Tests of screen frames in the quality table."""
 
 import analysis_data
 import pandas as pd

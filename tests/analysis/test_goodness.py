@@ -1,4 +1,4 @@
-"""Goodness of fit: p is what it says where the function is true, and small where it is not."""
+"""Tests of goodness of fit: error rates and power."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""The posterior of a hierarchical model: quasi-random points, mixtures of normals, and draws of participants."""
+"""Tests of the hierarchical posterior: points, mixtures and draws."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""All participants at once: truths found again, real data, and the cases where the data say little."""
+"""Tests of hierarchical fits: truths, real data and edge cases."""
 
 import numpy as np
 import pandas as pd
@@ -38,8 +38,10 @@ N_STUDIES = 100 if SOAK else 10
 
 @pytest.mark.slow
 def test_intervals_cover_means_contrasts_and_participants() -> None:
-    """At least 93.5 %, less what chance takes once in 1e4 runs. The participants of one study share its means, so each
-    study counts once, by a participant drawn at random."""
+    """Coverage is at least 93.5 %, minus a tolerance at 1e-4.
+
+    The participants of one study share its means, so each study counts once, by a participant drawn at random.
+    """
     rng = np.random.default_rng()
     covered = {"mean": 0, "contrast": 0, "participant": 0}
     squared, alone = [], []
@@ -97,8 +99,11 @@ def test_shrinkage_grows_as_trials_decrease() -> None:
 
 # Real data
 def test_the_published_conclusion_on_real_data() -> None:
-    """Dallmann, Ernst and Moscatelli 2015: masking vibration raises the just noticeable difference, not the point of
-    equality. lme4's probit model (as in the R package MixedPsy): 8.56 (0.142) and 8.41 (0.163), 2.94 and 3.58."""
+    """Masking vibration raises the just noticeable difference only.
+
+    Dallmann, Ernst and Moscatelli 2015. The point of equality does not change. lme4's probit model (as in the R package
+    MixedPsy): 8.56 (0.142) and 8.41 (0.163), 2.94 and 3.58.
+    """
     path = SHARED / "data" / "dallmann2015_counts.csv"
     if not path.exists():
         pytest.skip("the shared folder with the data of Dallmann 2015 is absent")
@@ -200,7 +205,7 @@ def test_identical_participants_have_a_small_standard_deviation(study) -> None:
 
 
 def test_widths_of_steps_stay_finite(study) -> None:
-    """The likelihood of a varying width rises without end where answers step between levels."""
+    """The likelihood of a varying width has no maximum for step answers."""
     k = [10, 7, 10, 10, 17, 19, 20, 10, 10, 10, 9, 10, 20, 20]
     one = study[0][study[0]["participant"] == "P0"].assign(k=k)
     found = fitted(pd.concat([one.assign(participant=f"Q{i}") for i in range(5)]))
@@ -226,7 +231,7 @@ def test_interval_widens_when_lapse_rate_is_free() -> None:
 
 
 def test_two_participants_have_wide_intervals(study) -> None:
-    """Wider than those of eight by more than the root of four."""
+    """They are wider than those of eight by more than the root of four."""
     few, many = (
         fitted(study[0][study[0]["participant"].isin(names)]) for names in (["P0", "P1"], study[0]["participant"])
     )
@@ -298,7 +303,10 @@ def test_same_answers_give_the_same_bytes(study) -> None:
 
 
 def test_points_of_the_integral_hardly_move_intervals(study) -> None:
-    """Against four times as many; an error of 5 % of the length of an interval."""
+    """Compare with four times as many points.
+
+    Ends may differ by 5 % of the length of an interval.
+    """
     few, many = (fitted(study[0], n_points=n).conditions for n in (256, 1024))
     length = (many["interval_high"] - many["interval_low"]).mean()
     for end in ("interval_low", "interval_high"):
@@ -306,7 +314,7 @@ def test_points_of_the_integral_hardly_move_intervals(study) -> None:
 
 
 def test_lapse_rates_of_participants_follow_their_answers(study) -> None:
-    """One of eight misses a quarter of the easiest trials."""
+    """One of eight participants misses a quarter of the easiest trials."""
     rows = study[0].copy()
     is_easy = (rows["participant"] == "P0") & (rows["level"] == LEVELS[-1])
     rows.loc[~is_easy & (rows["level"] == LEVELS[-1]), "k"] = 20

@@ -1,4 +1,4 @@
-"""Effects and contrasts of a fit of all participants: their degrees of freedom, and what has no test."""
+"""Tests of effects and contrasts of a hierarchical fit."""
 
 from dataclasses import replace
 

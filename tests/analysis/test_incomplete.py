@@ -1,4 +1,4 @@
-"""Tables in which something is missing, doubled or edited: a right result with a warning, or one sentence."""
+"""Tests of incomplete, duplicated and edited tables."""
 
 import json
 import re

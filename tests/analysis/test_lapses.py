@@ -1,4 +1,4 @@
-"""Lapse rates of conditions, compared with each other."""
+"""Tests of the comparison of lapse rates between conditions."""
 
 import json
 

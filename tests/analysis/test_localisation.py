@@ -1,4 +1,4 @@
-"""Right answers by the distance between places, confusions, and the resolution: of counts, and of whole studies."""
+"""Tests of localisation: rates by distance, confusions and resolution."""
 
 from math import log, sqrt
 
@@ -30,7 +30,10 @@ DISTANCES_M = (0.004, 0.008, 0.012, 0.016, 0.024, 0.032)
 
 
 def answers(counts, m=2, participant="P01", force_n=1.0):
-    """Rows of so many right answers in so many trials by distance; targets in turn, the wrong answer is the next."""
+    """Return rows of answers with given numbers correct by distance.
+
+    Targets take turns; the wrong answer is the next place.
+    """
     rows = []
     for distance_m, (right, n) in counts.items():
         for k in range(n):

@@ -1,4 +1,4 @@
-"""Mixed analysis of variance: pingouin where groups are alike, regression where they are not, refusals."""
+"""Tests of mixed ANOVA against pingouin and regression."""
 
 import warnings
 
@@ -41,7 +41,7 @@ def test_groups_of_equal_size_equal_pingouin(sizes, k) -> None:
 
 
 def test_groups_of_unequal_size_weigh_alike() -> None:
-    """The mean of the group means is the intercept of a regression with codes that sum to zero."""
+    """The mean of group means equals the intercept of sum-coded regression."""
     import statsmodels.api as sm
 
     table = study((4, 9, 6), 2, np.random.default_rng())

@@ -1,4 +1,4 @@
-"""Linear mixed models: published values, closed forms of balanced designs, recovery, bounds, refusals."""
+"""Tests of linear mixed models: published values and closed forms."""
 
 import re
 import warnings
@@ -47,7 +47,10 @@ def test_published_model_with_force_as_covariate(published) -> None:
 
 
 def test_published_cell_means_model_and_its_closed_form(published) -> None:
-    """Balanced: the residual is the mean square of all errors, the variance that of the participants above it."""
+    """In a balanced design the residual variance is the error mean square.
+
+    The variance of participants is the rest of their mean square.
+    """
     found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject")
     values = np.array(PUBLISHED.split(), dtype=float).reshape(8, 3, 4)
     design = WithinDesign(values, ("force", "freq"), ((0, 1, 2), (0, 1, 2, 3)), tuple(range(8)))
@@ -69,7 +72,7 @@ def test_mixed_model_with_one_factor_equals_anova() -> None:
 
 
 def test_statsmodels_restricted_likelihood_is_nowhere_higher() -> None:
-    """And where its search ends at the maximum, the variances are alike: the covariance, not the parameter."""
+    """If its search ends at the maximum, the variances agree too."""
     from statsmodels.regression.mixed_linear_model import MixedLM
 
     rng = np.random.default_rng()

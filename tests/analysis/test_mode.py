@@ -1,4 +1,4 @@
-"""The mode of a density with several summits."""
+"""Tests of the mode of a density with several maxima."""
 
 from itertools import product
 
@@ -29,7 +29,10 @@ STEEP_WITH_LAPSES = np.array(np.meshgrid(np.linspace(-0.5, 0.5, 41), [-1.3, -1.1
     ids=str,
 )
 def test_mode_is_higher_of_two_summits(k, guess_rate) -> None:
-    """The best node of the coarse grid is shallow, by up to 16 in the logarithm, and leads to the lower summit."""
+    """The best node of the coarse grid is shallow.
+
+    Its log density is higher by up to 16, but it leads to the lower maximum.
+    """
     counts, none = normalise(*count_arrays(LEVELS, [k], 40)), np.zeros(1)
     posterior = LogPosterior(SHAPES["normal"], counts, Prior(counts.gap, None, guess_rate, none, none))
     m, v, lapse = (part.ravel() for part in STEEP_WITH_LAPSES)
@@ -46,13 +49,16 @@ def test_mode_is_higher_of_two_summits(k, guess_rate) -> None:
     [([10, 11, 9, 13, 17, 18, 19], 4.7544, 0.0), ([8, 12, 17, 16, 18, 20, 17], 2.7524, 0.0737)],
 )
 def test_mode_is_highest_over_lapse_rates(k, threshold, lapse_rate) -> None:
-    """The modes are psignifit 4.3's; of each a summit lower by 0.01 and 0.06 lies at another lapse rate."""
+    """The modes are those of psignifit 4.3.
+
+    Each has another maximum, lower by 0.01 or 0.06, at a different lapse rate.
+    """
     found = fit(range(1, 8), k, 20, shape="normal", guess_rate=0.5)
     assert (found.threshold, found.lapse_rate) == pytest.approx((threshold, lapse_rate), abs=1e-3)
 
 
 def test_modes_in_a_batch_equal_single_modes() -> None:
-    """Steep and shallow summits, in turn."""
+    """The batch alternates steep and shallow maxima."""
     k = np.array([[0, 2, 18, 19, 19, 20, 16], [0, 3, 9, 21, 30, 37, 40], [0, 0, 2, 14, 18, 24, 18]])
     counts, none = normalise(*count_arrays(LEVELS, k, 40)), np.zeros(3)
     posterior = LogPosterior(SHAPES["normal"], counts, Prior(counts.gap, None, 0.0, none, none))
@@ -109,7 +115,10 @@ def climbed_from_everywhere(posterior) -> np.ndarray:
 
 @pytest.mark.slow
 def test_highest_summit_is_found_in_irregular_sets() -> None:
-    """Against climbs from everywhere; 3 600 sets in the soak (200 of each of 18 kinds)."""
+    """Compare with climbs from a dense grid of starts.
+
+    The soak has 3 600 sets, 200 of each of 18 kinds.
+    """
     rng, n, missed = np.random.default_rng(), 200 if SOAK else 3, 0
     for kind, (levels, n_trials), guess_rate in UNRULY:
         shape = SHAPES[rng.choice(["normal", "logistic", "gumbel", "reversed_gumbel"])]

@@ -1,4 +1,4 @@
-"""Modes of very many tracks: those of a single fit, near the truth as often as their standard error says."""
+"""Tests of modes of very many tracks."""
 
 import numpy as np
 import pytest

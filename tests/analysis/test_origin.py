@@ -1,4 +1,4 @@
-"""Simulated data say so wherever they are read, and are never pooled with those of people."""
+"""Tests that simulated data are marked and never pooled with real data."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""Beta-binomial fits: published values, MATLAB psignifit's intervals, derivatives, the binomial as a limit."""
+"""Tests of beta-binomial fits: published values and derivatives."""
 
 import numpy as np
 import pytest
@@ -66,7 +66,10 @@ ONE_EACH = ("M_2AFC_norm", "M_YesNo_logistic")
     "name", [name if name in ONE_EACH else pytest.param(name, marks=pytest.mark.slow) for name in MATLAB]
 )
 def test_means_and_intervals_of_matlab_psignifit(name: str) -> None:
-    """Ends within 2 % of the interval's width; MATLAB's own are about 1 % wide on each side."""
+    """Ends agree within 2 % of the interval's width.
+
+    The error of MATLAB's ends is about 1 % on each side.
+    """
     counts, options, expected = matlab_case(name)
     found = fit(*counts, **options, overdispersion=True, estimate="mean")
     for ends, published in (
@@ -81,7 +84,10 @@ def test_means_and_intervals_of_matlab_psignifit(name: str) -> None:
 
 
 def test_psignifits_interval_of_the_published_set() -> None:
-    """Science 11.4, psignifit 4.3, solid; its printed ends are 2.3 to 5.7 % too low."""
+    """Science 11.4, psignifit 4.3.
+
+    Its printed ends are 2.3 to 5.7 % too low.
+    """
     levels = [0.0010, 0.0015, 0.0020, 0.0025, 0.0030, 0.0035, 0.0040, 0.0045, 0.0050, 0.0060, 0.0070, 0.0080, 0.0100]
     correct = [45, 50, 44, 44, 52, 53, 62, 64, 76, 79, 88, 90, 90]
     found = fit(levels, correct, 90, shape="normal", guess_rate=0.5, overdispersion=True)
@@ -107,7 +113,7 @@ def test_overdispersed_answers_are_seen_and_widen_the_interval() -> None:
     [[11, 12, 8, 13, 15, 19, 18], [12, 9, 11, 14, 18, 18, 19], [8, 6, 10, 13, 19, 19, 20], [7, 8, 13, 11, 18, 18, 19]],
 )
 def test_mode_without_overdispersion_equals_binomial_mode(k) -> None:
-    """Poor fits with a shallow summit without lapses, which the coarse grid leads to, below a steep one."""
+    """The coarse grid leads to a shallow maximum below a steep one."""
     options = {"shape": "normal", "guess_rate": 0.5}
     binomial, found = (fit(np.arange(1.0, 8), k, 20, overdispersion=free, **options) for free in (False, True))
     assert found.overdispersion == 0
@@ -125,7 +131,10 @@ def test_mode_without_overdispersion_equals_binomial_mode(k) -> None:
     ],
 )
 def test_point_estimates_are_those_of_psignifit(method, k, mode, median, mean) -> None:
-    """psignifit 4.3's estimates, its median from its marginal; the binomial's differ by more."""
+    """Compare with psignifit 4.3; the median is from its marginal.
+
+    The binomial's estimates differ by more.
+    """
     found = fit(range(1, 7), k, 24, shape="normal", guess_rate=0.5, overdispersion=True, method=method)
     assert (found.threshold_mode, found.threshold_median, found.threshold_mean) == (
         pytest.approx(mode, abs=0.004),

@@ -1,4 +1,4 @@
-"""A path may be given as text: a notebook writes `analyse("data")`."""
+"""Tests of paths given as text, as in `analyse("data")`."""
 
 from pathlib import Path
 

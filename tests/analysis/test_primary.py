@@ -1,4 +1,4 @@
-"""One analysis answers, the others are checks: by a rule or by name, in terminal, report, JSON and methods."""
+"""Tests of the primary analysis and its checks in all output."""
 
 import json
 from itertools import product
@@ -25,7 +25,10 @@ FACTORS = ["force_n", "frequency_hz"]
 
 
 def estimates(rng, n=8, interaction=0.0, n_below=0) -> pd.DataFrame:
-    """Thresholds of two forces at three frequencies; the first `n_below` participants have bounds in the last cell."""
+    """Draw thresholds of two forces at three frequencies.
+
+    The first `n_below` participants have bounds in the last cell.
+    """
     keys = list(product([f"P{i}" for i in range(n)], (0.5, 2.0), (60, 120, 240)))
     table = pd.DataFrame(keys, columns=["participant", *FACTORS])
     own = dict(zip(table["participant"].unique(), rng.normal(0, 2, n), strict=True))
@@ -84,7 +87,10 @@ def test_censored_anova_is_primary_with_bounds() -> None:
 
 
 def test_flat_cell_counts_as_interval() -> None:
-    """One with both ends, and one with an upper end only, which lies no more below the levels than above them."""
+    """One cell has both ends, the other only an upper end.
+
+    The latter lies below the levels no more than above them.
+    """
     table = estimates(np.random.default_rng())
     rows = table.index[:2]
     table.loc[rows, "threshold"], table.loc[rows, "status"] = np.nan, "flat"
@@ -98,7 +104,7 @@ def test_flat_cell_counts_as_interval() -> None:
 
 @pytest.mark.parametrize("n_below", [0, 1])
 def test_between_groups_design_has_anova_and_pairs(n_below) -> None:
-    """They had none: "group does not vary within participants"."""
+    """Regression test: such designs had no analysis of variance."""
     table = estimates(np.random.default_rng(), n=9, n_below=n_below)
     table = table[(table["frequency_hz"] == 240) & (table["force_n"] > 1)]
     table = table.assign(group=["a", "b", "c"] * 3)
@@ -113,7 +119,7 @@ def test_between_groups_design_has_anova_and_pairs(n_below) -> None:
 
 
 def test_condition_left_out_by_model_has_no_mean() -> None:
-    """With one frequency left the model has means by force only; they are those of that frequency."""
+    """With one frequency left, the means by force are of that frequency."""
     table = estimates(np.random.default_rng())
     table = table[table["frequency_hz"] < 240]
     lost = table["frequency_hz"] == 120

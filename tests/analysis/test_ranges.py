@@ -1,4 +1,4 @@
-"""Intervals of means stay within the possible values of a quantity."""
+"""Tests of intervals of means within the possible values."""
 
 import json
 

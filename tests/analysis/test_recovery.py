@@ -1,4 +1,4 @@
-"""Known participants: thresholds are found again, intervals hold what they promise. No seed is chosen."""
+"""Tests of the recovery of known thresholds, without a fixed seed."""
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ def recovered(request):
 
 
 def test_mean_bias_is_small_against_participant_spread(recovered) -> None:
-    """Below 0.15 SD, plus the standard error of the mean of the errors at 1e-4."""
+    """Bias is below 0.15 SD, plus its standard error at 1e-4."""
     truth, fits = recovered
     errors = np.array([f.threshold - t for f, t in zip(fits, truth, strict=True) if f.threshold is not None])
     assert len(errors) > 0.95 * len(truth)
@@ -49,7 +49,10 @@ def test_mean_bias_is_small_against_participant_spread(recovered) -> None:
 
 
 def test_intervals_cover_the_truth(recovered) -> None:
-    """At least 93.5 %, less what chance takes once in 1e4 runs; an open end covers all on its side."""
+    """Coverage is at least 93.5 %, minus a tolerance at 1e-4.
+
+    An open end covers all values on its side.
+    """
     truth, fits = recovered
     covered = sum(
         (f.interval_low is None or f.interval_low <= t) and (f.interval_high is None or t <= f.interval_high)

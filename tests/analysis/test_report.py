@@ -211,7 +211,10 @@ def test_masking_vibration_raises_the_difference_threshold(dallmann) -> None:
 
 
 def test_fits_without_lapses_equal_probit_regression(dallmann) -> None:
-    """With free lapses, the default, points of equality agree within their intervals, and differences are smaller."""
+    """With free lapses (the default) differences are smaller.
+
+    Points of equality agree within their intervals.
+    """
     import statsmodels.api as sm
 
     rows, outside = dallmann.trials.rows, []

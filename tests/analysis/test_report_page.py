@@ -1,4 +1,4 @@
-"""The page, its figures and the terminal say what a paper needs, and nothing that is not there."""
+"""Tests of the text of report page, figures and terminal."""
 
 import re
 import shutil
@@ -42,7 +42,10 @@ def one(whole) -> Analysis:
 
 @pytest.fixture(scope="module")
 def two(whole, tmp_path_factory) -> Analysis:
-    """A second participant gave the same answers to levels that were 3 dB higher."""
+    """A second participant with levels that are 3 dB higher.
+
+    The answers are the same.
+    """
     root = Path(shutil.copytree(whole, tmp_path_factory.mktemp("two") / "d"))
     file = next((root / "data").glob("*.csv"))
     table = pd.read_csv(file, dtype=str, keep_default_na=False)
@@ -165,7 +168,7 @@ def test_factors_have_readable_names_in_output(two) -> None:
 
 
 def test_tables_are_not_cut(two) -> None:
-    """Cells break between a value, its interval and its number; they are not held on one line."""
+    """Cells break between a value, its interval and its number."""
     page = render(two)
     assert "nowrap" not in page
     assert re.search(r"<td>[\d.]+ \[\S+,\u00a0\S+\] \(n\u00a0=\u00a02\)</td>", page)

@@ -1,4 +1,4 @@
-"""The report of a study that asks a questionnaire alone: scores, comparisons, and figures of word pairs."""
+"""Tests of the report of a study with only a questionnaire."""
 
 import re
 from pathlib import Path
@@ -17,7 +17,10 @@ from tactometry.cli.analyse import summary_text
 
 @pytest.fixture(scope="module")
 def patterns(tmp_path_factory) -> Path:
-    """AttrakDiff answers of six participants to P0 to P6, the high frequency better."""
+    """Write AttrakDiff answers of six participants to P0 to P6.
+
+    The high frequency is rated better.
+    """
     better = {f"P{n}": 1.5 for n in (4, 5, 6)}
     table = answers_of(np.random.default_rng(), n=6, effect=better)
     table = table.assign(session=1, study="patterns", block=1, trial=range(1, len(table) + 1), level="", valid=1)

@@ -1,4 +1,4 @@
-"""A kind of result tells itself: what it holds is on the page, in the terminal and in JSON, and nowhere named twice."""
+"""Tests of a custom kind of result in page, terminal and JSON."""
 
 import pandas as pd
 import pytest

@@ -1,4 +1,4 @@
-"""An analysis in a notebook: one line, and its tables behind their names; and the trials that it read."""
+"""Tests of the notebook view of an analysis and its trials."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Comparisons with a standard near the detection threshold: PSE, warning of the lowest level, and test of the PSE."""
+"""Tests of comparisons with a standard near the threshold."""
 
 import json
 from dataclasses import replace

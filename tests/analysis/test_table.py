@@ -1,4 +1,4 @@
-"""Trials tables: what is read, and one exact sentence for what is not."""
+"""Tests of reading trials tables and of their errors."""
 
 import re
 from pathlib import Path

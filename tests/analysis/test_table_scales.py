@@ -1,4 +1,4 @@
-"""Units and ratio scales of a table from elsewhere: what comes to SI, and which levels have a logarithm."""
+"""Tests of units and ratio scales of tables of other programs."""
 
 import json
 import re
@@ -66,7 +66,7 @@ CONTRASTS = tuple(np.geomspace(0.002, 0.5, 9))
 
 
 def contrasts(path: Path, *, unit: str = "") -> Path:
-    """Yes/no answers at contrasts that span a factor of 250, as many as the function says."""
+    """Write yes/no answers at contrasts that span a factor of 250."""
     lines = ["participant,side,level,level_unit,task,response,catch"]
     for level in CONTRASTS:
         n_yes = round(40 * TRUE.probability(level))

@@ -1,4 +1,4 @@
-"""Threshold fits: published values, peers, hard cases, invariances, refusals."""
+"""Tests of threshold fits: published values, peers and invariances."""
 
 import math
 import re
@@ -55,7 +55,10 @@ def test_maximum_likelihood_weibull_of_the_published_set() -> None:
 
 
 def test_published_set_has_mode_and_interval_of_psignifit() -> None:
-    """psignifit 4.3: threshold 0.0046464, width 0.0046632 (1 %); its interval contains overdispersion."""
+    """psignifit 4.3: threshold 0.0046464, width 0.0046632 (within 1 %).
+
+    Its interval includes overdispersion.
+    """
     found = fitted(CORRECT, LEVELS, 90)
     assert found.threshold == pytest.approx(0.0046464, rel=0.01)
     assert found.width == pytest.approx(0.0046632, rel=0.01)
@@ -64,7 +67,7 @@ def test_published_set_has_mode_and_interval_of_psignifit() -> None:
 
 @pytest.mark.parametrize("name", MATLAB)
 def test_posterior_mode_of_matlab_psignifit(name: str) -> None:
-    """All these modes lie at no overdispersion, where the beta-binomial is the binomial."""
+    """All modes are without overdispersion, as in the binomial model."""
     counts, options, expected = matlab_case(name)
     found, tolerance = fit(*counts, **options), expected["tol"]
     assert found.threshold == pytest.approx(expected["MAP"][0], abs=tolerance["MAP_threshold_abs"])

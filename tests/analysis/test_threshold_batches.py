@@ -1,4 +1,4 @@
-"""Many data sets on the same levels share a grid: what it errs by; hard sets are left to grids of their own."""
+"""Tests of many data sets on a shared grid."""
 
 import numpy as np
 import pytest
@@ -52,7 +52,10 @@ def test_ends_after_sparse_track_are_converged(monkeypatch) -> None:
 @pytest.mark.parametrize("sharing", [8, 10**9], ids=["shared grid", "own grids"])
 @pytest.mark.parametrize(("n", "guess_rate"), [(20, 0.5), (60, 0.5), (400, 0.5), (20, None)])
 def test_intervals_and_means_match_converged_posterior(monkeypatch, n, guess_rate, sharing) -> None:
-    """Within 0.4 % of the interval's width; the goal is 1 %, psignifit errs by 2.3 to 5.7 %."""
+    """They agree within 0.4 % of the interval's width.
+
+    The goal is 1 %; psignifit's errors are 2.3 to 5.7 %.
+    """
     n_sets = N_SETS if guess_rate else 8
     k, options = answers(n, guess_rate or 0.04, np.random.default_rng())[:n_sets], {"guess_rate": guess_rate}
     reference = converged(monkeypatch, LEVELS, k, n, **options)

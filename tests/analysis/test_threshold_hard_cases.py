@@ -1,4 +1,4 @@
-"""Hard cases of a single fit that no other file names, and the likelihood against 50-digit arithmetic."""
+"""Tests of hard single fits, and of the likelihood to 50 digits."""
 
 import mpmath
 import numpy as np
@@ -36,7 +36,7 @@ def exact(shape, z, guess, lapse, n_yes, n_no):
 @pytest.mark.parametrize("rates", [(0.5, 0.02), (0.0, 0.0), (0.5, 0.0), (0.03, 0.2)], ids=str)
 @pytest.mark.parametrize("answers", [(3, 17), (0, 20), (20, 0)], ids=str)
 def test_likelihood_and_derivatives_match_50_digits(shape, rates, answers) -> None:
-    """On the linear scale and in the tails where only logarithms live; z from -30 to 30."""
+    """Compare on the linear scale and in the tails, for z from -30 to 30."""
     places = [-30.0, -12.0, -3.0, -0.4, 0.0, 0.7, 2.5, 4.0]
     places = [*places, 9.0, 30.0] if shape in ("normal", "logistic") else places
     if shape == "reversed_gumbel":
@@ -114,7 +114,7 @@ def test_levels_of_any_size_give_the_same_curve(levels) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_levels_with_extreme_spacing_are_pooled(method) -> None:
-    """Three levels within 1e-9 of the fourth's distance are pooled: two levels are left."""
+    """Three levels within 1e-9 of the fourth's distance become one."""
     found = fit(
         [0.0, 1e-10, 2e-10, 1.0],
         [4, 5, 5, 19],

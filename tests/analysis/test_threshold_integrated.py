@@ -1,5 +1,7 @@
-"""Threshold fits against independent computations: a probit regression, psignifit's posterior node by node and
-integrated on fine grids."""
+"""Tests of threshold fits against independent computations.
+
+They are a probit regression and the posterior of psignifit, node by node and integrated on fine grids.
+"""
 
 import numpy as np
 import pytest
@@ -17,7 +19,7 @@ def fitted(n_correct, **options) -> ThresholdFit:
 
 
 def test_equals_a_probit_regression_on_many_random_sets() -> None:
-    """Without guesses and lapses the model is statsmodels' binomial GLM: same optimum to 1e-6."""
+    """Without guesses and lapses the model is statsmodels' binomial GLM."""
     import statsmodels.api as sm
 
     rng = np.random.default_rng()
@@ -42,7 +44,10 @@ def test_equals_a_probit_regression_on_many_random_sets() -> None:
 
 
 def psignifit_log_posterior(data, parameters, threshold_range, smallest_gap) -> float:
-    """psignifit 4's unnormalised log posterior in its own words, for two alternatives without overdispersion."""
+    """Return psignifit 4's unnormalised log posterior.
+
+    It is written out for two alternatives without overdispersion.
+    """
     from psignifit import _priors, sigmoids
 
     m, w, lapse = parameters
@@ -83,7 +88,7 @@ def legendre(low, high, n) -> tuple[np.ndarray, np.ndarray]:
 
 
 def marginals(k, *, free_guess, overdispersed) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Nodes and masses of threshold and width under psignifit's likelihood, priors and sigmoid."""
+    """Return nodes and masses of threshold and width by psignifit's model."""
     from psignifit import _priors
 
     fine = not (free_guess or overdispersed)
@@ -110,7 +115,10 @@ def marginals(k, *, free_guess, overdispersed) -> dict[str, tuple[np.ndarray, np
 
 
 def chance_of(k, yes, no, eta) -> np.ndarray:
-    """Log likelihood of k of 20 answers: binomial, or beta-binomial with nu = 1 / eta^2 - 1."""
+    """Return the log-likelihood of k of 20 answers.
+
+    It is binomial, or beta-binomial with nu = 1 / eta^2 - 1.
+    """
     if not eta.any():
         return k * np.log(yes) + (20 - k) * np.log(no)
     nu = 1 / eta**2 - 1
@@ -131,7 +139,10 @@ def ends_of(nodes, masses) -> np.ndarray:
     ids=["2AFC", "yes/no", "overdispersed"],
 )
 def test_means_and_intervals_match_fine_grid_integral(free_guess, overdispersed, n_sets) -> None:
-    """Within 1 % of the interval's width of psignifit's posterior, integrated; 100 random sets of each in the soak."""
+    """They agree within 1 % of the width of psignifit's interval.
+
+    The soak has 100 random sets of each kind.
+    """
     pytest.importorskip("psignifit")
     rng, compared = np.random.default_rng(), 0
     options = {"guess_rate": None if free_guess else 0.5, "overdispersion": overdispersed, "estimate": "mean"}

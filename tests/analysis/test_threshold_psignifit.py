@@ -1,4 +1,7 @@
-"""Side by side with psignifit 4.3 on random data sets: 100 in the soak, a few in the reduced form."""
+"""Tests against psignifit 4.3 on random data sets.
+
+The soak uses 100, the reduced form a few.
+"""
 
 import warnings
 from functools import cache
@@ -25,7 +28,7 @@ def ours(k, **options):
 
 @pytest.fixture(scope="module")
 def pairs():
-    """Its result (its warnings are its own), and our counts."""
+    """Return psignifit's results with our counts; ignore its warnings."""
     psignifit = pytest.importorskip("psignifit").psignifit
     rng, found = np.random.default_rng(), []
     while len(found) < N_SETS:
@@ -41,7 +44,7 @@ def pairs():
 
 
 def log_posterior(k, threshold, width, lapse, eta) -> float:
-    """psignifit's model and priors in its own words."""
+    """Return the log posterior of psignifit's model, written out."""
     from psignifit import _priors, sigmoids
 
     p = 0.5 + (0.5 - lapse) * sigmoids.sigmoid_by_name("norm")(LEVELS, threshold, width)
@@ -88,7 +91,7 @@ DOCUMENTED = (
 
 @cache
 def few_answers():
-    """Ten small sets of overdispersed answers that have a threshold."""
+    """Draw ten small sets of overdispersed answers with a threshold."""
     rng, found = np.random.default_rng(20), []
     while len(found) < 10:
         curve = PsychometricFunction("normal", rng.uniform(2.5, 4.5), rng.uniform(2.5, 5), 0.5, rng.uniform(0, 0.05))

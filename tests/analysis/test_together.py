@@ -1,4 +1,4 @@
-"""All participants at once, as part of an analysis: estimates, sentences, tables, and what has no such fit."""
+"""Tests of the hierarchical fit as part of an analysis."""
 
 import re
 from dataclasses import replace
@@ -80,7 +80,10 @@ def test_plan_can_disable_hierarchical_fit(study) -> None:
 
 
 def test_equality_points_and_differences_of_real_data() -> None:
-    """Dallmann, Ernst and Moscatelli 2015: vibration raises the difference, 2.94 to 3.58 cm/s, not the equality."""
+    """Vibration raises the difference from 2.94 to 3.58 cm/s.
+
+    The point of equality does not change (Dallmann, Ernst and Moscatelli 2015).
+    """
     path = SHARED / "data" / "dallmann2015_trials.csv"
     if not path.exists():
         pytest.skip("the shared folder with the trials of Dallmann 2015 is absent")
@@ -193,7 +196,7 @@ def test_comparison_model_is_described_without_effect_test() -> None:
 
 
 def test_failed_hierarchical_search_has_reason() -> None:
-    """Two levels: a matrix of the search has no inverse at its end, which was a traceback."""
+    """Regression test: a singular matrix of the search was a traceback."""
     answers = ((2, 38), (17, 37), (5, 18), (11, 22))
     found = [
         cell(f"P{n}", levels=(18.0, 26.0), k=k, n_trials=(40, 40), n_catch=0, n_false_alarms=0)

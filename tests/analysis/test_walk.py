@@ -1,5 +1,7 @@
-"""The hard cases of the issue, through every fit, every statistic of a group, and the command: a number where the data
-tell one, else a status; never a warning of a library."""
+"""Tests of hard cases in every fit, group statistic and the command.
+
+Each has a number if the data determine one, else a status, and no library warns.
+"""
 
 import json
 from itertools import product
@@ -45,7 +47,10 @@ TOLD = ("ok", "separated", "non_monotone", "too_few_levels")
 
 
 def is_honest(found, levels) -> bool:
-    """A threshold within its interval and the levels, or none and a note that says why."""
+    """Return True for a valid threshold, or a note without one.
+
+    A valid threshold is within its interval and the levels.
+    """
     if found.threshold is None:
         return bool(found.note) and found.width is None and found.function is None
     ends = [end for end in (found.interval_low, found.interval_high) if end is not None]
@@ -167,7 +172,10 @@ TASKS = ("yes_no", "forced_choice", "comparison")
 
 
 def rising(levels=SEVEN, n=12):
-    """Answers of each of four participants in each of two conditions: thresholds near the middle."""
+    """Return answers of four participants in two conditions.
+
+    Thresholds are near the middle.
+    """
 
     def drawn(place, floor, rng):
         spacing = levels[1] - levels[0]

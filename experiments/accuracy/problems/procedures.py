@@ -129,8 +129,6 @@ def group_threshold() -> Problem:
     """Simulate groups of participants and their mean threshold.
 
     The standard deviation of thresholds is 5 dB. There are 16 trials at each of ten levels.
-
-    There are 16 trials at each of ten levels.
     """
     return Problem(
         f"standard error of the group's threshold as a part of the amplitude, {N_GROUPS} simulated groups",
