@@ -37,6 +37,10 @@ class DrawEach(Protocol):
     def __call__(self, draw: Callable[[Figure], Drawn], figures: Iterable[Figure], /) -> Iterable[Drawn]: ...
 
 
+INDEX = "tables.txt"
+"""Lists the tables of a report in their folder."""
+
+
 def write_report(
     analysis: Analysis,
     path: str | Path,
@@ -62,11 +66,22 @@ def write_report(
     with attempt(path, "cannot be written, or its tables", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
         page = render(analysis, sections, svgs)
+        _remove_earlier(folder)
         write_tables(analysis.tables, folder)
+        (folder / INDEX).write_text("".join(f"{file_text(name)}.csv\n" for name in analysis.tables), encoding="utf-8")
         path.write_text(page, encoding="utf-8")
     if pdf:
         print_pdf(path)
     return replace(analysis, report=path, tables_folder=folder, pdf=path.with_suffix(".pdf") if pdf else None)
+
+
+def _remove_earlier(folder: Path) -> None:
+    """Remove the tables of an earlier report, which its index lists; other files stay."""
+    index = folder / INDEX
+    names = index.read_text(encoding="utf-8").splitlines() if index.exists() else []
+    for name in names:
+        if Path(name).name == name and name.endswith(".csv"):
+            (folder / name).unlink(missing_ok=True)
 
 
 def check_report(path: Path) -> None:

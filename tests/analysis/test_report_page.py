@@ -15,7 +15,7 @@ from places import RECORDED
 from tactometry.analysis.figures.psychophysics import threshold_figure
 from tactometry.analysis.figures.style import COLOURS, look, shift
 from tactometry.analysis.outcomes.findings import Outcome
-from tactometry.analysis.pipeline import analyse_trials
+from tactometry.analysis.pipeline import analyse, analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import figure_text, means_sentence
 from tactometry.analysis.report.page import figures_of, nonbreaking, render
@@ -309,3 +309,14 @@ def test_analyse_runs_when_tactometry_is_not_installed(monkeypatch, capsys) -> N
     installed = metadata.distribution
     monkeypatch.setattr(metadata, "distribution", distribution)
     assert "threshold" in output(capsys, "analyse", RECORDED / "yes-no")
+
+
+def test_report_removes_the_tables_of_an_earlier_one(tmp_path):
+    report, folder = tmp_path / "r.html", tmp_path / "r_tables"
+    analyse(RECORDED / "comparison", report=report)
+    (folder / "own.csv").write_text("a\n1\n", encoding="utf-8")
+    earlier = {path.name for path in folder.glob("*.csv")}
+    analyse(RECORDED / "magnitude", report=report)
+    left = {path.name for path in folder.glob("*.csv")}
+    assert "standard.csv" in earlier - left
+    assert left == {"own.csv", *(folder / "tables.txt").read_text(encoding="utf-8").split()}
