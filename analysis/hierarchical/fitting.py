@@ -178,7 +178,10 @@ def _fit(single: SingleFits, interval: float, n_points: int) -> HierarchicalFit:
 
 
 def _mean_hyperparameters(model: GroupModel, found: Integrated) -> dict[str, Any]:
-    """Return the posterior means of standard deviations, correlation and guess rate."""
+    """Return posterior means of the hyperparameters.
+
+    They are standard deviations, correlation and guess rate.
+    """
     study, hyper = model.study, found.at.hyper
     sds = found.mean(np.exp(hyper[:, : len(model.sds)])).tolist()
     components = {

@@ -38,7 +38,9 @@ START_RATE = 0.03
 
 @dataclass(frozen=True)
 class StudyCounts:
-    """Counts of all cells, on levels u = (level - centre) / spread of the whole study.
+    """Counts of all cells, on the scale of the whole study.
+
+    Levels are u = (level - centre) / spread.
 
     `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
     `own_catch` (2, n_participants, n_conditions) are false alarms and catch trials of each cell, `n_false_alarms` and

@@ -256,7 +256,9 @@ def find_mode(laplace: Laplace, hyper: Array) -> tuple[Array, Array]:
 
 
 def sequence(n: int, k: int) -> Array:
-    """Return quasi-random points (n, k) in the unit cube: an additive recurrence (Roberts 2018).
+    """Return quasi-random points (n, k) in the unit cube.
+
+    They form an additive recurrence (Roberts 2018).
 
     >>> sequence(2, 1).round(3).tolist()
     [[0.118], [0.736]]

@@ -1,1 +1,1 @@
-"""Clustered values and answers: linear, censored, generalised; Laplace and quadrature."""
+"""Mixed models of clustered values and answers."""

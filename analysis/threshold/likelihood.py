@@ -109,7 +109,7 @@ _LINEAR: dict[Shape, Callable[[Array], tuple[Array, Array, Array]]] = {
 
 
 def linear(shape: Shape, z: Array) -> tuple[Array, Array, Array]:
-    """Return S, 1 - S and the density of S at z, each with its relative precision."""
+    """Return S, 1 - S and the density of S at z, all relatively precise."""
     return _LINEAR[shape](z)
 
 

@@ -1,4 +1,6 @@
-"""Log posterior: the likelihood of the answers times the priors of psignifit 4 (Schuett et al. 2016).
+"""Log posterior of psychometric functions with the priors of psignifit 4.
+
+See Schuett et al. 2016.
 
 Priors are on the scale of `Counts.u`, with exact derivatives. Threshold: flat on the tested range, falling as a cosine
 to 0 half a range outside. Width: flat between twice the smallest spacing and the range, falling as a cosine to 0 at the
@@ -70,7 +72,7 @@ class Prior(Rows):
         return [THRESHOLD, LOG_WIDTH, *(place for place, rate in rates if rate is None)]
 
     def tied(self, theta: Array) -> Array:
-        """Return parameters (..., 4) with the guess rate that follows from the lapse rate."""
+        """Return parameters (..., 4) with the guess rate tied to the lapse rate."""
         if not self.equal_asymptotes:
             return theta
         return np.concatenate([theta[..., :GUESS], theta[..., [LAPSE]]], axis=-1)
@@ -80,7 +82,10 @@ class Prior(Rows):
         return lapse[:, None] if self.equal_asymptotes else guess
 
     def bounds(self) -> tuple[Array, Array]:
-        """Return the lowest and highest parameters, each (n_sets, 4); 0 for a guess rate that is `tied`."""
+        """Return the lowest and highest parameters, each (n_sets, 4).
+
+        They are 0 for a guess rate that is `tied`.
+        """
         n = self.gap.shape[0]
         low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
         reach = FURTHEST if self.on_curve else 20.0
@@ -108,12 +113,18 @@ class Prior(Rows):
         return Expansion(_total(theta, by_parameter), gradient, hessian)
 
     def along(self, axes: Sequence[Array]) -> list[Array]:
-        """Return the log densities of one data set along four axes of nodes; zeros for a fixed parameter."""
+        """Return the log prior densities of one data set along four axes.
+
+        A fixed parameter has zeros.
+        """
         known = self._by_parameter(axes, scale_free_width=self.scale_free_width)
         return [known[place][0] if place in known else np.zeros(len(axis)) for place, axis in enumerate(axes)]
 
     def search_axes(self, low: Array, high: Array, sizes: Sequence[int]) -> list[Array]:
-        """Return coarse nodes of one data set along each parameter; one node for a fixed parameter."""
+        """Return coarse nodes of one data set along each parameter.
+
+        A fixed parameter has one node.
+        """
         axes = []
         for place, n in enumerate(sizes):
             nodes = np.linspace(max(low[place], FLOOR[place]), high[place], n)
@@ -121,14 +132,17 @@ class Prior(Rows):
         return axes
 
     def log_cell(self, low: Array, high: Array, sizes: Sequence[int]) -> float:
-        """Return the log volume of a cell of one data set's grid; the weights of a free rate sum to 2."""
+        """Return the log volume of a cell of one data set's grid.
+
+        The weights of a free rate sum to 2.
+        """
         size = high - low
         steps = [size[place] / (n - 1) for place, n in zip((THRESHOLD, LOG_WIDTH), sizes, strict=True)]
         rates = [size[place] / 2 for place in self.free if place in (LAPSE, GUESS)]
         return float(np.log([*steps, *rates]).sum())
 
     def _by_parameter(self, values: Array | Sequence[Array], *, scale_free_width: bool = False) -> "ByParameter":
-        """Return log densities and two derivatives of the parameters that have a prior."""
+        """Return log priors and two derivatives of parameters with a prior."""
         by_set = (-1, *[1] * (values[THRESHOLD].ndim - 1))
         by_parameter, none = {}, np.zeros(1)
         if self.lapse_rate is None:
@@ -143,7 +157,10 @@ class Prior(Rows):
         return by_parameter
 
     def log_mass(self) -> Array:
-        """Return the log integral (n_sets,) over threshold, width and free rates, without catch trials."""
+        """Return the log integral (n_sets,) of the prior without catch trials.
+
+        It is over threshold, width and free rates.
+        """
         low = np.log(self.narrowest)[:, None]
         v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
         log_density_of_w, _, _ = log_width(v, self.narrowest[:, None], scale_free=self.scale_free_width)
@@ -161,7 +178,10 @@ def _total(theta: Array, by_parameter: ByParameter) -> Array:
 
 
 def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, Array, Array]:
-    """Return the log density Beta(1 + n_yes, beta + n_no), and its derivatives; a count of 0 makes no pole."""
+    """Return the log density Beta(1 + n_yes, beta + n_no), and derivatives.
+
+    A count of 0 makes no pole.
+    """
     b = beta - 1 + n_no
     safe = np.maximum(x, 1e-300)
     value = b * np.log1p(-x) + np.where(n_yes > 0, n_yes * np.log(safe), 0.0)
@@ -176,7 +196,10 @@ def log_rate_mass(beta: float) -> float:
 
 
 def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
-    """Return 2 log cos(angle) and its derivatives along x, where rate = d angle / d x."""
+    """Return 2 log cos(angle) and its derivatives along x.
+
+    `rate` is d angle / d x.
+    """
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         value = 2 * np.log(np.cos(np.minimum(angle, np.pi / 2)))
         cos = np.maximum(np.cos(angle), 1e-8)  # finite derivatives at the end, where the density is 0
@@ -186,14 +209,20 @@ def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
 
 
 def log_threshold(m: Array) -> tuple[Array, Array, Array]:
-    """Return the prior and its derivatives: flat from -0.5 to 0.5, falling as a cosine to 0 at -1 and 1."""
+    """Return the log prior of the threshold and its derivatives.
+
+    It is flat from -0.5 to 0.5 and falls as a cosine to 0 at -1 and 1.
+    """
     outside = np.maximum(np.abs(m) - 0.5, 0.0)
     value, first, second = _log_cos2(np.pi * outside, np.pi * np.sign(m))
     return value, first, np.where(outside > 0, second, 0.0)  # a cosine bends at its top, the flat part does not
 
 
 def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
-    """Return the prior of w = exp(v), flat in w or in v, and its derivatives along v."""
+    """Return the log prior of w = exp(v) and its derivatives along v.
+
+    It is flat in w or in v.
+    """
     w = np.exp(v)
     wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
     above = np.maximum(w, 1) - 1
@@ -213,7 +242,10 @@ def log_prior_of(eta: Array | float) -> Array:
 
 @dataclass(frozen=True)
 class LogPosterior(Rows):
-    """Log posterior of data sets side by side, at parameters theta (n_sets, 4), without a constant."""
+    """Log posterior of many data sets at parameters theta (n_sets, 4).
+
+    It has no constant.
+    """
 
     shape: Shape
     counts: Counts
@@ -232,7 +264,10 @@ class LogPosterior(Rows):
         return replace(self, counts=counts, prior=replace(self.prior[sets], n_false_alarms=n_false_alarms))
 
     def alike(self) -> list[Indices]:
-        """Group data sets on the same levels with the same catch trials; return their places by group."""
+        """Group data sets with the same levels and catch trials.
+
+        Return their indices by group.
+        """
         counts, prior = self.counts, self.prior
         catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)  # the prior of a free guess rate holds them
         rows = np.hstack([counts.u, counts.n_trials > 0, catch])
@@ -255,7 +290,7 @@ class LogPosterior(Rows):
         return self.log_likelihood(theta) + self.prior.log_density(theta)
 
     def expansion(self, theta: Array) -> Expansion:
-        """Return the log density with derivatives; those along fixed parameters are 0."""
+        """Return the log density with derivatives, 0 along fixed parameters."""
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             whole = self._answers(theta) + self.prior.expansion(theta)
         gradient, hessian = whole.gradient, whole.hessian
@@ -278,13 +313,16 @@ class LogPosterior(Rows):
         return np.asarray(self.counts.u[0, self.counts.n_trials[0] > 0])
 
     def z_of(self, axes: Sequence[Array]) -> Array:
-        """Return z (n_levels, n_thresholds, n_widths) at the levels of one data set."""
+        """Return z of one data set (n_levels, n_thresholds, n_widths)."""
         away = self._levels_of_one()[:, None, None] - axes[THRESHOLD][:, None]
         slope = self.shape.z_width * np.exp(-axes[LOG_WIDTH])
         return np.asarray(self.shape.z50 + away * slope)
 
     def beyond_levels(self, axes: Sequence[Array]) -> Array:
-        """Return the part of each cell (2, n_thresholds, n_widths) with its whole rise below, or above, the levels."""
+        """Return the part of each cell whose rise lies beyond the levels.
+
+        The shape is (2, n_thresholds, n_widths): below, then above the levels.
+        """
         used = self._levels_of_one()
         m, width = axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
         down, up = self.shape.rise

@@ -1,4 +1,6 @@
-"""Modes of many posteriors (or likelihoods) at once: damped Newton steps from every summit of a coarse grid.
+"""Modes of many posteriors (or likelihoods) at once.
+
+Damped Newton steps start from every local maximum of a coarse grid.
 
 The Hessian is exact, the damping is scaled by its diagonal, and steps are projected on the bounds, where lapse and
 guess rates often lie.
@@ -41,7 +43,9 @@ N_GOLDEN = 16
 
 @dataclass(frozen=True)
 class Mode(Rows):
-    """Parameters (n_sets, 4) at the largest log density, that density, and the covariance there (Laplace).
+    """Parameters (n_sets, 4) at the largest log density.
+
+    The log density and Laplace's covariance there are included.
 
     The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is false where
     threshold or width lie on a bound: there is no mode.
@@ -58,7 +62,10 @@ class Mode(Rows):
 
 
 def find_mode(posterior: LogPosterior, near: Array | None = None) -> Mode:
-    """Climb from every summit of a coarse grid, or from `near` (n_sets, 4), then again from steep start values."""
+    """Climb from a coarse grid or from `near`, then from steep starts.
+
+    `near` has the shape (n_sets, 4).
+    """
     if near is None:
         summits, _ = grid_starts(posterior)
         mode = _highest(posterior, summits)
@@ -79,7 +86,10 @@ def _second_starts(posterior: LogPosterior, mode: Mode) -> Starts:
 
 
 def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None) -> Mode:
-    """Return the highest mode of each set from the starts or `known`; the first of equal ones."""
+    """Return the highest mode of each set from the starts or `known`.
+
+    Of equal modes it is the first.
+    """
     n_sets = len(posterior)
     starts = _distinct(starts, *_ascend(posterior[starts.sets], starts.theta, ROUGH_DECREMENT))
     sets = starts.sets
@@ -95,7 +105,7 @@ def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None)
 
 
 def _distinct(starts: Starts, theta: Array, log_density: Array) -> Starts:
-    """Keep the highest end of each set, and those apart from it that may still rise above it."""
+    """Keep the highest end of each set, and others that may still exceed it."""
     order = np.lexsort((-log_density, starts.sets))
     sets, theta, log_density = starts.sets[order], theta[order], log_density[order]
     _, first, inverse = np.unique(sets, return_index=True, return_inverse=True)
@@ -107,16 +117,22 @@ def _distinct(starts: Starts, theta: Array, log_density: Array) -> Starts:
 
 
 def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMALL_DECREMENT) -> Mode:
-    """Climb from `start` (n_sets, 4) until a step gains at most `small_decrement` of log density."""
+    """Climb from `start` (n_sets, 4) until the gain per step is small.
+
+    The last step gains at most `small_decrement` of log density.
+    """
     return _laplace(posterior, _ascend(posterior, start, small_decrement)[0])
 
 
 def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tuple[Array, Array]:
-    """Return where `start` (n_sets, 4) leads to, and the log densities there (n_sets,)."""
+    """Return the ends of climbs from `start`, and their log densities.
+
+    Shapes are (n_sets, 4) and (n_sets,).
+    """
     low, high = posterior.prior.bounds()
     theta = posterior.prior.tied(np.clip(start, low, high))
     log_density = np.empty(len(posterior))
-    # The sets that still climb, and some that do not, as long as leaving them out costs more.
+    # Sets that still climb, and some that do not if removing them costs more.
     sets, climbing = np.arange(len(posterior)), posterior.by_level()
     at, here, damping = theta.copy(), climbing.expansion(theta), np.full(len(posterior), 1e-3)
     for _ in range(MAX_STEPS):
@@ -141,22 +157,27 @@ def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tu
 
 
 def _is_held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
-    """Return True for fixed parameters, and for those on a bound with the density rising beyond it."""
+    """Return True for parameters that are fixed or held at a bound.
+
+    They are held if the density rises beyond the bound.
+    """
     at_low = (theta <= low) & (gradient <= 0)
     at_high = (theta >= high) & (gradient >= 0)
     return np.asarray((low == high) | at_low | at_high)
 
 
 def _step(here: Expansion, held: Bools, damping: Array) -> tuple[Array, Array]:
-    """Return the damped Newton step of the parameters that are not held, and the Newton decrement."""
+    """Return the damped Newton step of free parameters, and its decrement."""
     gradient = np.where(held, 0.0, here.gradient)
     step = convex_solve(_without(-here.hessian, held), gradient, damping)
     return step, (step * gradient).sum(axis=1)
 
 
 def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
-    """Solutions (n, p) of n small systems (n, p, p) made positive definite: on the scale of its diagonal each pivot of
-    the square-root-free Cholesky factors is replaced by its size, at least 1e-8, plus the damping (n,).
+    """Solve n small systems (n, p, p) made positive definite.
+
+    On the scale of the diagonal each pivot of the square-root-free Cholesky factors is replaced by its size, at least
+    1e-8, plus the damping (n,). The solutions have the shape (n, p).
 
     Vectorised over the systems, which LAPACK's eigenvalues are not (Gill, Murray and Wright, Practical
     Optimization, 1981, section 4.4.2).
@@ -195,7 +216,7 @@ def _without(matrix: Array, held: Bools) -> Array:
 
 
 def _convex_inverse(matrix: Array) -> Array:
-    """Invert positive definite neighbours of matrices; NaN where a matrix is not finite.
+    """Invert matrices made positive definite; NaN if one is not finite.
 
     On the scale of the diagonal each eigenvalue is replaced by its size, at least 1e-8.
     """
@@ -213,7 +234,7 @@ def _convex_inverse(matrix: Array) -> Array:
 def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
     here = posterior.expansion(theta)
     low, high = posterior.prior.bounds()
-    # On a bound there is no curvature to rest on, whichever way the density rises there.
+    # A curvature at a bound is not used, whichever way the density rises there.
     held = _is_held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
     inverse = _convex_inverse(_without(-here.hessian, held))
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
@@ -222,7 +243,10 @@ def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
 
 
 def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
-    """Return the mode with its eta (n_sets,), by a grid of eta and golden sections, and its covariance there."""
+    """Return the mode with its eta (n_sets,), and its covariance.
+
+    The search uses a grid of eta and golden sections.
+    """
     nodes, near = np.array(COARSE), find_mode(posterior).theta
 
     def at(eta: Array) -> Mode:
@@ -244,7 +268,10 @@ def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
 
 
 def _at(posterior: LogPosterior, near: Array) -> Mode:
-    """Return the highest of the summits that the grid, or the binomial's mode `near`, leads to."""
+    """Return the highest maximum from the grid or from `near`.
+
+    `near` is the mode of the binomial.
+    """
     by_grid, by_binomial = find_mode(posterior), find_mode(posterior, near)
     highest = by_binomial.where(by_binomial.log_density > by_grid.log_density, by_grid)
     return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(posterior.prior.overdispersion)))

@@ -1,4 +1,4 @@
-"""Coverage of just noticeable differences and points of subjective equality.
+"""Coverage of equality points and just noticeable differences.
 
 A lapse is "more" or "less" with equal chance: at a rate of 5 % the asymptotes are 0.025 and 0.975. Points of equality
 lie in the middle quarter of the levels.

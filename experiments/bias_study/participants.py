@@ -172,7 +172,10 @@ def answered(rule: Rule[Any], drawn: Array, thresholds_db: Array, widths_db: Arr
 def fits(
     simulated: Tracks, task: SimulatedTask, n_trials: int, n_false_alarms: NDArray[np.int64], **options: Any
 ) -> tuple[ThresholdFit, ...]:
-    """Fit the first trials of each track as an analysis does, except for `options`."""
+    """Fit the first trials of each track as an analysis does.
+
+    `options` replace those of the analysis.
+    """
     curve = CURVES["yes_no" if task.told is None else "forced_choice"]
     return fit_many(
         simulated.levels_db[:, :n_trials],

@@ -78,7 +78,10 @@ class Validation:
 
     @property
     def asked(self) -> dict[str, Any]:
-        """Everything that determines the outcomes, except versions; more rounds continue a run."""
+        """All settings that determine the outcomes, except versions.
+
+        More rounds continue a run.
+        """
         return {"seed": self.seed, "checks": list(self.checks)}
 
 

@@ -23,7 +23,7 @@ WINS = """
 
 
 def counts(d_prime, differ, rng) -> tuple[int, int, int, int]:
-    """Hits and false alarms of an observer; the stimuli at -d'/2 and d'/2."""
+    """Draw hits and false alarms; the stimuli are at -d'/2 and d'/2."""
     side = np.where(rng.random(N) < 0.5, 0.5, -0.5) * d_prime
     x, y, z = (mean + rng.standard_normal(N) for mean in (side, -side, side))
     return int(differ(x, y).sum()), N, int(differ(x, z).sum()), N
@@ -81,7 +81,7 @@ def test_published_worths_of_baseball_teams() -> None:
 
 
 def compared(rng, n_participants, n_each, worths, order=0.4) -> pd.DataFrame:
-    """All ordered pairs, `n_each` times by each participant."""
+    """Draw all ordered pairs, `n_each` times by each participant."""
     names = list(worths)
     pairs = [(a, b) for a in names for b in names if a != b]
     rows = [(f"P{p + 1:02d}", *pair) for p in range(n_participants) for pair in pairs for _ in range(n_each)]
@@ -127,7 +127,10 @@ def test_worth_intervals_use_participants_from_five_on(n, reach) -> None:
 
 
 def test_worths_of_two_items_have_closed_form() -> None:
-    """Of a before b and b before a: logits w_a - w_b + o and w_b - w_a + o, variances 1 / k + 1 / (n - k)."""
+    """Compare with the logits of both proportions.
+
+    For a before b and b before a the logits are w_a - w_b + o and w_b - w_a + o, with variances 1 / k + 1 / (n - k).
+    """
     (k, n), (j, m) = (30, 40), (12, 36)
     found = bradley_terry(
         ["a"] * n + ["b"] * m, ["b"] * n + ["a"] * m, [1] * k + [2] * (n - k) + [1] * j + [2] * (m - j)

@@ -37,7 +37,7 @@ def analysed(values: np.ndarray) -> pd.DataFrame:
 
 @pytest.mark.parametrize("shape", [(6, 3), (10, 3, 7), (13, 3, 4), (9, 2, 2), (30, 2, 5)])
 def test_contrasts_equal_pingouin(shape) -> None:
-    """Of 100 random studies in the soak."""
+    """The soak compares 100 random studies."""
     rng = np.random.default_rng()
     for _ in range(20 if SOAK else 1):
         check_against_pingouin(drawn(shape, rng))
@@ -119,7 +119,10 @@ def test_huynh_and_feldt_of_the_published_table(published_values) -> None:
 
 
 def test_chi_muller_epsilon_shrinks_huynh_feldt_epsilon(published_values) -> None:
-    """Of n = 8: 27 moments of the covariance, of which 25 * 23 / 27^2 is kept; never below Greenhouse and Geisser."""
+    """With n = 8 the factor is 25 * 23 / 27^2 for 27 moments.
+
+    The result is never below that of Greenhouse and Geisser.
+    """
     found = analysed(published_values)
     gg, p = found["eps"].to_numpy(), found["ddof1"].to_numpy()
     wide = (8 * p * gg - 2) / (p * (7 - p * gg))
@@ -171,7 +174,10 @@ def test_eta_squared_interval_excludes_zero_when_significant() -> None:
 
 
 def test_corrected_intervals_exclude_five_percent_per_side(published_values) -> None:
-    """At l / (l + n) = eta squared, with n = epsilon (df1 + df2) + 1; the generalised one has other errors besides."""
+    """Compare with the noncentral F distribution at the ends.
+
+    Eta squared is l / (l + n), with n = epsilon (df1 + df2) + 1. Generalised eta squared includes other errors.
+    """
     whole = analysed(published_values)
     found = whole[whole["p_CM_corr"] < 0.05]
     assert whole["np2_low"].to_numpy()[2] == 0
@@ -185,7 +191,7 @@ def test_corrected_intervals_exclude_five_percent_per_side(published_values) -> 
 
 @pytest.mark.slow
 def test_eta_squared_interval_has_nominal_coverage() -> None:
-    """The noncentrality is n times the squared length of the mean scores over the error variance."""
+    """The noncentrality is n times squared mean scores over error variance."""
     rng = np.random.default_rng()
     n_studies, n, p = 2000, 10, 2
     truth = np.array([0.5, 0.3])
@@ -276,7 +282,7 @@ VALUES = np.random.default_rng(0).normal(size=(6, 3, 4))
 
 
 def test_zero_variance_between_participants_has_its_f() -> None:
-    """Participants of the same mean differ in their conditions: an F like any other."""
+    """Participants have equal means but differ in their conditions."""
     values = VALUES - VALUES.mean(axis=(1, 2), keepdims=True)
     assert analysed(values)["F"].to_numpy() == pytest.approx(analysed(VALUES)["F"].to_numpy(), rel=1e-9)
 

@@ -33,7 +33,10 @@ def replaced(old, new, every=2):
 
 
 def choices(correct, targets=(1, 2)):
-    """Forced choices that are all correct, or all wrong; the targets alternate."""
+    """Write forced choices that are all correct or all wrong.
+
+    The targets alternate.
+    """
     pairs = [(targets[level % 2], targets[(level + (not correct)) % 2], level) for level in range(1, 41)]
     rows = [f"S{n},{level},{response},a,0.5,{target}" for n in (1, 2) for target, response, level in pairs]
     return [f"{HEAD},target", *rows]

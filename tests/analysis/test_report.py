@@ -1,4 +1,4 @@
-"""From a trials table to tables and report: recovery, censoring, real data, equal bytes."""
+"""Tests of the analysis from trials table to report."""
 
 import re
 import shutil
@@ -282,7 +282,10 @@ def test_refuses_levels_in_two_units(tmp_path) -> None:
 
 @pytest.fixture(scope="module")
 def pressed(study, tmp_path_factory) -> Path:
-    """The study with a measured force: 10 % above the target, P02 out of the band."""
+    """Write the study with a measured force.
+
+    It is 10 % above the target; that of P02 is out of the band.
+    """
     rng = np.random.default_rng()
     table = pd.read_csv(study[0], dtype=str, keep_default_na=False)
     force = table["force_n"].astype(float) * (1.1 + 0.02 * rng.normal(size=len(table)))
