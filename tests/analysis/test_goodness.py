@@ -1,5 +1,7 @@
 """Tests of goodness of fit: error rates and power."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -192,7 +194,9 @@ def table_of(path, burst, n_participants=6):
 def test_burst_of_guesses_is_reported_as_overdispersion(tmp_path):
     path, page = table_of(tmp_path / "t.csv", burst=(2,)), tmp_path / "r.html"
     found = CliRunner().invoke(command, [str(path), "--report", str(page)], catch_exceptions=False)
-    assert "! 1 of 6 fitted functions have p <= 0.01 in the test of overdispersion" in " ".join(found.output.split())
+    # Each of the others has p <= 0.01 by chance once in a hundred sets.
+    warning = r"! [123] of 6 fitted functions have p <= 0.01 in the test of overdispersion"
+    assert re.search(warning, " ".join(found.output.split()))
     thresholds = pd.read_csv(tmp_path / "r_tables" / "thresholds.csv").set_index("participant")
     assert "overdispersion" in thresholds.loc["P3", "misfit"]
     assert thresholds["dispersion"].idxmax() == "P3"
