@@ -20,7 +20,7 @@ from .people import Feeling, ObserverWithTraits, Traits
 from .responses import ALMOST_ALL, HIGHEST_DB, MOST_LAPSES
 
 OF_WIDTH = 2 * 1.6448536269514722
-"""The width of a cumulative normal distribution, from 0.05 to 0.95, in its standard deviations."""
+"""Width of a cumulative normal distribution from 0.05 to 0.95, in standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class PsychometricObserver(ObserverWithTraits):
     - `shape`: One of the shapes of `tactometry.psychometric` on linear levels.
     - `false_alarm_rate`: Rate of yes without a stimulus: the lower asymptote of yes/no.
     - `lapse_rate`: Distance of the upper asymptote from 1.
-    - `sensitivity_db`: By how much the thresholds of this person are lower.
-    - `between_sd_db`: Standard deviation of it between people.
+    - `sensitivity_db`: Decrease of the thresholds of this person.
+    - `between_sd_db`: Standard deviation of the sensitivity between people.
     - `latency_s`: Median time to answer.
     """
 
@@ -153,7 +153,7 @@ class PsychometricObserver(ObserverWithTraits):
         return {"kind": type(self).__name__, **{name: getattr(self, name) for name in names}}
 
 
-@functools.lru_cache(maxsize=4096)  # levels come again and again
+@functools.lru_cache(maxsize=4096)  # levels repeat
 def _rate(shape: str, width: float, guess_rate: float, lapse_rate: float, level: float) -> float:
     if level == -math.inf:
         return guess_rate

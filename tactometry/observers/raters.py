@@ -31,14 +31,14 @@ class Raters:
 
     - `loading`: Loading of every item that `loadings` does not name.
     - `loadings`: Loading of single items, by the item's id.
-    - `noise`: Standard deviation of an item's own noise.
-    - `liking`: Weight of how good the strength of the stimulus feels, which the observer says.
+    - `noise`: Standard deviation of the noise of an item.
+    - `liking`: Weight of the liking of the stimulus strength, which the observer returns.
     - `attitude_sd`: Standard deviation between people of their attitude to everything.
     - `dimension_sd`: Standard deviation between people of their attitude to a dimension.
     - `stimulus_sd`: Standard deviation between people of their attitude to a dimension of one stimulus.
     - `extremity_cv`: Spread between people of the factor by which they use the scale, on a logarithmic scale.
     - `acquiescence_sd`: Standard deviation between people of the shift of all their answers to the right.
-    - `effects`: What a level of a factor adds to everybody's attitude, by factor, level and dimension.
+    - `effects`: Effect of a level of a factor on the attitude of all people, by factor, level and dimension.
     """
 
     loading: Loading = 0.8
