@@ -55,8 +55,9 @@ class Shifted(Protocol):
 @dataclass(frozen=True)
 @constrained
 class CriterionDrift:
-    """A stationary first-order process of standard deviation `sd`, in units of the internal noise, whose correlation
-    falls to 1/e over `n_trials` trials (unverified defaults).
+    """Criterion that drifts as a stationary first-order process.
+
+    Its correlation falls to 1/e over `n_trials` trials (unverified defaults).
 
     - `sd`: Standard deviation of the criterion, in units of the internal noise.
     - `n_trials`: Number of trials after which its correlation has fallen to 1/e.
@@ -77,7 +78,7 @@ class CriterionDrift:
 @dataclass(frozen=True)
 @constrained
 class Fatigue:
-    """Less sensitive by `loss_db` after `n_trials` trials, in proportion to them (unverified defaults).
+    """Sensitivity that falls linearly with the trials (unverified defaults).
 
     - `loss_db`: Loss of sensitivity after `n_trials`.
     - `n_trials`: Number of trials after which the loss is reached.
@@ -137,10 +138,12 @@ class SlowLearning:
 @dataclass(frozen=True)
 @constrained
 class SerialDependence:
-    """After a yes the criterion is lower by `pull`, in units of the internal noise, after a no higher (unverified
-    default); below 0, answers alternate. It acts on questions with a criterion: yes/no, same or different.
+    """Criterion that depends on the previous answer (unverified default).
 
-    - `pull`: Decrease of the criterion after a yes, in units of the internal noise.
+    After a yes it is lower by `pull`, after a no higher; with a `pull` below 0, answers alternate. It acts on
+    questions with a criterion: yes/no, same or different.
+
+    - `pull`: Decrease of the criterion after a yes, in units of the internal noise; below 0, answers alternate.
     """
 
     pull: Finite = 0.2

@@ -121,14 +121,14 @@ Draws = Callable[..., np.random.Generator]
 @dataclass(frozen=True)
 @constrained
 class People:
-    """How the people of a population differ: the keys of `[observer.people]`; 0 where they do not.
+    """Differences in a population: the keys of `[observer.people]`, default 0.
 
-    A person's deviation in a cell is the sum of independent normal ones of the modality, of each factor's level and of
-    the cell, all in dB of sensation level, and the stated effects. Each comes from a stream that is named by person and
-    cell, so that the order and the number of cells change none. The other traits are jointly normal, those whose name
-    ends in ``_cv`` on a logarithmic scale.
+    A person's deviation in a cell is the sum of the stated effects and of independent normal deviations for the
+    modality, for each factor's level and for the cell, all in dB of sensation level. Each is drawn from a stream named
+    by person and cell, so that it does not depend on the order and number of cells. The other traits are jointly
+    normal, those whose spread ends in ``_cv`` on a logarithmic scale.
 
-    Raises `InvalidParameter` if a spread is negative, a trait unknown, or the correlations belong to no covariance.
+    Raises `InvalidParameter` if a spread is negative, a trait unknown, or the correlations are inconsistent.
 
     - `modality_sd_db`: Standard deviation between people of the sensitivity to one modality (electrovibration, time
       reversal).

@@ -1,4 +1,4 @@
-"""A participant whose psychometric function is given, in the unit of the level and without any physics."""
+"""Participant with a stated psychometric function of the level, without physics."""
 
 import functools
 import math
@@ -26,10 +26,11 @@ OF_WIDTH = 2 * 1.6448536269514722
 @dataclass(frozen=True)
 @constrained
 class PsychometricObserver(ObserverWithTraits):
-    """Says yes with the chance ``psi(level)``, whose threshold and width are stated in the unit of the level.
+    """Observer with a stated psychometric function ``psi(level)``.
 
-    In a forced choice of m of which one is not empty, that one is taken with ``1 / m + (1 - 1 / m - lapse_rate)
-    F(level)``; of several that are not empty the one that is highest, each with a normal noise that makes the width.
+    Threshold and width are in the unit of the level. In a forced choice of m with one stimulus, the stimulus is chosen
+    with probability ``1 / m + (1 - 1 / m - lapse_rate) F(level)``; of several stimuli, the highest is chosen after
+    adding normal noise that corresponds to the width.
     Schuett, Harmeling, Macke and Wichmann, Vision Research 122 (2016), 105-123.
 
     - `threshold`: Level at which the unscaled function is 0.5, where `conditions` sets no other.

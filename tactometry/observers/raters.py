@@ -21,13 +21,13 @@ Loading = Annotated[float, Interval(ge=-1, le=1)]
 @dataclass(frozen=True)
 @constrained
 class Raters:
-    """How people rate: the keys of `[observer.raters]`. An attitude is a number from -1 (the bad end) to 1 (the good).
+    """Raters with attitudes from -1 (negative pole) to 1 (positive pole).
 
-    To an item of loading l of a dimension, whose good end is on the right (s = 1) or on the left (s = -1), the answer
-    is ``extremity s (l attitude + noise z) + acquiescence``, z standard normal: a common factor model, as Bollen,
-    Structural Equations with Latent Variables (1989), chapter 7. An attitude is the sum of the stated effects, of
-    `liking` times how good the strength of the stimulus feels, and of what is this person's own in general, of the
-    dimension, and of the dimension of that stimulus. All numbers are unverified defaults.
+    These are the keys of `[observer.raters]`. For an item with loading l, whose positive
+    pole is on the right (s = 1) or left (s = -1), the answer is ``extremity s (l attitude + noise z) + acquiescence``,
+    with z standard normal: a common factor model (Bollen, Structural Equations with Latent Variables, 1989, chapter 7).
+    An attitude is the sum of the stated effects, of `liking` times the liking of the stimulus strength, and of random
+    deviations of the person: general, by dimension, and by dimension and stimulus. All numbers are unverified defaults.
 
     - `loading`: Loading of every item that `loadings` does not name.
     - `loadings`: Loading of single items, by the item's id.

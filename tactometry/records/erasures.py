@@ -1,7 +1,7 @@
 """Record of erasures: a line of `erasures.jsonl` for each, and the plan of an unfinished one.
 
-A line contains the participant's code, because the laboratory must show that it erased what it was asked to, and
-because the code's number is free again. A code identifies nobody once the list of codes and names has lost it.
+A line contains the participant's code, because the laboratory must prove the requested erasure, and because the code
+may be assigned again. A code identifies no person once it is removed from the list of codes and names.
 """
 
 import os

@@ -1,7 +1,7 @@
 """Follow a journal that another process writes: read-only, each line once.
 
-A journal that goes on with ``--resume`` may be shorter than before, or another file. So the last line is read again
-with what is new: its checksum covers all lines before it.
+A journal that is resumed with ``--resume`` may be shorter than before, or another file. The last line is therefore read
+again together with new lines: its checksum covers all lines before it.
 """
 
 import os
