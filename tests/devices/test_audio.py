@@ -264,7 +264,7 @@ def feeds(draw):
 
 
 @given(feeds())
-def test_stop_fades_over_the_stated_frames_at_any_block_size(feed_of):
+def test_stop_fades_over_stated_frames_at_any_blocksize(feed_of):
     frames, n_fade, sizes, stops_before = feed_of
     feed, emitted = FrameFeed(frames, n_fade), []
     for number, size in enumerate([*sizes, *[400] * 2]):
@@ -305,7 +305,7 @@ def test_feed_emits_no_frame_later_than_allowed(feed_of, held_up_before, held_up
     assert feed.n_gaps == (at < min(sum(sizes), len(frames)))
 
 
-def test_feed_plays_nothing_when_the_device_asks_too_late(monkeypatch):
+def test_feed_plays_nothing_when_device_asks_too_late(monkeypatch):
     clock = HeldUpClock()
     monkeypatch.setattr(frame_feed, "boot_clock_s", clock)
     feed = FrameFeed(np.ones((1000, 1)), n_fade=48)

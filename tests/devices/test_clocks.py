@@ -155,7 +155,7 @@ def test_arrivals_reject_stamps_that_are_not_finite(stamp_s):
     assert Arrivals().after(np.array([1.0, stamp_s]), 1.0).fault.startswith("found a stamp that is no finite number")
 
 
-def test_steps_back_are_counted_within_blocks_and_between_them():
+def test_steps_back_count_within_and_between_blocks():
     arrivals = Arrivals().after(np.array([1.0, 0.99, 1.01]), 1.02).after(np.array([1.0]), 1.02)
     assert arrivals.n_steps_back == 2
 

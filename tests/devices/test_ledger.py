@@ -146,7 +146,7 @@ def test_cut_signal_counts_as_long_as_it_played(tmp_path, clocks, is_stopped):
     assert n_played(guard(tmp_path, clocks), clocks) == 2  # 1 s of 3 s has played
 
 
-def test_stopped_signal_plays_no_longer_until_the_output_closes(tmp_path, clocks):
+def test_stopped_signal_is_counted_up_to_its_stop(tmp_path, clocks):
     output = guard(tmp_path, clocks)
     output.open()
     output.play(volts(3.0))
@@ -285,7 +285,7 @@ def test_signal_may_end_in_another_thread(tmp_path, clocks):
     assert n_played(guard(tmp_path, clocks), clocks) == 3
 
 
-def test_database_is_in_the_state_folder_of_the_account(tmp_path, monkeypatch):
+def test_ledger_is_in_the_state_folder_of_account(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     path = ledgers.default_path()
     assert path == tmp_path / "tactometry" / "outputs.sqlite3"

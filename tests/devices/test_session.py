@@ -26,7 +26,7 @@ HELD_UP = ("sensor_lost", "output_gap")
 """What a machine that is busy with other things does to a touch, which is then asked again."""
 
 
-def test_session_with_force_and_sound_runs_end_to_end(needed, display, alsa, tmp_path):
+def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_path):
     """The experimenter uses a real terminal to enter remarks, pause and repeat."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio tofile, int16"))

@@ -67,7 +67,7 @@ def stimulus(ago_s, duration_s=1.0, at_s=0.0, charge_c=0.0):
     return Event("stimulus", at_s, utc, {"charge_c": charge_c}, duration_s)
 
 
-def test_resumed_session_has_lasted_as_long_as_its_sittings(tmp_path):
+def test_resumed_session_counts_time_of_earlier_sittings(tmp_path):
     keeper = opened(tmp_path)
     keeper.note(stimulus(10.0, at_s=190.0, charge_c=1e-9))
     keeper.close()

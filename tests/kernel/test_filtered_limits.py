@@ -115,7 +115,7 @@ def test_corner_draws_more_current_than_straight_lines():
     assert ratio == pytest.approx(4 * catalan / np.pi, rel=2e-3)
 
 
-def test_weakened_signal_draws_the_current_of_its_changes_too():
+def test_weakened_signal_draws_current_of_its_changes():
     tone = Signal((np.sin(np.arange(4000) / 5) * np.hanning(4000))[None], RATE_HZ, "V")
     more_a = FINGER.filtered_current_a(tone, 0.0, rise_s=0.01) - FINGER.filtered_current_a(tone, 0.0)
     assert more_a == pytest.approx(FINGER.capacitance_f * 1.0 / 0.01, rel=0.01)

@@ -143,7 +143,7 @@ def test_valid_touch_or_another_block_ends_the_warning():
 
 
 @pytest.mark.parametrize("n", [3, 4])
-def test_attempts_at_one_trial_count_when_others_are_valid(n):
+def test_warning_counts_attempts_at_one_trial(n):
     """Constant stimuli repeat trials at the end of the block, so others come between."""
     state = recorded(*(row for attempt in attempts(n) for row in (trial(2), attempt)))
     assert (state.track.n_invalid_in_a_row, state.track.n_lost) == (1, n)

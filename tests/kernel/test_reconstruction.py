@@ -69,7 +69,7 @@ def test_quarter_rate_sine_has_its_amplitude(phase_rad):
     assert course_peak(samples, 0.0) == pytest.approx(1.0, abs=MISSED_OF_QUARTER_RATE)
 
 
-def test_peak_of_the_worst_samples_grows_with_their_number():
+def test_peak_of_worst_samples_grows_with_number():
     """The sum of abs(sinc(k + 1/2)) has no limit: 2/pi (ln(n / 2) + ln 4 + Euler's constant) for n samples."""
     for n in (2, 20, 200, 500):
         exact = np.abs(np.sinc(np.arange(n) - n // 2 + 0.5)).sum()
@@ -85,7 +85,7 @@ def test_course_peak_is_found_in_any_block():
         assert course_peak(samples, 1.1) == pytest.approx(2 * np.sinc(0.5), rel=1e-6)
 
 
-def test_course_peak_of_many_samples_is_that_of_a_part():
+def test_course_peak_finds_a_short_part():
     samples = np.zeros(1_000_000)
     samples[-500:] = worst(500)
     assert course_peak(samples, 1.0) == pytest.approx(course_peak(worst(500), 1.0), rel=1e-6)

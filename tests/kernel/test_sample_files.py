@@ -144,13 +144,13 @@ def test_wav_file_with_wrong_header_is_refused(tmp_path, content, message):
     assert message in said, said
 
 
-def test_wav_file_is_refused_when_floats_have_five_bytes(tmp_path):
+def test_wav_file_with_five_byte_floats_is_refused(tmp_path):
     content = changed(SOUND["m.wav"], 32, "<HH", 5, 40)
     for reader in (play, lambda path: read([path])):
         assert "found a damaged WAV file (" in refusal(tmp_path, "m.wav", content, reader)
 
 
-def test_rf64_file_is_read_with_its_64_bit_size(tmp_path):
+def test_rf64_file_is_read_with_large_size(tmp_path):
     """RF64 files store 64-bit sizes in a separate chunk."""
     size = struct.unpack_from("<I", WAV, DATA_AT)[0]
     long = struct.pack("<4sIQQQI", b"ds64", 28, len(WAV), size, size // 6, 0)
