@@ -17,7 +17,7 @@ from numba.extending import register_jitable
 
 Loop = TypeVar("Loop", bound=Callable[..., object])
 AS_PART = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Without what only Python calls, a third of the time that compiling takes."""
+"""Skip the wrappers for calls from Python, a third of the compilation time."""
 
 
 def compiled(loop: Loop) -> Loop:

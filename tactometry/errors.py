@@ -9,7 +9,7 @@ from typing import Final, TypeVar, cast
 T = TypeVar("T")
 
 LONGEST_WORD: Final = 300
-"""What is longer in a sentence was not written to be read, and only its ends are told."""
+"""Longer values are shortened in messages to their two ends."""
 LONGEST_SENTENCE: Final = 4000
 SIGNALLED: Final = 128
 """Exit status of a process that a signal ended: this and the signal's number."""
@@ -45,7 +45,7 @@ class InvalidFile(TactometryError):  # noqa: N818
 
 
 class Mistakes(InvalidFile, InvalidParameter):
-    """Several mistakes of one file, each an error of its own in `parts`."""
+    """Several mistakes of one file, each a separate error in `parts`."""
 
     def __init__(self, parts: Iterable[TactometryError]) -> None:
         self.parts = tuple(parts)
@@ -90,7 +90,7 @@ class Gathered:
             return cast("T", None)
 
     def add(self, error: TactometryError) -> None:
-        """Keep the mistakes of an error, the first of each place."""
+        """Keep the mistakes of an error, the first at each place."""
         for part in each_of(error):
             place = str(part).partition(": found ")[0].removeprefix(": ")
             if place not in self._places:
@@ -104,7 +104,7 @@ class Gathered:
 
 
 def reworded(error: TactometryError, kind: type[TactometryError], tell: Callable[[str], str]) -> TactometryError:
-    """Return an error as one of a kind, in the words that `tell` makes of each mistake."""
+    """Return an error of class `kind`, with each message converted by `tell`."""
     parts: list[TactometryError] = []
     for part in each_of(error):
         told = kind(tell(str(part)))

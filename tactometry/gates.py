@@ -12,9 +12,9 @@ from .arguments.require import expect, positive
 from .errors import InvalidParameter
 
 VALID_PART = 0.8
-"""The part of a touch that must be in the band for a valid trial (unverified default)."""
+"""Part of a touch that must be in the band for a valid trial (unverified default)."""
 WINDOW_S = 0.05
-"""A speed is the way between the ends of a window of this length over its duration (unverified default)."""
+"""Window over which a speed is computed as displacement over duration (unverified default)."""
 
 G = TypeVar("G")
 
@@ -110,8 +110,8 @@ def compliances(
     """Compute `compliance` of several touches with the same stamps: (n_touches, n_samples) forces, unchecked."""
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
-    first = np.minimum(first, behind - 1)  # a window that rounding makes shorter than any step holds its own sample
-    # reduceat sums from each edge to the next: every second sum is a window's; the 0 lets the last edge be the end
+    first = np.minimum(first, behind - 1)  # a window shorter than any step after rounding contains its own sample
+    # reduceat sums between consecutive edges, so every second sum is a window; the appended 0 allows an edge at the end
     edges = np.column_stack([first, behind]).ravel()
     ended = np.pad(forces_n, ((0, 0), (0, 1)))
     sums = np.add.reduceat(ended, edges, axis=1)[:, ::2]
@@ -212,7 +212,7 @@ class SpeedGate:
         if not self.samples or not 0 < sample_time_s - self.samples[-1][0] <= self.max_gap_s:
             return ((sample_time_s, position_m),)
         begin_s = sample_time_s - self.window_s
-        # stamps rise: those that leave the window are the first
+        # stamps rise, so the first samples leave the window
         n_left = next((n for n, (time_s, _) in enumerate(self.samples) if time_s >= begin_s), len(self.samples))
         return (*self.samples[n_left:], (sample_time_s, position_m))
 
@@ -237,7 +237,7 @@ def motion(
     >>> motion([0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.02, 0.02], 0.1, tolerance=0.2, window_s=0.2).in_band
     0.5
     """
-    SpeedGate(target_m_per_s, tolerance, window_s=window_s)  # refuses what is no band
+    SpeedGate(target_m_per_s, tolerance, window_s=window_s)  # refuses an invalid band
     times, positions = stamped_samples("motion", times_s, positions_m, "positions_m", rising=True)
     (kept,) = motions(times, positions[None], target_m_per_s, tolerance, window_s)
     return kept
@@ -271,10 +271,10 @@ def speeds_m_per_s(
 
 def _windows(times_s: NDArray[np.float64], window_s: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the first and the last sample of the window around each."""
-    half_s = window_s / 2 * (1 + 1e-9)  # a sample at the very end of a window stays in it whatever rounding does
+    half_s = window_s / 2 * (1 + 1e-9)  # keep a sample at the very end of a window despite rounding
     first = np.searchsorted(times_s, times_s - half_s, side="left")
     last = np.searchsorted(times_s, times_s + half_s, side="right") - 1
-    # a sample alone in its window has no speed: with the one before it, and the first of all with the one after
+    # a sample alone in its window is paired with the previous one, the first of all with the next
     alone = first == last
     last = np.where(alone & (first == 0), 1, last)
     return np.where(alone, np.maximum(first - 1, 0), first), last

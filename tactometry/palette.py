@@ -1,4 +1,4 @@
-"""The colours of all figures, by Okabe and Ito (2008): the common colour blindnesses tell them apart."""
+"""Colours of all figures, safe for colour blindness; Okabe and Ito (2008)."""
 
 from typing import Final
 

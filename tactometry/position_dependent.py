@@ -13,10 +13,9 @@ from .gates import triangle
 from .signal import FloatArray, Signal, Stimulus
 
 N_KEPT: Final = 2**14
-"""So many samples of a path are kept, or half of them: what a driver asks for is younger."""
+"""Number of samples of a path that are kept, or half of it; drivers need only recent ones."""
 HELD_S: Final = 0.1
-"""A finger is taken to be where it was last for so long; later nobody knows where it is, as of a silent sensor of force
-(unverified default)."""
+"""Time for which the last position is held; later the position is unknown (unverified default)."""
 
 
 @runtime_checkable
@@ -50,7 +49,7 @@ class FingerPath:
 
     def __init__(self) -> None:
         self._kept: tuple[FloatArray, FloatArray, int] = np.empty(N_KEPT), np.empty(N_KEPT), 0
-        """Times, places, and how many there are: what is there stays as it is, so that the other thread may read it."""
+        """Times, positions and their number; existing entries never change, so that another thread may read them."""
         self.last_s = -math.inf
         """The last stamp; before the first, minus infinity."""
 
@@ -59,7 +58,7 @@ class FingerPath:
         for time_s, place_m in zip(times_s.tolist(), positions_m[:, 0].tolist(), strict=True):
             if time_s > self.last_s and math.isfinite(place_m):
                 kept_s, kept_m, n = self._kept
-                if n == N_KEPT:  # half of it in new arrays
+                if n == N_KEPT:  # copy the recent half to new arrays
                     old_s, old_m, n = kept_s, kept_m, N_KEPT // 2
                     kept_s, kept_m = np.empty(N_KEPT), np.empty(N_KEPT)
                     kept_s[:n], kept_m[:n] = old_s[-n:], old_m[-n:]
@@ -96,10 +95,10 @@ class FollowedSignal(Signal):
 
 @dataclass(frozen=True)
 class PlayedPath:
-    """What a signal became under a finger.
+    """Signal emitted under a moving finger.
 
-    - `signal`: What was emitted.
-    - `latency_s`: From a position to the voltage that answers it.
+    - `signal`: The emitted signal.
+    - `latency_s`: Time from a position to the voltage that depends on it.
     - `late`, `unknown`: Shares (0..1) of samples whose position came late, or was not known.
     """
 

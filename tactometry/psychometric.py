@@ -66,7 +66,7 @@ def log1mexp(x: Array) -> Array:
     """
     x = np.asarray(x, dtype=np.float64)
     with np.errstate(divide="ignore"):
-        # on both sides of exp(-x) = 1/2 the form that subtracts nothing close to 1 from 1
+        # on each side of exp(-x) = 1/2, use the form without cancellation
         return np.where(x < np.log(2), np.log(-np.expm1(-x)), np.log1p(-np.exp(-x)))
 
 
@@ -77,7 +77,7 @@ def _gumbel_log_sf(z: Array) -> Array:
 
 def _gumbel_log_cdf(z: Array) -> Array:
     """Return log(1 - exp(-exp z)); exp(z) is below 1e-16 for z < -37 and the series ends at its first term."""
-    # `where` computes both: the maximum keeps the one that is thrown away from the logarithm of 0
+    # `where` computes both branches: the maximum avoids log 0 in the unused one
     return np.where(z < -37.0, z, log1mexp(-_gumbel_log_sf(np.maximum(z, -40.0))))
 
 
@@ -101,7 +101,7 @@ def _log_expit(z: Array) -> Array:
 def _normal_at(log_cdf: Array, log_sf: Array) -> Array:
     from scipy.special import ndtri_exp
 
-    # from the smaller tail: the logarithm of the larger is near 0 and has lost where on the curve it is
+    # use the smaller tail, as the logarithm of the larger is near 0 and imprecise
     return np.where(log_cdf < log_sf, ndtri_exp(log_cdf), -ndtri_exp(log_sf))
 
 
@@ -150,7 +150,7 @@ def shape_named(name: str) -> Shape:
 @dataclass(frozen=True)
 @constrained
 class PsychometricFunction:
-    """The chance of a correct (or "yes") answer against the level.
+    """Probability of a correct (or "yes") response as a function of the level.
 
     - `shape`: ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel``, or ``weibull`` on positive levels: a Gumbel in
       the natural logarithm of the level.
@@ -185,14 +185,14 @@ class PsychometricFunction:
         expect(self.guess_rate + self.lapse_rate < 1, "guess_rate, lapse_rate", rates, "a sum below 1")
 
     def probability(self, level: ArrayLike) -> Any:
-        """psi(level), of the shape of `level`.
+        """Return psi(level), in the shape of `level`.
 
         Raises `InvalidParameter` if a level is not a number, or not above 0 for the shape ``weibull``.
         """
         return np.exp(self.log_probability(level, 1))
 
     def log_probability(self, level: ArrayLike, response: ArrayLike) -> Any:
-        """log psi where `response` is 1, log(1 - psi) where it is 0; the two broadcast.
+        """Return log psi where `response` is 1 and log(1 - psi) where it is 0.
 
         Raises `InvalidParameter` if a level is not a number (or not above 0 for ``weibull``), or a response neither 0
         nor 1.
@@ -202,10 +202,10 @@ class PsychometricFunction:
             raise InvalidParameter(f"response: found {response!r}, expected 1 or 0")
         shape, z = SHAPES[self.shape], self._z(level)
         yes, no = log_mixture(shape.log_cdf(z), shape.log_sf(z), self.guess_rate, self.lapse_rate)
-        return np.where(answer == 1, yes, no)[()]  # a number for a number, where numpy keeps an array of no axes
+        return np.where(answer == 1, yes, no)[()]  # return a scalar for scalars
 
     def level(self, probability: ArrayLike) -> Any:
-        """The level where psi is `probability`: the inverse of `probability`, of its shape.
+        """Return the level at which psi is `probability`, in its shape.
 
         Raises `InvalidParameter` if a probability is not between the asymptotes.
         """

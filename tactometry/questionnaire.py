@@ -1,11 +1,11 @@
-"""Forms that participants fill: questionnaires on a scale, and questions with choices, as those about a person.
+"""Forms for participants: questionnaires on scales, and choice questions.
 
 A file in `tactometry/questionnaires/` is a questionnaire; `parse` reads one from anywhere. The raw answer grows from
 the left word to the right word. A *reversed* item has its positive pole on the left, so that a high raw answer is a low
 score.
 
-A file in `tactometry/questionnaires/choices/` is a form of choices, whose answers are codes of categories. Everybody
-may prefer not to say: that is `NOT_SAID`, and no form states it.
+A file in `tactometry/questionnaires/choices/` is a form of choices, whose answers are codes of categories. Participants
+may always prefer not to say (`NOT_SAID`); forms do not list that option.
 """
 
 import math
@@ -25,14 +25,14 @@ from .errors import InvalidParameter
 FOLDER: Final = "tactometry.questionnaires"
 KIND: Final = "choices"
 NOT_SAID: Final = 0
-"""The code of an answer that someone prefers not to give."""
+"""Code of "prefer not to say"."""
 PREFER_NOT: Final = "prefer_not"
 SAY: Final = "say_number"
-"""Labels of that answer, and of the wish to answer by a number."""
+"""Labels of that answer, and of the option to enter a number."""
 MOST_CODE: Final = 9
-"""Each option has a digit of its own. Years of birth or of age, which could tell who someone is, have not enough."""
+"""Largest code, so that each option has one digit; years of birth or age, which could identify a person, have more."""
 MOST_NUMBER: Final = 999_999_999
-"""A page takes nine digits, and no sign."""
+"""Largest number on a page, which accepts nine digits and no sign."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Item:
     - `reversed`: Whether the positive pole is presented on the left.
     - `order`: Place in the published order, from 1.
     - `poles`: The two words, by language; empty where the questionnaire has the same two `ends` for every item.
-    - `statement`: What is rated, by language; empty for a semantic differential, whose poles say all.
+    - `statement`: Statement to rate, by language; empty for a semantic differential.
     """
 
     id: str
@@ -80,8 +80,8 @@ class Questionnaire:
     - `score_low`: Score of the worst answer, which an item that is not reversed has at `low`.
     - `score_high`: Score of the best answer, which an item that is not reversed has at `high`.
     - `ends`: The words at the ends of every item, as presented, by language; empty where each item has its own poles.
-    - `reference`: Where it was published; translations and choices that nobody verified are named there.
-    - `stem`: What opens every page of it, by language: what the answers are about.
+    - `reference`: Publication, with a note on unverified translations and choices.
+    - `stem`: Introduction above every page, by language: what the answers are about.
     - `name`: What studies and tables call it.
     - `title`: What reports call it.
     - `items`: The statements or pairs of poles, in any order.
@@ -136,7 +136,7 @@ class Questionnaire:
         object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
 
     def __deepcopy__(self, memo: dict[int, object]) -> Self:
-        """Return itself: a table that names it copies it with each operation."""
+        """Return itself, as tables that contain it copy it with each operation."""
         return self
 
     @property
@@ -244,7 +244,7 @@ class ChoiceItem:
 
     @property
     def bounds(self) -> tuple[float, float] | None:
-        """Bounds of a number; None if it has options."""
+        """Bounds of a number, or None if it has options."""
         return None if self.low is None or self.high is None else (self.low, self.high)
 
     @property
@@ -257,7 +257,7 @@ class ChoiceItem:
         return set.intersection(set(self.prompt), *(set(option.words) for option in self.options))
 
     def category(self, code: int, language: str = "en") -> str:
-        """Return what a code stands for; empty for `NOT_SAID` and unknown codes.
+        """Return the category of a code; empty for `NOT_SAID` and unknown codes.
 
         >>> load_choices("demographics").items[1].category(1)
         'right'
@@ -268,13 +268,13 @@ class ChoiceItem:
 
 @dataclass(frozen=True)
 class ChoiceForm:
-    """Questions that are asked one page each, about a person.
+    """Form of questions about a person, one per page.
 
-    Raises `InvalidParameter` if a question has no options, an id or a code stands twice, or no language has all words.
+    Raises `InvalidParameter` if a question has no options, an id or code occurs twice, or no language is complete.
 
     - `name`: What studies and tables call it.
     - `title`: What reports call it.
-    - `reference`: Where it was published, or that the words are one's own.
+    - `reference`: Publication, or a note that the questions are custom.
     - `kind`: ``choices``.
     - `items`: The questions, in their order.
 

@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """What an output plays.
+    """Samples that an output plays.
 
     - `samples`: Finite values in `unit`; real integers and booleans are converted. The array is made read-only.
     - `rate_hz`: Samples per second, above 0.
@@ -102,7 +102,7 @@ def _real_numbers(values: object) -> FloatArray:
     if found is None:
         raise InvalidParameter(f"Signal.samples: found rows that form no array, expected {expected}")
     expect(found.dtype.kind in "biuf", "Signal.samples", f"values of type {found.dtype!s:.60}", expected)
-    with np.errstate(over="ignore"):  # a longer float becomes infinite, which is refused by its place
+    with np.errstate(over="ignore"):  # a too large long double becomes infinite and is refused with its index
         return np.array(found, dtype=np.float64)
 
 

@@ -78,7 +78,7 @@ def _module(file: Path, where: str) -> ModuleType:
     if name in sys.modules:
         return sys.modules[name]
     spec = spec_from_file_location(name, file)
-    assert spec is not None  # a file that ends in .py has a loader
+    assert spec is not None  # every .py file has a loader
     assert spec.loader is not None
     made = module_from_spec(spec)
     sys.modules[name] = made

@@ -205,7 +205,7 @@ def meanings(kind: type) -> Mapping[str, str]:
 
     >>> from tactometry.observers.changes import SlowLearning
     >>> meanings(SlowLearning)["gain_db"]
-    'By how much less is felt at the first trial.'
+    'Loss of sensitivity at the first trial.'
     """
     of_bases: dict[str, str] = {}
     for base in reversed(kind.__mro__):

@@ -1,4 +1,4 @@
-"""Checks of arguments, and the error message for each: one vocabulary, each term in one place.
+"""Checks of arguments and their error messages.
 
 - `constraints` names constraints as data: `Positive`, `NotNegative`, `Share`, `Rate`, or any `Annotated` with the
   classes of `annotated_types`.
@@ -6,7 +6,7 @@
   class from a file, after it has checked keys and types, so that a file and a call get the same error.
 - `checked` (a decorator) checks the arguments of functions and classes by their annotations: kind, finiteness, the
   domain of the unit, and the constraint. Use it for the public API of `stimuli`, called with arrays and numbers.
-- `require` has a function for each rule that no annotation states: `one_of`, `lookup`, `some`, `ascending`, ...
-  `require.expect` checks a rule of one place, such as `low < high`; write a rule of two places as a new function.
-- Raise an error by hand only if its message has another form.
+- `require` has a function for each rule that annotations cannot state: `one_of`, `lookup`, `some`, `ascending`, ...
+  `require.expect` checks a rule used once, such as `low < high`; write a new function for a rule used twice.
+- Raise other errors directly only if the message has another form.
 """

@@ -19,7 +19,7 @@ from .require import not_negative_array, positive_array
 Vector = Annotated[NDArray[np.float64], 1]
 Matrix = Annotated[NDArray[np.float64], 2]
 Unbounded = Annotated[float, inf]
-"""A number that may be infinite."""
+"""Number that may be infinite."""
 UnboundedArray = Annotated[ArrayLike, inf]
 UnboundedComplex = Annotated[NDArray[np.complex128], inf]
 Positive = constraints.Positive

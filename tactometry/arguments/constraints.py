@@ -88,7 +88,7 @@ def number_range(limits: Interval, name: str, whole: bool = False) -> NumberRang
 
 
 def ranges(limits: Interval, whole: bool = False) -> Callable[[str], NumberRange]:
-    """Return the function that gives the numbers within `limits` for a name, and keeps them."""
+    """Return a cached function from a name to the numbers within `limits`."""
     return lru_cache(maxsize=4096)(partial(number_range, limits, whole=whole))
 
 

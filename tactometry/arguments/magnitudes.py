@@ -30,10 +30,10 @@ DOMAINS: Mapping[str, tuple[float, float]] = {
     "_share": (0.0, 1e30),
     "_per_v2": (0.0, 1e100),
 }
-"""Smallest (0 aside) and largest magnitude by the unit of a name, in that unit; the longest that fits holds."""
+"""Smallest nonzero and largest magnitude by unit suffix, in that unit; the longest matching suffix applies."""
 
 ANY = (1e-30, 1e30)
-"""The domain of a number without unit, or with another one."""
+"""Domain of numbers without a unit, or with a unit not listed above."""
 
 LARGEST_COUNT = 2**31
 

@@ -1,4 +1,4 @@
-"""Checks of arguments, one vocabulary; each error says where, what was found and what was expected.
+"""Checks of arguments; errors state place, found and expected value.
 
 Numbers are given by name after their owner; the unit in the name sets their domain (`magnitudes`). A single value or an
 array is given after the place that opens its message.
@@ -197,7 +197,7 @@ def first_repeat(values: Iterable[Hashable]) -> int | None:
 
 
 def distinct(where: str, found: Sequence[float | str], expected: str) -> None:
-    """Require different values; `expected` says so in the words of the caller.
+    """Require distinct values; `expected` ends the error message.
 
     >>> distinct("Staircase.steps", (4.0, 2.0, 4.0), "each step once")
     Traceback (most recent call last):
@@ -246,7 +246,7 @@ def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
 def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
     """Return an array of numbers above 0 of a magnitude that the name in `where` allows.
 
-    With `infinite`, infinity is a number too.
+    With `infinite`, infinity is allowed.
     """
     allowed = _POSITIVE(where)
     return _array_within(where, values, replace(allowed, high=inf) if infinite else allowed)
@@ -275,7 +275,7 @@ def ascending(where: str, values: ArrayLike) -> NDArray[np.float64]:
 
 
 def shape(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
-    """Require a shape; None stands for any length.
+    """Require a shape, in which None matches any length.
 
     >>> shape("field_m", [1.0, 2.0], (3,))
     Traceback (most recent call last):

@@ -1,4 +1,4 @@
-"""Limits that a file states: their plausible upper bounds, and the word that switches one off."""
+"""Plausible upper bounds of limits in files, and limits switched off."""
 
 from collections.abc import Mapping
 from math import inf

@@ -85,12 +85,12 @@ def tactometry() -> None:
 
 
 _ENDING = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
-"""What ends a command in good order: also a terminal that is closed, unless it is to be outlived (nohup)."""
+"""Signals that end a command cleanly. A closed terminal counts, except under nohup."""
 
 
 _IS_SAFE = "what was recorded is safe"
 MOST_MISTAKES = 20
-"""Mistakes of one file that are printed."""
+"""Largest number of mistakes printed for one file."""
 _WAYS_ON = {
     **dict.fromkeys(("run", "simulate", "power", "validate-method"), f"{_IS_SAFE}: go on with --resume"),
     "erase": "say it again: what was begun is finished",

@@ -191,13 +191,13 @@ def display(bar_m: float | None, bench_path: Path | None, *, write: bool) -> Non
     It is half as high as the picture. With --bar-m no window is opened.
     """
     expect(bench_path is not None or not write, "--write", "no bench file", "--bench, the file to write into")
-    screen = load_bench(bench_path).screen  # what is wrong with it is said before anything is measured
+    screen = load_bench(bench_path).screen  # report its errors before measuring
     found = {"height_m": calibration.display_height_m(_ask_bar_m(screen.screen) if bar_m is None else bar_m)}
     _tell("screen", found, [], found, bench_path, write=write)
 
 
 def _ask_bar_m(screen: int) -> float:
-    """Show the bar, then ask in the terminal, which a full screen may have hidden."""
+    """Show the bar, then ask in the terminal, which a fullscreen window may hide."""
     from ..rigs.window import Window
 
     with closing(Window(fullscreen=True, screen=screen)) as window:
@@ -255,7 +255,7 @@ def responses(**asked: Any) -> None:
     devices = _devices(bench)
     reader = devices.readers[asked["sensor"]]
     learning = _learning(asked, devices.output.driver.n_channels or 1, reader.source.rate_hz)
-    # the last question before anything plays: no gate of force stops a sweep
+    # confirmed last, because no force gate stops a sweep
     if bench.output.settings.connected and not (asked["hands_off"] or hands_are_off()):
         raise InvalidParameter("--hands-off: found no word that hands are off, expected it; nothing was played")
     heard = _learn(learning, devices.output, reader, asked)
@@ -298,12 +298,12 @@ def _tell(
             write_values(bench_path, name, values)
             written = str(bench_path)
             lines.append(f"# written into {written}\n")
-    finally:  # what was measured is said, though it could not be written
+    finally:  # print the result even if it could not be written
         say("".join(lines).rstrip("\n"), {**record, "written": written})
 
 
 def _devices(bench: BenchFile) -> Devices:
-    """Return the devices of a bench that no finger touches, within the bench's own limits."""
+    """Return the devices of an untouched bench, within the limits of the bench."""
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
     return bench.devices(bench.limits, TODAY(), touched=False)
@@ -330,7 +330,7 @@ def _learn(
 ) -> list[tuple[Heard, Quality]]:
     counts = asked["units_per_count"], asked["volts_per_count"]
     microphone = Microphone(reader, asked["channel"], asked["reference"], *counts)
-    # the output is closed first, whatever went wrong: it is the one that plays
+    # close the output first on any failure, because it plays
     with closing(reader), closing(output):
         reader.open()
         output.open()

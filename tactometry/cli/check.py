@@ -23,7 +23,7 @@ from .output import (
 )
 
 LONGEST_CELL = 50
-"""A sentence that is longer stands below the table, whose cells fold on a narrow terminal."""
+"""Longer sentences are printed below the table, whose cells wrap on a narrow terminal."""
 MARKS = {True: "ok", False: "NOT FINE", None: ""}
 
 

@@ -23,7 +23,7 @@ from .output import path_option, progress, say, subcommand
 @path_option("--page", help="Write a page (Markdown) with tables and figures.")
 @click.option("--rounds", default=5, show_default=True, type=click.IntRange(1), help="Warm calls of each setting.")
 def command(*, problem: str, out: Path | None, page: Path | None, rounds: int) -> None:
-    """What accuracy costs: error, time and memory of each setting, and the cheapest one for an error.
+    """Measure error, time and memory of settings; find the cheapest per error.
 
     Errors are the same in every run; times are those of this machine, now.
     """

@@ -1,4 +1,4 @@
-"""`tactometry keys`: the keys of a table of a file, as the class that reads it has them."""
+"""`tactometry keys`: the keys of a table in a file."""
 
 from dataclasses import asdict
 from textwrap import fill
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from tactometry.experiments.reference.tables import KeyTable
 
 WIDTH: Final = 80
-"""Of a terminal that all of it fits."""
+"""Columns of the output."""
 
 
 class TableName(click.ParamType[str]):

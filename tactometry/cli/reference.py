@@ -1,4 +1,4 @@
-"""The page of the docs that has every command and option, as `--help` tells them.
+"""Reference page of all commands and options, from their `--help`.
 
 `python -m tactometry.cli.reference` (`make keys`) writes it.
 """

@@ -103,7 +103,7 @@ ENDINGS = {
     "censored_above": "censored above the levels",
     "censored_below": "censored below the levels",
 }
-"""How procedures end, where that is not what is said of it."""
+"""Printed names of endings that differ from the recorded ones."""
 
 
 def _print_plan(experiment: Experiment, who: Who) -> None:

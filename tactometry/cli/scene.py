@@ -18,7 +18,7 @@ from .output import SCENE, figure_option, path_option, say, subcommand, writing
 
 FILM_ACCURACY = 0.1
 LONG_S = 5.0
-"""Predicted time from which on it is told before."""
+"""Longer predicted times are printed before the computation."""
 
 
 @subcommand("scene electrovibration-panel --explain")

@@ -39,7 +39,7 @@ def command(
     expect(
         wait or watcher.finds, path, "no journal of such a session", f"a session that has begun, {OR_WAIT}", InvalidFile
     )
-    with suppress(AttributeError, OSError):  # not everywhere; who looks on takes no time from the session
+    with suppress(AttributeError, OSError):  # not available everywhere; a lower priority spares the session
         os.nice(NICENESS)
     serve(Scenery(watcher), port, lambda url: say(url, {"url": url}), sys.stdin.buffer if until_input_ends else None)
 
@@ -52,7 +52,7 @@ def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
     """
     session = ["--participant", participant, "--session", str(n_session)]
     command = [sys.executable, "-m", "tactometry", "watch", str(root), *session, "--wait", "--until-input-ends"]
-    # a session of its own: Ctrl-C is for the one that is watched
+    # a separate process group, as Ctrl-C is for the watched session
     with subprocess.Popen(
         command,
         stdin=subprocess.PIPE,

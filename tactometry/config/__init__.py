@@ -1,1 +1,1 @@
-"""Files that people write: TOML, strictly read, quantities with units."""
+"""Strict reading of TOML files that users write, with units."""

@@ -47,7 +47,7 @@ _COMPOUND = {
     "m": ("m", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}),
 }
 _RATIOS = {"_rad": "rad", "_db": "dB"}
-"""Which a file writes as plain numbers."""
+"""Ratios that a file states as plain numbers."""
 GREEK_MU = ("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
 """A Greek letter is read as the sign that looks the same."""
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
@@ -107,7 +107,7 @@ def si_unit(unit: str, where: str) -> tuple[str, float]:
 def si(text: str, suffix: str, where: str) -> float:
     """Convert a text such as "50 mm/s" to SI units.
 
-    Raises `InvalidParameter` if it is no number with a unit of the right dimension.
+    Raises `InvalidParameter` if it is not a number with a unit of the right dimension.
 
     >>> si("50 mm/s", "m_per_s", "speed_m_per_s")
     0.05

@@ -18,7 +18,7 @@ from .toml import errors_in, read_table
 
 T = TypeVar("T")
 MOST_HINTS = 100
-"""Unknown keys of a table that get a hint: each costs a search, and nobody reads more."""
+"""Largest number of unknown keys of a table that get a hint, as each hint requires a search."""
 K = TypeVar("K")
 _WORDS = {
     float: "a number",

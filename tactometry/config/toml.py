@@ -13,7 +13,7 @@ from ..errors import InvalidFile, TactometryError, reworded
 from ..files.durable import read_file
 
 LARGEST_FILE: Final = 1_000_000
-"""Bytes of a file that a person writes: 25 000 lines."""
+"""Largest size of a file, in bytes; about 25 000 lines."""
 LONGEST_LIST, DEEPEST = 10_000, 30
 
 

@@ -1,4 +1,4 @@
-"""Clocks: map a device's clock to ours by the least delayed samples, and read the time since boot."""
+"""Map device clocks to the local clock; read the time since boot."""
 
 import functools
 import math
@@ -15,15 +15,15 @@ from ..errors import DeviceFailed, InvalidParameter
 
 BIN_S = 0.5
 N_BINS = 8
-"""The smallest delay of the last four seconds: at 100 ppm of drift, 0.4 ms (unverified defaults)."""
+"""Bins of the smallest delay, four seconds in all: a drift of 100 ppm adds 0.4 ms (unverified defaults)."""
 RATE_TOLERANCE, SLOWEST = 0.02, 0.5
-"""Of a device's clock; those of crystals are within 1e-4, of ceramic resonators within 5e-3 (unverified defaults)."""
+"""Tolerated rate error of a device's clock; crystals are within 1e-4, ceramic resonators within 5e-3 (unverified
+defaults)."""
 DRIFT = 5e-3
-"""How much later than the least delayed sample ever each second may make the least delayed of now (unverified
-default)."""
+"""Largest growth of the smallest delay per second, s/s (unverified default)."""
 GAINED_S = 0.05
-"""A clock that runs fast passes what it ever was by so much; samples that were late and catch up come back to it
-(unverified default)."""
+"""A fast clock exceeds its earlier offset by this, s; late samples that catch up only return to it (unverified
+default)."""
 
 
 @dataclass(frozen=True)
@@ -56,12 +56,12 @@ class ClockMap:
         now = math.floor(arrival_s / BIN_S)
         difference_s = arrival_s - device_s
         if self.smallest_s and self.smallest_s[-1][0] == now and self.smallest_s[-1][1] <= difference_s:
-            return self  # most samples tell nothing new
+            return self  # most samples contain no new information
         kept = tuple(pair for pair in self.smallest_s if now - N_BINS < pair[0] <= now)
         if kept and kept[-1][0] == now:
             smallest_s = min(kept[-1][1], difference_s)
             return ClockMap((*kept[:-1], (now, smallest_s)), self.floor_s)
-        # a new bin: those that leave the window live on in the floor, which forgets them at the rate of `DRIFT`
+        # a new bin: bins that leave the window count in the floor, which rises by `DRIFT`
         leaving_s = (smallest_s for n, smallest_s in self.smallest_s if n <= now - N_BINS)
         floor_s = min(self.floor_s + DRIFT * BIN_S, *leaving_s, math.inf)
         return ClockMap((*kept, (now, difference_s)), floor_s)
@@ -94,26 +94,26 @@ within 2%; mend the device, or what the bench file says of its rate
 
     @cached_property
     def _wrong_rate(self) -> float | None:
-        # seconds gained a second, from bin to bin; empty bins may lie between
+        # seconds gained per second between bins, which may be separated by empty ones
         slopes = sorted(
             (late_s - early_s) / (BIN_S * (n - m)) for (m, early_s), (n, late_s) in pairwise(self.smallest_s)
         )
         if len(slopes) < N_BINS - 1:
             return None
         gained_s = min(self.floor_s, self.smallest_s[0][1]) - self.smallest_s[-1][1]
-        # the last but one and the second of the sorted slopes: one bin may do something else
+        # second smallest and second largest slope, as one bin may deviate
         runs_fast = slopes[-2] < -RATE_TOLERANCE and gained_s > GAINED_S
         runs_slow = slopes[1] > SLOWEST
         return 1 - median(slopes) if runs_fast or runs_slow else None
 
     @cached_property
     def offset_s(self) -> float | None:
-        """Our time minus the device's; None before the first sample."""
+        """Local time minus device time; None before the first sample."""
         return min((difference_s for _, difference_s in self.smallest_s), default=None)
 
 
 def clock_offset_s(theirs_s: Callable[[], float], n_readings: int = 5) -> float:
-    """Return our clock minus a readable one, s, by the quickest of some readings.
+    """Return local minus other clock, s, from the quickest of several readings.
 
     >>> abs(clock_offset_s(time.perf_counter)) < 1e-3
     True

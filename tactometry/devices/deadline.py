@@ -7,10 +7,10 @@ from typing import Final
 from ..errors import DeviceFailed
 
 BEGIN_WITHIN_S: Final = 5.0
-"""An output that has not begun to play by then hangs: a sound card waits for the end of what it plays, and for its own
-beginning, 2 s each (unverified default)."""
+"""Time limit for an output to begin: a sound card waits 2 s each for the end of a signal and for its start (unverified
+default)."""
 CLOSE_WITHIN_S: Final = 2.0
-"""A driver that has not let go by then hangs (unverified default)."""
+"""Time limit for a driver to close (unverified default)."""
 
 
 def within(longest_s: float, what: str, call: Callable[[], None], cure: str = "switch its amplifier off") -> None:
@@ -29,7 +29,7 @@ def within(longest_s: float, what: str, call: Callable[[], None], cure: str = "s
     def work() -> None:
         try:
             call()
-        except BaseException as error:  # to be raised where it is waited for
+        except BaseException as error:  # raised in the waiting thread
             raised.append(error)
 
     thread = threading.Thread(target=work, name=what, daemon=True)

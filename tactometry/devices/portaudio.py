@@ -9,9 +9,9 @@ from ..errors import DeviceFailed, library_needed
 from .deadline import CLOSE_WITHIN_S, within
 
 FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
-"""The number of each sample format that stands for 1."""
+"""Number that represents 1 in each sample format."""
 DEFAULTS: Final = ("default", "sysdefault")
-"""Names of whatever device the system's settings choose."""
+"""Names of devices that depend on the system's settings."""
 
 
 def end_stream(stream: Any, name: str) -> None:
@@ -24,7 +24,7 @@ def end_stream(stream: Any, name: str) -> None:
     try:
         within(CLOSE_WITHIN_S, name, end)
     except DeviceFailed:
-        # its handler at exit would wait for the same server, for ever
+        # its exit handler would wait for the same server forever
         atexit.unregister(library()._exit_handler)
         raise
 

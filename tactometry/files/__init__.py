@@ -1,1 +1,1 @@
-"""Files as data need them: read for what they are and no more, written whole, and open to nobody else."""
+"""Reading of files within limits, and complete, private writing."""

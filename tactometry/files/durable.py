@@ -12,11 +12,11 @@ from typing import BinaryIO, Final
 from ..errors import DeviceFailed, InvalidFile, attempt
 
 LARGEST_BYTES: Final = 2**30
-"""Of a file that is read at once (unverified default)."""
+"""Largest size of a file that is read at once, bytes (unverified default)."""
 PRIVATE_FILE, PRIVATE_FOLDER = 0o600, 0o700
-"""Modes of what is made: its owner alone may read it. What was there before keeps its mode."""
+"""Modes of new files and folders, readable by their owner only. Existing ones keep their modes."""
 NO_LINK: Final = getattr(os, "O_NOFOLLOW", 0)
-"""Flag of `open_private`: a link is refused."""
+"""Flag of `open_private` that refuses links."""
 _BINARY, _NOT_WAITING = getattr(os, "O_BINARY", 0), getattr(os, "O_NONBLOCK", 0)
 _DRAFT = re.compile(r"\..+\.\d+")
 
@@ -76,9 +76,12 @@ def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
 
 
 def files_in(folder: Path, pattern: str = "*") -> list[Path]:
-    """Return the files of a folder with this pattern, sorted, without hidden ones; none if there is no folder."""
+    """Return the visible files of a folder with this pattern, sorted.
+
+    A missing folder has none.
+    """
     try:
-        names = os.listdir(folder)  # noqa: PTH208 - a glob keeps silent about a folder that may not be read
+        names = os.listdir(folder)  # noqa: PTH208 - a glob ignores unreadable folders
     except (FileNotFoundError, NotADirectoryError):
         return []
     except OSError as failure:
@@ -160,7 +163,7 @@ def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
     """
     drafted = path.with_name(f".{path.name}.{os.getpid()}")
     with suppress(OSError):
-        drafted.unlink()  # of a process that had this number, and was killed
+        drafted.unlink()  # left by a killed process with the same number
     file = open_private(drafted, os.O_RDWR | os.O_EXCL)
     try:
         if path.exists() and hasattr(os, "fchmod"):

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 READ_WITHIN_S: Final = 30.0
-"""A sound file of the largest size is read in seconds (unverified default)."""
+"""Time limit; a valid file of the largest size takes seconds (unverified default)."""
 
 
 def as_npz(path: Path, largest_bytes: int) -> bytes:
@@ -71,7 +71,7 @@ def _npz_bytes(path: str, largest_bytes: int) -> bytes:
 def _main(path: str, largest_bytes: str) -> int:
     try:
         sys.stdout.buffer.write(_npz_bytes(path, int(largest_bytes)))
-    except Exception as error:  # whatever h5py raises of damaged bytes
+    except Exception as error:  # h5py raises various errors for damaged bytes
         print(" ".join(f"{error or type(error).__name__}".split()), file=sys.stderr)
         return 1
     return 0

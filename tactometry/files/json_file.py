@@ -11,9 +11,9 @@ from ..provenance import versions
 from .durable import make_folder, read_file, write_atomically
 
 LARGEST_OBJECT: Final = 2**24
-"""Bytes of a file with one object (unverified default)."""
+"""Largest size of a file with one object, bytes (unverified default)."""
 DEEPEST: Final = 100
-"""Levels of lists and objects in one another."""
+"""Largest nesting depth of lists and objects."""
 _SPACE: Final = re.compile(r"\s*")
 _VERBATIM: Final = json.JSONDecoder(parse_float=str, parse_int=str, parse_constant=str)
 

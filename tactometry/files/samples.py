@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .durable import LARGEST_BYTES
 
 LARGEST_WORDS: Final = 2**20
-"""Of a text beside the samples, bytes."""
+"""Largest text stored with the samples, bytes."""
 _CHUNK: Final = struct.Struct("<4sI")
 _FORMAT: Final = struct.Struct("<HHIIHH")
 _WAV_DAMAGES: Final = (
@@ -50,14 +50,14 @@ class Wav(NamedTuple):
 def wav_of(content: bytes) -> Wav:
     """Read a WAV file.
 
-    Raises `ValueError` if it is none, is incomplete, or has no sample.
+    Raises `ValueError` if it is not a WAV file, is incomplete, or has no samples.
     """
     from scipy.io import wavfile
 
     _check_wav(content)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of chunks that are not samples
+            warnings.simplefilter("ignore")  # warnings about chunks other than samples
             rate, frames = wavfile.read(io.BytesIO(content))
     except _WAV_DAMAGES as error:
         words = " ".join(str(error).split())
@@ -66,7 +66,7 @@ def wav_of(content: bytes) -> Wav:
 
 
 def _check_wav(content: bytes) -> None:
-    """Refuse a file that is no complete WAV file."""
+    """Refuse a file that is not a complete WAV file."""
     if len(content) < 12 or content[:4] not in (b"RIFF", b"RF64") or content[8:12] != b"WAVE":
         raise ValueError("found no WAV file, expected one that begins with RIFF and WAVE")
     frame_bytes, long_bytes, at = 0, 0, 12
@@ -114,10 +114,10 @@ def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.
     [[1.0, 2.0], [3.0, 4.0]]
     """
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of no rows, which is said below
+        warnings.simplefilter("ignore")  # warning about missing rows, which are refused below
         try:
             table = np.asarray(np.loadtxt(lines, delimiter=",", ndmin=2), dtype=np.float64)
-        except ValueError as error:  # behind the fault it tells programmers what to do
+        except ValueError as error:  # numpy adds advice for programmers after the fault
             raise ValueError(str(error).split(";")[0].rstrip(".")) from None
     if table.size == 0:
         raise ValueError("found no row of numbers, expected at least one")
@@ -180,4 +180,4 @@ _DAMAGES: Final = (
     *(OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError, NotImplementedError, OverflowError),
     *(SyntaxError, MemoryError, RecursionError, struct.error, zipfile.BadZipFile, zlib.error),
 )
-"""What numpy and zipfile raise of damaged bytes."""
+"""Errors of numpy and zipfile for damaged bytes."""

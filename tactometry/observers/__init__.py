@@ -1,4 +1,4 @@
 """Models of a participant for simulation: `decisions` defines the interface, `signal_detection` is the default.
 
-They draw from the generator that they get and know no protocol; `finger` simulates touches.
+They draw from the generator passed to them and are independent of protocols; `finger` simulates touches.
 """

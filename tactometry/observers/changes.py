@@ -55,11 +55,12 @@ class Shifted(Protocol):
 @dataclass(frozen=True)
 @constrained
 class CriterionDrift:
-    """A stationary first-order process of standard deviation `sd`, in units of the internal noise, whose correlation
-    falls to 1/e over `n_trials` trials (unverified defaults).
+    """Criterion that drifts as a stationary first-order process.
+
+    Its correlation falls to 1/e over `n_trials` trials (unverified defaults).
 
     - `sd`: Standard deviation of the criterion, in units of the internal noise.
-    - `n_trials`: After so many trials its correlation has fallen to 1/e.
+    - `n_trials`: Number of trials after which its correlation has fallen to 1/e.
     """
 
     sd: NotNegative = 0.3
@@ -77,10 +78,10 @@ class CriterionDrift:
 @dataclass(frozen=True)
 @constrained
 class Fatigue:
-    """Less sensitive by `loss_db` after `n_trials` trials, in proportion to them (unverified defaults).
+    """Sensitivity that falls linearly with the trials (unverified defaults).
 
-    - `loss_db`: By how much less is felt after `n_trials`.
-    - `n_trials`: The trials after which that is so.
+    - `loss_db`: Loss of sensitivity after `n_trials`.
+    - `n_trials`: Number of trials after which the loss is reached.
     """
 
     loss_db: Finite = 2.0
@@ -94,13 +95,15 @@ class Fatigue:
 @dataclass(frozen=True)
 @constrained
 class LapsesInRuns:
-    """A chain of two states: attention is lost with the chance `loss_rate` a trial and comes back with `return_rate`;
-    meanwhile `lapse_rate` of the answers are at random (unverified defaults). In the long run it is lost in
-    ``loss_rate / (loss_rate + return_rate)`` of the trials, for ``1 / return_rate`` trials each time.
+    """Lapses that come in runs, as a Markov chain of two states.
 
-    - `loss_rate`: Chance a trial that attention is lost.
-    - `return_rate`: Chance a trial that it comes back.
-    - `lapse_rate`: Share of answers at random meanwhile.
+    In each trial attention is lost with probability `loss_rate` or returns with `return_rate`; while it is lost,
+    `lapse_rate` of the answers are random (unverified defaults). In the long run it is lost in
+    ``loss_rate / (loss_rate + return_rate)`` of the trials, for ``1 / return_rate`` trials on average.
+
+    - `loss_rate`: Probability per trial that attention is lost.
+    - `return_rate`: Probability per trial that attention returns.
+    - `lapse_rate`: Share of random answers while attention is lost.
     """
 
     loss_rate: Share = 0.01
@@ -118,10 +121,10 @@ class LapsesInRuns:
 @dataclass(frozen=True)
 @constrained
 class SlowLearning:
-    """At the first trial less sensitive by `gain_db`, after `n_trials` trials by 1/e of it (unverified defaults).
+    """Sensitivity that rises by `gain_db` in total (unverified defaults).
 
-    - `gain_db`: By how much less is felt at the first trial.
-    - `n_trials`: After so many trials 1/e of it is left.
+    - `gain_db`: Loss of sensitivity at the first trial.
+    - `n_trials`: Number of trials after which 1/e of the loss is left.
     """
 
     gain_db: Finite = 3.0
@@ -135,10 +138,12 @@ class SlowLearning:
 @dataclass(frozen=True)
 @constrained
 class SerialDependence:
-    """After a yes the criterion is lower by `pull`, in units of the internal noise, after a no higher (unverified
-    default); below 0, answers alternate. It acts on questions with a criterion: yes/no, same or different.
+    """Criterion that depends on the previous answer (unverified default).
 
-    - `pull`: By how much the criterion is lower after a yes, in units of the internal noise.
+    After a yes it is lower by `pull`, after a no higher; with a `pull` below 0, answers alternate. It acts on
+    questions with a criterion: yes/no, same or different.
+
+    - `pull`: Decrease of the criterion after a yes, in units of the internal noise; below 0, answers alternate.
     """
 
     pull: Finite = 0.2

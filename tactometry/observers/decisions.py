@@ -51,7 +51,7 @@ class Felt:
 
 
 Decide = Callable[[Observer, Sequence[Felt], Choose, np.random.Generator], int]
-"""From what was felt to one of the options."""
+"""Function from the felt stimuli to one of the options."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from ..session.request import Press, Slide
 
 Array = NDArray[np.float64]
 N_TRIES = 100
-"""Forces are drawn so often until one falls into the band."""
+"""Largest number of draws of a force until one is in the band."""
 
 
 @dataclass(frozen=True)
@@ -51,11 +51,11 @@ class SimulatedFinger:
     many times the force and the speed that are asked the finger presses and slides, where the band lets it.
 
     - `force_cv`: Coefficient of variation of the mean force, from trial to trial.
-    - `waver_cv`: Of the force within a trial.
-    - `waver_s`: How long the waver stays correlated.
-    - `speed_cv`: Of the mean speed, from trial to trial.
-    - `speed_waver_cv`: Of the speed within a trial.
-    - `rate_hz`: Samples of force and place per second.
+    - `waver_cv`: Coefficient of variation of the force within a trial.
+    - `waver_s`: Correlation time of the fluctuations within a trial.
+    - `speed_cv`: Coefficient of variation of the mean speed, from trial to trial.
+    - `speed_waver_cv`: Coefficient of variation of the speed within a trial.
+    - `rate_hz`: Samples of force and position per second.
     - `force_factor`: Ratio of the force that the finger presses with to the requested force.
     - `speed_factor`: Ratio of the speed of the finger to the requested speed.
     """
@@ -91,7 +91,7 @@ class SimulatedFinger:
         ratios = self.force_factor * np.exp(self.force_cv * tries)
         inside = np.abs(ratios - 1) <= tolerance
         first = np.take_along_axis(ratios, inside.argmax(axis=1)[:, None], axis=1)[:, 0]
-        # none of a hundred falls into the band: it is narrow, or the habit is far from it
+        # all draws can miss a narrow band, or one far from the habitual force
         ratios_in_band = np.where(inside.any(axis=1), first, np.clip(self.force_factor, 1 - tolerance, 1 + tolerance))
         means_n = request.target_n * ratios_in_band
         forces_n = np.maximum(means_n[:, None] * (1 + self.waver_cv * self._waver(waver)), 0.0)
@@ -101,7 +101,7 @@ class SimulatedFinger:
         asked_m_per_s = request.speed_m_per_s * self.speed_factor
         means_m_per_s = np.array([asked_m_per_s * math.exp(self.speed_cv * z) for z in path[:, 0].tolist()])
         speeds = means_m_per_s[:, None] * np.maximum(1 + self.speed_waver_cv * self._waver(path[:, 1:]), 0.0)
-        # a speed is that of the step behind its sample: nothing follows the last
+        # each speed moves the finger after its sample, so the last has no effect
         steps = speeds[:, :-1]
         paths_m = np.pad(np.cumsum(steps, axis=1) / self.rate_hz, ((0, 0), (1, 0)))
         return Grips(times_s, forces_n, triangle(paths_m, request.length_m), steps.mean(axis=1))
@@ -140,7 +140,7 @@ def kept_touches(finger: SimulatedFinger, request: Press | Slide, drawn: Array) 
 
 
 class Touches:
-    """Touches of a session, and the random stream of each trial behind them.
+    """Touches of a session, and the random stream of each trial after them.
 
     Trial n draws from `rng_of(n)` only. Touches of following trials are computed in advance, as if they had the same
     requests; a trial that differs recreates its stream, so that results do not depend on this.
@@ -160,7 +160,7 @@ class Touches:
 
     @property
     def rng(self) -> np.random.Generator:
-        """Random stream of this trial, behind its touches."""
+        """Random stream of this trial, after its touches."""
         if self._rng is None:
             ahead = self._ahead.pop(self._n, None)
             if ahead is not None and ahead.drawn.size == self._n_drawn:
@@ -204,7 +204,7 @@ class Touches:
 
 @dataclass(frozen=True, eq=False)
 class _Ahead:
-    """Random stream of a trial, behind the numbers drawn from it."""
+    """Random stream of a trial, after the numbers drawn from it."""
 
     rng: np.random.Generator
     drawn: Array

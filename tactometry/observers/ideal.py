@@ -15,10 +15,10 @@ from .people import ObserverWithTraits, Traits
 @dataclass(frozen=True)
 @constrained
 class IdealObserver(ObserverWithTraits):
-    """Feels whatever is above its threshold, and tells apart whatever differs; guesses only between what is felt alike.
+    """Noise-free observer that guesses only between equal sensations.
 
-    - `sensitivity_db`: How much more sensitive than the reference, in dB of sensation level.
-    - `between_sd_db`: Standard deviation of it between people.
+    - `sensitivity_db`: Sensitivity relative to the reference, in dB of sensation level.
+    - `between_sd_db`: Standard deviation of the sensitivity between people.
     - `latency_s`: Time from the stimulus to the answer.
 
     Raises `InvalidParameter` if a value is outside of its range.

@@ -26,7 +26,7 @@ from types import NoneType
 from ..user_code import MARK, Expected, class_beside, guarded, not_allowed
 
 USUAL: Final = "signal_detection"
-"""What a table that names no kind means."""
+"""Kind of a table without the key `kind`."""
 OBSERVERS: Final = {
     USUAL: "tactometry.observers.signal_detection:SignalDetectionObserver",
     "ideal": "tactometry.observers.ideal:IdealObserver",
@@ -161,9 +161,9 @@ ANSWERS: Final = {
     "detect": YES_OR_NO, "compare": INDEX, "identify": INDEX, "differ": YES_OR_NO, "magnitude": AMOUNT,
     "liking": LIKING, "answer_time_s": AMOUNT, "facts": FACTS,
 }  # fmt: skip
-"""What an observer is asked; `observers/decisions.py` says what each means."""
+"""Answers that an observer must give, by method; `observers/decisions.py` defines them."""
 PEOPLE: Final = ("participant", "person", "shifted")
-"""What makes an observer from one."""
+"""Methods that return an observer."""
 OTHERS: Final = ("stated", "check", "__post_init__")
 
 
@@ -178,13 +178,13 @@ def _of_guarded_class(observer: Any) -> Any:
     """Guard the class of an observer that user code made."""
     kind: Any = type(observer)
     if not kind.__module__.startswith("tactometry.") and not hasattr(kind, MARK):
-        with suppress(TypeError):  # classes that are written in C are what they are
+        with suppress(TypeError):  # classes written in C cannot be guarded
             object.__setattr__(observer, "__class__", guarded_observer(kind))
     return observer
 
 
 METHODS: Final = ("participant", *ANSWERS)
-"""What such a class has."""
+"""Methods that a custom observer must have."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from .finger import SimulatedFinger
 from .responses import MOST_LAPSES
 
 TRAITS: Final = ("sensitivity", "criterion", "exponent", "lapse", "latency", "number", "force", "speed")
-"""What is drawn together for a person, in this order: the first is the first number of the person's stream."""
+"""Traits drawn together for a person, in the order of the person's random stream."""
 MODALITIES: Final[Mapping[str, tuple[str, ...]]] = {"hybrid": ("electrovibration", "time_reversal")}
 """Surfaces that are felt by several modalities, whose deviations are averaged (unverified default)."""
 
@@ -115,27 +115,27 @@ class SimulatedPerson:
 
 
 Draws = Callable[..., np.random.Generator]
-"""The stream of a person for a use that is named by words."""
+"""Returns the random stream of a person for a use named by words."""
 
 
 @dataclass(frozen=True)
 @constrained
 class People:
-    """How the people of a population differ: the keys of `[observer.people]`; 0 where they do not.
+    """Differences in a population: the keys of `[observer.people]`, default 0.
 
-    A person's deviation in a cell is the sum of independent normal ones of the modality, of each factor's level and of
-    the cell, all in dB of sensation level, and the stated effects. Each comes from a stream that is named by person and
-    cell, so that the order and the number of cells change none. The other traits are jointly normal, those whose name
-    ends in ``_cv`` on a logarithmic scale.
+    A person's deviation in a cell is the sum of the stated effects and of independent normal deviations for the
+    modality, for each factor's level and for the cell, all in dB of sensation level. Each is drawn from a stream named
+    by person and cell, so that it does not depend on the order and number of cells. The other traits are jointly
+    normal, those whose spread ends in ``_cv`` on a logarithmic scale.
 
-    Raises `InvalidParameter` if a spread is negative, a trait unknown, or the correlations belong to no covariance.
+    Raises `InvalidParameter` if a spread is negative, a trait unknown, or the correlations are inconsistent.
 
     - `modality_sd_db`: Standard deviation between people of the sensitivity to one modality (electrovibration, time
       reversal).
     - `condition_sd_db`: Standard deviation between people of the sensitivity in one cell of the design.
     - `factor_sd_db`: The same for the levels of a factor, by its name.
-    - `effects_db`: What everybody feels more at a level of a factor than the skin model says, by factor and level.
-    - `criterion_sd`: Of the criterion, in units of the internal noise.
+    - `effects_db`: Effect of a level of a factor on the sensation level of all people, by factor and level.
+    - `criterion_sd`: Standard deviation between people of the criterion, in units of the internal noise.
     - `exponent_cv`: Coefficient of variation of the transducer's exponent, which sets the width of the psychometric
       function.
     - `lapse_cv`: Coefficient of variation of the lapse rate.
@@ -143,8 +143,8 @@ class People:
     - `number_cv`: Coefficient of variation of the numbers given for one magnitude.
     - `force_bias_cv`: Coefficient of variation of the pressing force relative to the target force.
     - `speed_bias_cv`: Coefficient of variation of the sliding speed relative to the target speed.
-    - `correlations`: Of two of ``sensitivity``, ``criterion``, ``exponent``, ``lapse``, ``latency``, ``number``,
-      ``force`` and ``speed``.
+    - `correlations`: Correlations of pairs of ``sensitivity``, ``criterion``, ``exponent``, ``lapse``, ``latency``,
+      ``number``, ``force`` and ``speed``.
     """
 
     modality_sd_db: NotNegative = 0.0
@@ -193,7 +193,7 @@ class People:
             check_keys(of_level, list(map(cell_text, factors[name])), f"{path}.effects_db.{name}", "level", LOST_LEVEL)
 
     def deviation_db(self, factors: Mapping[str, float | str], modality: str, draws: Draws) -> float:
-        """Return what a person feels more in a cell than the skin model says, from that person's streams."""
+        """Return a person's deviation from the skin model in a cell, from that person's streams."""
         levels = {name: cell_text(level) for name, level in factors.items()}
         of_everybody = sum(self.effects_db.get(name, {}).get(text, 0.0) for name, text in levels.items())
         cell = ", ".join(f"{name}={levels[name]}" for name in sorted(levels))

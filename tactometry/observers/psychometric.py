@@ -1,4 +1,4 @@
-"""A participant whose psychometric function is given, in the unit of the level and without any physics."""
+"""Participant with a stated psychometric function of the level, without physics."""
 
 import functools
 import math
@@ -20,16 +20,17 @@ from .people import Feeling, ObserverWithTraits, Traits
 from .responses import ALMOST_ALL, HIGHEST_DB, MOST_LAPSES
 
 OF_WIDTH = 2 * 1.6448536269514722
-"""The width of a cumulative normal distribution, from 0.05 to 0.95, in its standard deviations."""
+"""Width of a cumulative normal distribution from 0.05 to 0.95, in standard deviations."""
 
 
 @dataclass(frozen=True)
 @constrained
 class PsychometricObserver(ObserverWithTraits):
-    """Says yes with the chance ``psi(level)``, whose threshold and width are stated in the unit of the level.
+    """Observer with a stated psychometric function ``psi(level)``.
 
-    In a forced choice of m of which one is not empty, that one is taken with ``1 / m + (1 - 1 / m - lapse_rate)
-    F(level)``; of several that are not empty the one that is highest, each with a normal noise that makes the width.
+    Threshold and width are in the unit of the level. In a forced choice of m with one stimulus, the stimulus is chosen
+    with probability ``1 / m + (1 - 1 / m - lapse_rate) F(level)``; of several stimuli, the highest is chosen after
+    adding normal noise that corresponds to the width.
     Schuett, Harmeling, Macke and Wichmann, Vision Research 122 (2016), 105-123.
 
     - `threshold`: Level at which the unscaled function is 0.5, where `conditions` sets no other.
@@ -39,8 +40,8 @@ class PsychometricObserver(ObserverWithTraits):
     - `shape`: One of the shapes of `tactometry.psychometric` on linear levels.
     - `false_alarm_rate`: Rate of yes without a stimulus: the lower asymptote of yes/no.
     - `lapse_rate`: Distance of the upper asymptote from 1.
-    - `sensitivity_db`: By how much the thresholds of this person are lower.
-    - `between_sd_db`: Standard deviation of it between people.
+    - `sensitivity_db`: Decrease of the thresholds of this person.
+    - `between_sd_db`: Standard deviation of the sensitivity between people.
     - `latency_s`: Median time to answer.
     """
 
@@ -153,7 +154,7 @@ class PsychometricObserver(ObserverWithTraits):
         return {"kind": type(self).__name__, **{name: getattr(self, name) for name in names}}
 
 
-@functools.lru_cache(maxsize=4096)  # levels come again and again
+@functools.lru_cache(maxsize=4096)  # levels repeat
 def _rate(shape: str, width: float, guess_rate: float, lapse_rate: float, level: float) -> float:
     if level == -math.inf:
         return guess_rate

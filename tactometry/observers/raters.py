@@ -21,24 +21,24 @@ Loading = Annotated[float, Interval(ge=-1, le=1)]
 @dataclass(frozen=True)
 @constrained
 class Raters:
-    """How people rate: the keys of `[observer.raters]`. An attitude is a number from -1 (the bad end) to 1 (the good).
+    """Raters with attitudes from -1 (negative pole) to 1 (positive pole).
 
-    To an item of loading l of a dimension, whose good end is on the right (s = 1) or on the left (s = -1), the answer
-    is ``extremity s (l attitude + noise z) + acquiescence``, z standard normal: a common factor model, as Bollen,
-    Structural Equations with Latent Variables (1989), chapter 7. An attitude is the sum of the stated effects, of
-    `liking` times how good the strength of the stimulus feels, and of what is this person's own in general, of the
-    dimension, and of the dimension of that stimulus. All numbers are unverified defaults.
+    These are the keys of `[observer.raters]`. For an item with loading l, whose positive
+    pole is on the right (s = 1) or left (s = -1), the answer is ``extremity s (l attitude + noise z) + acquiescence``,
+    with z standard normal: a common factor model (Bollen, Structural Equations with Latent Variables, 1989, chapter 7).
+    An attitude is the sum of the stated effects, of `liking` times the liking of the stimulus strength, and of random
+    deviations of the person: general, by dimension, and by dimension and stimulus. All numbers are unverified defaults.
 
     - `loading`: Loading of every item that `loadings` does not name.
     - `loadings`: Loading of single items, by the item's id.
-    - `noise`: Standard deviation of an item's own noise.
-    - `liking`: Weight of how good the strength of the stimulus feels, which the observer says.
+    - `noise`: Standard deviation of the noise of an item.
+    - `liking`: Weight of the liking of the stimulus strength, which the observer returns.
     - `attitude_sd`: Standard deviation between people of their attitude to everything.
     - `dimension_sd`: Standard deviation between people of their attitude to a dimension.
     - `stimulus_sd`: Standard deviation between people of their attitude to a dimension of one stimulus.
     - `extremity_cv`: Spread between people of the factor by which they use the scale, on a logarithmic scale.
     - `acquiescence_sd`: Standard deviation between people of the shift of all their answers to the right.
-    - `effects`: What a level of a factor adds to everybody's attitude, by factor, level and dimension.
+    - `effects`: Effect of a level of a factor on the attitude of all people, by factor, level and dimension.
     """
 
     loading: Loading = 0.8

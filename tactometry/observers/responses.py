@@ -1,4 +1,4 @@
-"""From sensation to response, shared by all observers: liking, magnitude, latency, lapses."""
+"""Responses shared by all observers: liking, magnitude, latency, lapses."""
 
 import math
 from typing import Final
@@ -8,13 +8,13 @@ import numpy as np
 COMFORT_DB: Final = 15.0
 COMFORT_RANGE_DB: Final = 25.0
 HIGHEST_DB: Final = 300.0
-"""What is felt more is told as this."""
+"""Higher sensation levels are reported as this level."""
 MOST_LAPSES: Final = 0.5
-"""The lapse rate of nobody is drawn higher."""
+"""Largest lapse rate drawn for a person."""
 ALMOST_ALL: Final = 0.999999
-"""Of the trials: a rate below 1."""
+"""Largest rate of lapses, or of lapses and guesses together."""
 LATENCY_CV: Final = 0.3
-"""Nearly: the standard deviation of the logarithm of a time to answer (unverified default)."""
+"""Standard deviation of the logarithm of the response time (unverified default)."""
 
 
 def liking(level_db: float) -> float:

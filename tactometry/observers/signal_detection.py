@@ -25,14 +25,14 @@ class SignalDetectionObserver(ObserverWithTraits):
     the trials of a yes/no task; Green and Swets, Signal Detection Theory and Psychophysics (1966), with a power
     transducer. The defaults are unverified choices: the criterion gives 5 % false alarms.
 
-    - `criterion`: In units of the internal noise, above 0.
-    - `exponent`: Of the transducer, above 0.
-    - `lapse_rate`: Part of the trials that are answered at random, in [0, 1).
-    - `sensitivity_db`: How much more sensitive than the reference this participant is, in dB of sensation level.
+    - `criterion`: Decision criterion in units of the internal noise, above 0.
+    - `exponent`: Exponent of the transducer, above 0.
+    - `lapse_rate`: Share of the trials that are answered at random, in [0, 1).
+    - `sensitivity_db`: Sensitivity of this participant relative to the reference, in dB of sensation level.
     - `between_sd_db`: Standard deviation of `sensitivity_db` between participants (see `participant`).
     - `bias`: Added to the criterion in yes/no tasks, in units of the internal noise: above 0, fewer false alarms and
       hits.
-    - `number_factor`: By which a number given for a magnitude is larger than d'.
+    - `number_factor`: Ratio of a number given for a magnitude to d'.
     - `latency_s`: Median time to answer; answer times are log-normal with a coefficient of variation near 0.3.
     """
 
@@ -72,7 +72,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         return float(min(self.criterion * 10.0 ** min(exponent, 300.0), 1e6))
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
-        # all draws, used or not: the generator stands at the same place behind any answer
+        # draw all numbers, used or not, so that the generator's state is the same after any answer
         noise, lapses, guess = rng.standard_normal(), rng.random() < self.lapse_rate, rng.random() < 0.5
         return bool(guess) if lapses else bool(self.d_prime(sensation_db) + noise > self.criterion + self.bias)
 
@@ -92,7 +92,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         felt = expected[n_felt] + rng.standard_normal(expected.shape[1])
         lapses, guess = rng.random() < self.lapse_rate, int(rng.integers(len(expected)))
         likelihood = expected @ felt - (expected**2).sum(axis=1) / 2
-        best = np.flatnonzero(likelihood == likelihood.max())  # what feels alike is told apart by a guess
+        best = np.flatnonzero(likelihood == likelihood.max())  # guess between equal sensations
         return guess if lapses else int(best[guess % len(best)])
 
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:

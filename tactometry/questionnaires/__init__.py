@@ -1,1 +1,1 @@
-"""The shipped questionnaires as TOML: items, scales, reversals and languages; `tactometry.questionnaire` reads them."""
+"""Shipped questionnaires, one TOML file each."""

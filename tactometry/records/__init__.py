@@ -1,1 +1,1 @@
-"""What is kept on the disk: journal and data set, durably."""
+"""Durable records on disk: journal and data set."""

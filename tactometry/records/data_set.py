@@ -19,9 +19,9 @@ from .description import NAME, StudyDescription
 
 TRACES: Final = "traces"
 PARTS: Final = ("data", "journals", TRACES)
-"""The folders that recorded sessions are in."""
+"""Folders of recorded sessions."""
 LARGEST_NUMBER = 999_999_999
-"""Of a session, and of a participant for counterbalancing."""
+"""Largest number of a session, and of a participant for counterbalancing."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Seq
 
 
 def refuse_links(root: Path) -> None:
-    """Refuse a data set with a link in place of a folder: nothing is written or erased through it."""
+    """Refuse a data set whose folders are links, before writing or erasing."""
     for part in PARTS:
         it = "the folder itself; put what the link leads to in its place"
         expect(not (root / part).is_symlink(), root / part, "a link", it, InvalidFile)
@@ -152,7 +152,7 @@ def first_difference(existing: bytes, expected: bytes) -> int | None:
         return None
     pairs = zip(existing.split(b"\n"), expected.split(b"\n"), strict=False)
     differing = next((n for n, (a, b) in enumerate(pairs, 1) if a != b), None)
-    # the lines of the shorter one are all equal: the first that it lacks
+    # all lines of the shorter file are equal: return the first missing line
     return differing if differing is not None else min(existing.count(b"\n"), expected.count(b"\n")) + 1
 
 

@@ -15,14 +15,14 @@ from ..trials.columns import Column
 
 NAME: Final = "dataset_description.json"
 SIMULATED: Final = "simulated"
-"""The rig whose participants are no people."""
+"""Name of the rig with simulated participants."""
 KEYWORD: Final = "simulated data"
 SENTENCE: Final = "Simulated participants: no person took part."
 
 
 @dataclass(frozen=True)
 class StudyDescription:
-    """What the files of a data set say of its study; `study_toml` are the bytes that ran."""
+    """Study metadata in a data set; `study_toml` are the bytes that ran."""
 
     study: str
     title: str
@@ -51,7 +51,7 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
     path = root / NAME
     there = read_description(path) if path.exists() else None
     described: Mapping[str, Any] = description(design) if there is None else there
-    # what a person added stays; columns that are missing follow
+    # keep manual additions, then append missing columns
     variables = described["variableMeasured"]
     known = [variable.get("name") for variable in variables if isinstance(variable, Mapping)]
     new = [
@@ -61,7 +61,7 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
     ]
     complete = {**described, "variableMeasured": [*variables, *new]}
     wanted = as_simulated(complete) if is_simulated else complete
-    if wanted != there:  # a file that says all already keeps its bytes
+    if wanted != there:  # leave a complete file unchanged
         write_atomically(path, pretty(wanted))
 
 

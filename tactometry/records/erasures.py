@@ -1,7 +1,7 @@
 """Record of erasures: a line of `erasures.jsonl` for each, and the plan of an unfinished one.
 
-A line contains the participant's code, because the laboratory must show that it erased what it was asked to, and
-because the code's number is free again. A code identifies nobody once the list of codes and names has lost it.
+A line contains the participant's code, because the laboratory must prove the requested erasure, and because the code
+may be assigned again. A code identifies no person once it is removed from the list of codes and names.
 """
 
 import os
@@ -21,7 +21,7 @@ from .description import NAME
 
 RECORD: Final = "erasures.jsonl"
 LOCK: Final = ".erasures.lock"
-"""Of one erasure at a time: two that write the record would lose a line of it."""
+"""Lock that allows one erasure at a time, as two would lose a line of the record."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def read_erasures(root: Path) -> tuple[Erasure, ...]:
 
 
 def _erasure(line: bytes, where: str) -> Erasure:
-    """Decode a line; a participant that is no code, such as a hash, could not be found again."""
+    """Decode a line; refuse participants that are not codes, such as hashes."""
     try:
         erasure = msgspec.json.decode(line, type=Erasure)
         if not PARTICIPANT.fullmatch(erasure.participant):
@@ -105,7 +105,7 @@ class Withdrawal:
         files = (session.trials(root), session.sidecar(root), events, events.with_suffix(".json"))
         self._journal = session.journal(root)
         folders = (self._journal.parent, root / "data")
-        # A folder that another session has begun in is not empty: then what follows stays.
+        # A folder that another session uses is not empty: keep it and its parents.
         ordered = (*files, self._journal, *folders, root / "study.toml", root / NAME, root)
         self._created = tuple(path for path in ordered if not path.exists())
 
@@ -113,7 +113,7 @@ class Withdrawal:
         """Remove what was created since, unless the journal has a line."""
         if self._journal.exists() and self._journal.stat().st_size:
             return
-        with suppress(OSError):  # what is in use stays, and so does what contains it
+        with suppress(OSError):  # files and folders in use stay
             for path in self._created:
                 if path.is_dir():
                     path.rmdir()

@@ -1,7 +1,7 @@
 """Follow a journal that another process writes: read-only, each line once.
 
-A journal that goes on with ``--resume`` may be shorter than before, or another file. So the last line is read again
-with what is new: its checksum covers all lines before it.
+A journal that is resumed with ``--resume`` may be shorter than before, or another file. The last line is therefore read
+again together with new lines: its checksum covers all lines before it.
 """
 
 import os
@@ -12,7 +12,7 @@ from ..errors import InvalidFile
 from .journal import Line, Reached, decode_on
 
 Stamp = tuple[int, int, int]
-"""Which file it is, how long, and when it was written last."""
+"""Identity, size and modification time of a file."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Follower:
             raise
 
     def _look(self) -> News | None:
-        with self.path.open("rb") as file:  # opened first: what is looked at is what is read, whatever has its name
+        with self.path.open("rb") as file:  # opened first, so that the checked file is the one that is read
             found = os.fstat(file.fileno())
             stamp = found.st_ino, found.st_size, found.st_mtime_ns
             if stamp == self._stamp:

@@ -1,4 +1,4 @@
-"""Head of a sitting: the journal line that says who, what, where, with which devices and in which format.
+"""Head of a sitting: journal line with participant, study, devices and format.
 
 A session keeps the format that it began with. Format 1 has one head, no reasons, and questionnaires after a block
 without its condition; its tables lack the columns `ADDED`. Devices, limits and versions may change between sittings;
@@ -26,20 +26,21 @@ from .data_set import LARGEST_NUMBER
 FORMAT: Final = 2
 ADDED: Final = frozenset(("rig", "speed_in_band", "invalid_reason", "n_gaps"))
 ADDED_FACTS: Final = frozenset(("charge_c",))
-"""Columns of trials, and of events, that came with format 2."""
+"""Columns of trials, and of events, added in format 2."""
 LARGEST_SEED = 2**63 - 1
 VARYING: Final = re.compile(r"(^|_)n_|(_offset_s|_minus_clock_s|_latency_s|_measured_s|_failure)$")
-"""Names of counts, clocks and what is measured anew each time: they differ in every sitting and say nothing of it."""
+"""Names of counts, clocks and measurements, which differ in every sitting and are not reported as changes."""
 SAME_PERIOD: Final = 0.02
-"""Two frame periods that differ by less, relatively, are of one screen."""
+"""Frame periods with a smaller relative difference belong to the same screen."""
 _SITTING: Final = b'{"sitting":'
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 
 
 @dataclass(frozen=True)
 class Head:
-    """What is needed to ask the same again, and the circumstances of a sitting, which began at `begun_s` of the
-    session.
+    """Everything needed to repeat the requests, and the conditions of a sitting.
+
+    `begun_s` is the session time at which the sitting began.
     """
 
     study: str

@@ -34,7 +34,7 @@ _KEYS: Final = {
     "end": {"end"},
 }
 _MAY: Final[Mapping[str, set[str]]] = {"event": {"duration_s"}}
-"""Keys that a line may have, too."""
+"""Optional keys of lines."""
 
 
 class Entry(NamedTuple):
@@ -166,7 +166,7 @@ def encode_line(line: Event | Head | Marked, before: int = 0) -> bytes:
 
 
 def _table(line: bytes, before: int, where: str) -> dict[str, Any]:
-    # as text, from behind: the checksum is that of the bytes before it, whatever they hold
+    # search from the end, as the line may contain any text before its checksum
     body, mark, tail = line.rpartition(b',"crc32":"')
     if not mark or tail != b'%08x"}' % zlib.crc32(body, before):
         raise InvalidFile(
@@ -284,7 +284,7 @@ def decode_entry(value: dict[str, Any]) -> Entry:
 def _strictly(value: Any, kind: type[T]) -> T:
     """Convert a value to a class; a key that the class does not know is refused."""
     built = msgspec.convert(value, kind)
-    _refuse_unknown(value, built)  # msgspec lets a key pass that a dataclass does not know
+    _refuse_unknown(value, built)  # msgspec ignores unknown keys of a dataclass
     if isinstance(built, Record):
         _refuse_unknown(value["trial"], built.trial)
     return built

@@ -1,4 +1,4 @@
-"""A journal that is open for writing: appended to, and repaired after an interruption."""
+"""Open journal: appending, and repair after an interruption."""
 
 import os
 import time
@@ -26,9 +26,9 @@ _IN_USE: Final = (
     "--session number"
 )
 LOCK_TRIES, LOCK_PAUSE_S = 5, 0.02
-"""A lock that `is_written` tries is free again within microseconds."""
+"""Attempts to get a lock, as `is_written` holds it for microseconds."""
 LASTING: Final = (Record, Intervene)
-"""Requests whose answer an interruption does not take back: a journal is cut behind the last of them."""
+"""Requests whose answers survive an interruption: a journal is cut after the last of them."""
 
 
 class Journal:
@@ -71,7 +71,7 @@ class Journal:
         kept, cut = Recording(lines, recording.complete), content[n_bytes:]
         if cut:
             self.keep(after_trials=len(kept.trials), cut=cut.decode("utf-8", "backslashreplace"))
-            # what was not asked happened all the same: it stays, behind what is kept
+            # events and marks after the cut are kept
             behind = tuple(line for line in recording.lines[len(lines) :] if not isinstance(line, Entry))
             self._exchange(content[:n_bytes], behind)
             kept = Recording((*lines, *behind), recording.complete)
@@ -94,7 +94,7 @@ class Journal:
             lines.append(encode_line(line, self._before))
             self._before = checksum(lines[-1])
         with draft(self.path, kept + b"".join(lines)) as (file, drafted):
-            _lock(file, self.path)  # before it has the name: no other process gets in between
+            _lock(file, self.path)  # locked before renaming, so that no other process intervenes
             put_in_place(drafted, self.path)
         os.close(self._file)
         self._file = file
@@ -198,8 +198,8 @@ def alone(path: Path, in_use: str) -> Iterator[None]:
     try:
         yield
     finally:
-        with suppress(OSError):  # elsewhere than on posix an open file stays
-            path.unlink()  # while it is locked: who has opened it sees that it is gone, and makes another
+        with suppress(OSError):  # on other systems than POSIX an open file cannot be removed
+            path.unlink()  # removed while locked, so that a waiting process notices and makes another
         os.close(file)
 
 
@@ -216,7 +216,7 @@ def _open_locked(path: Path, in_use: str = _IN_USE) -> int:
         except BaseException:
             os.close(file)
             raise
-        os.close(file)  # the name leads to another file by now: that one
+        os.close(file)  # the path has been replaced: open the new file
 
 
 def _lock(file: int, path: Path, in_use: str = _IN_USE) -> None:

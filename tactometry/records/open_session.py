@@ -1,4 +1,4 @@
-"""A session that is being recorded: its journal, and the files that are derived from it."""
+"""Session being recorded: its journal and the derived files."""
 
 import os
 import threading
@@ -31,7 +31,7 @@ from .open_journal import Journal
 from .traces import TraceFiles
 
 POSITIONS_HEADER: Final = b"positions_digest\ttime_s\tposition_m\n"
-"""Times from the place that the first sample of the stimulus followed."""
+"""Times count from the position that the first sample of the stimulus followed."""
 _STIMULUS: Final = b'{"event":"stimulus'
 _KINDS: Final = (_STIMULUS + b'"', _STIMULUS + b'_end"')
 
@@ -87,7 +87,7 @@ class OpenSession:
     def __init__(self, root: Path, design: StudyDescription, session: Session, rig: str, *, resume: bool) -> None:
         path = session.journal(root)
         goes_on = resume and path.is_file() and path.stat().st_size > 0
-        if not goes_on:  # one that goes on is held against its own head
+        if not goes_on:  # a resumed session is compared with its own head
             refuse_mixing(root, rig)
         prepare(root, design)
         self._root, self._session, self._traces = root, session, TraceFiles(root, session)
@@ -178,7 +178,7 @@ class OpenSession:
         if isinstance(request, Record):
             self._traces.sync()
         with self._writing:
-            self.journal.append(request, answer)  # the truth first: a crash from here on leaves a table to rebuild
+            self.journal.append(request, answer)  # the journal first: after a crash the table can be rebuilt
             if isinstance(request, Record):
                 self.recorded_s = time.perf_counter()
                 line = delimited_text([row(request.trial, self._session, self._rig, self._columns)])
@@ -209,7 +209,7 @@ class OpenSession:
 
     @property
     def repaired(self) -> str | None:
-        """What was cut off, or was only in a derived file, and is kept; None if nothing."""
+        """Description of data that were cut off or only in a derived file; or None."""
         return "; ".join(self._repaired) or None
 
     def _rebuild(self) -> None:

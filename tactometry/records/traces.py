@@ -36,23 +36,23 @@ from .description import pretty
 
 FOLDER: Final = TRACES
 MISSING: Final = "n/a"
-"""A sample that was lost, as BIDS writes it."""
+"""Lost sample in BIDS notation."""
 FILES: Final[Mapping[TraceKind, str]] = {
     "force": "recording-force_physio",
     "position": "tracksys-finger_motion",
     "emitted": "recording-output_stim",
 }
-"""What the file of each kind is called behind the name of its session."""
+"""Suffix of the file name of each kind, after the name of the session."""
 _FORMS: Final[Mapping[TraceKind, tuple[str, str]]] = {
     "force": ("%.6f", "%.6g"),
     "position": ("%.6f", "%.9f"),
     "emitted": ("%.7g", "%.7g"),
 }
-"""How a number of the first column is written, and of the others: to the microsecond and the nanometre, and a voltage
-to what a card of 24 bits tells apart."""
+"""Number formats of the first and the other columns: microseconds, nanometres, and voltages to the resolution of a
+24-bit card."""
 HIGHEST_RATE_HZ: Final = 1e9
 _LEVEL: Final = 4
-"""Of compression."""
+"""Level of compression."""
 _GZIP: Final = zlib.MAX_WBITS + 16
 _PIECE: Final = 2**16
 _AXES: Final = "xyz"
@@ -116,7 +116,7 @@ def whole_length(content: bytes) -> int:
         piece = content[at : at + _PIECE]
         try:
             unpacker.decompress(piece)
-        except zlib.error:  # no tear, which would end too early: parts behind it are found by their places
+        except zlib.error:  # damage rather than a cut: keep the rest, as later parts are found by their offsets
             return len(content)
         at += len(piece) - len(unpacker.unused_data)
         if unpacker.eof:

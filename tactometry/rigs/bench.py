@@ -40,9 +40,9 @@ from .touch.watchdog import RepeatedStimulus, play_to_end, watchdog
 
 S = TypeVar("S")
 ASSUMED_DISPLAY_HEIGHT_M = 0.3
-"""Of a 24-inch display; taken for the moving cue of a slide where nobody measured it (unverified default)."""
+"""Height of a 24-inch display, used for the moving cue of a slide if it was not measured (unverified default)."""
 N_DRY_RUNS = 3
-"""So often may a touch be tried without a stimulus; then the session goes on (unverified default)."""
+"""Largest number of practice touches without a stimulus (unverified default)."""
 HINT_CONTINUE = "hint_continue"
 
 
@@ -58,7 +58,7 @@ class Bench(DeviceRig):
         self._trial_log = TrialLog(self._supervisor, self._screen, self._clocks)
         self._lost: Reason | None = None
         self._known: set[type[Press | Slide]] = set()
-        # drawn now, so that the first page of a trial costs no frame when it is due
+        # drawn now, so that the first page of a trial is not delayed
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
             self._screen.prepare(layout.marker_page(interval, playing=False))
@@ -236,7 +236,7 @@ class Bench(DeviceRig):
 
     def _show(self, request: Show) -> Done:
         self._terminal.tell(f"page: {request.message}")
-        self._lost = None  # after a page it is no more the touch before
+        self._lost = None  # after a page the last touch no longer applies
         if request.duration_s is None:
             self._leave(self._message(request, "hint_end" if request.message == "end" else HINT_CONTINUE))
             return self._done_between()
@@ -262,7 +262,7 @@ class Bench(DeviceRig):
         self._supervisor.end_trial(trial)
         self._lost = trial.invalid_reason
         before, self._tally = self._tally, self._tally.after(trial)
-        if self._tally.n_presented > before.n_presented:  # not each item of a questionnaire
+        if self._tally.n_presented > before.n_presented:  # not for each item of a questionnaire
             response = "no answer, " if trial.response is None else f"{trial.response}, "
             self._terminal.add(f"{'' if trial.task == 'rating' else response}{outcome(trial, self._tally.n_presented)}")
         self._terminal.end_line()
@@ -273,7 +273,7 @@ class Bench(DeviceRig):
 
 
 KEPT_EVERY_S = 0.2
-"""Marks that change faster, as those of a drag do, are kept so often."""
+"""Interval at which fast changes of marks, as in a drag, are kept."""
 Values = tuple[float | None, ...]
 
 

@@ -1,4 +1,4 @@
-"""A terminal as a rig: to try a protocol out, and for sessions without a screen."""
+"""Rig on a terminal, to try a protocol or run without a screen."""
 
 import math
 import sys
@@ -41,10 +41,10 @@ from .touch.watchdog import play_to_end
 T = TypeVar("T")
 
 N_TRIES = 20
-"""Lines that are no answer before a session is stopped: nobody types there."""
+"""Number of invalid lines after which a session is stopped, as no user types them."""
 ESCAPE: Final = "\x1b"
 WAYS: Final[Mapping[str, tuple[int, float | None]]] = {"-": (1, None), "<": (-1, None)}
-"""What leaves a question open, and what goes back to the one before."""
+"""Inputs that leave a question open or return to the previous one."""
 
 
 class Lines(ExperimenterTerminal):
@@ -221,7 +221,7 @@ class Console(DeviceRig):
     def _show(self, request: Show) -> Done:
         self._tell_page(request)
         if self._source.isatty() and request.message != "end":
-            # somebody reads: a page stays for its time, or until they go on
+            # at a terminal a page stays for its duration, or until a key is pressed
             if request.duration_s is None:
                 self._ask(self._phrases.of("go_on"), str)
             else:

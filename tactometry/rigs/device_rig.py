@@ -118,7 +118,7 @@ class DeviceRig(LiveRig):
             screen.give_back()
 
     def _open(self) -> None:
-        # the output last: it is not claimed where a sensor is missing
+        # the output last, so that it is not claimed if a sensor is missing
         for device in (self._equipment.position, self._equipment.sensor, self._equipment.output):
             if device is not None:
                 device.open()
@@ -144,7 +144,7 @@ class DeviceRig(LiveRig):
             raise DeviceFailed(
                 f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
             ) from end
-        except BaseException:  # Ctrl-C too: whatever ends a request, nothing plays on behind it
+        except BaseException:  # Ctrl-C too: nothing may play after a failed request
             self.close()
             raise
 
@@ -152,7 +152,7 @@ class DeviceRig(LiveRig):
         if self.closed:
             return
         self.closed = True
-        # the output is at zero before anything is closed that may fail or hang; whatever fails, the rest is closed too
+        # zero the output before closing devices that may fail or hang; close the rest after any failure
         with ExitStack() as last_first:
             last_first.callback(self._terminal.close)
             last_first.callback(self._screen.close)
@@ -260,13 +260,13 @@ class Tracer:
         if self._log is None or not isinstance(answer, Played | Touched | Adjusted):
             return answer
         parts = []
-        samples = {kind: sensor.read() for kind, sensor in self._sensors.items()}  # all at once
+        samples = {kind: sensor.read() for kind, sensor in self._sensors.items()}  # read all sensors at the same time
         for kind, (times_s, values) in samples.items():
             if len(times_s):
                 table = np.column_stack([times_s + self._session_s(0.0), values])
                 parts.append(self._log.keep_trace(kind, table, self._sensors[kind].reader.source.rate_hz))
 
-        # a level that is set plays on and on: what was emitted is no one signal
+        # an adjusted level plays repeatedly, so there is no single emitted signal
         digest = None if isinstance(answer, Adjusted) else answer.digest
         signal = self._emitter.followed_signal(digest) if self._emitter and digest else None
         if signal is not None:

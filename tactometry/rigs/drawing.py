@@ -17,9 +17,9 @@ FONT = "Noto Sans"
 PIXELS_PER_LINE = 300
 N_EDGES_BOX = 4
 FLAT_PX = 0.1
-"""So far may the polygon of a circle lie inside of it: a line of many short edges is what costs most in software."""
+"""Largest distance of a polygon from its circle, as lines of many short edges are slow in software rendering."""
 Look = tuple[int, str | None, str | None]
-"""Edges, fill and line of a shape, wherever it stands."""
+"""Edges, fill and line of a shape, without its position."""
 
 
 def n_edges(radius: float) -> int:
@@ -44,17 +44,17 @@ class Canvas:
             psychopy.pyglet.font.add_file(face)
         self._list, self._picture = functools.cache(self._recorded), functools.cache(self._image)
         self._stimuli: list[Any] = []
-        """What was recorded: the letters of a text whose font nobody holds any more are forgotten by OpenGL."""
+        """Recorded stimuli, kept because OpenGL discards the letters of a text when its font is deleted."""
 
     def draw(self, page: Page) -> None:
         """Draw the items of a page in order."""
         gl, (width, height) = self._gl, self._window.size
-        self._window._setCurrent()  # another window may have been drawn on meanwhile: a list is of one context
+        self._window._setCurrent()  # lists belong to one context, and another window may have been drawn meanwhile
         for item in page.items:
-            if isinstance(item, Text):  # PsychoPy draws it at its own place, whatever the matrix says
+            if isinstance(item, Text):  # PsychoPy draws text at its position regardless of the matrix
                 gl.glCallList(self._list(item))
                 continue
-            if isinstance(item, Picture):  # whose texture no list holds
+            if isinstance(item, Picture):  # a list cannot contain its texture
                 self._picture(item).draw()
                 continue
             look, size = self._look(item)
@@ -121,9 +121,9 @@ OURS: Mapping[str, Any] = {
     "recordFrameIntervals": False,
     "_showSplash": False,
 }
-"""What our pages are drawn with."""
+"""Window settings for the pages of Tactometry."""
 EMPTY = ("_toDraw", "_toDrawDepths", "_toCall", "_toLog", "_editableChildren")
-"""Lists that are empty meanwhile: stimuli with autoDraw, what waits for a flip, what a click may write in."""
+"""Window lists that are empty meanwhile: autoDraw stimuli, calls on flip, editable stimuli."""
 
 
 class BorrowedWindow:
@@ -144,7 +144,7 @@ class BorrowedWindow:
         if self._theirs is not None:
             return
         window = self._window
-        window._setCurrent()  # the script may have several
+        window._setCurrent()  # the script may have several windows
         page_state = {**OURS, **{name: [] for name in EMPTY}, "_viewMatrixNeedsUpdate": True}
         ours = {name: value for name, value in page_state.items() if name in vars(window)}
         self._theirs = {name: vars(window)[name] for name in ours}
@@ -166,14 +166,14 @@ class BorrowedWindow:
         window._setCurrent()
         window.winHandle.pop_handlers()
         self._exchange(self._typed, self._pressed)
-        self._keyboard._keysStillDown.clear()  # of a key that is down now, the release would tell as of a new press
-        # an interval over our pages is none of the script's
+        self._keyboard._keysStillDown.clear()  # otherwise releasing a held key would report a new press
+        # frame intervals of these pages do not belong to the script
         restarted = {"recordFrameIntervalsJustTurnedOn": bool(theirs["recordFrameIntervals"])}
         vars(window).update(theirs, _viewMatrixNeedsUpdate=True, **restarted)
         self._rewind(push=False)
         window.blendMode, window.color, window.mouseVisible, window.viewport, window.scissor = self._looks
         window.clearBuffer()
-        if window.backgroundImage is not None:  # drawn by the flip before, in PsychoPy's order
+        if window.backgroundImage is not None:  # the previous flip draws it, in PsychoPy's order
             window.backgroundImage.draw()
 
     def _rewind(self, *, push: bool) -> None:

@@ -1,4 +1,4 @@
-"""From the name and level of a stimulus to an output, with all checks on the final samples."""
+"""Rendering, checking and playing of stimuli by name and level."""
 
 import functools
 import threading
@@ -58,7 +58,7 @@ class Emitter:
         cannot be played.
         """
         signal = self._followed(name, render(self._bank, name, level, self._limits, self._ramp_s))
-        # the guard checks once more when it plays: here, so that nothing is refused with a finger already on the plate
+        # checked here before the touch begins; the guard checks again when it plays
         self._output.check(signal)
         return signal
 
@@ -120,7 +120,7 @@ class Emitter:
 
     def mute(self, *, on: bool) -> None:
         """Set the output to zero; with `on`, other threads cannot emit until it is off."""
-        # zero at once, without waiting for a thread that begins to play; below once more, behind what it began
+        # stop at once, without waiting for a thread that begins to play, and again below after it has begun
         self._output.stop()
         if not self._playing.acquire(timeout=BEGIN_WITHIN_S):
             raise DeviceFailed(

@@ -10,12 +10,12 @@ import numpy as np
 
 PERIOD_WITHOUT_BLANK_S: Final = 1 / 60
 SHORTEST_PERIOD_S, LONGEST_PERIOD_S = 1 / 250, 1 / 24
-"""Periods of screens whose mode does not tell its rate (unverified defaults)."""
+"""Plausible periods of screens whose mode states no rate (unverified defaults)."""
 LIKE, STEADY_PART = 0.1, 0.8
-"""A blank keeps so large a part of the intervals as near to their median, and that as near to the period of the mode;
-drawing under load does not (unverified defaults)."""
+"""With vertical sync, this part of the intervals is this close (relative) to the median, and the median to the nominal
+period; drawing under load is less regular (unverified defaults)."""
 FASTEST: Final = 0.75
-"""Frames that come faster than this part of the period did not wait for a blank (unverified default)."""
+"""Frames with shorter intervals (relative to the period) did not wait for a blank (unverified default)."""
 N_TOO_FAST: Final = 10
 
 
@@ -102,7 +102,7 @@ class Pacer:
             self._due_s = max(self._due_s, now_s) + self.rhythm.period_s
 
     def after(self, interval_s: float) -> None:
-        """Add a frame interval; many that are too short show that there is no vertical sync."""
+        """Add a frame interval; many short ones imply missing vertical sync."""
         self._n_fast = self._n_fast + 1 if interval_s < FASTEST * self.rhythm.period_s else 0
         self.in_software = self.in_software or self._n_fast >= N_TOO_FAST
 

@@ -11,8 +11,8 @@ from ..arguments.require import expect
 from ..errors import DeviceFailed, ended_by_signal
 
 N_WAITING_PRESSES = 50_000
-"""More that nobody reads would crash the process: psychtoolbox 3.0.22 prints that its queue is full from a thread
-without Python's lock (found at PsychoPy's own 5 000)."""
+"""Size of the key queue. A full queue crashes the process, as psychtoolbox 3.0.22 then prints from a thread without
+Python's lock (found at PsychoPy's default of 5 000)."""
 
 
 @contextmanager
@@ -82,7 +82,7 @@ class FreshPresses:
 
 REPEATING = ("left", "right", "up", "down")
 REPEAT_AFTER_S, REPEAT_EVERY_S = 0.4, 0.03
-"""A key that is held down repeats after so long, and then so often, as those of a desktop do."""
+"""Delay and interval of key repeats, as on a desktop."""
 
 
 class HeldKeys:
@@ -105,7 +105,7 @@ class HeldKeys:
         if not self._state_of(self._name):
             self._name = ""
             return []
-        n_due = 1 + int((now_s - self._next_s) / REPEAT_EVERY_S)  # as fast, however long a frame takes
+        n_due = 1 + int((now_s - self._next_s) / REPEAT_EVERY_S)  # independent of the frame duration
         self._next_s += n_due * REPEAT_EVERY_S
         return [self._name] * n_due
 

@@ -64,7 +64,7 @@ READING_S = 2.0
 AS_IT_IS = Feeling()
 
 Meeting = tuple[str, float, float]
-"""How a cell meets the finger: the stimulus, the force in newtons and the speed in m/s that are asked for, or 0."""
+"""Contact conditions of a cell: stimulus, requested force (N) and speed (m/s), or 0."""
 
 
 def meeting(stimulus: str, request: Play | Press | Slide | Adjust) -> Meeting:
@@ -82,7 +82,7 @@ def value_of(liking: float, scale: Rate | Fill) -> float:
 
 
 Rendering = Callable[[str, float], Signal]
-"""The final samples of a stimulus at a level."""
+"""Function from a stimulus and level to the final samples."""
 N_SIGNALS = 128
 
 
@@ -122,7 +122,7 @@ class SimulatedRig(LiveRig):
 
     def __post_init__(self) -> None:
         self._now_s = 0.0
-        # once: whether an object follows a protocol takes as long to tell as to feel it
+        # checked once, as a protocol check takes as long as the computation
         self._following = {name for name, stimulus in self.bank.items() if isinstance(stimulus, FollowsFinger)}
         self._rendered = self.rendered or rendering(self.bank, self.limits)
         self._answers: list[Answer] = []
@@ -134,7 +134,7 @@ class SimulatedRig(LiveRig):
         self._touches.begin(n_trials)
         self._observer = self.observer
         if self.shift is not None:
-            assert isinstance(self.observer, Shifted)  # or the study was refused
+            assert isinstance(self.observer, Shifted)  # otherwise the study was refused
             self._observer = self.observer.shifted(self.shift(n_trials, self._answers))
         self._felt: list[Felt] = []
         self._met: Meeting | None = None
@@ -227,7 +227,7 @@ class SimulatedRig(LiveRig):
             return Chosen(1, *self._timing(1))
         if request.question == MISSED_PRACTICE:
             return Chosen(GO_ON, *self._timing(1))
-        if request.question.startswith(ABOUT):  # whoever it is: each answer is as likely
+        if request.question.startswith(ABOUT):  # questions about a person have equally likely answers
             return Chosen(int(self._rng.choice(request.options)), *self._timing(1))
         decision = lookup("question to the simulated participant", request.question, self.decisions)
         n_expected = decision.n_stimuli or len(request.options)

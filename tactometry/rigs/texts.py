@@ -21,17 +21,17 @@ FOLDER = Path(__file__).parent
 PREFIX, SUFFIX = "messages_", ".toml"
 LIST: Final = "the list of tactometry keys texts"
 N_NEAREST: Final = 3
-"""So many names like one that is not known are told: there are a hundred."""
+"""Number of similar names suggested for an unknown one."""
 LARGEST_IMAGE = 50_000_000
-"""Bytes of a file."""
+"""Largest size of an image file, bytes."""
 
 
 @dataclass(frozen=True)
 class ImageTable:
-    """An image of a page: its `path`, relative to the study file, and the `sha256` of the file.
+    """Image of a page.
 
     - `path`: A PNG or JPEG file, relative to the study file.
-    - `sha256`: Of the file; a refusal tells it.
+    - `sha256`: SHA-256 of the file; an error message states the right one.
     """
 
     path: str

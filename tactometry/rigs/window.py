@@ -190,8 +190,8 @@ class Window(Display):
     def present(self, page: Page) -> float:
         self._draw(page)
         self._window.mouseVisible = bool(page.buttons)
-        self._psychopy.pyglet.gl.glFinish()  # in software drawing takes a while, in which the page before is seen
-        self._window.winHandle.dispatch_events()  # its clicks have their stamps of now
+        self._psychopy.pyglet.gl.glFinish()  # wait for slow software rendering
+        self._window.winHandle.dispatch_events()  # clicks are stamped when dispatched
         self._offered_s = time.perf_counter()
         self._flipped_s = self._flip()
         return self._flipped_s

@@ -1,1 +1,1 @@
-"""What may reach a finger: limits, and what an output drives."""
+"""Safety limits of stimuli, and models of the connected load."""

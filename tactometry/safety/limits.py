@@ -1,4 +1,4 @@
-"""Limits of what may reach a finger, checked on the final samples by every rig and output."""
+"""Safety limits, checked on the final samples by every rig and output."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -14,21 +14,21 @@ from .load import Load, filtered_peak_v
 from .reconstruction import TOLERANCE
 
 ROUNDING = 1e-12
-"""Relative: an excess in the last digits is none."""
+"""Relative excess that counts as rounding."""
 
 LONGEST_SIGNAL_S = 60.0
-"""Of a signal where nobody stated another limit and nothing is connected (unverified default)."""
+"""Default limit of a signal without a connected load, s (unverified default)."""
 
 FORCE_PEAK_N = 10.0
-"""Of a finger where nobody stated another limit: what the touches of the literature ask for several times over, and
-below what small force sensors and thin glass bear (unverified default)."""
+"""Default limit of the finger's force, N: several times the forces of touches in the literature, and less than small
+force sensors and thin glass withstand (unverified default)."""
 
 STOP_WITHIN_S: Final = 0.1
-"""Longest delay of a stop where nobody stated another limit. A driver that cannot confirm a stop by then has failed
-(unverified default)."""
+"""Default limit of the delay of a stop, s. A driver that cannot confirm a stop by then has failed (unverified
+default)."""
 
 LONGEST_WINDOW_S: Final = 3600.0
-"""Longest window of a duty: in a longer one signals may play without a pause (unverified default)."""
+"""Longest window of a duty, s; a longer one would allow signals without a pause for too long (unverified default)."""
 
 NEEDED = {
     "electrode": ("duration_s", "duty", "session_s"),
@@ -40,7 +40,7 @@ NEEDED = {
 @dataclass(frozen=True)
 @constrained
 class Limits:
-    """The largest values that an output may emit. None means that nobody stated it.
+    """Largest values that an output may emit; None means not stated.
 
     Each but `duty` and `duty_window_s` may be `UNLIMITED`; a file may state a number up to its bound in `HIGHEST`.
 
@@ -48,10 +48,10 @@ class Limits:
     - `duration_s`: Longest single signal, above 0; without it `LONGEST_SIGNAL_S`, and a load gets nothing.
     - `current_peak_a`: Highest current into the load of any channel, above 0.
     - `charge_peak_c`: Highest charge into the load of any channel, above 0.
-    - `displacement_peak_m`: Of the surface, above 0.
+    - `displacement_peak_m`: Peak displacement of the surface, above 0.
     - `duty`: Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
-    - `session_s`: How long a session may last in which an output emits, above 0, at most 24 h in a file: over all its
-      sittings, without the time between.
+    - `session_s`: Longest duration of a session with an output, above 0, at most 24 h in a file: over all its sittings,
+      without the time between.
     - `charge_session_c`: Largest sum, over a session, of the charges that its signals pass through the leak of a load,
       whatever their signs, above 0. A signal that plays counts with the largest charge of any of its beginnings, one
       that was stopped with what was emitted by then, a complete one with its net charge.
@@ -210,7 +210,7 @@ class Limits:
         if not duties:
             return replace(self, **smallest)
         longest_s = max(window_s for _, window_s in duties)
-        # by a ratio of windows, so that a duty over one window stays the number that was stated
+        # scaled by the ratio of windows, so that a duty over the same window keeps its exact value
         duty = min(duty * (window_s / longest_s) for duty, window_s in duties)
         return replace(self, **smallest, duty=duty, duty_window_s=longest_s)
 
@@ -240,7 +240,7 @@ class Exposure:
         """Add a signal; what ended more than `window_s` before its end is forgotten."""
         end_s = begin_s + duration_s
         first_s = end_s - window_s
-        # a new signal ends what still plays: no time counts twice
+        # a new signal ends the playing one, so that no time counts twice
         intervals_s = (*self.stopped(begin_s).intervals_s, (begin_s, end_s))
         kept_s = tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s)
         return replace(self.passed(self.playing_c), intervals_s=kept_s, playing_c=charge_c)
@@ -262,7 +262,7 @@ class Exposure:
         to_forget_s = played.played_s + duration_s - most_s
         for a, b in played.intervals_s:  # the oldest leaves the window first
             if to_forget_s <= b - a:
-                # the window ends with the signal and begins where enough is behind it
+                # the window ends with the signal; begin it late enough to exclude the excess
                 wait_s = a + to_forget_s + window_s - duration_s - begin_s
                 return f"wait {math.ceil(10 * wait_s) / 10:.1f} s"  # rounded up, or it would be refused again
             to_forget_s -= b - a
@@ -277,7 +277,7 @@ _COMPARABLE = [field.name for field in fields(Limits) if field.name not in ("dut
 
 def _check(name: str, what: str, value: float, limit: float, unit: str, cure: str, tolerance: float = ROUNDING) -> None:
     """Refuse a value that is above its limit, or NaN."""
-    if not value <= limit * (1 + tolerance):  # not `value > limit`, which a NaN passes
+    if not value <= limit * (1 + tolerance):  # not `value > limit`, which is false for NaN
         raise LimitExceeded(
             f"limits.{name}: found {what} {value:.6g} {unit}, the limit is {limit:.6g} {unit}; {cure}; "
             "nothing was played"

@@ -1,4 +1,4 @@
-"""Current, charge and displacement that a voltage makes at a load.
+"""Current, charge and displacement of a load for a given voltage.
 
 The voltage is a straight line between two samples, and from and to zero at the ends; `Load` is exact for it. Quantities
 called filtered are those after a reconstruction filter (`reconstruction`).
@@ -106,7 +106,7 @@ class Load:
         for channel in signal.samples:
             before, after, slope = _lines(channel, signal.rate_hz)
             slope *= self.capacitance_f
-            # along a straight line the current is one too: its largest value is at an end
+            # along a straight line the current is linear, so its largest value is at an end
             peaks_a += [largest(slope + v / self.leak_resistance_ohm) for v in (before, after)]
         return max(peaks_a) + self.capacitance_f * signal.peak / rise_s
 
@@ -179,7 +179,7 @@ class Load:
         gains, peaks_v, of_samples_m = self._gains(signal), _channel_peaks(signal), self.displacement_peak_m(signal)
         if of_samples_m == 0.0:
             return 0.0
-        # below the bound if no channel grows by more than the sum may
+        # below the bound if no channel grows by more than the sum allows
         bounds_v = peaks_v * (bound_m / of_samples_m)
         pairs = zip(signal.samples, bounds_v.tolist(), strict=True)
         if all(course_peak(channel, bound_v) <= bound_v for channel, bound_v in pairs):

@@ -67,7 +67,7 @@ def course_peak(
     scale = max(peak * max(abs(value), abs(slope)), added_peak)
     if scale == 0.0 or math.isinf(scale):
         return scale
-    # in parts of the largest term, which single precision can hold
+    # relative to the largest term, for single precision
     weights = value * (peak / scale), slope * (peak / scale)
     most = _weighed([kernel.most for kernel in _kernels()], weights) + added_peak / scale
     if (most + ROUNDING) * scale <= bound:
@@ -172,7 +172,7 @@ def _kernels() -> tuple[_Kernel, _Kernel]:
     """Return the kernels of the course and of its change in the time of one sample."""
     lags, phases = np.arange(-REACH, REACH), np.arange(N_PHASES)[:, None] / N_PHASES
     at = lags + phases
-    # so smooth a fall that smooth samples pass the filter as they are
+    # a fall so smooth that the filter leaves smooth samples unchanged
     fall = np.sin(np.pi / 2 * np.clip(2 * np.abs(at) / REACH - 1, 0, 1)) ** 2
     taper = np.cos(np.pi / 2 * np.sin(np.pi / 2 * fall) ** 2) ** 2
     # a sinc and its derivatives: n times the derivative n - 1, and u times the derivative n, is known

@@ -1,1 +1,1 @@
-"""What passes between protocol and rig: requests, answers, events, the loop, and replay."""
+"""Interface of protocol and rig: requests, answers, events, loop, replay."""

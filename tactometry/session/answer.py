@@ -30,7 +30,7 @@ class TracePart:
 
 @dataclass(frozen=True)
 class Played:
-    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples, and gaps.
+    """Emission: delivered level in its unit, digest of the samples, and gaps.
 
     `trace` says where sensor samples are kept, and what was emitted if it followed a finger.
     """
@@ -44,10 +44,10 @@ class Played:
 
 @dataclass(frozen=True)
 class Touched:
-    """What a finger did while a stimulus played, and what was emitted.
+    """Force and motion of a finger during a stimulus, and the emission.
 
     - `force_in_band`, `speed_in_band`: Share (0..1) of the samples in the band.
-    - `valid`, `invalid_reason`: A touch that is not valid is asked again.
+    - `valid`, `invalid_reason`: An invalid touch is repeated.
     - `n_gaps`: Gaps of the output; None if it cannot tell.
     - `positions_digest`, `positions_late`: Of a stimulus that followed the finger: digest of the positions, and share
       (0..1) that came late.

@@ -33,7 +33,7 @@ Kind = Literal[
 ]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 TraceKind = Literal["force", "position", "emitted"]
-"""Samples of a touch: of the sensors, a stamp (s of the session) and what they measured (N; m along each axis), and of
+"""Samples of a touch: sensor samples with a stamp (s of the session) and values (N; m along each axis), or samples of
 the output (V on each channel) from the onset on, without stamps."""
 TRACE_KINDS: Final[tuple[TraceKind, ...]] = get_args(TraceKind)
 
@@ -150,7 +150,7 @@ def intervention_of(event: Event) -> Intervention | None:
 
 
 OnRequest = Callable[[Request[Any], Any], None]
-"""Hears of a request and its answer."""
+"""Callback for a request and its answer."""
 OnEvent = Callable[[Event], None]
 
 

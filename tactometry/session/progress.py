@@ -15,22 +15,22 @@ from .event import Event, missed_text
 from .request import MISSED_PRACTICE, Choose, Fact, Intervene, Press, Record, Request, Show, Slide
 
 TURNING: Final = frozenset(("staircase", "weighted_staircase"))
-"""Procedures whose levels turn round at reversals."""
+"""Procedures with reversals."""
 MOST_SHOWN: Final = 12
-"""So many touches are kept for who looks at them."""
+"""Number of recent touches that are kept for display."""
 COUNTS: Final = ("block", "n_blocks", "part", "n_parts", "n_questions")
-"""What the page before a part says beside its factors."""
+"""Values on the page before a part, in addition to its factors."""
 LAST_PAGES: Final = ("end", "declined")
-"""That of a session that came to its end, and that of a participant who does not agree to take part."""
+"""Last pages of a completed session and of a declined consent."""
 MOST_INTERVALS: Final = 20
-"""So many of the last trials say how long one takes."""
+"""Number of recent trials from which the pace is computed."""
 LONGEST_INTERVALS: Final = 5
-"""In times of what a trial should take: whatever took longer was a pause, no trial."""
+"""Multiple of the planned trial duration above which an interval counts as a pause."""
 NEAR: Final = 2
-"""So many presentations before a track is aborted, who looks on is warned."""
+"""Number of presentations before an abort at which a warning appears."""
 
 TrackKey = tuple[int, str | None]
-"""The number of a block, and the name of a track that is interleaved with others."""
+"""Number of a block, and name of an interleaved track."""
 
 
 @dataclass(frozen=True)
@@ -298,7 +298,7 @@ class Progress:
     def warning(self, parts: Sequence[PartAhead]) -> str | None:
         """Return a warning before the present track is aborted."""
         ahead = parts[self.part - 1] if 0 < self.part <= len(parts) else PartAhead()
-        is_left = self.last is None or self.last.block != self.part  # a block that was skipped, say
+        is_left = self.last is None or self.last.block != self.part  # for example a skipped block
         return None if self.track is None or is_left else self.track.warning(ahead.n_attempts)
 
     def left_s(self, parts: Sequence[PartAhead]) -> float:

@@ -1,4 +1,4 @@
-"""A recording that answers if it is asked the same requests again."""
+"""Recording that answers the same requests again."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, is_dataclass, replace
@@ -94,7 +94,7 @@ class Replay:
         if not self.n_left:
             ended = f"the recording has ended, the protocol asks for {_name(request)}"
             raise self._divergence(f"{ended}; the session is not complete: go on with --resume")
-        asked = self._as_kept(request)  # an older journal kept less of a request
+        asked = self._as_kept(request)  # older journals recorded fewer fields of a request
         n_passed = self._pages_before(asked)
         if n_passed is None:
             return Done(self._at_s)  # type: ignore[return-value]
@@ -105,7 +105,7 @@ class Replay:
             raise self._divergence(f"{difference(recorded, asked)}; {OF_RECORDING}")
         self._next += 1
         self._at_s = _ended_s(answer)
-        recorded_answer: A = answer  # the entries are pairs: this answer is of the recorded request's type
+        recorded_answer: A = answer  # each answer has the type of its recorded request
         return recorded_answer
 
     def _pages_before(self, asked: Request[Any]) -> int | None:

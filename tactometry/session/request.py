@@ -17,19 +17,19 @@ from .intervention import Intervention
 A = TypeVar("A")
 Fact = str | int | float | bool | None
 Facts = dict[str, Fact]
-"""What a journal says of a display, of devices or a clock, by name."""
+"""Facts about a display, devices or a clock for the journal, by name."""
 
 TRAJECTORY_M = 0.1
 """Length of the path of a slide, one way (unverified default)."""
 CONSENT: Final = "agree"
-"""The question whether someone wants to take part: a simulated participant does."""
+"""Consent question; simulated participants agree."""
 MISSED_PRACTICE: Final = "practice_missed"
-"""The question to the experimenter after a practice that missed its criterion."""
+"""Question to the experimenter after a practice that missed its criterion."""
 AGAIN, GO_ON, END_SESSION = 1, 2, 3
 """Options of this question. A simulated participant, who has no experimenter, goes on."""
 MISSED_LABELS: Final = {AGAIN: "again", GO_ON: "go_on", END_SESSION: "end_session"}
 ABOUT: Final = "about."
-"""Opens the name of each question about a person, whom nothing was given to feel."""
+"""Prefix of the names of questions about a person, which follow no stimulus."""
 
 
 class Request(Generic[A]):
@@ -47,7 +47,7 @@ class Request(Generic[A]):
 
 
 class Rig(Protocol):
-    """Whatever answers: a bench, a simulated participant, a recording, a terminal.
+    """Rig that answers requests, such as a bench, simulation or recording.
 
     Only a rig owns a clock. `resume` is called once, before the first live request of a resumed session, with the
     recorded rows and the time at which the session stopped.
@@ -238,7 +238,7 @@ REQUESTS: Mapping[str, type[Request[Any]]] = {
 
 _TRACE = re.compile(r"traces/[\w-]+\.tsv\.gz", re.ASCII)
 SLACK = 1e-9
-"""Steps from within may miss a bound by a rounding, in parts of the bounds."""
+"""Rounding error allowed at a bound, relative to the bounds."""
 
 
 def flaw(request: object, answer: object) -> str | None:

@@ -9,7 +9,7 @@ from .request import A, Feel, Intervene, Request, Rig
 
 T = TypeVar("T")
 Course = Generator[Request[Any], Any, T]
-"""The course of an experiment: it yields requests, receives their answers, and returns what it found."""
+"""Course of an experiment: yields requests, receives their answers, and returns a result."""
 
 
 class Keeper(Protocol):
@@ -32,7 +32,7 @@ class LiveRig:
         return method(request)
 
     def _intervene(self, request: Intervene) -> Done:
-        """Refuse an intervention: a rig in whose answers there is none is not asked."""
+        """Refuse an intervention; only rigs that return interventions get this request."""
         raise NotImplementedError(f"{type(self).__name__}: found {request}, and its answers hold no intervention")
 
 
@@ -65,12 +65,12 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
         request = recorded.taken_up(request)
         while True:
             answer = rig.answer(request)
-            journal.append(request, answer)  # kept before the course goes on: nothing follows from what a replay lacks
+            journal.append(request, answer)  # recorded before the course continues, so that a replay has every answer
             request = _advance(course, answer)
     except _Ended as end:
         recorded.refuse_rest()
         try:
-            rig.close()  # first: it notes what the last stimulus passed, and nothing follows the end of a journal
+            rig.close()  # close before the journal ends, as the rig notes the charge of the last stimulus
         finally:
             journal.finish()
         value: T = end.value  # type: ignore[assignment]

@@ -1,1 +1,1 @@
-"""The trials table: a row, its columns, what a cell may hold; shared by recording and analysing."""
+"""Trials table: rows, columns and cells, for recording and analysis."""

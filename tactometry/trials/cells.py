@@ -9,7 +9,7 @@ from typing import Final
 
 Value = str | int | float | bool | None
 LARGEST_ANSWER: Final = 1e15
-"""What is beyond is no answer of a person, and its powers leave the range of numbers."""
+"""Largest plausible answer; powers of larger numbers overflow."""
 
 
 def cell(value: Value) -> str:

@@ -22,8 +22,8 @@ RIGS: Final = {
     "console": "terminal",
     "simulated": "no person took part",
 }
-"""Every rig by its name, with what answers there; a file of its name in `tactometry/rigs` is it, and a function of its
-name in `experiments/sessions/rig_kinds.py` makes it."""
+"""Rigs by name, with descriptions. The module `tactometry/rigs/NAME.py` contains a rig, and the function NAME in
+`experiments/sessions/rig_kinds.py` builds it."""
 FIRST = (
     Column("participant", "Code of the participant"),
     Column("session", "Number of the session of this participant, from 1"),
@@ -95,7 +95,7 @@ RESERVED = DERIVED | frozenset(column.name for column in (*FIRST, *ALWAYS, *OPTI
 MAY_BE_FACTORS = frozenset(
     ("session", "study", "block", "track", "item", "item_b", "procedure", "rig", "n_alternatives")
 )
-"""Reserved names that an analysis may all the same be asked to take as factors."""
+"""Reserved names that an analysis may use as factors on request."""
 
 
 def table_columns(factors: Sequence[Column], optional: Sequence[str]) -> tuple[Column, ...]:

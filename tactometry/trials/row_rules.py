@@ -15,9 +15,9 @@ from .tasks import TASKS
 from .trial import REASONS
 
 MOST_COLUMNS = 5000
-"""More are no table of trials, which has a row per trial, but perhaps one that lies on its side."""
+"""Largest number of columns; a table with more may be transposed."""
 MOST_NAMED = 5
-"""So many rows with one defect are named."""
+"""Largest number of rows named for one defect."""
 REQUIRED = tuple(column.name for column in (*FIRST, *ALWAYS))
 
 

@@ -10,10 +10,10 @@ from typing import Final, Literal
 from .cells import LARGEST_ANSWER, CellRule, number_from, one_of_texts, whole_number
 
 LevelUse = Literal["curve", "scale", "ratio"]
-"""What an analysis does with the levels of a task.
+"""Use of the levels of a task in an analysis.
 
-``curve``: the answers follow a psychometric function of the level, which no row but a catch trial may lack; ``scale``:
-levels are put on the scale of the analysis; ``ratio``: they are taken as ratios, whatever the scale.
+``curve``: responses follow a psychometric function of the level, which is required except in catch trials; ``scale``:
+levels are converted to the scale of the analysis; ``ratio``: levels are treated as ratios on any scale.
 """
 Columns = tuple[str, ...]
 
@@ -28,20 +28,20 @@ RAW_VALUE: Final = CellRule(
     f"the raw value of the answer, {ANSWER_WITHIN}", number_from(-LARGEST_ANSWER, LARGEST_ANSWER)
 )
 EASY: Final = "easy"
-"""In the column `procedure`: an easy trial, whose level the rule did not choose."""
+"""Value of the column `procedure` for an easy trial, whose level the rule did not choose."""
 ANYTHING: Final = CellRule("anything", lambda text: True)
 
 
 @dataclass(frozen=True)
 class TaskRows:
-    """What the rows of a task hold.
+    """Contents of the rows of a task.
 
-    - `response`: What may stand in the column `response`, where it is not empty.
-    - `columns`, `of_places`: Those of `columns.OPTIONAL` that it fills, always and where its stimuli have places.
-    - `level`: What an analysis does with its levels; None: nothing.
+    - `response`: Rule of the column `response`, unless it is empty.
+    - `columns`, `of_places`: Columns of `columns.OPTIONAL` that it fills, always or if its stimuli have places.
+    - `level`: Use of its levels in an analysis; None if unused.
     - `sets_level`: The response is a level, which the participant sets while it plays.
-    - `is_read`: An analysis reads the responses: a table with others than the rule allows is refused.
-    - `answers`: What the responses 0 and 1 mean, where these are the only ones.
+    - `is_read`: An analysis reads the responses, so a table with invalid ones is refused.
+    - `answers`: Meaning of the responses 0 and 1, if these are the only ones.
     """
 
     response: CellRule
@@ -66,11 +66,11 @@ TASKS: Final[Mapping[str, TaskRows]] = {
     "measurement": TaskRows(ANYTHING, ("level_measured",), is_read=False),
 }
 PRACTICE_CRITERION: Final = (4, 5)
-"""Practice ends when so many of the last so many answers were right, unless a study states other numbers."""
+"""Default criterion of practice: number of correct answers among the last ones."""
 PRACTICE_MISSED: Final = "the practice missed its criterion: "
-"""Start of the text of an event; what the experimenter chose follows."""
+"""Beginning of the text of an event, followed by the experimenter's choice."""
 FORM_TASK: Final = "rating"
-"""The task of the rows that hold answers to a questionnaire, about a stimulus or on its own."""
+"""Task of the rows with answers to a questionnaire, with or without a stimulus."""
 
 
 def tasks_with_level(*uses: LevelUse) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from .cells import Value
 from .tasks import FORM_TASK
 
 Key = tuple[int, int, int]
-"""What all rows of one trial share: block, trial and attempt."""
+"""Block, trial and attempt, which all rows of one trial share."""
 Reason = Literal[
     "too_light",
     "too_heavy",
@@ -23,7 +23,7 @@ Reason = Literal[
     "output_gap",
     "experimenter",
 ]
-"""Why a touch or an answer does not count."""
+"""Reason for which a touch or an answer is invalid."""
 REASONS: Final[tuple[str, ...]] = get_args(Reason)
 REASON_WORDS: Final[Mapping[Reason, str]] = {
     "too_light": "too light",
@@ -90,7 +90,7 @@ class Trial:
 
     @property
     def is_form(self) -> bool:
-        """True for an answer to a questionnaire on its own, which is no trial.
+        """True for an answer to a questionnaire without a stimulus.
 
         >>> Trial(1, 1, {}, "sus", None, "", "rating", 3.0, item="SUS1").is_form
         True

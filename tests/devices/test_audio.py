@@ -1,4 +1,4 @@
-"""Sound through real PortAudio streams: a file over ALSA's null device, and a PulseAudio sink that is recorded."""
+"""Audio output through PortAudio: an ALSA file and a recorded PulseAudio sink."""
 
 import importlib.util
 import json
@@ -43,13 +43,13 @@ def told_by(command, env):
 
 
 @pytest.mark.parametrize(("n_channels", "rate_hz"), [(2, 48e3), (8, 48e3), (32, 48e3), (2, 192e3)])
-def test_a_file_over_the_null_device_gets_every_sample(alsa, tmp_path, n_channels, rate_hz):
+def test_file_output_receives_every_sample(alsa, tmp_path, n_channels, rate_hz):
     what = asked(n_channels, "tofile", 1.0, rate_hz=rate_hz)
     told_by([*PROGRAM, json.dumps(what)], alsa)
     assert played((tmp_path / "played.raw").read_bytes(), player.frames(what))
 
 
-def test_what_plays_falls_to_zero_before_another_signal_begins(alsa, tmp_path):
+def test_signal_fades_to_zero_before_the_next_begins(alsa, tmp_path):
     what = asked(1, "tofile", 60.0, then_s=[0.1])
     told_by([*PROGRAM, json.dumps(what)], alsa)
     heard = heard_part(np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")[:, None])[:, 0]
@@ -81,7 +81,7 @@ except Exception as error:
         ({"device": "null", "channels": [90_000]}, "with 90001 channels"),
     ],
 )
-def test_a_card_that_cannot_is_named_in_one_sentence(alsa, settings, message):
+def test_unusable_card_is_named_in_one_sentence(alsa, settings, message):
     told = told_by([sys.executable, "-c", OPEN, json.dumps(settings)], alsa)
     assert told.startswith(f"DeviceFailed output audio: {'cannot open' if 'no' in message else ''}")
     assert message in told
@@ -96,7 +96,7 @@ def test_rounding_never_raises_a_sample():
         hard_case("samples of 16 bits", final.samples, signal.samples, 6.2e-5, against="the signal", floor=1)
 
 
-def test_a_stop_falls_to_zero_within_a_block():
+def test_stop_fades_to_zero_within_a_block():
     course = FrameFeed(np.full((1000, 2), 1000, "int16"), n_fade=48)
     assert np.all(course.take(240) == 1000)
     course.stop()
@@ -109,8 +109,8 @@ def test_a_stop_falls_to_zero_within_a_block():
     assert len(course.take(240)) == 0
 
 
-def test_what_other_programs_play_to_is_refused_unless_the_bench_file_allows_it(sink):
-    """The other tests at this sound server say `shared`."""
+def test_shared_card_is_refused_unless_allowed(sink):
+    """The other tests with this sound server set `shared`."""
 
     def opened(device):
         settings = json.dumps({"device": device, "sample_format": "int16"})
@@ -121,7 +121,7 @@ def test_what_other_programs_play_to_is_refused_unless_the_bench_file_allows_it(
     assert "other programs" not in opened("tofile") + opened("nothing")
 
 
-def test_a_gain_holds_for_the_volume_of_the_sound_server_at_which_it_was_measured(sink, monkeypatch):
+def test_gain_is_refused_when_system_volume_differs(sink, monkeypatch):
     monkeypatch.setenv("PULSE_SERVER", sink.env["PULSE_SERVER"])
     table = {"kind": "audio", "device": "pulse", "rate_hz": 48e3, "shared": True, "ungated": True}
     limits = {"voltage_peak_v": 1.0}
@@ -149,7 +149,7 @@ def test_a_gain_holds_for_the_volume_of_the_sound_server_at_which_it_was_measure
 
 
 def undisturbed(sink, what, n_runs=4):
-    """The first of some runs in which the device, on a machine that does other things too, never ran dry."""
+    """Repeat a run on a busy machine until one has no underrun, and return it."""
     for _ in range(n_runs):
         sink.begin()
         told = told_by([*PROGRAM, json.dumps(what)], sink.env)
@@ -159,13 +159,13 @@ def undisturbed(sink, what, n_runs=4):
     pytest.fail(f"underruns in each of {n_runs} runs")
 
 
-def test_a_sink_hears_every_sample_in_real_time(sink):
+def test_sink_receives_every_sample_in_real_time(sink):
     what = asked(2, "pulse", 1.0, lead_s=0.3, tail_s=0.3, latency_s=0.1)
     _, frames = undisturbed(sink, what)
     assert np.array_equal(frames, player.frames(what))
 
 
-def test_a_stop_is_heard_within_a_block(sink):
+def test_stop_reaches_the_sink_within_a_block(sink):
     what = asked(2, "pulse", 20.0, lead_s=0.3, tail_s=0.3, stop_s=0.3)
     said, frames = undisturbed(sink, what)
     n_given = int(said.split("stopped ")[1].split()[0])
@@ -174,7 +174,7 @@ def test_a_stop_is_heard_within_a_block(sink):
 
 
 def killed(sink, what):
-    """What a process told that it had given to the device when it was killed, and all frames that were heard."""
+    """Kill a playing process; return the frames it reported as delivered and the frames that the sink recorded."""
     with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
         n_given = 0
         while n_given < 24_000:
@@ -184,9 +184,9 @@ def killed(sink, what):
     return int(last[-1]) if last else n_given, sink.end()
 
 
-def test_a_killed_process_falls_silent(sink):
-    """Whatever happens; and nothing but what it gave is heard, unless the machine held it up between giving and
-    telling, or the device ran dry."""
+def test_killed_process_falls_silent(sink):
+    """The sink also records only the delivered frames, unless a busy machine delays the report or causes an
+    underrun."""
     what, as_given = asked(2, "pulse", 20.0, lead_s=0.3, tell=True), []
     while not any(as_given) and len(as_given) < 4:
         sink.begin()
@@ -215,7 +215,7 @@ except Exception as error:
 """
 
 
-def test_a_process_stops_closes_and_ends_though_its_sound_server_hangs(sink):
+def test_process_ends_when_sound_server_hangs(sink):
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
     env = {**sink.env, "PYTHONPATH": str(Path(player.__file__).parent)}
     with subprocess.Popen([sys.executable, "-c", HANGING], env=env, **pipes) as process:
@@ -232,7 +232,7 @@ def test_a_process_stops_closes_and_ends_though_its_sound_server_hangs(sink):
 
 
 def held_up_process(sink, for_s):
-    """Stop a process 0.3 s into its signal of 2 s, let it go on after `for_s`: what sounded, and its underruns."""
+    """Suspend a process 0.3 s into a signal of 2 s for `for_s`; return the recorded frames and its underruns."""
     what = asked(2, "pulse", 2.0, lead_s=0.3, tail_s=1.0, tell=True)
     sink.begin()
     with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
@@ -245,8 +245,8 @@ def held_up_process(sink, for_s):
     return heard_part(sink.end()), json.loads(re.search(rb"\{.*?\}", told)[0])["n_underruns"]
 
 
-def test_suspended_process_tells_its_underruns(sink):
-    """A busy computer may be late to hold it up: three tries."""
+def test_suspended_process_reports_its_underruns(sink):
+    """A busy computer may suspend it late, hence three attempts."""
     assert any(held_up_process(sink, for_s=0.5)[1] >= 1 for _ in range(3))
 
 
@@ -256,7 +256,7 @@ def test_suspended_process_plays_nothing_after_it_continues(sink):
 
 @st.composite
 def feeds(draw):
-    """Frames of one channel, a number of frames of the fade, sizes of blocks, and the block before which it stops."""
+    """Draw frames of one channel, the length of the fade, block sizes and the block of the stop."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     frames = rng.uniform(-1.0, 1.0, (draw(st.integers(1, 300)), 1))
     sizes = draw(st.lists(st.integers(1, 64), min_size=1, max_size=60))
@@ -264,7 +264,7 @@ def feeds(draw):
 
 
 @given(feeds())
-def test_stop_fades_over_the_stated_frames_at_any_block_size(feed_of):
+def test_stop_fades_over_stated_frames_at_any_blocksize(feed_of):
     frames, n_fade, sizes, stops_before = feed_of
     feed, emitted = FrameFeed(frames, n_fade), []
     for number, size in enumerate([*sizes, *[400] * 2]):
@@ -279,7 +279,7 @@ def test_stop_fades_over_the_stated_frames_at_any_block_size(feed_of):
 
 
 class HeldUpClock:
-    """The clock of a process that is held up once."""
+    """Clock of a process that is suspended once."""
 
     now_s = 100.0
 
@@ -305,7 +305,7 @@ def test_feed_emits_no_frame_later_than_allowed(feed_of, held_up_before, held_up
     assert feed.n_gaps == (at < min(sum(sizes), len(frames)))
 
 
-def test_feed_plays_nothing_when_the_device_asks_too_late(monkeypatch):
+def test_feed_plays_nothing_when_device_asks_too_late(monkeypatch):
     clock = HeldUpClock()
     monkeypatch.setattr(frame_feed, "boot_clock_s", clock)
     feed = FrameFeed(np.ones((1000, 1)), n_fade=48)

@@ -1,4 +1,4 @@
-"""Packed one-bit streams: every bit, every damage, and headers that say something else."""
+"""Packed one-bit streams: encoding, damage and wrong headers."""
 
 import zlib
 
@@ -16,7 +16,7 @@ OTHERS = [([[1.0, -1.0]], "N"), ([[0.0, 0.0]], "V"), ([[1.0, -0.5]], "V"), ([[1.
 
 
 @pytest.mark.parametrize(("values", "unit"), OTHERS)
-def test_encode_refuses_samples_of_more_sizes(values, unit):
+def test_encode_refuses_samples_of_several_magnitudes(values, unit):
     with pytest.raises(InvalidParameter, match=r"more than one size, or of none.*\+V, -V and 0 \(off\) alone"):
         encode(Signal(np.array(values), RATE_HZ, unit))
 
@@ -33,7 +33,7 @@ def test_encode_refuses_samples_of_more_sizes(values, unit):
         (32, b"\x02", "found 1 bytes after the header, expected 2"),
     ],
 )
-def test_a_sound_header_that_says_something_else_is_refused(at, value, message):
+def test_decode_refuses_wrong_fields_with_valid_checksum(at, value, message):
     stream = encode(volts([[1.0]]))
     fields = (stream[:at] + value + stream[at + len(value) :])[: HEADER_BYTES - 4]
     header = fields + zlib.crc32(fields).to_bytes(4, "little")
@@ -41,13 +41,13 @@ def test_a_sound_header_that_says_something_else_is_refused(at, value, message):
         decode(header + stream[HEADER_BYTES:])
 
 
-def test_a_stream_of_too_many_channels_is_not_made():
+def test_stop_stream_refuses_too_many_channels():
     with pytest.raises(InvalidParameter, match="found 65536 channels, expected from 1 to 65535"):
         stop_stream(65_536, RATE_HZ)
 
 
 @given(bits, st.floats(1e-3, 1e3), st.floats(1.0, 1e8))
-def test_a_packed_stream_gives_back_every_bit(values, voltage_v, rate_hz):
+def test_packed_stream_decodes_to_every_bit(values, voltage_v, rate_hz):
     signal = Signal(values * voltage_v, rate_hz, "V")
     stream = encode(signal)
     n_words = 1 if signal.samples.all() else 2
@@ -57,7 +57,7 @@ def test_a_packed_stream_gives_back_every_bit(values, voltage_v, rate_hz):
 
 
 @given(bits, st.data())
-def test_no_damage_goes_unseen(values, data):
+def test_decode_detects_any_flipped_bit_or_cut(values, data):
     stream = bytearray(encode(Signal(30.0 * values, 1e6, "V")))
     where = data.draw(st.integers(0, 8 * len(stream) - 1))
     stream[where // 8] ^= 1 << (where % 8)
@@ -68,7 +68,7 @@ def test_no_damage_goes_unseen(values, data):
     exact_case("any bit of a packed stream turned", against="refusal")
 
 
-def test_the_bytes_are_those_of_the_documented_form():
+def test_stream_bytes_match_the_documented_format():
     values = np.where(np.arange(33)[:, None] == [0, 9, 32], 1.0, -1.0)
     stream = encode(Signal(30.0 * values, 1e6, "V"))
     assert stream[:12] == b"TACT1BIT" + bytes([1, 0, 48, 0])
@@ -80,7 +80,7 @@ def test_the_bytes_are_those_of_the_documented_form():
     assert int.from_bytes(stream[44:48], "little") == zlib.crc32(stream[:44])
 
 
-def test_a_second_word_says_which_channels_are_on():
+def test_second_word_encodes_active_channels():
     values = np.zeros((9, 2))
     values[[0, 8], [0, 1]] = 1.0, -1.0
     stream = encode(Signal(30.0 * values, 1e6, "V"))

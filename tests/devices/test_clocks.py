@@ -1,4 +1,4 @@
-"""Clocks of devices: samples that come twice, clocks that do not run as ours, stamps that arrival does not bear out."""
+"""Device clocks: repeated samples, wrong clock rates and implausible stamps."""
 
 import math
 import time
@@ -15,8 +15,8 @@ from tactometry.errors import DeviceFailed
 
 
 @given(st.lists(st.tuples(st.integers(0, 40), st.booleans()), max_size=60))
-def test_samples_that_come_twice_or_after_later_ones_are_counted_and_change_nothing(repeats):
-    """Behind each of a row of samples one that came before may come again, at once or in a block of its own."""
+def test_repeated_samples_are_counted_and_ignored(repeats):
+    """After each sample an earlier one may arrive again, in the same block or in a separate one."""
     straight, torn = CountedSamples(1e-3, settling_s=0.0), CountedSamples(1e-3, settling_s=0.0)
     for n, (back, beside) in enumerate(repeats, start=50):
         sample, again, arrival_s = (n, n, (n,)), (n - back, n - back, (n - back,)), 1e-3 * n
@@ -31,8 +31,8 @@ def test_samples_that_come_twice_or_after_later_ones_are_counted_and_change_noth
 
 
 @pytest.mark.parametrize("lost_s", [0.03, 0.1, 5.0])
-def test_after_a_gap_that_tells_the_clocks_apart_better_no_stamp_is_earlier_than_its_sample(lost_s):
-    """All samples were 50 ms late; some are lost, and those after come at once."""
+def test_stamps_after_a_gap_are_not_early(lost_s):
+    """All samples are 50 ms late; some are lost, and the later ones arrive without delay."""
     samples = CountedSamples(1e-3, settling_s=0.0)
     for n in range(1000):
         samples.block([(n, n, (n,))], arrival_s=10.05 + n / 1000)
@@ -48,7 +48,7 @@ def test_after_a_gap_that_tells_the_clocks_apart_better_no_stamp_is_earlier_than
     assert late_s[0] > (-0.02 if goes_back else -1e-6)
 
 
-def test_a_device_that_was_asked_to_send_may_count_from_anywhere():
+def test_restarted_device_may_count_from_any_number():
     samples = CountedSamples(1e-6, settling_s=0.0)
     samples.block([(500, 500_000, (1,))], 5.0)
     samples.may_begin_anew()
@@ -62,19 +62,19 @@ def counted(samples, rate):
 
 
 @pytest.mark.parametrize("rate", [10.0, 1.3, 1.03, 0.4, 0.0])
-def test_a_device_whose_clock_does_not_run_as_ours_is_refused_with_its_rate(rate):
+def test_device_with_wrong_clock_rate_is_refused(rate):
     message = rf"^line: found a clock that runs {rate:.3g} times as fast as this computer's, expected within 2%"
     with pytest.raises(DeviceFailed, match=message):
         counted(CountedSamples(1e-6, name="line"), rate)
 
 
 @pytest.mark.parametrize("rate", [1.01, 1.0, 0.99])
-def test_a_resonator_is_a_clock(rate):
+def test_clock_within_one_percent_is_accepted(rate):
     counted(CountedSamples(1e-6, name="line"), rate)
 
 
-def test_a_clock_that_waits_and_catches_up_runs_as_ours():
-    """What was taken in the first three seconds comes at once."""
+def test_late_samples_at_start_change_no_clock_offset():
+    """The samples of the first three seconds arrive together."""
     clocks = ClockMap()
     for n in range(8000):
         clocks = clocks.after(1e-3 * n, max(1e-3 * n, 3.0))
@@ -84,8 +84,8 @@ def test_a_clock_that_waits_and_catches_up_runs_as_ours():
 
 @pytest.mark.parametrize(("begin_s", "lag"), [(20.0, 0.45), (0.2, 0.49)], ids=["in between", "as it opens"])
 @pytest.mark.parametrize("drift", [-1e-3, 0.0, 1e-3])
-def test_samples_that_were_late_and_catch_up_over_a_while_are_of_no_fast_clock(begin_s, lag, drift):
-    """A computer that is busy for three seconds, then takes what had waited at 1.2 times the rate."""
+def test_gradually_caught_up_samples_are_accepted(begin_s, lag, drift):
+    """A computer is busy for three seconds, then reads the waiting samples at 1.2 times the rate."""
     clocks, rate = ClockMap(), 1 + drift
     for n in range(4000):
         taken_s = 0.01 * n
@@ -94,7 +94,7 @@ def test_samples_that_were_late_and_catch_up_over_a_while_are_of_no_fast_clock(b
         clocks.check("line")
 
 
-def test_a_clock_that_turns_fast_after_an_hour_is_found_out():
+def test_clock_that_becomes_fast_is_detected():
     clocks = ClockMap()
     for n in range(7200):
         clocks = clocks.after(0.5 * n * (1 - 1e-4), 0.5 * n)
@@ -110,7 +110,7 @@ steady = st.lists(st.floats(0.0, LATE_S * 0.99), min_size=2, max_size=80)
 
 
 @given(steady, st.floats(-1e4, 1e4))
-def test_stamps_that_arrival_bears_out_are_believed(delays_s, begin_s):
+def test_stamps_consistent_with_arrival_are_accepted(delays_s, begin_s):
     arrivals = Arrivals()
     for n, delay_s in enumerate(delays_s):
         arrivals = arrivals.after(np.array([begin_s + 0.01 * n]), begin_s + 0.01 * n + delay_s)
@@ -119,7 +119,7 @@ def test_stamps_that_arrival_bears_out_are_believed(delays_s, begin_s):
 
 
 def first_fault(rate, delay_s=0.0):
-    """When the stamps of such a clock are not believed any more, s, and why."""
+    """Return when the stamps of such a clock are first rejected (s), and the reason."""
     arrivals = Arrivals()
     for n in range(10_000):
         arrivals = arrivals.after(np.array([BLOCK_S * n * rate]), BLOCK_S * n + delay_s)
@@ -129,21 +129,21 @@ def first_fault(rate, delay_s=0.0):
 
 
 @given(st.floats(1.05, 100.0), st.floats(0.0, 0.05))
-def test_stamps_that_run_fast_are_not_believed_once_they_gained_a_bound(rate, delay_s):
+def test_fast_stamps_are_rejected_beyond_a_bound(rate, delay_s):
     at_s, fault = first_fault(rate, delay_s)
     assert (at_s - BLOCK_S) * (rate - 1) <= AHEAD_S + delay_s + 1e-9
     assert "after its arrival, expected none later than that: its clock runs fast" in fault
 
 
 @given(st.floats(0.0, 0.95))
-def test_stamps_that_run_slow_or_stand_still_are_not_believed_after_a_while(rate):
+def test_slow_stamps_are_rejected_after_a_delay(rate):
     at_s, fault = first_fault(rate)
     assert at_s == pytest.approx(LATE_S / (1 - rate) + LATE_FOR_S, abs=2.1 * BLOCK_S)
     assert "s old when they come, expected at most 0.1 s: its clock runs slow, stands still" in fault
 
 
-def test_what_had_waited_is_no_slow_clock():
-    """A second of samples at once; the next are of now."""
+def test_delayed_block_is_not_a_slow_clock():
+    """A second of samples arrives together; the next samples are current."""
     arrivals = Arrivals().after(np.arange(0.0, 1.0, 1e-3), 1.5)
     assert arrivals.late_since_s == 1.5
     arrivals = arrivals.after(np.array([1.5]), 1.51)
@@ -151,17 +151,17 @@ def test_what_had_waited_is_no_slow_clock():
 
 
 @pytest.mark.parametrize("stamp_s", [math.nan, math.inf, -math.inf])
-def test_a_stamp_is_a_finite_number(stamp_s):
+def test_arrivals_reject_stamps_that_are_not_finite(stamp_s):
     assert Arrivals().after(np.array([1.0, stamp_s]), 1.0).fault.startswith("found a stamp that is no finite number")
 
 
-def test_steps_back_are_counted_within_blocks_and_between_them():
+def test_steps_back_count_within_and_between_blocks():
     arrivals = Arrivals().after(np.array([1.0, 0.99, 1.01]), 1.02).after(np.array([1.0]), 1.02)
     assert arrivals.n_steps_back == 2
 
 
 class Told:
-    """A source that hands out blocks of one sample, each with a stamp that is off by so much."""
+    """Source of blocks of one sample, each with a stamp shifted by `off_s`."""
 
     name, n_channels, rate_hz = "told", 1, 100.0
 
@@ -184,8 +184,8 @@ class Told:
         return {}
 
 
-def test_what_is_not_believed_is_not_told_and_what_follows_is():
-    """The source stays open; its listeners are told that nothing came."""
+def test_reader_drops_only_blocks_with_rejected_stamps():
+    """The source stays open, and its listeners receive empty blocks."""
     source, n_silent = Told([0.0, 0.0, 5.0, 6.0, 0.0, math.nan, 0.0]), []
     reader = Reader(source)
     listener = reader.listen()
@@ -201,7 +201,7 @@ def test_what_is_not_believed_is_not_told_and_what_follows_is():
 
 
 class HalfOpen(Source):
-    """Its second part is not there."""
+    """Source whose second part is missing."""
 
     def __init__(self):
         super().__init__("half", rate_hz=100.0, n_channels=1)
@@ -218,16 +218,16 @@ class HalfOpen(Source):
         raise AssertionError
 
 
-def test_what_was_opened_of_a_source_that_does_not_open_is_let_go():
-    """Else each time that it is looked for would keep one more of its parts from others."""
+def test_partly_opened_source_is_released():
+    """Otherwise each attempt to reopen it would block one more of its parts."""
     source = HalfOpen()
     with pytest.raises(DeviceFailed, match="half: found a failure .*No such device"):
         Reader(source).open()
     assert source.n_let_go == 1
 
 
-def test_a_clock_is_told_from_ours_though_the_program_is_stopped_while_it_is_read():
-    """All readings but one, and each on one side."""
+def test_clock_offset_is_exact_when_readings_are_interrupted():
+    """All readings except one are interrupted on one side."""
     pauses_s = iter([0.05, 0.05, 0.0, 0.05, 0.05])
 
     def theirs_s():

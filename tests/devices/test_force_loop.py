@@ -1,6 +1,6 @@
-"""A held touch whose force comes at 1 kHz from another process, while a window draws: busy or not.
+"""Force-gated touches with a sensor at 1 kHz in another process and a window.
 
-How fast the decision is belongs to `benchmarks/force_loop.py`; here is what must be right however slow the machine is.
+These tests must pass on a machine of any speed; `benchmarks/force_loop.py` measures the speed of the decision.
 """
 
 import threading
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.skipif(not available("serial"), reason="no pyserial: ex
 
 
 class Busy:
-    """A screen whose every frame costs some Python work."""
+    """Screen whose every frame takes some Python work."""
 
     def __init__(self, screen, work_s):
         self._screen, self._work_s = screen, work_s
@@ -46,7 +46,7 @@ class Busy:
 
 
 class Noting:
-    """An output that notes, whenever it plays, which sample was the last that had come: in the thread that decides."""
+    """Output that notes the last sample received whenever it plays."""
 
     def __init__(self, output):
         self._output = output
@@ -64,7 +64,7 @@ class Noting:
 
 
 class Loop:
-    """A bench with a serial force sensor, and everything that came from it."""
+    """Bench with a serial force sensor and a record of all its samples."""
 
     def __init__(self, device, screen, output):
         self.device, self.output = device, Noting(output)
@@ -80,14 +80,14 @@ class Loop:
         wait_for(lambda: device.reader.facts()["n_samples"] > 0)
 
     def press(self, request=PRESS):
-        """A touch, with its onset on the clock."""
+        """Run a touch and return it with its onset."""
         touched = self.bench.answer(request)
         return touched, touched.onset_s + self.bench._supervisor.zero_s
 
     def truth(self):
-        """The times (s) at which the samples were taken, and their forces (N), by the source.
+        """Return the sampling times (s) and forces (N) according to the source.
 
-        Its clock is ours, in microseconds modulo 2**31.
+        Its clock is the local one, in microseconds modulo 2**31.
         """
         values, now_s = np.concatenate([block.values for block in list(self.everything)]), time.perf_counter()
         ages_s = (now_s * 1e6 - values[:, 1]) % 2**31 * 1e-6
@@ -95,7 +95,7 @@ class Loop:
 
 
 def held(times_s, forces_n):
-    """Whether a gate on the true samples is open after each; stamps stretch a hold by at most `SLEW`."""
+    """Return for each true sample whether a gate is open after it; stamps stretch a hold by at most `SLEW`."""
     gate, found = ForceGate(PRESS.target_n, PRESS.tolerance, PRESS.hold_s * (1 - SLEW)), []
     for time_s, force_n in zip(times_s, forces_n, strict=True):
         gate = gate.after(time_s, force_n)
@@ -120,8 +120,8 @@ def loop_of(watched, output, tmp_path):
 
 @pytest.mark.parametrize("work_s", [0.0, 0.008], ids=["idle", "busy for 8 ms a frame"])
 @pytest.mark.parametrize("profile", [APPROACH, GAPPED], ids=["excursion", "gap of 30 ms"])
-def test_no_sample_is_lost_and_the_gate_never_opens_early(loop_of, log, profile, work_s):
-    """However late samples come: the true force was held long enough in those that had come when it was decided.
+def test_gate_never_opens_early_and_loses_no_samples(loop_of, log, profile, work_s):
+    """The true force was held long enough in the samples received at the decision, however late they arrived.
 
     On a machine so busy that the sensor is away for a while, the samples of that while are missing.
     """
@@ -142,7 +142,7 @@ OUTAGE_S = 4.0
 """So long that a held force is found within a part of it, on a busy machine too."""
 
 
-def test_a_sensor_that_is_unplugged_in_a_trial_stops_the_output_and_the_next_trial_waits_for_it(loop_of, log):
+def test_unplugged_sensor_stops_output_and_delays_next_trial(loop_of, log):
     loop = loop_of("1:100")
     unplugged_s = []
 
@@ -161,14 +161,16 @@ def test_a_sensor_that_is_unplugged_in_a_trial_stops_the_output_and_the_next_tri
     assert log[-1] == "output.stop"
     assert ended_s - unplugged_s[0] < 25.0  # of the 30 s of the stimulus
     threading.Timer(OUTAGE_S, loop.device.plug).start()
-    touched, onset_s = loop.press(replace(PRESS, timeout_s=0.6 * OUTAGE_S))  # no time counts while the sensor is away
+    touched, onset_s = loop.press(
+        replace(PRESS, timeout_s=0.6 * OUTAGE_S)
+    )  # the timeout does not count while the sensor is away
     assert touched.valid
     assert onset_s > unplugged_s[0] + OUTAGE_S
     assert loop.device.reader.facts()["n_outages"] >= 1
 
 
-def test_a_slide_tells_the_speed_that_the_position_sensor_measured(loop_of):
-    """The counter, one more each millisecond, stands for a position: 50 um a sample is 50 mm/s."""
+def test_slide_reports_the_measured_speed(loop_of):
+    """The counter serves as a position: 50 um per sample at 1 kHz is 50 mm/s."""
     loop = loop_of("1:100")
     slide = Slide("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=10.0, speed_m_per_s=0.05)
     touched = loop.bench.answer(slide)

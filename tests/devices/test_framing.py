@@ -1,4 +1,4 @@
-"""Frames of a serial line through noise; counters; clocks; calibrations; speed."""
+"""Serial frames, counters, clocks, calibrations and speed."""
 
 import math
 import zlib
@@ -33,7 +33,7 @@ def parsed(pieces):
 
 
 @given(st.lists(st.tuples(noise, frames), max_size=8), st.lists(st.integers(0, 400), max_size=12))
-def test_every_whole_frame_is_found_however_it_is_torn_and_whatever_lies_between(sent, cuts):
+def test_all_frames_are_found_between_noise(sent, cuts):
     stream = b"".join(before + encode_frame(frame) for before, frame in sent)
     edges = sorted({0, len(stream), *(cut for cut in cuts if cut < len(stream))})
     framing, found = parsed([stream[a:b] for a, b in pairwise(edges)])
@@ -43,7 +43,7 @@ def test_every_whole_frame_is_found_however_it_is_torn_and_whatever_lies_between
 
 
 @given(st.lists(frames, min_size=3, max_size=8), st.data())
-def test_a_frame_that_lost_a_byte_is_lost_alone(sent, data):
+def test_lost_byte_loses_one_frame_only(sent, data):
     torn = data.draw(st.integers(0, len(sent) - 1))
     where = data.draw(st.integers(0, frame_bytes(2) - 1))
     bytes_of = [encode_frame(frame) for frame in sent]
@@ -54,45 +54,45 @@ def test_a_frame_that_lost_a_byte_is_lost_alone(sent, data):
 
 
 @given(st.binary(max_size=3000))
-def test_garbage_as_of_a_wrong_baud_rate_is_no_frame(garbage):
+def test_noise_contains_no_frame(garbage):
     framing, found = parsed([garbage])
     assert found == []
     assert framing.n_skipped + len(framing.rest) == len(garbage)
     assert len(framing.rest) < frame_bytes(2)
 
 
-def test_a_frame_that_claims_more_channels_than_it_has_is_not_taken_though_its_checksum_is_right():
+def test_frame_with_wrong_channel_count_is_skipped():
     sent = Frame(1, 2, (3, 4))
     body = bytearray(encode_frame(sent)[:-4])
     body[2] = 7
     assert parsed([body + zlib.crc32(body).to_bytes(4, "little"), encode_frame(sent)])[1] == [sent]
 
 
-def test_counter_and_time_of_an_encoder_wrap():
+def test_frame_counter_and_time_wrap():
     assert encode_frame(Frame(2**32 + 1, 2**32 + 2, (3,))) == encode_frame(Frame(1, 2, (3,)))
 
 
-def test_frames_of_another_number_of_channels_are_not_taken():
+def test_frames_with_another_channel_count_are_ignored():
     _, found = parsed([encode_frame(Frame(1, 2, (3,)))] * 20)
     assert found == []
 
 
 @given(st.binary(max_size=80).filter(lambda data: len(data) % RECORD.size))
-def test_a_datagram_of_another_length_holds_no_record(datagram):
+def test_datagram_of_another_length_has_no_records(datagram):
     assert records(datagram) == []
 
 
 # --- counters and clocks
 
 
-def test_lost_samples_are_counted_over_the_wrap():
+def test_lost_samples_are_counted_across_the_wrap():
     samples = CountedSamples(1e-6, settling_s=0.0)
     block = samples.block([(2**32 - 2, 2**32 - 1000, (1,)), (1, 2000, (2,))], 5.0)
     assert samples.n_lost == 2
     assert np.diff(block.times_s) == pytest.approx(3e-3, abs=1e-9)
 
 
-def test_a_device_that_starts_again_loses_nothing():
+def test_restarted_device_loses_no_samples():
     samples = CountedSamples(1e-6, settling_s=0.0)
     samples.block([(5000, 9_000_000, (1,))], 5.0)
     block = samples.block([(0, 0, (1,))], 6.0)
@@ -102,8 +102,8 @@ def test_a_device_that_starts_again_loses_nothing():
 
 @given(st.integers(0, 2**32 - 1), st.floats(1e-5, 0.01), st.lists(st.tuples(st.integers(0, 999), st.floats(0, 2))))
 @examples(50)
-def test_stamps_follow_the_time_of_the_device_and_a_step_is_one_that_a_gate_sees(seed, late_s, stalls):
-    """However late the samples come: what the device measured as 0.2 s is never more than 0.1 % off, or begun anew."""
+def test_stamps_follow_device_time_except_at_steps(seed, late_s, stalls):
+    """However late samples arrive, 0.2 s of device time is at most 0.1 % off or contains a step back."""
     arrivals_s = np.arange(1000) * 2e-3 + np.random.default_rng(seed).exponential(late_s, 1000)
     for first, stall_s in stalls:
         arrivals_s[first] += stall_s
@@ -119,8 +119,8 @@ def test_stamps_follow_the_time_of_the_device_and_a_step_is_one_that_a_gate_sees
     assert np.all(np.array(times_s) <= np.array(came_s) + STEP_S + 1e-9)
 
 
-def test_stamps_that_began_late_are_put_right():
-    """All that is read in the first second is 1.4 s late, which looks like a difference of the clocks."""
+def test_late_first_stamps_are_corrected():
+    """All samples of the first second are 1.4 s late, which looks like a clock offset."""
     samples, late_s = CountedSamples(1e-3), []
     for n in range(2000):
         block = samples.block([(n, n, (0,))], 1e-3 * n + (1.4 if n < 1000 else 0.0))
@@ -129,15 +129,15 @@ def test_stamps_that_began_late_are_put_right():
     assert late_s[-1000:] == pytest.approx([0.0] * 1000, abs=2e-3)
 
 
-def test_a_step_back_is_seen_though_it_falls_into_a_gap():
-    """30 ms without samples, and stamps that were 25 ms late: were they put right to 5 ms later, no gate would know."""
+def test_step_back_in_a_gap_remains_visible():
+    """After 30 ms without samples, stamps that were 25 ms late must step back, so that a gate restarts."""
     samples = CountedSamples(1e-3, settling_s=0.0)
     first_s = samples.block([(0, 0, (0,))], 0.025).times_s
     assert samples.block([(1, 30, (0,))], 0.030).times_s < first_s
 
 
 @given(st.lists(st.floats(0, 0.05), min_size=20, max_size=200), st.floats(-1e4, 1e4))
-def test_no_sample_is_stamped_after_it_arrived_nor_before_it_was_taken(delays_s, offset_s):
+def test_stamps_are_between_sampling_and_arrival(delays_s, offset_s):
     clocks = ClockMap()
     for n, delay_s in enumerate(delays_s):
         device_s = n * 0.01
@@ -147,7 +147,7 @@ def test_no_sample_is_stamped_after_it_arrived_nor_before_it_was_taken(delays_s,
 
 
 @pytest.mark.parametrize("drift", [-1e-4, 0.0, 1e-4])
-def test_a_drifting_clock_is_followed(drift):
+def test_clock_map_follows_a_drifting_clock(drift):
     clocks = ClockMap()
     for n in range(20_000):
         clocks = clocks.after(n * 1e-3, n * 1e-3 * (1 + drift) + 7.0)
@@ -155,27 +155,27 @@ def test_a_drifting_clock_is_followed(drift):
     hard_case("a clock that drifts by 1e-4", clocks.ours_s(20.0), 20.0 * (1 + drift) + 7.0, bound, against="the drift")
 
 
-def test_three_seconds_of_late_samples_move_no_clock():
+def test_three_seconds_of_late_samples_keep_clock_offset():
     clocks = ClockMap()
     for n in range(4000):
         clocks = clocks.after(n * 1e-3, n * 1e-3 + (0.0 if n < 1000 else 0.015))
     assert clocks.offset_s == 0.0
 
 
-def test_the_least_delayed_sample_counts_in_whatever_order_and_not_what_lies_ahead():
+def test_clock_offset_uses_the_least_delayed_recent_sample():
     assert ClockMap().after(0.0, 10.25).after(0.25, 10.75).offset_s == 10.25
     assert ClockMap().after(10.0, 20.0).after(0.0, 15.0).offset_s == 15.0
 
 
-def test_what_waited_together_settles_no_clock():
-    """A second of samples that come at once, 0.5 s less late than the first: when they were taken tells nothing."""
+def test_simultaneous_samples_settle_no_clock():
+    """A second of samples arrives together: their stamps contain no information about the clock offset."""
     samples = CountedSamples(1e-3)
     samples.block([(0, 0, (0,))], 100.0)
     assert samples.block([(n, n, (0,)) for n in range(1, 1001)], 100.5).times_s.size == 0
 
 
-def test_stamps_of_a_way_that_became_longer_are_hardly_stretched():
-    """10 ms more from the first second on, known when the better samples are forgotten."""
+def test_stamps_stretch_by_at_most_slew():
+    """The delay grows by 10 ms after the first second, which shows when the earlier samples are forgotten."""
     samples, times_s = CountedSamples(1e-3), []
     for n in range(8000):
         times_s += samples.block([(n, n, (0,))], 1e-3 * n + (0.0 if n < 1000 else 0.01)).times_s.tolist()
@@ -184,7 +184,7 @@ def test_stamps_of_a_way_that_became_longer_are_hardly_stretched():
     assert np.any(steps_s > 1e-3 * (1 + 0.9 * SLEW))
 
 
-def test_times_that_are_no_numbers_are_refused():
+def test_clock_map_refuses_times_that_are_not_finite():
     with pytest.raises(InvalidParameter, match="found times nan and 1.0, expected finite"):
         ClockMap().after(math.nan, 1.0)
     with pytest.raises(InvalidParameter, match="found times 1.0 and inf, expected finite"):
@@ -196,7 +196,7 @@ def test_times_that_are_no_numbers_are_refused():
 # --- calibrations
 
 
-def test_three_forms_say_the_same():
+def test_calibration_forms_agree():
     counts = np.array([0.0, 50.0, 200.0])
     factor = ForceCalibration(newtons_per_count=0.02, zero_count=50.0).force_n(counts)
     polynomial = ForceCalibration(polynomial=(-1.0, 0.02)).force_n(counts)
@@ -205,7 +205,7 @@ def test_three_forms_say_the_same():
     assert np.allclose(factor, table, rtol=1e-12)
 
 
-def test_what_a_sensor_cannot_tell_is_lost():
+def test_counts_outside_calibration_range_are_lost_samples():
     table = ForceCalibration(table_counts=(0.0, 200.0), table_forces_n=(0.0, 3.0))
     assert np.isnan(table.force_n(np.array([-1.0, 201.0]))).all()
     factor = ForceCalibration(newtons_per_count=0.1, count_low=-10.0, count_high=10.0)
@@ -213,7 +213,7 @@ def test_what_a_sensor_cannot_tell_is_lost():
 
 
 @pytest.mark.parametrize("overload", [9.99999999e37, -1e30, 1.1e5])
-def test_force_of_no_finger_is_a_lost_sample(overload):
+def test_implausible_force_is_a_lost_sample(overload):
     calibration = ForceCalibration(newtons_per_count=0.001)
     assert calibration.force_n(np.array([1000.0, overload])).tolist() == pytest.approx([1.0, np.nan], nan_ok=True)
 
@@ -238,12 +238,12 @@ def test_force_of_no_finger_is_a_lost_sample(overload):
         ({"newtons_per_count": 1.0, "count_low": 2.0, "count_high": 2.0}, "count_low: found 2.0, expected below"),
     ],
 )
-def test_a_calibration_has_one_sound_form(form, message):
+def test_invalid_calibration_forms_are_refused(form, message):
     with pytest.raises(InvalidParameter, match=message):
         ForceCalibration(**form)
 
 
-def test_a_polynomial_may_turn_beside_its_range_and_a_table_may_fall():
+def test_calibration_needs_monotonicity_within_its_range_only():
     bent = ForceCalibration(polynomial=(0.0, 1.0, -0.01), count_low=0.0, count_high=50.0)
     assert bent.force_n(np.array([10.0, 50.0])).tolist() == [9.0, 25.0]
     falling = ForceCalibration(table_counts=(0.0, 10.0), table_forces_n=(2.0, 0.0))
@@ -257,26 +257,26 @@ def test_a_polynomial_may_turn_beside_its_range_and_a_table_may_fall():
 # --- speed
 
 
-def test_a_slide_back_and_forth_has_the_speed_of_its_way():
+def test_mean_speed_counts_both_directions():
     times_s = np.arange(4000) / 1000
     positions_m = np.abs((times_s * 0.05 + 0.05) % 0.2 - 0.1)[:, None]
     assert mean_speed_m_per_s(times_s, positions_m) == pytest.approx(0.05, rel=0.01)
 
 
-def test_noise_of_a_resting_finger_is_slow():
+def test_mean_speed_of_resting_finger_is_small():
     at_rest_m = 2e-5 * np.random.default_rng(1).standard_normal((4000, 2))
     assert mean_speed_m_per_s(np.arange(4000) / 1000, at_rest_m) < 1e-3
 
 
-def test_too_few_positions_have_no_speed():
+def test_mean_speed_needs_two_positions():
     assert mean_speed_m_per_s(np.empty(0), np.empty((0, 2))) is None
     assert mean_speed_m_per_s(np.zeros(1), np.zeros((1, 2))) is None
     with pytest.raises(InvalidParameter, match="found .* stamps and .* positions"):
         mean_speed_m_per_s(np.array([1.0, 0.0]), np.zeros((2, 2)))
 
 
-def test_what_waited_to_be_read_while_the_process_was_held_up_tells_no_time():
-    """Two seconds of samples come late and at once, in pieces; stamps begin when the reader has caught up."""
+def test_samples_read_after_a_suspension_get_no_stamps():
+    """Two seconds of samples arrive late and in quick succession; stamps begin when the reader has caught up."""
     samples, stamps_s = CountedSamples(tick_s=1e-3), []
     for n in range(0, 6000, 100):
         arrival_s = max(0.001 * (n + 100), 2.0 + 0.00001 * n)

@@ -1,4 +1,4 @@
-"""The guard before a driver: what it tells, refuses and lets go of."""
+"""The guard of a driver: reports, refusals and closing."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ LEAKY = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e6)
 
 
 class Clipping(NullOutput):
-    """An output that emits nothing above 50 V."""
+    """Output that emits nothing above 50 V."""
 
     emits = True
 
@@ -40,7 +40,7 @@ def clock():
 
 @pytest.fixture
 def told(clock):
-    """A guard without a load, that lists what it tells."""
+    """Guard without a load, with a list of its reports."""
     output, found = Guarded(Clipping(), LIMITS, clock=clock), []
     output.subscribe(lambda *emission: found.append(emission[1:]), found.append)
     output.open()
@@ -58,7 +58,7 @@ def test_signal_without_a_load_passes_no_charge(told):
     assert found == [(1.0, 0.0), 0.0]
 
 
-def test_end_of_a_replaced_signal_is_told_before_the_next(clock):
+def test_end_of_replaced_signal_is_reported_first(clock):
     ends_c = []
     output = Guarded(Clipping(), LIMITS, LEAKY, clock)
     output.subscribe(lambda *emission: None, ends_c.append)
@@ -70,7 +70,7 @@ def test_end_of_a_replaced_signal_is_told_before_the_next(clock):
 
 
 class Interrupted(Clipping):
-    """An output whose signal begins, and then the process is to end."""
+    """Output that raises an error after its signal has begun."""
 
     error = KeyboardInterrupt
 
@@ -92,13 +92,13 @@ def test_guard_counts_signal_when_play_is_interrupted(clock, error):
     assert found == pytest.approx([1e-5, 5e-6], rel=0.1)  # 10 V through 1 Mohm: all of it, and 0.5 s
 
 
-def test_guard_refuses_what_a_driver_would_clip(told):
+def test_guard_refuses_signal_that_driver_would_clip(told):
     output, _ = told
     with pytest.raises(LimitExceeded, match="voltage_peak_v"):
         output.play(volts(101.0))
 
 
-def test_closed_guard_holds_no_file(tmp_path):
+def test_closed_guard_keeps_no_file_open(tmp_path):
     output = Guarded(Clipping(), LIMITS, ledger=Ledger(tmp_path / "outputs.sqlite3"))
     output.open()
     output.play(volts())

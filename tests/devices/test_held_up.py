@@ -1,4 +1,4 @@
-"""A card that was held up and told of nothing: when it asked for its blocks, as recorded on a sound server's sink."""
+"""Unreported gaps of a sound card, found from recorded request times."""
 
 import pytest
 
@@ -21,19 +21,19 @@ TORN = {
         (0.0976, 0.0225, 6), (0.1383, 0.0525, 12), (0.1664, 0.0963, 6), (0.1984, 0.0943, 6), (0.2144, 0.1083, 6),
     ],
 }  # fmt: skip
-"""Bursts of blocks that were asked for at once: when (s after the onset), what the card said to have in hand (s), how
-many. None had an underflow told."""
+"""Bursts of requested blocks: time (s after the onset), lead stated by the card (s), number of blocks. None had a
+reported underflow."""
 
 AT_LEISURE = [
     (-0.0954, 0.0954, 6), (-0.0754, 0.1053, 6), (-0.0353, 0.0953, 6), (-0.0153, 0.1053, 6), (0.0247, 0.0953, 6),
     (0.0447, 0.1052, 6), (0.0848, 0.0952, 6), (0.1099, 0.1000, 6), (0.1449, 0.0951, 6), (0.1649, 0.1051, 6),
     (0.2083, 0.0917, 6),
 ]  # fmt: skip
-"""Of a touch that was whole: the process and its server went first."""
+"""Bursts of a touch without a gap, when the process and its server had priority."""
 
 
 def torn_from_s(bursts, latency_s=LATENCY_S):
-    """From when on what is heard may be torn, of each gap that was counted, s after the onset."""
+    """Return the beginning of each counted gap, in seconds after the onset."""
     dry = DryRuns(latency_s)
     blocks = [(now_s, lead_s + k * BLOCK_S) for now_s, lead_s, n_blocks in bursts for k in range(n_blocks)]
     told = [dry.after(now_s=now_s, lead_s=lead_s, block_s=BLOCK_S, underflow=False) for now_s, lead_s in blocks]
@@ -41,30 +41,30 @@ def torn_from_s(bursts, latency_s=LATENCY_S):
 
 
 @pytest.mark.parametrize("heard", TORN)
-def test_a_touch_that_was_torn_without_a_word_is_told_by_when_its_blocks_were_asked_for(heard):
+def test_silent_gaps_are_found_from_request_times(heard):
     assert any(began_s < DURATION_S for began_s in torn_from_s(TORN[heard]))
 
 
-def test_a_card_that_asks_in_time_has_no_gap():
+def test_punctual_card_has_no_gap():
     assert torn_from_s(AT_LEISURE) == []
 
 
-def test_a_card_that_was_held_up_may_have_torn_what_is_heard_as_it_asks_and_nothing_before():
+def test_gap_begins_when_the_late_card_asks():
     (began_s,) = torn_from_s([*AT_LEISURE, (0.2842, 0.0458, 12)])
     assert began_s == pytest.approx(0.2842)
 
 
-def test_a_card_that_has_as_a_rule_less_in_hand_than_it_was_asked_to_have_is_not_held_up():
-    """Half of what was asked for, each time: a card that rounds its latency would tear every touch."""
+def test_card_with_short_usual_lead_has_no_gap():
+    """A card that rounds its latency may always have half of the requested lead."""
     assert torn_from_s([(0.03 * n, 0.055, 6) for n in range(100)]) == []
     assert not was_held_up(0.055, [0.055] * 400, LATENCY_S)
     assert was_held_up(0.03, [0.055] * 400, LATENCY_S)
 
 
-def test_a_card_with_more_in_hand_than_it_was_asked_to_have_is_held_to_what_was_asked_for():
+def test_long_usual_lead_is_judged_by_requested_latency():
     assert not was_held_up(0.3, [1.0] * 400, LATENCY_S)
     assert was_held_up(0.05, [1.0] * 400, LATENCY_S)
 
 
-def test_a_card_of_which_nothing_is_known_was_not_held_up():
+def test_card_without_history_was_not_held_up():
     assert not was_held_up(0.0, [], LATENCY_S)

@@ -1,4 +1,4 @@
-"""What holds for every output and sensor of the catalogue, as a bench file makes them."""
+"""Properties of every output and sensor of the catalogue."""
 
 import time
 from datetime import date
@@ -41,7 +41,7 @@ def output(name, tmp_path, monkeypatch):
 
 # "audio" needs a card: test_audio.py, test_check.py
 @pytest.mark.parametrize("name", sorted(catalogue.OUTPUTS.keys() - {"audio"}))
-def test_an_output_plays_stops_and_closes_and_may_be_closed_again(output):
+def test_output_may_be_stopped_and_closed_twice(output):
     output.stop()
     output.open()
     before_s = time.perf_counter()
@@ -54,7 +54,7 @@ def test_an_output_plays_stops_and_closes_and_may_be_closed_again(output):
 
 
 @per_output
-def test_what_it_says_it_would_emit_keeps_the_limits(name):
+def test_check_returns_samples_within_the_limits(name):
     output = output_of(name)
     signal = one_bit(output)
     _, final = output.check(signal)
@@ -64,7 +64,7 @@ def test_what_it_says_it_would_emit_keeps_the_limits(name):
 
 @per_output
 @pytest.mark.parametrize("limit", ["voltage_peak_v", "current_peak_a", "displacement_peak_m", "session_s"])
-def test_no_output_plays_what_passes_a_limit(name, limit, tmp_path, monkeypatch):
+def test_outputs_refuse_signals_above_a_limit(name, limit, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     output = output_of(name, {**LIMITS, limit: 1e-9})
     with pytest.raises(LimitExceeded, match=f"limits.{limit}: .*nothing was played"):
@@ -72,17 +72,17 @@ def test_no_output_plays_what_passes_a_limit(name, limit, tmp_path, monkeypatch)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_catalogue_has_every_output_but_that_of_a_device_that_nobody_has():
+def test_catalogue_has_every_output_except_ni():
     assert {table["kind"] for table in catalogue.OUTPUTS.values()} == OUTPUTS.keys() - {"ni"}
 
 
-def test_the_catalogue_has_every_sensor_of_force():
+def test_catalogue_has_every_force_sensor():
     assert {table["kind"] for table in catalogue.SENSORS.values()} == SENSORS.keys() - {"audio", "touch"}
 
 
 @pytest.fixture
 def sensor(name, tmp_path, monkeypatch):
-    """A force sensor as a bench file makes it, of an emulator that presses with 1 N."""
+    """Force sensor from a bench file, with an emulator that presses with 1 N."""
     monkeypatch.chdir(tmp_path)
     table = dict(catalogue.SENSORS[name])
     device = None
@@ -105,7 +105,7 @@ def sensor(name, tmp_path, monkeypatch):
 
 
 @per_sensor
-def test_a_sensor_gives_stamped_newtons_and_never_waits(sensor):
+def test_sensor_returns_stamped_newtons_without_waiting(sensor):
     assert sensor.read()[0].size == 0
     begin_s = time.perf_counter()
     sensor.open()

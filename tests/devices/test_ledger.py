@@ -1,4 +1,4 @@
-"""What an output emitted counts for whoever uses it next, whatever was done to the clocks meanwhile."""
+"""Ledger of emissions: limits across sessions, processes and clock changes."""
 
 import multiprocessing
 import os
@@ -31,7 +31,7 @@ LIMITS = Limits(100.0, duty=0.05, duty_window_s=WINDOW_S, stop_within_s=1.0)
 
 
 class Clocks:
-    """The clocks of a computer, of which a test sets one."""
+    """Clocks of a computer; tests change the wall clock."""
 
     def __init__(self):
         self.boot_id, self.boot_s, self.utc_s = "first", 1000.0, 1.7e9
@@ -57,7 +57,7 @@ def clocks(monkeypatch):
 
 
 class Emitter(NullOutput):
-    """An output of this name, of which several may be open at once."""
+    """Output with a name; several may be open at once."""
 
     emits, late_s = True, 0.0
 
@@ -79,7 +79,7 @@ def volts(duration_s=1.0):
 
 
 def n_played(output, clocks):
-    """How many of five signals, one after the other, a new session may play."""
+    """Count how many of five consecutive signals a new session may play."""
     output.open()
     n_done = 0
     with suppress(LimitExceeded):
@@ -115,8 +115,8 @@ def test_next_session_plays_again_when_window_is_over(tmp_path, clocks, jump):
 
 
 @given(st.lists(st.floats(-1e5, 1e5), max_size=5), st.floats(0.0, 1e5), st.booleans())
-def test_signal_is_never_older_than_it_is(jumps_s, passed_s, is_restarted):
-    """The age decides whether a signal still counts: it must not come out too large while the computer runs."""
+def test_age_of_signal_is_never_overestimated(jumps_s, passed_s, is_restarted):
+    """An overestimated age would exclude a signal from the duty too early."""
     clocks = Clocks()
     played = clocks.now()
     for jump_s in jumps_s:
@@ -129,7 +129,7 @@ def test_signal_is_never_older_than_it_is(jumps_s, passed_s, is_restarted):
         assert played.ago_s(clocks.now()) >= 0.0
 
 
-def test_another_output_counts_for_itself(tmp_path, clocks):
+def test_outputs_are_counted_separately(tmp_path, clocks):
     assert [n_played(guard(tmp_path, clocks, name), clocks) for name in ("one", "one", "other")] == [3, 0, 3]
 
 
@@ -146,7 +146,7 @@ def test_cut_signal_counts_as_long_as_it_played(tmp_path, clocks, is_stopped):
     assert n_played(guard(tmp_path, clocks), clocks) == 2  # 1 s of 3 s has played
 
 
-def test_stopped_signal_plays_no_longer_until_the_output_closes(tmp_path, clocks):
+def test_stopped_signal_is_counted_up_to_its_stop(tmp_path, clocks):
     output = guard(tmp_path, clocks)
     output.open()
     output.play(volts(3.0))
@@ -174,7 +174,7 @@ def _play_and_die(path):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def test_killed_process_has_counted_its_signal(tmp_path):
+def test_signal_of_a_killed_process_is_counted(tmp_path):
     process = multiprocessing.get_context("spawn").Process(target=_play_and_die, args=(tmp_path,))
     process.start()
     process.join()
@@ -242,7 +242,7 @@ def test_full_disk_refuses_signal_with_its_cause(tmp_path, clocks):
 
 
 @pytest.mark.parametrize(("since_s", "n_kept"), [(3599.0, 1), (3601.0, 0)])
-def test_ledger_forgets_what_no_window_reaches(tmp_path, clocks, since_s, n_kept):
+def test_ledger_forgets_signals_older_than_any_window(tmp_path, clocks, since_s, n_kept):
     output = guard(tmp_path, clocks)
     output.open()
     output.play(volts(3.0))
@@ -256,7 +256,7 @@ def test_ledger_forgets_what_no_window_reaches(tmp_path, clocks, since_s, n_kept
 
 
 def test_stopped_signal_counts_what_the_device_has_buffered(tmp_path, clocks):
-    """Five stops after 0.1 s leave 0.6 s each: of 3 s none is left."""
+    """Five signals stopped after 0.1 s count 0.6 s each, which uses up the 3 s."""
     output = guard(tmp_path, clocks)
     output.driver.late_s = 0.5
     output.open()
@@ -269,7 +269,7 @@ def test_stopped_signal_counts_what_the_device_has_buffered(tmp_path, clocks):
     assert n_played(guard(tmp_path, clocks), clocks) == 0
 
 
-def test_ago_is_by_the_wall_clock_after_a_restart():
+def test_age_uses_wall_clock_after_a_restart():
     assert Moment("a", 10.0, 1000.0).ago_s(Moment("b", 20.0, 5000.0)) == 4000.0
 
 
@@ -285,7 +285,7 @@ def test_signal_may_end_in_another_thread(tmp_path, clocks):
     assert n_played(guard(tmp_path, clocks), clocks) == 3
 
 
-def test_database_is_in_the_state_folder_of_the_account(tmp_path, monkeypatch):
+def test_ledger_is_in_the_state_folder_of_account(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     path = ledgers.default_path()
     assert path == tmp_path / "tactometry" / "outputs.sqlite3"
@@ -303,7 +303,7 @@ STEPS = st.one_of(
 
 
 class Account:
-    """When the output emitted, kept apart from what the guard counts."""
+    """Independent record of when the output emitted."""
 
     def __init__(self):
         self.intervals_s = []
@@ -314,7 +314,7 @@ class Account:
             self.intervals_s[-1] = begin_s, min(end_s, now_s)
 
     def largest_s(self, *more):
-        """The longest that was played in any window: one of those that end with a signal."""
+        """Return the longest time played in any window that ends with a signal."""
         intervals_s = [*self.intervals_s, *more]
         return max(
             sum(max(0.0, min(b, last_s) - max(a, last_s - WINDOW_S)) for a, b in intervals_s)
@@ -335,7 +335,7 @@ def test_no_window_plays_longer_than_duty_allows(steps):
 
 
 def follow(step, amount, output, clocks, account):
-    """Do one step, and hold what plays and what is refused against the account."""
+    """Do one step and compare what is played or refused with the account."""
     allowed_s = LIMITS.duty * WINDOW_S
     if step == "wait":
         clocks.pass_by(amount)

@@ -1,4 +1,4 @@
-"""Outputs without a card: the guard before every driver, files, and NI's task settings."""
+"""Outputs without a card: guard, files and NI task settings."""
 
 import importlib.util
 import inspect
@@ -36,7 +36,7 @@ gains = st.builds(Gain, st.floats(0.01, 20), st.floats(0.1, 200))
 
 @dataclass
 class SixteenBits(Driver):
-    """A driver that emits into a list, in 16-bit steps, what its gain makes of them."""
+    """Driver that applies its gain and 16-bit quantization and emits into a list."""
 
     gain: Gain = ONE
     connected: bool = True
@@ -70,7 +70,7 @@ class SixteenBits(Driver):
 
 
 @given(samples, gains, st.floats(0.5, 100), st.floats(1e-7, 1e-3))
-def test_what_leaves_an_amplifier_keeps_every_limit_whatever_its_gain(values, gain, voltage_peak_v, current_peak_a):
+def test_amplified_signal_is_within_limits_at_any_gain(values, gain, voltage_peak_v, current_peak_a):
     driver = SixteenBits(gain)
     limits = Limits(voltage_peak_v, 60.0, current_peak_a=current_peak_a, duty=1.0, session_s=1e9)
     try:
@@ -91,7 +91,7 @@ def test_what_leaves_an_amplifier_keeps_every_limit_whatever_its_gain(values, ga
     [(1.0, 30.0, r"voltage_peak_v: found a peak of 60 V, the limit is 50 V"), (2e-5, 15.0, "current_peak_a: found a")],
 )
 def test_guard_checks_the_samples_of_the_converter(current_peak_a, asked_v, message):
-    """The converter emits twice what it was asked for."""
+    """The converter emits twice the requested voltage."""
     driver = SixteenBits()
     driver.final = lambda signal: Signal(2 * signal.samples, signal.rate_hz, "V")
     guard = Guarded(driver, Limits(50.0, 60.0, current_peak_a=current_peak_a, duty=1.0, session_s=1e9), FINGER)
@@ -100,7 +100,7 @@ def test_guard_checks_the_samples_of_the_converter(current_peak_a, asked_v, mess
     assert driver.emitted == []
 
 
-def test_each_signal_is_checked_by_itself_whatever_was_checked_before():
+def test_guard_checks_each_signal_independently():
     guard = Guarded(
         SixteenBits(Gain(100.0, 1.0)), Limits(50.0, 60.0, current_peak_a=3e-5, duty=1.0, session_s=1e9), FINGER
     )
@@ -109,7 +109,7 @@ def test_each_signal_is_checked_by_itself_whatever_was_checked_before():
         guard.play(volts([[0.0, 20.0, -20.0, 20.0, 0.0]]))
 
 
-def test_a_session_begins_when_its_output_is_opened():
+def test_session_begins_when_its_output_is_opened():
     clock = Clock()
     guard = Guarded(SixteenBits(), LIMITS, FINGER, clock)
     clock.now_s = 100.0
@@ -121,7 +121,7 @@ def test_a_session_begins_when_its_output_is_opened():
 
 
 @pytest.mark.parametrize(("n_channels", "rate_hz"), [(2, RATE_HZ), (1, 2 * RATE_HZ)])
-def test_channels_and_rate_are_those_of_the_driver(n_channels, rate_hz):
+def test_guard_refuses_other_channels_or_rates(n_channels, rate_hz):
     driver = SixteenBits()
     driver.n_channels, driver.rate_hz = 1, RATE_HZ
     with pytest.raises(DeviceFailed, match=r"found a signal with .*, expected 1.*; nothing was played"):
@@ -129,7 +129,7 @@ def test_channels_and_rate_are_those_of_the_driver(n_channels, rate_hz):
     assert driver.emitted == []
 
 
-def test_a_stop_and_a_close_are_those_of_the_driver():
+def test_guard_passes_stop_and_close_to_driver():
     driver = SixteenBits()
     guard = Guarded(driver, LIMITS, FINGER)
     guard.stop()
@@ -137,7 +137,7 @@ def test_a_stop_and_a_close_are_those_of_the_driver():
     assert driver.emitted == ["stop", "close"]
 
 
-def test_full_scale_and_supply_are_kept_to_their_last_digits(tmp_path):
+def test_full_scale_and_supply_allow_rounding_errors_only(tmp_path):
     assert Gain(10.0, 1.0).to_units(volts([[10.0 * (1 + 5e-13)]])).max() == 1.0
     with pytest.raises(DeviceFailed, match="found a peak of 10.005 V, expected at most 10 V"):
         Gain(10.0, 1.0).to_units(volts([[10.005]]))
@@ -148,7 +148,7 @@ def test_full_scale_and_supply_are_kept_to_their_last_digits(tmp_path):
 
 
 @given(samples, gains)
-def test_an_amplifier_never_gets_more_than_its_driver_reaches(values, gain):
+def test_driver_refuses_signals_above_its_full_scale(values, gain):
     driver, signal = SixteenBits(gain), volts(values)
     if signal.peak > gain.load_volts_per_unit * (1 + 1e-9):
         with pytest.raises(DeviceFailed, match="what the device and its amplifier reach.*nothing was played"):
@@ -165,7 +165,7 @@ def test_an_amplifier_never_gets_more_than_its_driver_reaches(values, gain):
         (LIMITS, None, "found no load, expected what is connected to it"),
     ],
 )
-def test_without_a_stated_limit_the_device_is_not_even_opened(limits, load, message):
+def test_device_is_not_opened_without_stated_limits(limits, load, message):
     driver = SixteenBits()
     for what in (Guarded(driver, limits, load).open, lambda: Guarded(driver, limits, load).play(volts([[0.0]]))):
         with pytest.raises(LimitExceeded, match=f"{message}.*nothing was played"):
@@ -173,7 +173,7 @@ def test_without_a_stated_limit_the_device_is_not_even_opened(limits, load, mess
     assert driver.emitted == []
 
 
-def test_duty_and_session_count_what_was_played_and_what_was_stopped():
+def test_duty_and_session_count_stopped_signals():
     driver, clock = SixteenBits(Gain(50.0, 1.0)), Clock()
     output = Guarded(driver, LIMITS, FINGER, clock)
     output.open()
@@ -204,7 +204,7 @@ def test_duty_and_session_count_what_was_played_and_what_was_stopped():
         (Gain(1.0, 1.0, None, "A", 30), "found max_age_days without measured_on"),
     ],
 )
-def test_a_calibration_that_is_too_old_is_a_failed_device(measured, message):
+def test_outdated_gain_is_a_failed_device(measured, message):
     with pytest.raises(DeviceFailed, match=f"^output.gain: .*{message}.*nothing was played"):
         measured.check_age("output.gain", date(2026, 3, 1))
     Gain(1.0, 1.0, date(2026, 1, 1), "A", 59).check_age("output.gain", date(2026, 3, 1))
@@ -215,7 +215,7 @@ def test_a_calibration_that_is_too_old_is_a_failed_device(measured, message):
 
 @pytest.mark.parametrize("form", ["npz", "wav"])
 @given(values=samples)
-def test_a_file_holds_exactly_what_would_be_played(tmp_path_factory, form, values):
+def test_file_contains_exactly_the_played_signal(tmp_path_factory, form, values):
     folder = tmp_path_factory.mktemp("played")
     for sign in (1, -1):
         output = FileSettings(str(folder), form).driver(Gain(1.0, 1.0))
@@ -226,13 +226,13 @@ def test_a_file_holds_exactly_what_would_be_played(tmp_path_factory, form, value
     assert read_signal(folder / f"0002.{form}").digest() == volts(-values).digest()
 
 
-def test_a_wav_file_needs_a_whole_rate(tmp_path):
+def test_wav_file_refuses_fractional_rates(tmp_path):
     output = FileSettings(str(tmp_path), "wav").driver(Gain(1.0, 1.0))
     with pytest.raises(DeviceFailed, match="found a rate of 0.5 Hz, expected a whole number for WAV"):
         output.final(Signal(np.zeros((1, 2)), 0.5, "V"))
 
 
-def test_files_are_numbered_and_never_written_over(tmp_path):
+def test_files_are_numbered_and_never_overwritten(tmp_path):
     folder = tmp_path / "new" / "played"
     output = FileSettings(str(folder)).driver(Gain(1.0, 1.0))
     output.open()
@@ -246,7 +246,7 @@ def test_files_are_numbered_and_never_written_over(tmp_path):
     assert (folder / "0003.npz").read_bytes() == b"another's"
 
 
-def test_a_file_that_is_no_signal_is_named(tmp_path):
+def test_read_signal_names_an_invalid_file(tmp_path):
     (tmp_path / "x.npz").write_bytes(b"no archive")
     np.savez(tmp_path / "y.npz", rate_hz=1.0)
     for name in ("x.npz", "y.npz"):
@@ -254,13 +254,13 @@ def test_a_file_that_is_no_signal_is_named(tmp_path):
             read_signal(tmp_path / name)
 
 
-# --- NI: the settings as data, and the calls against the signatures of the library; nothing here ran on a device
+# --- NI: settings and calls against the signatures of the library; not tested on a device
 
 NI = NiSettings(("Dev1/ao0", "Dev1/ao1"), RATE_HZ, range_v=10.0, idle_at_zero=True, onboard_memory=True)
 
 
 @given(arrays(np.float64, (2, 30), elements=st.floats(-200, 200)))
-def test_a_task_is_finite_ends_at_zero_and_stays_in_the_range(values):
+def test_ni_task_ends_at_zero_within_its_range(values):
     played_v = connector_v(NI, Gain(10.0, 20.0), volts(values))
     assert played_v.shape == (2, 31)
     assert not np.any(played_v[:, -1])
@@ -268,7 +268,7 @@ def test_a_task_is_finite_ends_at_zero_and_stays_in_the_range(values):
     assert np.all(np.abs(played_v) <= NI.range_v)
 
 
-def test_a_voltage_beyond_the_range_is_refused():
+def test_ni_refuses_voltages_beyond_its_range():
     with pytest.raises(DeviceFailed, match="found 9 V at the connector, expected at most the range of 5 V"):
         connector_v(NiSettings(("a",), 1e3, range_v=5.0), Gain(10.0, 20.0), volts([[180.0]]))
 
@@ -278,7 +278,7 @@ needs_nidaqmx = pytest.mark.skipif(importlib.util.find_spec("nidaqmx") is None, 
 
 @pytest.fixture
 def task(monkeypatch):
-    """The library's own signatures refuse a wrong name; its driver and a device are not here."""
+    """Mock task with the library's signatures, as no driver or device is present."""
     import nidaqmx
 
     made = create_autospec(nidaqmx.Task, instance=True)
@@ -290,7 +290,7 @@ def task(monkeypatch):
 
 
 @needs_nidaqmx
-def test_a_stop_ends_the_task_and_then_writes_zero_on_every_channel(task):
+def test_ni_stop_ends_task_then_writes_zeros(task):
     output = NI.driver(Gain(10.0, 20.0))
     output.open()
     output.play(volts([[1.0, 2.0], [3.0, 4.0]]))
@@ -303,7 +303,7 @@ def test_a_stop_ends_the_task_and_then_writes_zero_on_every_channel(task):
 
 
 @needs_nidaqmx
-def test_a_stop_does_not_wait_for_a_driver_that_hangs(task):
+def test_ni_stop_returns_when_driver_hangs(task):
     hangs, output = threading.Event(), NI.driver(Gain(10.0, 20.0))
     output.open()
     output.play(volts([[1.0, 2.0], [3.0, 4.0]]))
@@ -314,7 +314,7 @@ def test_a_stop_does_not_wait_for_a_driver_that_hangs(task):
 
 
 @needs_nidaqmx
-def test_what_is_closed_plays_nothing(task):
+def test_closed_ni_output_plays_nothing(task):
     output = NI.driver(Gain(10.0, 20.0))
     for leave in (lambda: None, output.close):
         leave()
@@ -327,7 +327,7 @@ def test_what_is_closed_plays_nothing(task):
 
 
 @needs_nidaqmx
-def test_the_calls_fit_the_signatures_of_the_library(task):
+def test_ni_calls_fit_the_library_signatures(task):
     import nidaqmx
     from nidaqmx.constants import AcquisitionType, AOIdleOutputBehavior
 
@@ -345,6 +345,6 @@ def test_the_calls_fit_the_signatures_of_the_library(task):
 
 
 @needs_nidaqmx
-def test_without_the_driver_one_sentence_says_so():
+def test_missing_ni_driver_is_reported():
     with pytest.raises(DeviceFailed, match="NI-DAQmx refused .*nothing was played"):
         NI.driver(Gain(1.0, 1.0)).open()

@@ -1,4 +1,4 @@
-"""A board that reads packed one-bit streams: what it gets, when it hangs, and when it is not there."""
+"""Output to a board that reads packed one-bit streams, hangs or is missing."""
 
 import os
 import signal
@@ -32,14 +32,14 @@ from tactometry.signal import Signal
 
 
 @pytest.mark.parametrize(("n_channels", "expected"), [(0, "at least 1"), (1_000_000_000, "at most 65535")])
-def test_a_board_of_channels_that_no_stream_has_is_refused(n_channels, expected):
-    """Before a signal is made for each of them, which no memory holds."""
+def test_board_refuses_unsupported_channel_counts(n_channels, expected):
+    """Refused before a signal for all channels would exceed the memory."""
     with pytest.raises(InvalidParameter, match=rf"n_channels: found {n_channels}, expected a whole number, {expected}"):
         PackedSettings("board", n_channels, 250e3)
 
 
-def test_a_board_gets_streams_and_is_told_to_stop(tmp_path):
-    """Through a real named pipe to a reader, as to a device node."""
+def test_board_receives_streams_and_stops(tmp_path):
+    """Uses a named pipe with a reader, like a device node."""
     pipe, got = tmp_path / "board", []
     os.mkfifo(pipe)
     board = threading.Thread(target=lambda: got.append(pipe.read_bytes()))
@@ -62,8 +62,8 @@ def test_a_board_gets_streams_and_is_told_to_stop(tmp_path):
         output.play(signal)
 
 
-def test_a_board_that_takes_a_stream_in_pieces_gets_all_of_it(tmp_path):
-    """Signals that arrive while a full pipe is written to end the call with a part of the bytes."""
+def test_board_receives_whole_stream_in_pieces(tmp_path):
+    """A signal during a write to a full pipe ends the call after part of the bytes."""
     pipe, pieces = tmp_path / "board", []
     os.mkfifo(pipe)
 
@@ -93,7 +93,7 @@ def test_a_board_that_takes_a_stream_in_pieces_gets_all_of_it(tmp_path):
 
 
 class Board:
-    """A reader in a process of its own, which copies what it reads to a file; it may be held up."""
+    """Reader in a separate process that copies its input to a file and can hang."""
 
     def __init__(self, folder):
         self.pipe, self.got = folder / "board", folder / "got"
@@ -106,7 +106,7 @@ class Board:
         wait_for(lambda: Path(f"/proc/{self.process.pid}/stat").read_text().split()[2] == "T")
 
     def wakes_and_ends_with(self):
-        """Everything it ever read; the end of its file is the end of its process."""
+        """Wake the board and return everything it has read when its process ends."""
         self.process.send_signal(signal.SIGCONT)
         self.process.wait(10)
         return self.got.read_bytes()
@@ -150,8 +150,8 @@ def took_s(call):
     return time.perf_counter() - begin_s
 
 
-def test_a_stop_ends_a_stream_that_is_being_sent_to_a_board_that_hangs(board):
-    """The board finds no whole stream, and nothing to play, when it wakes up."""
+def test_stop_cuts_a_stream_to_a_hung_board(board):
+    """When the board wakes up, it finds no complete stream and plays nothing."""
     output = output_to(board)
     board.hang()
     output.play(LONG)
@@ -161,11 +161,11 @@ def test_a_stop_ends_a_stream_that_is_being_sent_to_a_board_that_hangs(board):
     assert board.wakes_and_ends_with() == SILENCE
 
 
-def test_a_board_that_has_not_all_of_a_stream_when_it_is_over_played_nothing(board):
-    """A touch ends with a stop, and asks for gaps behind it: it was valid, with nothing under the finger."""
+def test_incompletely_read_stream_counts_as_gap(board):
+    """A touch that ends with a stop counts gaps afterwards; without a gap it would be valid without a stimulus."""
     output = output_to(board)
     board.hang()
-    for plays_s, n_gaps in ((0.0, 0), (LONG.duration_s, 1)):  # what is cut short tells nothing of the board
+    for plays_s, n_gaps in ((0.0, 0), (LONG.duration_s, 1)):  # a cut stream shows nothing about the board
         output.play(LONG)
         time.sleep(plays_s)
         output.stop()
@@ -180,8 +180,8 @@ NOT_READ = (
 
 
 @pytest.mark.parametrize("signal", [LONG, SHORT], ids=["longer than a pipe", "that a pipe holds"])
-def test_a_board_that_hangs_is_seen_by_the_gaps_and_by_the_next_signal(signal, board):
-    """A touch that nothing stops asks for gaps when its signal is over: what lay in the pipe was taken to be played."""
+def test_hung_board_is_detected_by_gaps_and_refusal(signal, board):
+    """Gaps are counted after a signal that is not stopped; a stream waiting in the pipe is not counted as played."""
     output = output_to(board)
     output.play(signal)
     time.sleep(signal.duration_s)
@@ -195,8 +195,8 @@ def test_a_board_that_hangs_is_seen_by_the_gaps_and_by_the_next_signal(signal, b
     output.close()
 
 
-def test_a_stop_that_a_board_does_not_read_is_a_failure_and_what_waits_is_taken_back(board):
-    """The whole stream waits in the pipe: it must not play when the board wakes up."""
+def test_unread_stop_fails_and_withdraws_the_stream(board):
+    """The complete stream waits in the pipe and must not play when the board wakes up."""
     output = output_to(board)
     board.hang()
     output.play(SHORT)
@@ -212,7 +212,7 @@ def test_a_stop_that_a_board_does_not_read_is_a_failure_and_what_waits_is_taken_
     assert board.wakes_and_ends_with() == SILENCE
 
 
-def test_a_board_that_takes_no_stream_fails_after_its_time(board, monkeypatch):
+def test_hung_board_fails_after_its_time_limit(board, monkeypatch):
     monkeypatch.setattr("tactometry.devices.outputs.packed.SEND_EXTRA_S", 0.1)
     output = output_to(board)
     board.hang()
@@ -225,8 +225,8 @@ def test_a_board_that_takes_no_stream_fails_after_its_time(board, monkeypatch):
     assert board.wakes_and_ends_with() == SILENCE
 
 
-def test_a_board_that_reads_again_after_a_stop_in_a_stream_plays_the_next(tmp_path, in_background):
-    """A torn stream ends with the end of the file; the board opens its pipe anew."""
+def test_board_plays_next_stream_after_a_cut_one(tmp_path, in_background):
+    """A cut stream ends with the end of the file; the board then reopens its pipe."""
     pipe, got, slow = tmp_path / "board", [], threading.Event()
     os.mkfifo(pipe)
 
@@ -257,7 +257,7 @@ def test_a_board_that_reads_again_after_a_stop_in_a_stream_plays_the_next(tmp_pa
     assert decode(got[1][: -len(SILENCE)]).digest() == SHORT.digest()
 
 
-def test_a_pipe_that_nobody_reads_is_refused_after_a_time(tmp_path, monkeypatch):
+def test_pipe_without_reader_is_refused_after_time_limit(tmp_path, monkeypatch):
     monkeypatch.setattr("tactometry.devices.outputs.packed.OPEN_WITHIN_S", 0.2)
     os.mkfifo(tmp_path / "board")
     output = PackedSettings(str(tmp_path / "board"), 1, RATE_HZ).driver(Gain(30.0, 1.0))
@@ -270,8 +270,8 @@ def test_a_pipe_that_nobody_reads_is_refused_after_a_time(tmp_path, monkeypatch)
     output.close()
 
 
-def test_a_process_ends_by_a_signal_whatever_its_board_does(board):
-    """In the middle of a stream, with the handler of the command line."""
+def test_process_ends_on_signal_when_board_hangs(board):
+    """The signal arrives during a stream and uses the handler of the command."""
     script = (
         "import signal, time\n"
         "import numpy as np\n"
@@ -299,13 +299,13 @@ def test_a_process_ends_by_a_signal_whatever_its_board_does(board):
         process.stdin.flush()
         assert process.stdout.readline() == b"sends\n"
         process.send_signal(signal.SIGTERM)
-        # a busy machine may take its time, but the process does not wait for the 60 s of its stream
+        # a busy machine may be slow, but the process does not wait for the 60 s of its stream
         assert process.wait(30) == 143, process.stderr.read()
     assert not board.wakes_and_ends_with().startswith(SILENCE + b"TACT")
 
 
 class Bits:
-    """A stimulus of one bit; its level is how long its stream is."""
+    """One-bit stimulus whose level selects the length of its stream."""
 
     unit = "V"
 
@@ -316,7 +316,7 @@ class Bits:
 @pytest.mark.usefixtures("unhurried_sensors")
 @pytest.mark.parametrize("level", [0.0, 1.0], ids=["the stream waits in the pipe", "the stream is being sent"])
 def test_escape_ends_a_session_whose_board_hangs(board, watched, hands, in_background, monkeypatch, level):
-    """A stimulus of a minute, pressed with a force: the output, the sensor and the screen are closed in time."""
+    """Output, sensor and screen close in time during a force-gated stimulus of a minute."""
     output, seen = settings_of(board).driver(Gain(30.0, 1.0)), []
     sensor = streamed_force(Reader(Sampled(lambda time_s: 1.0, seen)), 0, ForceCalibration(newtons_per_count=1.0))
     guard = Guarded(
@@ -343,7 +343,7 @@ def test_escape_ends_a_session_whose_board_hangs(board, watched, hands, in_backg
     assert board.wakes_and_ends_with() in (SILENCE, b"")
 
 
-def test_a_supply_cannot_be_scaled_by_one_bit():
+def test_one_bit_output_refuses_other_voltages():
     output = PackedSettings("nowhere", 1, RATE_HZ).driver(Gain(30.0, 1.0))
     assert output.final(volts([[30.0, -30.0]])).samples.tolist() == [[30.0, -30.0]]
     with pytest.raises(DeviceFailed, match="found a signal of 20 V, expected the 30 V of the supply"):
@@ -355,7 +355,7 @@ def test_a_supply_cannot_be_scaled_by_one_bit():
         output.play(volts([[20.0, -20.0]]))
 
 
-def test_a_board_that_is_not_there_is_named(tmp_path):
+def test_missing_board_is_named(tmp_path):
     output = PackedSettings(str(tmp_path / "no" / "board"), 1, RATE_HZ).driver(Gain(1.0, 1.0))
     with pytest.raises(DeviceFailed, match="board: cannot open the board .*nothing was played"):
         output.open()

@@ -1,4 +1,4 @@
-"""Sensors of real kinds, each emulated in another process: nothing is lost, and what goes away comes back."""
+"""Sensors of each kind, emulated in separate processes: losses and outages."""
 
 import os
 import re
@@ -29,7 +29,7 @@ KINDS = ("serial", "udp", "lsl")
 
 
 def collected(sensor, until):
-    """Times and values of a sensor up to the moment at which `until` says so."""
+    """Read times and values of a sensor until `until` is true."""
     times_s, values = [], []
     end_s = time.monotonic() + 120
     while not until(times_s):
@@ -46,7 +46,7 @@ def joined(blocks):
 
 
 class Listening:
-    """All kinds at once, until each has sent 3000 samples (600 000 at full size)."""
+    """Emulators of all kinds at once; each sends 3000 samples (600 000 at full size)."""
 
     def __init__(self, folders):
         self._emulators = {kind: Emulator(kind, folders(kind)) for kind in KINDS if available(kind)}
@@ -57,13 +57,13 @@ class Listening:
             each.reader.open()
 
     def _hear(self, kind, block):
-        """The last value of a sample is when it arrived."""
+        """Append the arrival time to each sample."""
         if block.times_s.size:
             arrivals_s = np.full(len(block.values), time.perf_counter())
             self._heard[kind].append(SampleBlock(block.times_s, np.column_stack([block.values, arrivals_s])))
 
     def heard(self):
-        """(block, facts) of each."""
+        """Wait for all samples and return (block, facts) by kind."""
         for blocks in self._heard.values():
             whole = lambda blocks=blocks: blocks and blocks[-1].values[-1, 0] >= N_LISTENED  # noqa: E731
             wait_for(whole, LONGEST_WAIT_S + N_LISTENED / 500)
@@ -99,7 +99,7 @@ def plugged(request, tmp_path):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_unplugged_falls_silent_and_comes_back(plugged, kind):
+def test_unplugged_sensor_is_silent_and_resumes(plugged, kind):
     device = plugged(kind, profile="1:250")
     force = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
     force.open()
@@ -136,7 +136,7 @@ def test_force_and_position_share_a_stream(plugged):
     assert device.reader._thread is None
 
 
-def test_noise_on_the_line_costs_no_sound_frame(plugged):
+def test_noise_on_the_line_loses_no_frame(plugged):
     device = plugged("serial")
     device.reader.open()
     force = device.reader.listen()
@@ -161,7 +161,7 @@ def test_noise_on_the_line_costs_no_sound_frame(plugged):
         (RecordedSettings("no/such/file.csv", 1000.0), "cannot be read as a recording"),
     ],
 )
-def test_what_is_not_there_is_named(settings, message):
+def test_missing_sensor_is_named(settings, message):
     with pytest.raises(DeviceFailed, match=message):
         Reader(settings.source()).open()
 
@@ -179,7 +179,7 @@ except DeviceFailed as error:
 
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
 @pytest.mark.parametrize("settings", ["", "[log]\nlevel = 0\n"], ids=["without settings", "with the user's own"])
-def test_the_library_of_a_stream_says_nothing_unless_the_user_wants_it(tmp_path, settings):
+def test_lsl_library_is_silent_unless_configured(tmp_path, settings):
     if settings:
         (tmp_path / "lsl_api.cfg").write_text(settings, encoding="utf-8")
     env = {**os.environ, "HOME": str(tmp_path)}
@@ -191,7 +191,7 @@ def test_the_library_of_a_stream_says_nothing_unless_the_user_wants_it(tmp_path,
 
 
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
-def test_a_stream_that_is_not_what_the_bench_file_says_is_refused(plugged, monkeypatch):
+def test_stream_that_differs_from_bench_file_is_refused(plugged, monkeypatch):
     monkeypatch.setattr("tactometry.devices.sensors.lsl.LONGEST_SEARCH_S", 2.0)
     with pytest.raises(DeviceFailed, match="found no such stream in 2 s, expected its outlet to run"):
         LslSettings("nobody sends this", 1000.0).source().open()
@@ -203,7 +203,7 @@ def test_a_stream_that_is_not_what_the_bench_file_says_is_refused(plugged, monke
 
 
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
-def test_of_two_outlets_of_one_name_none_is_taken_unless_it_is_told_which(plugged, monkeypatch):
+def test_ambiguous_outlet_needs_a_source_id(plugged, monkeypatch):
     monkeypatch.setattr("tactometry.devices.sensors.lsl.LONGEST_SEARCH_S", 5.0)
     one = plugged("lsl", options=("--source-id", "left"))
     other = plugged("lsl", options=("--source-id", "right"), name=one.name, profile="1:700")
@@ -224,7 +224,7 @@ def test_of_two_outlets_of_one_name_none_is_taken_unless_it_is_told_which(plugge
 
 
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
-def test_an_outlet_that_takes_the_place_of_one_that_died_is_not_believed(plugged):
+def test_replacement_outlet_with_another_source_is_refused(plugged):
     device = plugged("lsl", options=("--source-id", "left"))
     force = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
     force.open()
@@ -251,8 +251,8 @@ RATE = "found a clock that runs .* times as fast as this computer's, expected wi
 @pytest.mark.parametrize(
     "chosen", [ONE_EACH, pytest.param(tuple(product(KINDS, CLOCKS)), marks=pytest.mark.slow)], ids=["one each", "all"]
 )
-def test_a_sensor_whose_clock_does_not_run_as_ours_is_away_for_a_reason(plugged, tmp_path, chosen):
-    """All at once: each is found out within seconds, and then sends no more."""
+def test_sensor_with_wrong_clock_rate_fails_with_reason(plugged, tmp_path, chosen):
+    """All sensors run at once; each is detected within seconds and then sends no more."""
     devices = []
     for kind, rate in ((kind, rate) for kind, rate in chosen if available(kind)):
         folder = tmp_path / kind / rate
@@ -273,15 +273,15 @@ def test_a_sensor_whose_clock_does_not_run_as_ours_is_away_for_a_reason(plugged,
 
 @pytest.mark.skipif(not available("lsl"), reason="no pylsl: extra lsl")
 @pytest.mark.parametrize(("ahead_s", "why"), [("5", FAST), ("-5", LATE)])
-def test_an_outlet_whose_stamps_are_of_another_clock_is_away_for_a_reason(plugged, ahead_s, why):
+def test_outlet_with_shifted_stamps_fails_with_reason(plugged, ahead_s, why):
     device = plugged("lsl", options=("--ahead", ahead_s))
     device.reader.open()
     wait_for(lambda: device.reader.facts()["n_outages"])
     assert re.search(why, device.reader.facts()["failure"])
 
 
-def test_datagrams_that_come_twice_are_counted_and_harmless(plugged):
-    """They silenced the sensor, and no count said so."""
+def test_duplicate_datagrams_are_counted_and_harmless(plugged):
+    """Duplicates once silenced the sensor without being counted."""
     device = plugged("udp", options=("--twice",))
     listener = device.reader.listen()
     device.reader.open()
@@ -293,7 +293,7 @@ def test_datagrams_that_come_twice_are_counted_and_harmless(plugged):
     assert facts["n_duplicates"] >= len(counters)
 
 
-def test_a_stated_delay_moves_the_stamps_of_all_that_share_a_sensor(plugged):
+def test_stated_delay_shifts_stamps_of_all_listeners(plugged):
     device = plugged("serial")
     late = Reader(device.reader.source, delay_s=0.03)
     straight, delayed = Listener(n_channels=3), late.listen()
@@ -317,11 +317,11 @@ def recording(path: Path, text):
     return RecordedSettings(str(path), 100.0).source()
 
 
-def test_a_recording_comes_again_in_its_own_time(tmp_path):
+def test_recording_is_replayed_in_real_time(tmp_path):
     rows = "".join(f"{7 + n / 100},{n}\n" for n in range(30))
     reader = Reader(recording(tmp_path / "f.csv", "time_s,count\n" + rows))
     force = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
-    heard = []  # from opening on: what `read` gives begins behind it
+    heard = []  # since opening; `read` begins later
     force.subscribe(lambda times_s, forces_n: heard.extend(zip(times_s.tolist(), forces_n.tolist(), strict=True)))
     begin_s = time.perf_counter()
     force.open()
@@ -346,12 +346,12 @@ def test_a_recording_comes_again_in_its_own_time(tmp_path):
         ("time_s,x\n1,a\n", "cannot be read as a recording"),
     ],
 )
-def test_a_recording_that_is_none_is_refused(tmp_path, text, message):
+def test_invalid_recording_is_refused(tmp_path, text, message):
     with pytest.raises(DeviceFailed, match=message):
         recording(tmp_path / "f.csv", text).open()
 
 
-# --- laws of all that was heard
+# --- properties of all received samples
 
 
 @pytest.fixture(params=KINDS)
@@ -362,7 +362,7 @@ def stream(request, heard):
 
 
 def lateness_s(block):
-    """How much later than it was taken each sample arrived: the emulator has the clock of this machine."""
+    """Return the delay from sampling to arrival; the emulator uses the clock of this machine."""
     return since_taken_s(block, block.values[:, -1])
 
 
@@ -370,9 +370,9 @@ def since_taken_s(block, times_s):
     return ((times_s * 1e6 - np.round(block.values[:, 1]) + 2**30) % 2**31 - 2**30) / 1e6
 
 
-def test_no_sample_of_a_stream_is_lost(stream):
-    """A datagram that the system drops on a busy machine is no fault of ours, but it must be counted; a sensor is away
-    only on a machine so busy that samples came late."""
+def test_streams_lose_no_uncounted_samples(stream):
+    """The system may drop datagrams on a busy machine, but each must be counted. Outages occur only when samples
+    arrive late."""
     block, facts = stream
     steps = np.diff(block.values[:, 0])
     assert np.all(steps >= 1)
@@ -383,8 +383,8 @@ def test_no_sample_of_a_stream_is_lost(stream):
         assert facts["failure"] is None
 
 
-def test_stamps_are_those_of_the_sample(stream):
-    """A stamp is not earlier, nor later than it came, but for a step: there it goes back, and a gate begins anew."""
+def test_stamps_match_sampling_times(stream):
+    """Except at steps back, a stamp is not before the sampling time and not after the arrival."""
     block, _ = stream
     steps_back = np.diff(block.times_s, prepend=-np.inf) < 0
     assert np.all((since_taken_s(block, block.times_s) > -2e-3)[1000:] | steps_back[1000:])

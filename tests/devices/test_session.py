@@ -1,5 +1,4 @@
-"""Force-controlled sessions by the command line: force from a real LSL outlet and sound to a real PortAudio stream;
-force by UDP from a sender that dies."""
+"""Force-gated sessions of the command, with LSL or UDP sensors and audio output."""
 
 import csv
 import json
@@ -27,8 +26,8 @@ HELD_UP = ("sensor_lost", "output_gap")
 """What a machine that is busy with other things does to a touch, which is then asked again."""
 
 
-def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, tmp_path):
-    """The experimenter sits at a real terminal, remarks on it, pauses and repeats."""
+def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_path):
+    """The experimenter uses a real terminal to enter remarks, pause and repeat."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio tofile, int16"))
     (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
@@ -68,7 +67,7 @@ def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, t
 
 
 def follow(terminal, seen):
-    """Read what the terminal shows, and type orders in the first trial."""
+    """Read the terminal and type commands in the first trial."""
     orders = [("trial 1: ", "n the finger is dry\nr\np\n"), ("paused", "g\n")]
     while True:
         try:
@@ -79,8 +78,8 @@ def follow(terminal, seen):
             os.write(terminal, orders.pop(0)[1].encode())
 
 
-def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_back(display, tmp_path, in_background):
-    """The trial in which it died is not valid, and is asked again."""
+def test_session_pauses_when_network_sensor_dies(display, tmp_path, in_background):
+    """The trial in which it died is invalid and repeated."""
     study, device = study_in(tmp_path, n_trials=1), Emulator("udp", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
     played, data = tmp_path / "played", tmp_path / "data"
@@ -111,7 +110,7 @@ def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_ba
     assert rows[1]["force_mean_n"] == "1"
     events = [(event["trial_type"], event["text"]) for event in events_of(data) if event["text"] != "n/a"]
     pause = [("pause", "the force sensor is silent"), ("resume", "the force sensor is silent")]
-    assert events in (pause, 2 * pause)  # a quick participant is there before the first half second of the sensor
+    assert events in (pause, 2 * pause)  # a quick participant may begin before the first half second of the sensor
     assert len(list(played.glob("*.npz"))) == 2
     assert validate(data).defects == ()
 
@@ -123,7 +122,7 @@ def events_of(data):
 
 
 def check_events(data, rows):
-    """What the experimenter did, the timing of each trial and the clocks of the block are in a sound data set."""
+    """Check that a valid data set contains the experimenter's actions, trial timing and clocks."""
     events = events_of(data)
     kinds = [event["trial_type"] for event in events if event["text"] != "the force sensor is silent"]
     assert [kinds.count(kind) for kind in ("remark", "repeat", "pause", "resume")] == [1, 1, 1, 1]
@@ -133,7 +132,7 @@ def check_events(data, rows):
         assert float(each["n_frames"]) > 0
         assert 0 < float(each["frame_interval_median_s"]) <= float(each["frame_interval_max_s"])
         assert 0 <= float(each["gate_delay_s"]) < 60
-    # nothing is asked after a touch that a busy machine lost, and no key is pressed
+    # no question follows a touch that a busy machine lost, so no key is pressed
     asked = [each for each, row in zip(trials, rows, strict=True) if row["valid"] == "1"]
     assert all(0 < float(each["key_to_record_s"]) < 60 for each in asked)
     clocks = {event["device"]: float(event["clock_offset_s"]) for event in events if event["trial_type"] == "clock"}
@@ -142,7 +141,7 @@ def check_events(data, rows):
 
 
 def played_signals(folder):
-    """How many signals the file behind the card holds, and whether each is the study's, to the last bit."""
+    """Count the signals in the file of the card and check each against the study, bit for bit."""
     [stimulus] = wire(load(str(folder / "short.toml"))[0], "short").bank.values()
     output = AudioSettings(48e3, "tofile", sample_format="int16").driver(Gain(2.0, 50.0))
     wanted = np.trim_zeros(output._numbers(stimulus.at(34.0))[0])
@@ -156,8 +155,8 @@ def played_signals(folder):
     "number",
     [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
 )
-def test_a_session_that_is_ended_by_a_signal_falls_silent(needed, display, sink, tmp_path, number):
-    """In the middle of a stimulus of 20 s that a real sound server hears; test_audio.py kills a smaller program."""
+def test_killed_session_falls_silent(needed, display, sink, tmp_path, number):
+    """The signal arrives during a stimulus of 20 s to a real sound server; test_audio.py kills a smaller program."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"20 s"'), encoding="utf-8")
     gain = gain_toml("audio pulse, int16", system_volume=1.0)

@@ -1,4 +1,4 @@
-"""A touch screen's events, as the kernel writes them, through a pipe."""
+"""Events of a touch screen, written to a pipe as the kernel does."""
 
 import os
 import time
@@ -27,7 +27,7 @@ def report(*events):
 
 @pytest.fixture
 def screen(tmp_path):
-    """The writing end, and a position sensor of 0.1 mm a unit that reads the other."""
+    """Writing end of a pipe and a position sensor (0.1 mm per unit) at its reading end."""
     pipe = tmp_path / "event0"
     os.mkfifo(pipe)
     keeper = os.open(pipe, os.O_RDWR)
@@ -46,7 +46,7 @@ def heard(sensor, n):
     return positions
 
 
-def test_a_sliding_finger_is_where_its_events_say_and_a_resting_one_stays_there(screen):
+def test_touch_position_follows_events_and_persists(screen):
     keeper, sensor = screen
     os.write(keeper, report((*TRACKING, 3), (ABSOLUTE, 53, 100), (ABSOLUTE, 54, 200)))
     os.write(keeper, report((ABSOLUTE, 53, 110)))
@@ -55,7 +55,7 @@ def test_a_sliding_finger_is_where_its_events_say_and_a_resting_one_stays_there(
     assert np.allclose(positions[1:], [0.011, 0.02])
 
 
-def test_a_lifted_finger_is_nowhere(screen):
+def test_lifted_finger_has_no_position(screen):
     keeper, sensor = screen
     os.write(keeper, report((*TRACKING, 3), (ABSOLUTE, 53, 100)))
     assert len(heard(sensor, 1))
@@ -66,7 +66,7 @@ def test_a_lifted_finger_is_nowhere(screen):
     assert sensor.read()[0].size == 0
 
 
-def test_a_torn_event_is_put_together(screen):
+def test_touch_event_in_two_pieces_is_read(screen):
     keeper, sensor = screen
     events = report((*TRACKING, 3), (ABSOLUTE, 53, 700), (ABSOLUTE, 54, 800))
     os.write(keeper, events[:30])
@@ -76,7 +76,7 @@ def test_a_torn_event_is_put_together(screen):
 
 
 @given(st.lists(st.tuples(st.integers(-50, 50), st.integers(-50, 50)), min_size=1))
-def test_the_steps_of_a_mouse_add_up(steps):
+def test_mouse_steps_are_summed(steps):
     finger = TrackedFinger()
     for x, y in steps:
         finger = finger.after(RELATIVE, 0, x).after(RELATIVE, 1, y)
@@ -85,12 +85,12 @@ def test_the_steps_of_a_mouse_add_up(steps):
 
 
 @given(st.integers(0, 50), st.integers(0, 2**15), st.integers(-(2**31), 2**31 - 1))
-def test_other_events_move_nothing(kind, code, value):
+def test_other_events_leave_finger_unchanged(kind, code, value):
     known = [(ABSOLUTE, 0), (ABSOLUTE, 1), (ABSOLUTE, 53), (ABSOLUTE, 54), (ABSOLUTE, 58), TRACKING]
     if (kind, code) not in [*known, (RELATIVE, 0), (RELATIVE, 1)]:
         assert TrackedFinger().after(kind, code, value) == TrackedFinger()
 
 
-def test_a_device_that_is_not_there_is_named():
+def test_missing_touch_device_is_named():
     with pytest.raises(DeviceFailed, match="touch no/event: cannot open it .*expected an event device"):
         TouchSettings("no/event").source().open()

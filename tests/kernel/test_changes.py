@@ -1,4 +1,4 @@
-"""What changes in a participant during a session: pure functions of trials, answers and a stream."""
+"""Changes of a participant during a session, as pure functions."""
 
 import itertools
 
@@ -34,7 +34,7 @@ def rng(n=0):
 
 
 def answers_of(toml):
-    """The responses of a session, from the streams of its trials."""
+    """Simulate a session and return its responses."""
     return simulated_trials(wire(parse(toml, "study"), "study"), [Who("P01", seed=1), Who("P02", seed=1)])
 
 
@@ -45,7 +45,7 @@ def test_learning_and_fatigue_follow_their_formulas():
     assert [fatigue.shift(n, (), rng()).sensitivity_db for n in (0, 50)] == pytest.approx([0.0, -1.0])
 
 
-def test_the_chain_of_lapses_has_its_stationary_share_and_length():
+def test_lapse_runs_have_the_stated_rate_and_length():
     change, n = LapsesInRuns(0.1, 0.25), 3000
     lost = [change.shift(200, (), rng(k)).lapse_rate > 0 for k in range(n)]
     low, high = binom.ppf([ALPHA / 2, 1 - ALPHA / 2], n, 0.1 / 0.35)
@@ -58,34 +58,34 @@ def test_the_chain_of_lapses_has_its_stationary_share_and_length():
 
 
 @pytest.mark.parametrize("n_trials", [0, 1, 80])
-def test_a_criterion_drifts_with_its_spread_at_any_trial(n_trials):
+def test_criterion_drift_has_constant_spread(n_trials):
     change, n = CriterionDrift(0.5, 20.0), 2000
     drawn = np.array([change.shift(n_trials, (), rng(k)).criterion for k in range(n)])
     low, high = chi2.ppf([ALPHA / 2, 1 - ALPHA / 2], n) / n
     assert low <= np.mean((drawn / 0.5) ** 2) <= high
 
 
-def test_the_drift_of_two_trials_is_correlated_as_stated():
+def test_criterion_drift_has_the_stated_autocorrelation():
     change, n = CriterionDrift(0.5, 20.0), 2000
     pairs = np.array([[change.shift(k, (), rng(s)).criterion for k in (30, 50)] for s in range(n)])
     apart = np.arctanh(np.corrcoef(pairs.T)[0, 1]) - np.arctanh(np.exp(-1))
     assert abs(apart) * np.sqrt(n - 3) <= norm.isf(ALPHA / 2)
 
 
-def test_an_answer_pulls_the_next():
+def test_serial_dependence_shifts_the_next_criterion():
     change = SerialDependence(0.2)
     shifts = [change.shift(3, answers, rng()).criterion for answers in ((), (1.0,), (1.0, 0.0), (None,), ("left",))]
     assert shifts == [0.0, -0.2, 0.2, 0.0, 0.0]
 
 
 @pytest.mark.parametrize("kind", CHANGES)
-def test_a_change_is_a_pure_function(kind):
+def test_changes_are_pure_functions(kind):
     change, answers = resolve(CHANGES[kind])(), (1.0, 0.0, None, 1.0)
     assert change.shift(4, answers, rng()) == change.shift(4, answers, rng())
 
 
-def test_each_change_has_a_stream_of_its_own():
-    """Leaving one out changes no other."""
+def test_each_change_draws_from_a_separate_stream():
+    """Removing one change leaves the others the same."""
     draws = lambda *words: stream(1, "P01", 1, *words)  # noqa: E731
     both = population_of({"changes": {"lapses_in_runs": {}, "criterion_drift": {}}}, "observer")
     one = population_of({"changes": {"criterion_drift": {}}}, "observer")
@@ -93,8 +93,8 @@ def test_each_change_has_a_stream_of_its_own():
         assert both.shift(n, (), draws).criterion == one.shift(n, (), draws).criterion
 
 
-def test_a_change_of_nothing_leaves_every_answer_as_it_is():
-    """As long as nothing is off, the same numbers are drawn from the same streams, and each answer is the same."""
+def test_zero_effect_leaves_responses_unchanged():
+    """A change without effect draws no numbers from the streams of the answers."""
     still = b"\n[observer.changes]\nlearning = { gain_db = 0.0 }\ncriterion_drift = { sd = 0.0 }\n"
     plain, changed = answers_of(TUTORIAL).rows, answers_of(TUTORIAL + still).rows
     assert plain.equals(changed)
@@ -111,13 +111,13 @@ def test_a_change_of_nothing_leaves_every_answer_as_it_is():
         ({"learning": 3}, "observer.changes.learning: found 3, expected a table"),
     ],
 )
-def test_changes_that_are_none_are_refused(changes, sentence):
+def test_invalid_changes_are_refused(changes, sentence):
     with pytest.raises(InvalidParameter) as error:
         population_of({"changes": changes}, "observer")
     assert str(error.value).startswith(sentence)
 
 
-def test_who_is_off_answers_as_who_is_so():
+def test_shift_changes_the_parameters_of_an_observer():
     off = SignalDetectionObserver(lapse_rate=0.1).shifted(Shift(3.0, 0.2, 0.5))
     assert (off.sensitivity_db, off.bias) == (3.0, 0.2)
     assert off.lapse_rate == pytest.approx(0.55)

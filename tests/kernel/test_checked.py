@@ -1,4 +1,4 @@
-"""Arguments are checked by their annotations, by the unit in their names and by one vocabulary."""
+"""Argument checks by annotation, by the unit in a name and by `require`."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -67,7 +67,7 @@ def taking(annotation: Any) -> Callable[..., Any]:
 
 
 @pytest.mark.parametrize(("annotation", "value", "sentence"), SENTENCES.values(), ids=SENTENCES)
-def test_what_does_not_fit_its_annotation_is_refused_in_one_sentence(annotation, value, sentence):
+def test_arguments_outside_their_annotation_are_refused(annotation, value, sentence):
     expected = f"same.x_m{'' if sentence.startswith('[') else ': '}{sentence}"
     with pytest.raises(InvalidParameter) as caught:
         taking(annotation)(value)
@@ -81,17 +81,17 @@ def test_what_does_not_fit_its_annotation_is_refused_in_one_sentence(annotation,
         (Mapping[str, float], {}), (range | None, None), (Any, "anything"), (tuple[float, ...], ()), (complex, 1j),
     ],
 )  # fmt: skip
-def test_what_fits_is_handed_on_as_it_is(annotation, value):
+def test_arguments_within_their_annotation_are_passed_unchanged(annotation, value):
     assert taking(annotation)(value) is value
 
 
-def test_a_list_where_an_array_belongs_is_made_one_by_place_and_by_name():
+def test_list_arguments_are_converted_to_arrays():
     same = taking(Vector)
     assert isinstance(same([1, 2]), np.ndarray)
     assert same([1.0], y_m=(3, 4)).tolist() == [3.0, 4.0]
 
 
-def test_too_many_arguments_are_an_error_as_ever():
+def test_too_many_arguments_raise_type_error():
     with pytest.raises(TypeError, match="positional"):
         taking(Vector)([1.0], [2.0])
 
@@ -118,7 +118,7 @@ class Rod:
         (lambda: Rod.of([1.0, nan]), r"Rod.of.lengths_m\[1\]"),
     ],
 )
-def test_a_class_looks_at_the_arguments_of_its_constructor_and_methods(call, name):
+def test_class_checks_arguments_of_constructor_and_methods(call, name):
     with pytest.raises(InvalidParameter, match=f"^{name}: found .*, expected a finite number$"):
         call()
 
@@ -142,13 +142,13 @@ def test_a_class_looks_at_the_arguments_of_its_constructor_and_methods(call, nam
         (lambda: require.one_of("kind", 1, (2, 3)), "kind: found 1, expected one of 2, 3"),
     ],
 )  # fmt: skip
-def test_the_vocabulary_refuses_in_one_sentence(call, sentence):
+def test_require_functions_refuse_in_one_sentence(call, sentence):
     with pytest.raises(InvalidParameter) as caught:
         call()
     assert sentence in str(caught.value)
 
 
-def test_infinity_is_a_number_where_a_check_says_so():
+def test_infinity_is_accepted_when_allowed():
     assert require.not_negative_array("reversal_s", [0.0, inf], infinite=True).tolist() == [0.0, inf]
     assert float(require.positive_array("repetition_s", inf, infinite=True)) == inf
 

@@ -1,4 +1,4 @@
-"""Events of a session: kept in the journal between the requests, skipped by replay, derived into a table, validated."""
+"""Events of a session: journal, replay, events table and validation."""
 
 import json
 from dataclasses import replace
@@ -23,7 +23,7 @@ REMARK = Event("remark", 1.5, "2026-11-21T09:00:00.000+00:00", {"text": 'a "tab"
 
 
 class Noting:
-    """A rig that notes an event before every request, and fails at a given one."""
+    """Rig that notes an event before every request and can fail at one."""
 
     def __init__(self, rig, log, fails_at):
         self._rig, self._log, self._fails_at, self._n = rig, log, fails_at, count(1)
@@ -56,7 +56,7 @@ def events_file(root):
     return path
 
 
-def test_events_stand_between_the_requests_and_replay_skips_them(noted):
+def test_replay_skips_events_between_requests(noted):
     recording = read(journal_of(noted))
     assert recording.complete
     assert [event.at_s for event in recording.events] == [float(n + 1) for n in range(len(recording.entries))]
@@ -65,7 +65,7 @@ def test_events_stand_between_the_requests_and_replay_skips_them(noted):
     assert validate(noted).defects == ()
 
 
-def test_the_table_has_a_row_for_each_event_and_a_description_of_each_column(noted):
+def test_events_table_has_all_events_and_column_descriptions(noted):
     header, *rows = (line.split("\t") for line in events_file(noted).read_text("utf-8").splitlines())
     assert header == [column.name for column in COLUMNS]
     assert header[:3] == ["onset", "duration", "trial_type"]
@@ -78,7 +78,7 @@ def test_the_table_has_a_row_for_each_event_and_a_description_of_each_column(not
 
 
 @pytest.mark.parametrize("fails_at", [2, 9, 10, 11])
-def test_no_event_is_lost_when_a_session_is_cut_off_and_goes_on(tmp_path, fails_at):
+def test_resumed_session_keeps_every_event(tmp_path, fails_at):
     with pytest.raises(KeyboardInterrupt):
         record(EXPERIMENT, TOML, tmp_path, WHO, noting(fails_at))
     noted = [event.at_s for event in read(journal_of(tmp_path)).events]
@@ -90,7 +90,7 @@ def test_no_event_is_lost_when_a_session_is_cut_off_and_goes_on(tmp_path, fails_
     assert validate(tmp_path).defects == ()
 
 
-def test_events_right_behind_the_last_trial_are_not_cut_off(tmp_path):
+def test_resumed_session_keeps_events_after_last_trial(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         record(EXPERIMENT, TOML, tmp_path, WHO, noting(12))
     before = read(journal_of(tmp_path))
@@ -101,7 +101,7 @@ def test_events_right_behind_the_last_trial_are_not_cut_off(tmp_path):
     assert isinstance(before.lines[rows[-1] + 1], Event)
 
 
-def test_a_session_without_events_has_no_table_of_them(lived):
+def test_session_without_events_has_no_events_table(lived):
     assert not list((lived / "journals").glob("*_events.*"))
     assert validate(lived).defects == ()
 
@@ -115,7 +115,7 @@ def test_a_session_without_events_has_no_table_of_them(lived):
     ],
     ids=["removed", "changed", "not described"],
 )
-def test_a_defect_of_the_table_is_named(tmp_path, how, row, message):
+def test_validate_names_defects_of_the_events_table(tmp_path, how, row, message):
     record(EXPERIMENT, TOML, tmp_path, WHO, noting())
     how(events_file(tmp_path))
     [found] = validate(tmp_path).defects
@@ -131,7 +131,7 @@ values = st.one_of(
 
 @given(kind=st.sampled_from(KINDS), at_s=st.floats(0, 1e6), facts=st.dictionaries(names, values))
 @examples(50)
-def test_every_event_is_one_row_of_the_table(kind, at_s, facts):
+def test_every_event_is_one_table_row(kind, at_s, facts):
     event = Event(kind, at_s, None, facts)
     header, row = events_tsv([event]).decode().rstrip("\n").split("\n")
     assert len(row.split("\t")) == len(header.split("\t"))
@@ -139,6 +139,6 @@ def test_every_event_is_one_row_of_the_table(kind, at_s, facts):
 
 
 @pytest.mark.parametrize("facts", [{"words": "x"}, {"clock_offset_s": np.inf}], ids=str)
-def test_a_fact_of_another_name_or_without_a_number_is_refused(facts):
+def test_event_refuses_unknown_or_infinite_facts(facts):
     with pytest.raises(InvalidParameter, match="event 'remark': found .*expected names of FACTS, with finite numbers"):
         Event("remark", 0.0, None, facts)

@@ -1,4 +1,4 @@
-"""Duty, session time and charge count over all sittings of a session, and duty over all sessions of a participant."""
+"""Duty, session time and charge over several sittings and sessions."""
 
 import math
 import os
@@ -37,8 +37,8 @@ SHORT = {
 }
 
 
-def test_duty_counts_over_sittings_data_sets_and_participants(display, tmp_path):
-    """In the window: the fourth stimulus of an hour ends the first sitting, and its like every other."""
+def test_duty_counts_across_sittings_data_sets_and_participants(display, tmp_path):
+    """The fourth stimulus within an hour ends the first sitting and each later one."""
     played = tmp_path / "played"
     bench = file_bench(tmp_path, DUTY, window_s=3600)
     words = ("run", tutorial_in(tmp_path, SHORT), "--bench", bench)
@@ -67,7 +67,7 @@ def stimulus(ago_s, duration_s=1.0, at_s=0.0, charge_c=0.0):
     return Event("stimulus", at_s, utc, {"charge_c": charge_c}, duration_s)
 
 
-def test_resumed_session_has_lasted_as_long_as_its_sittings(tmp_path):
+def test_resumed_session_counts_time_of_earlier_sittings(tmp_path):
     keeper = opened(tmp_path)
     keeper.note(stimulus(10.0, at_s=190.0, charge_c=1e-9))
     keeper.close()
@@ -98,7 +98,7 @@ def volts(duration_s, volt=10.0):
     return Signal(np.full((1, round(1e3 * duration_s)), volt), 1e3, "V")
 
 
-def test_the_guard_counts_on_from_what_was_emitted_before_it_was_opened(tmp_path):
+def test_guard_counts_emissions_from_before_it_opened(tmp_path):
     clock = Clock()
     output = guard(tmp_path, clock, duty=0.5, duty_window_s=10.0)
     output.count_on(Exposure(1000.0, ((995.0, 1000.0),)))
@@ -109,7 +109,7 @@ def test_the_guard_counts_on_from_what_was_emitted_before_it_was_opened(tmp_path
     output.play(volts(5.0))
 
 
-def test_the_time_of_a_session_is_that_of_all_its_sittings(tmp_path):
+def test_session_limit_counts_all_sittings(tmp_path):
     output = guard(tmp_path, Clock(), session_s=60.0)
     output.count_on(Exposure(1000.0 - 59.5))
     output.open()
@@ -132,11 +132,11 @@ def test_guard_sums_charges_of_signals_whatever_their_sign(tmp_path):
 
 
 def balanced(volt=100.0):
-    """0.5 s at a positive, then 0.5 s at the same negative voltage: 50 uC through 1 Mohm, then back to 0."""
+    """Return 0.5 s of a positive and 0.5 s of the negative voltage: 50 uC through 1 Mohm, then back to 0."""
     return Signal(np.repeat([[volt, -volt]], 500, axis=1), 1e3, "V")
 
 
-def test_guard_refuses_balanced_signal_whose_half_passes_the_charge(tmp_path):
+def test_guard_refuses_balanced_signal_with_excessive_half(tmp_path):
     output = guard(tmp_path, Clock(), charge_session_c=10e-6)
     output.open()
     with pytest.raises(LimitExceeded, match=r"limits\.charge_session_c: found net charges of 4\.9975e-05 C"):
@@ -144,7 +144,7 @@ def test_guard_refuses_balanced_signal_whose_half_passes_the_charge(tmp_path):
 
 
 def test_guard_counts_the_charge_of_stopped_signals(tmp_path):
-    """Each of two signals is stopped after 50 uC (less on a busy machine), so that a third may reach 150 uC."""
+    """Each of two signals is stopped after 50 uC (fewer on a busy machine), so that a third may reach 150 uC."""
     clock = Clock()
     output = guard(tmp_path, clock, charge_session_c=110e-6)
     output.open()
@@ -169,7 +169,7 @@ def test_guard_counts_net_charge_of_complete_signals(tmp_path):
     assert ends_c == pytest.approx([0.0] * 40, abs=1e-9)
 
 
-def test_resumed_session_counts_what_stimuli_passed(tmp_path):
+def test_resumed_session_counts_charge_of_earlier_stimuli(tmp_path):
     keeper = opened(tmp_path)
     for charge_c, passed_c in ((5e-6, 0.0), (5e-6, 3e-6), (4e-6, None)):
         keeper.note(stimulus(10.0, at_s=1.0, charge_c=charge_c))
@@ -183,7 +183,7 @@ def test_resumed_session_counts_what_stimuli_passed(tmp_path):
 
 @st.composite
 def courses(draw):
-    """A random signal with the times of a stop: when it is requested, when the fall begins and how long it takes."""
+    """Draw a signal, the time of a stop, the delay of its fade and the duration of the fade."""
     n_channels, n_samples = draw(st.integers(1, 3)), draw(st.integers(1, 40))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     samples = rng.normal(0.0, draw(st.sampled_from((1e-3, 1.0, 200.0))), (n_channels, n_samples))
@@ -193,14 +193,14 @@ def courses(draw):
 
 
 def emitted(signal, times_s, stop_s=math.inf, fade_s=1.0):
-    """Voltage of each channel at these times, with a linear fall of `fade_s` from `stop_s` on."""
+    """Return the voltage of each channel at `times_s`, with a linear fade of `fade_s` from `stop_s` on."""
     at_s = np.arange(-1, signal.samples.shape[1] + 1) / signal.rate_hz
     whole = np.array([np.interp(times_s, at_s, np.pad(channel, 1)) for channel in signal.samples])
     return whole * np.clip(1 - (times_s - stop_s) / max(fade_s, 1e-12), 0.0, 1.0)
 
 
 def integrals_c(signal, *stop):
-    """Charge through 1 Mohm up to each of many times (n_channels, n_times), by the trapezoidal rule."""
+    """Integrate the charge through 1 Mohm by the trapezoidal rule: (n_channels, n_times)."""
     times_s = np.arange(-400, 400 * (signal.samples.shape[1] + 1)) / (400 * signal.rate_hz)
     volts_v = emitted(signal, times_s, *stop)
     steps = (volts_v[:, 1:] + volts_v[:, :-1]) / 2 * np.diff(times_s)
@@ -208,7 +208,7 @@ def integrals_c(signal, *stop):
 
 
 @given(courses())
-def test_largest_charge_bounds_every_beginning(course):
+def test_largest_charge_bounds_every_partial_signal(course):
     signal, *_ = course
     exact_c = np.abs(integrals_c(signal)).max()
     crossing_c = np.abs(signal.samples).max() / signal.rate_hz / 1e6
@@ -218,14 +218,14 @@ def test_largest_charge_bounds_every_beginning(course):
 
 
 @given(courses())
-def test_stopped_charge_bounds_what_any_fall_emits(course):
+def test_stopped_charge_bounds_every_fade(course):
     signal, after_s, late_s, fade_s = course
     passed_c = np.abs(integrals_c(signal, after_s + late_s, fade_s)[:, -1]).max()
     step_c = np.abs(signal.samples).max() / (400 * signal.rate_hz) / 1e6
     assert passed_c <= FINGER.passed_c(signal).stopped_c(after_s, late_s + fade_s) + step_c
 
 
-def test_what_is_emitted_is_told_and_nothing_of_a_null_output(tmp_path):
+def test_guard_reports_emissions_except_of_null_output(tmp_path):
     told = []
     for output in (guard(tmp_path, Clock()), Guarded(NullOutput(), Limits(100.0))):
         output.subscribe(lambda *emission: told.append(emission))
@@ -235,7 +235,7 @@ def test_what_is_emitted_is_told_and_nothing_of_a_null_output(tmp_path):
     assert (duration_s, charge_c) == (0.5, pytest.approx(5e-6, rel=0.01))
 
 
-def test_the_net_charge_of_an_alternating_voltage_is_none():
+def test_net_charge_of_alternating_voltage_is_zero():
     samples = np.sin(2 * np.pi * 10 * np.arange(1000) / 1e3)[None]
     assert FINGER.passed_c(Signal(samples, 1e3, "V")).net_c == pytest.approx(0.0, abs=1e-15)
     rising = Signal(np.array([[10.0, 10.0], [-20.0, -20.0]]), 1e3, "V")

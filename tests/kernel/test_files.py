@@ -1,4 +1,4 @@
-"""Files of a data set: private, whole, made by one; what is no file is told and not waited for."""
+"""Files of a data set: permissions, atomic writes and refused paths."""
 
 import os
 import re
@@ -19,20 +19,20 @@ def mode(path):
 
 @pytest.fixture
 def open_umask():
-    """A system on which whatever is made can be read by all."""
+    """Set a umask with which new files are readable by all users."""
     before = os.umask(0)
     yield
     os.umask(before)
 
 
-def test_what_a_session_records_is_its_owner_s_alone(tmp_path, open_umask):
+def test_recorded_files_are_private(tmp_path, open_umask):
     root = tmp_path / "new" / "data"
     live(root)
     for path in (tmp_path / "new", root, *root.rglob("*")):
         assert mode(path) == (0o700 if path.is_dir() else 0o600), path
 
 
-def test_what_commands_write_is_its_owner_s_alone(whole, tmp_path, open_umask, capsys):
+def test_files_written_by_commands_are_private(whole, tmp_path, open_umask, capsys):
     out = tmp_path / "made" / "report.html"
     assert call(capsys, "analyse", whole, "--report", out, "--figures", tmp_path / "figures")[0] == 0
     assert call(capsys, "export", whole, "--to", "bids", "--out", tmp_path / "bids", "--author", "A. Lovelace")[0] == 0
@@ -45,7 +45,7 @@ def test_what_commands_write_is_its_owner_s_alone(whole, tmp_path, open_umask, c
     assert mode(probe) == 0o666
 
 
-def test_what_was_there_keeps_its_mode(lived, open_umask):
+def test_existing_files_keep_their_mode(lived, open_umask):
     trials = next((lived / "data").glob("*.csv"))
     trials.chmod(0o640)
     (lived / "data").chmod(0o750)
@@ -54,8 +54,8 @@ def test_what_was_there_keeps_its_mode(lived, open_umask):
     assert (mode(trials), mode(lived / "data"), trials.read_bytes()) == (0o640, 0o750, content)
 
 
-def test_a_file_is_made_once_by_whoever_comes_first(tmp_path):
-    """Many processes, each with content of its own: one of them is there, whole."""
+def test_write_first_keeps_the_first_writer(tmp_path):
+    """Several processes write different contents; the file contains one of them completely."""
     path, contents = tmp_path / "f", [f"{n}" * 5000 for n in range(8)]
     begin, go = os.pipe()
     children = []
@@ -74,7 +74,7 @@ def test_a_file_is_made_once_by_whoever_comes_first(tmp_path):
     assert drafts(tmp_path) == []
 
 
-def test_where_a_disk_has_no_links_a_file_is_made_all_the_same(tmp_path, monkeypatch):
+def test_write_first_works_without_hard_links(tmp_path, monkeypatch):
     def no_links(*_):
         raise PermissionError
 
@@ -86,7 +86,7 @@ def test_where_a_disk_has_no_links_a_file_is_made_all_the_same(tmp_path, monkeyp
     assert drafts(tmp_path) == []
 
 
-def test_a_reader_sees_the_old_content_or_the_new_one(tmp_path):
+def test_readers_see_old_or_new_content(tmp_path):
     path = tmp_path / "f"
     write_atomically(path, b"old")
     with path.open("rb") as reader:
@@ -95,7 +95,7 @@ def test_a_reader_sees_the_old_content_or_the_new_one(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["folder", "pipe", "absent", "dangling"])
-def test_what_is_no_file_is_told(tmp_path, kind):
+def test_read_file_refuses_paths_that_are_no_file(tmp_path, kind):
     path = tmp_path / "f"
     makers = {"folder": path.mkdir, "pipe": lambda: os.mkfifo(path), "dangling": lambda: path.symlink_to("gone")}
     makers.get(kind, lambda: None)()
@@ -104,7 +104,7 @@ def test_what_is_no_file_is_told(tmp_path, kind):
         read_file(path, "a table")
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path):
+def test_make_folder_reports_failures(tmp_path):
     with pytest.raises(DeviceFailed, match="cannot make the folder"):
         make_folder(tmp_path / ("x" * 300))
     (tmp_path / "f").touch()
@@ -112,14 +112,14 @@ def test_a_folder_that_cannot_be_made_is_told(tmp_path):
         make_folder(tmp_path / "f" / "deeper")
 
 
-def test_only_drafts_are_drafts(tmp_path):
+def test_drafts_lists_only_drafts(tmp_path):
     for name in (".f.csv.12", ".f.csv.x", "f.csv.12", ".g.csv.3"):
         (tmp_path / name).touch()
     assert drafts(tmp_path, "f.csv") == [tmp_path / ".f.csv.12"]
     assert drafts(Path(tmp_path)) == [tmp_path / ".f.csv.12", tmp_path / ".g.csv.3"]
 
 
-def test_the_draft_of_a_killed_process_of_the_same_number_is_in_nobody_s_way(tmp_path):
+def test_write_atomically_replaces_a_stale_draft(tmp_path):
     (tmp_path / f".f.{os.getpid()}").symlink_to(tmp_path / "other")
     (tmp_path / "other").write_bytes(b"precious")
     write_atomically(tmp_path / "f", b"new")

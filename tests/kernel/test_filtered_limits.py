@@ -1,4 +1,4 @@
-"""Each limit against the course after a reconstruction filter, computed by a dense sum of sincs."""
+"""Limits after a reconstruction filter, against a dense sum of sincs."""
 
 import math
 from dataclasses import replace
@@ -27,7 +27,7 @@ part = st.floats(0.2, 2.0)
 
 
 def dense(samples):
-    """The course (V) of each channel and its derivative (V/s), both (n_channels, n_points)."""
+    """Return the filtered voltage (V) and its derivative (V/s), both (n_channels, n_points)."""
     n = samples.shape[1]
     lags = np.arange(-N_AROUND * N_POINTS, (n + N_AROUND) * N_POINTS)[:, None] / N_POINTS - np.arange(n)
     change = np.divide(np.cos(np.pi * lags) - np.sinc(lags), lags, out=np.zeros_like(lags), where=lags != 0)
@@ -35,7 +35,7 @@ def dense(samples):
 
 
 def peaks(samples):
-    """The peak of each limit's quantity, by a computation of its own."""
+    """Compute the peak of each limited quantity independently."""
     course, slope = dense(samples)
     leaked = Load("electrode", 2e-9, leak_resistance_ohm=5e6)
     at = np.arange(-N_AROUND * N_POINTS, (samples.shape[1] + N_AROUND) * N_POINTS) / N_POINTS
@@ -51,7 +51,7 @@ def peaks(samples):
 
 
 def verdict(samples, name, limit, load=FINGER):
-    """The message of the refusal; empty if the signal is played."""
+    """Return the message of the refusal, or an empty text if the signal is allowed."""
     load = PATCHES if name == "displacement_peak_m" else load
     try:
         replace(LIMITS, **{name: limit}).check_filtered(Signal(samples, RATE_HZ, "V"), load)
@@ -62,7 +62,7 @@ def verdict(samples, name, limit, load=FINGER):
 
 @pytest.mark.parametrize("name", ["voltage_peak_v", "current_peak_a", "charge_peak_c", "displacement_peak_m"])
 @given(samples=volts, part=part)
-def test_limits_hold_between_samples(name, samples, part):
+def test_limits_apply_between_samples(name, samples, part):
     samples = samples.round(6)
     peak = peaks(samples)[name]
     if peak == 0.0:
@@ -85,7 +85,7 @@ def test_limits_between_samples_are_as_tight_as_stated(name):
     assert verdict(samples, name, peak * (1 + TOLERANCE)) == ""
 
 
-def test_refusal_between_samples_names_peak_and_cure():
+def test_refusal_between_samples_names_peak_and_remedy():
     samples = 200 * np.sqrt(2) * np.sin(np.pi / 2 * np.arange(4000) + np.pi / 4) * np.hanning(4000)
     with pytest.raises(LimitExceeded) as refusal:
         Limits(200.0).check_filtered(Signal(samples[None], RATE_HZ, "V"), None)
@@ -98,7 +98,7 @@ def test_refusal_between_samples_names_peak_and_cure():
 @pytest.mark.parametrize("frequency_hz", [50.0, 250.0, 1000.0, 5000.0])
 @pytest.mark.parametrize("ramp_s", [0.0, 0.02])
 def test_smooth_tone_at_the_limit_is_played(frequency_hz, ramp_s):
-    """A tone that begins without a ramp rings, by less than the tolerance at 50 and 250 Hz."""
+    """A tone without a ramp rings at its onset; at 50 and 250 Hz by less than the tolerance."""
     at_s = np.arange(48_000) / 48e3
     ramp = np.clip(np.minimum(at_s, at_s[::-1]) / ramp_s, 0, 1) if ramp_s else 1.0
     tone = Signal((200 * np.sin(2 * np.pi * frequency_hz * at_s) * ramp)[None], 48e3, "V")
@@ -107,7 +107,7 @@ def test_smooth_tone_at_the_limit_is_played(frequency_hz, ramp_s):
 
 
 def test_corner_draws_more_current_than_straight_lines():
-    """A step in one sample: 8 G / pi times the slope of a line, where G is Catalan's constant, over 2."""
+    """A step in one sample draws 4 G / pi times the current of a straight line; G is Catalan's constant."""
     step = Signal(np.r_[np.zeros(400), np.ones(400), np.linspace(1, 0, 400)][None], RATE_HZ, "V")
     load = replace(FINGER, leak_resistance_ohm=math.inf)
     catalan = 0.915965594177219
@@ -115,7 +115,7 @@ def test_corner_draws_more_current_than_straight_lines():
     assert ratio == pytest.approx(4 * catalan / np.pi, rel=2e-3)
 
 
-def test_weakened_signal_draws_the_current_of_its_changes_too():
+def test_weakened_signal_draws_current_of_its_changes():
     tone = Signal((np.sin(np.arange(4000) / 5) * np.hanning(4000))[None], RATE_HZ, "V")
     more_a = FINGER.filtered_current_a(tone, 0.0, rise_s=0.01) - FINGER.filtered_current_a(tone, 0.0)
     assert more_a == pytest.approx(FINGER.capacitance_f * 1.0 / 0.01, rel=0.01)
@@ -123,7 +123,7 @@ def test_weakened_signal_draws_the_current_of_its_changes_too():
 
 
 def test_displacement_counts_the_growth_of_each_channel():
-    """One channel doubles between its samples, the other has no share in that."""
+    """One channel grows between its samples, the other does not."""
     samples = np.zeros((2, 200))
     samples[0] = 10 * np.sign(np.sinc(np.arange(200) - 99.5))
     samples[1] = 100 * np.hanning(200)

@@ -1,4 +1,4 @@
-"""A journal that is followed while it is written, cut, exchanged, damaged and mended."""
+"""Following a journal that is written, cut, replaced, damaged and repaired."""
 
 import pytest
 from hypothesis import given, strategies as st
@@ -33,7 +33,7 @@ def whole(content, n_lines):
 
 
 @given(data=st.data())
-def test_each_line_is_read_once_however_the_journal_grows(content, tmp_path_factory, data):
+def test_follower_reads_each_line_once(content, tmp_path_factory, data):
     path = tmp_path_factory.mktemp("grows") / "journal.jsonl"
     follower, seen, complete = Follower(path), [], False
     ends = sorted(data.draw(st.lists(st.integers(0, len(content)), max_size=8)))
@@ -70,7 +70,7 @@ def test_journal_that_is_cut_begins_anew(content, path, n_lines):
     assert news.lines == (lines_of(whole(content, n_lines), path) if n_lines else ())
 
 
-def test_another_longer_journal_is_no_continuation(content, path, tmp_path):
+def test_follower_begins_anew_with_another_longer_journal(content, path, tmp_path):
     live(tmp_path / "other", Who("P02", seed=9))
     longer = journal_of(tmp_path / "other").read_bytes()
     follower = followed(path, whole(content, 5))
@@ -89,7 +89,7 @@ def test_file_that_replaces_a_journal_continues_it(content, path, tmp_path):
     assert news.lines == lines_of(content, path)[5:7]
 
 
-def test_a_session_that_goes_on_with_resume_is_followed(content, tmp_path):
+def test_follower_continues_when_session_is_resumed(content, tmp_path):
     root = tmp_path / "resumed"
     live(root)
     path = journal_of(root)
@@ -102,7 +102,7 @@ def test_a_session_that_goes_on_with_resume_is_followed(content, tmp_path):
     assert seen == read(path).lines
 
 
-def test_a_damaged_line_is_named_and_a_mended_journal_read_again(content, path):
+def test_follower_names_damage_and_rereads_repaired_journal(content, path):
     follower = followed(path, whole(content, 5))
     spoiled = bytearray(whole(content, 8))
     spoiled[len(whole(content, 6)) + 12] ^= 1
@@ -115,7 +115,7 @@ def test_a_damaged_line_is_named_and_a_mended_journal_read_again(content, path):
     assert news.lines == lines_of(content, path)
 
 
-def test_a_journal_that_vanishes_is_told_and_found_again(content, path):
+def test_follower_reports_and_finds_a_missing_journal(content, path):
     follower = followed(path, content)
     path.unlink()
     with pytest.raises(InvalidFile, match="cannot be read"):
@@ -124,7 +124,7 @@ def test_a_journal_that_vanishes_is_told_and_found_again(content, path):
     assert follower.news().anew
 
 
-def test_a_journal_is_followed_while_it_is_locked_and_written(content, path):
+def test_follower_reads_a_locked_journal(content, path):
     path.write_bytes(whole(content, 5))
     writer = Journal(path, resume=True)
     try:

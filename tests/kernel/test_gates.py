@@ -41,7 +41,7 @@ def stamped_ticks(increments_and_forces):
 
 
 def held(samples, last, gate):
-    """Whether some start k <= last reaches to `last` without a break and is at least hold_s away."""
+    """Return True if the force was in band without a break for hold_s up to sample `last`."""
     for k in range(last, -1, -1):
         run = samples[k : last + 1]
         times = [t for t, _ in run]
@@ -53,13 +53,13 @@ def held(samples, last, gate):
 
 
 @given(mostly_held)
-def test_the_gate_is_open_exactly_when_the_force_was_held(increments):
+def test_force_gate_is_open_exactly_when_force_held(increments):
     samples = stamped_ticks(increments)
     assert fed(GATE, samples) == [held(samples, k, GATE) for k in range(len(samples))]
     exact_case("any course of a force", against="the rule of the gate, sample by sample")
 
 
-def test_a_steady_hold_opens_at_hold_s_and_not_a_sample_before():
+def test_force_gate_opens_exactly_at_hold_s():
     samples = [(k * TICK_S, 1.0) for k in range(65)]
     assert fed(GATE, samples) == [False] * 64 + [True]
 
@@ -69,7 +69,7 @@ def test_a_steady_hold_opens_at_hold_s_and_not_a_sample_before():
     [(30 * TICK_S, 0.5), (30 * TICK_S, math.nan), (30 * TICK_S, math.inf), (math.nan, 1.0)],
     ids=["out of band", "lost", "infinite", "no stamp"],
 )
-def test_a_break_starts_the_hold_again(breaker):
+def test_break_restarts_the_hold(breaker):
     before = [(k * TICK_S, 1.0) for k in range(30)]
     after = [(k * TICK_S, 1.0) for k in range(31, 140)]
     states = fed(GATE, [*before, breaker, *after])
@@ -93,16 +93,16 @@ def test_compliance_equals_its_definition(increments):
     assert sd_n == pytest.approx(math.sqrt(np.mean((values - values.mean()) ** 2)), abs=1e-12)
 
 
-def test_a_sample_one_window_ago_has_left_the_running_mean():
+def test_running_mean_excludes_sample_one_window_ago():
     assert compliance([0.0, 0.25], [3.0, 1.0], 1.0, 0.1).in_band == 0.5
     assert compliance([0.0, 0.25 - TICK_S], [3.0, 1.0], 1.0, 0.1).in_band == 0.0
 
 
-def test_a_window_that_late_stamps_cannot_resolve_holds_its_own_sample():
+def test_window_below_stamp_resolution_contains_its_sample():
     assert compliance([1e9, 1e9 + 1], [1.0, 3.0], 1.0, 0.1, window_s=1e-9).in_band == 0.5
 
 
-def test_a_running_mean_forgives_a_short_tremor():
+def test_running_mean_smooths_a_short_tremor():
     times = np.arange(0, 1, 0.001)
     tremor = np.where(np.arange(1000) % 2 == 0, 0.6, 1.4)
     assert compliance(times, tremor, 1.0, 0.1)[2] > 0.99
@@ -119,7 +119,7 @@ def test_a_running_mean_forgives_a_short_tremor():
         ([0.0, 1.0, 0.5], [1.0, 1.0, 1.0], r"times_s\[2\]: found 0.5 after 1.0"),
     ],
 )
-def test_an_impossible_trace_is_refused(times, values, message):
+def test_compliance_refuses_impossible_traces(times, values, message):
     with pytest.raises(InvalidParameter, match=message):
         compliance(times, values, 1.0, 0.1)
 
@@ -130,7 +130,7 @@ steps_s = st.sampled_from([0.001, 0.005, 0.01, 0.02, 0.0200001, 0.05, 0.0, -0.01
 
 
 def stamped(trace):
-    """Stamps from steps; after a lost stamp time goes on from the last good one."""
+    """Accumulate steps into stamps; after a lost stamp, continue from the last valid one."""
     now_s, samples = 0.0, []
     for step_s, value in trace:
         now_s = now_s if math.isnan(step_s) else now_s + step_s
@@ -143,7 +143,7 @@ def follows(earlier_s, later_s):
 
 
 def speed_at(samples, window_s=0.05):
-    """The speed at the last of the samples by its definition, None where it is not known."""
+    """Compute the speed at the last sample from its definition, or None if it is unknown."""
     run = []
     for t, x in samples:
         if not (math.isfinite(t) and math.isfinite(x)):
@@ -167,7 +167,7 @@ def motion_was_held(samples, hold_s):
 
 @st.composite
 def glides(draw):
-    """A finger near 50 mm/s that slips now and then, with defects of the sensor."""
+    """Draw a finger near 50 mm/s that slips occasionally, with sensor defects."""
     place_m, trace = 0.0, []
     for step_s in draw(st.lists(steps_s, max_size=25)):
         advance_s = 0.0 if math.isnan(step_s) else max(step_s, 0.0)
@@ -177,7 +177,7 @@ def glides(draw):
 
 
 @given(trace=glides(), hold_s=st.sampled_from([0.0, 0.01, 0.03]))
-def test_the_speed_gate_is_open_if_and_only_if_a_speed_was_kept(trace, hold_s):
+def test_speed_gate_is_open_exactly_when_speed_held(trace, hold_s):
     gate, samples = SpeedGate(0.05, 0.5, hold_s), []
     for sample in stamped(trace):
         samples.append(sample)
@@ -186,7 +186,7 @@ def test_the_speed_gate_is_open_if_and_only_if_a_speed_was_kept(trace, hold_s):
         assert gate.open == motion_was_held(samples, hold_s)
 
 
-def test_the_speed_gate_opens_half_a_window_and_a_hold_after_the_first_sample():
+def test_speed_gate_opens_after_half_window_and_hold():
     gate, opened_s = SpeedGate(0.05, 0.2, hold_s=0.1, window_s=0.05), []
     for n in range(200):
         gate = gate.after(5.0 + 0.001 * n, 0.00005 * n)
@@ -201,24 +201,24 @@ def glided(gate, ticks, speed_m_per_s=1.0):
     return gate
 
 
-def test_a_sample_exactly_one_window_ago_is_in_the_window():
+def test_speed_window_includes_sample_one_window_ago():
     gate = SpeedGate(1.0, 0.25, window_s=64 * TICK_S, max_gap_s=1.0)
     assert glided(gate, (0, 64)).speed_m_per_s == 1.0
     assert glided(gate, (0, 65)).speed_m_per_s is None
 
 
-def test_the_speed_is_known_once_the_samples_span_exactly_half_of_the_window():
+def test_speed_is_known_when_half_window_is_spanned():
     gate = SpeedGate(1.0, 0.25, window_s=64 * TICK_S, max_gap_s=1.0)
     assert glided(gate, (0, 31)).speed_m_per_s is None
     assert glided(gate, (0, 32)).speed_m_per_s == 1.0
 
 
-def test_the_speed_gate_opens_exactly_a_hold_after_the_speed_is_known():
+def test_speed_gate_opens_exactly_after_its_hold():
     gate = SpeedGate(1.0, 0.25, hold_s=16 * TICK_S, window_s=64 * TICK_S)
     assert [glided(gate, range(n)).open for n in (48, 49)] == [False, True]
 
 
-def test_samples_a_longest_gap_apart_belong_together_and_a_doubled_stamp_begins_anew():
+def test_speed_gate_bridges_longest_gap_not_doubled_stamps():
     gate = SpeedGate(1.0, 0.25, window_s=16 * TICK_S, max_gap_s=8 * TICK_S)
     assert glided(gate, (0, 8)).moving
     assert not glided(gate, (0, 9)).moving
@@ -226,27 +226,27 @@ def test_samples_a_longest_gap_apart_belong_together_and_a_doubled_stamp_begins_
 
 
 @pytest.mark.parametrize(("speed", "held"), [(0.75, True), (1.25, True), (0.7499, False), (1.2501, False)])
-def test_the_band_of_a_speed_holds_its_edges(speed, held):
+def test_speed_band_includes_its_edges(speed, held):
     gate = SpeedGate(1.0, 0.25, window_s=64 * TICK_S)
     assert glided(gate, range(65), speed).moving is held
     times_s = TICK_S * np.arange(65)
     assert motion(times_s, speed * times_s, 1.0, 0.25).in_band == held
 
 
-def test_a_window_around_a_sample_holds_samples_at_its_ends():
-    """At 0, 1, 2 s a window of 2 s spans (0, 1), (0, 2), (1, 2): 1, 1.5 and 2 m/s."""
+def test_motion_window_includes_samples_at_its_ends():
+    """For samples at 0, 1, 2 s a window of 2 s spans (0, 1), (0, 2), (1, 2): 1, 1.5 and 2 m/s."""
     assert motion([0.0, 1.0, 2.0], [0.0, 1.0, 3.0], 1.5, 0.01, window_s=2.0).in_band == pytest.approx(1 / 3)
     assert motion([0.0, 1.0, 2.0], [0.0, 1.0, 3.0], 1.0, 0.01, window_s=2.0).in_band == pytest.approx(1 / 3)
 
 
-def test_samples_further_apart_than_the_window_have_the_speed_between_them():
+def test_sparse_samples_have_the_speed_between_them():
     assert motion([0.0, 1.0, 2.0], [0.0, 0.05, 0.1], 0.05, tolerance=0.1, window_s=0.05).in_band == 1.0
     assert motion([0.0, 1.0, 2.0], [0.0, 0.05, 0.5], 0.05, tolerance=0.1, window_s=0.05).in_band == pytest.approx(2 / 3)
     assert motion([0.0, 1.0, 2.0], [0.0, 0.1, 0.15], 0.05, tolerance=0.1, window_s=0.05).in_band == pytest.approx(1 / 3)
 
 
 @pytest.mark.parametrize("length_m", [0.02, 0.1])
-def test_out_and_back_at_constant_speed_is_in_band_but_for_the_turns(length_m):
+def test_triangle_motion_is_in_band_except_at_turns(length_m):
     times_s = np.arange(2000) / 1000
     moved = motion(times_s, triangle(0.05 * times_s, length_m), 0.05, tolerance=0.2)
     n_turns = math.floor(0.05 * 2 / length_m - 1e-9)
@@ -255,7 +255,7 @@ def test_out_and_back_at_constant_speed_is_in_band_but_for_the_turns(length_m):
 
 
 @given(speed=st.floats(0.005, 0.5), tolerance=st.floats(0.05, 0.9))
-def test_a_constant_speed_is_in_band_if_and_only_if_it_is_near_its_target(speed, tolerance):
+def test_constant_speed_is_in_band_exactly_near_target(speed, tolerance):
     if abs(abs(speed / 0.05 - 1) - tolerance) < 1e-6:
         return
     times_s = np.arange(300) / 1000
@@ -276,7 +276,7 @@ def test_a_constant_speed_is_in_band_if_and_only_if_it_is_near_its_target(speed,
         ([0.0, 1.0], [0.0], "as many of both"),
     ],
 )
-def test_what_is_no_path_is_refused(times_s, places_m, words):
+def test_motion_refuses_invalid_paths(times_s, places_m, words):
     with pytest.raises(InvalidParameter, match=words):
         motion(times_s, places_m, 0.05, 0.2)
 
@@ -302,7 +302,7 @@ def test_gate_refuses_impossible_settings(gate, name, value, expected):
         replace(gate, **{name: value})
 
 
-def test_the_simulated_finger_follows_the_path_that_it_is_asked_for():
+def test_simulated_finger_follows_the_requested_path():
     finger = SimulatedFinger(speed_cv=0.0, speed_waver_cv=0.0)
     slide = Slide("tone", 20.0, 1.0, 1.0, 0.2, 0.5, 5.0, 0.05, length_m=0.02, speed_tolerance=0.2)
     grip = finger.hold(slide, np.random.default_rng(1))
@@ -312,7 +312,7 @@ def test_the_simulated_finger_follows_the_path_that_it_is_asked_for():
     assert motion(grip.times_s, grip.positions_m, 0.05, 0.2).mean_m_per_s == pytest.approx(0.05, rel=0.05)
 
 
-def test_a_pressing_finger_rests():
+def test_simulated_finger_rests_in_a_press():
     grip = SimulatedFinger().hold(Press("tone", 20.0, 1.0, 1.0, 0.2, 0.5, 5.0), np.random.default_rng(1))
     assert grip.speed_m_per_s == 0.0
     assert not grip.positions_m.any()

@@ -1,4 +1,4 @@
-"""What is held, heard sample by sample in the sensors' threads: a gate opens never early, and a loss is seen."""
+"""Held forces and speeds: gates never open early and detect a lost finger."""
 
 import math
 import time
@@ -31,7 +31,7 @@ def stamps_s(n):
 
 
 def n_last(samples, holds):
-    """How many samples in a row, up to the last, hold."""
+    """Count the consecutive samples up to the last for which `holds` is true."""
     return next((n for n, sample in enumerate(reversed(samples)) if not holds(sample)), len(samples))
 
 
@@ -40,7 +40,7 @@ def spans(n_samples, hold_s):
 
 
 def in_turns(hear, times_s, values):
-    """A reader's samples, one block of one after the other: nothing returns before it was heard."""
+    """Pass samples to a listener in blocks of one, as a reader does."""
     for n in range(len(times_s)):
         hear(times_s[n : n + 1], values[n : n + 1])
         yield n
@@ -51,7 +51,7 @@ runs = st.lists(st.tuples(st.sampled_from([0.8, 1.0, 1.2]), st.integers(1, 30), 
 
 
 @given(runs, st.sampled_from([0.0, 8 * PERIOD_S, 0.1]))
-def test_a_press_begins_only_where_its_own_force_was_held_for_its_own_time(runs, hold_s):
+def test_press_gate_opens_after_exact_hold_time(runs, hold_s):
     trace = np.array([force for held, n, broken in runs for force in [*[held] * n, broken, held]])
     held = Held(press(hold_s), moving=False)
     for n in in_turns(held.applied_force.on_samples, stamps_s(len(trace)), trace):
@@ -62,7 +62,7 @@ def test_a_press_begins_only_where_its_own_force_was_held_for_its_own_time(runs,
 
 
 class Clock:
-    """Ours, at the last stamp that was heard."""
+    """Local clock, set to the last stamp received."""
 
     now_s = 0.0
 
@@ -74,8 +74,8 @@ class Clock:
             yield n
 
 
-def test_a_slide_begins_only_where_both_are_held(monkeypatch):
-    """Force from the first sample, motion from the 40th; then the other way round."""
+def test_slide_begins_when_force_and_speed_are_held(monkeypatch):
+    """Force begins at the first sample and motion at the 40th, then in reverse."""
     monkeypatch.setattr("tactometry.rigs.touch.gated_samples.time", clock := Clock())
     for first_moves, first_holds in ((40, 0), (0, 40)):
         held, n_samples = Held(slide(hold_s=0.1), moving=True), 100
@@ -97,8 +97,8 @@ def test_a_slide_begins_only_where_both_are_held(monkeypatch):
         assert held.opened_s == max(held.applied_force.opened_s, held.finger_motion.opened_s) == times_s[opened[0]]
 
 
-def test_a_gate_opens_when_the_hold_was_heard_of_for_so_long_by_our_clock(monkeypatch):
-    """All stamps of a hold come at once, then one of each millisecond: the gate is open by its stamps, and waits."""
+def test_gate_waits_for_hold_time_on_local_clock(monkeypatch):
+    """Half of the samples arrive at once: by its stamps the gate is open, but the local clock decides."""
     monkeypatch.setattr("tactometry.rigs.touch.gated_samples.time", clock := Clock())
     held, times_s = Held(press(hold_s=0.0995), moving=False), stamps_s(1)[0] + np.arange(300) / 1000
     clock.now_s = times_s[150]
@@ -112,7 +112,7 @@ def test_a_gate_opens_when_the_hold_was_heard_of_for_so_long_by_our_clock(monkey
     assert opened == [n >= 250 for n in range(150, 300)]
 
 
-def test_a_finger_that_halts_is_lost_though_its_force_is_held():
+def test_halted_finger_is_lost_when_force_is_held():
     held, n_moving, n_samples = Held(slide(hold_s=0.1), moving=True), 60, 60 + round((HALT_S + 0.1) / PERIOD_S)
     times_s = stamps_s(n_samples)
     places_m = SPEED * PERIOD_S * np.minimum(np.arange(n_samples), n_moving)[:, None]
@@ -128,7 +128,7 @@ def test_a_finger_that_halts_is_lost_though_its_force_is_held():
     assert lost[-1]
 
 
-def test_a_slide_whose_speed_is_not_gated_is_a_press():
+def test_slide_without_speed_gate_is_a_press():
     held = Held(slide(hold_s=0.0), moving=False)
     held.applied_force.on_samples(stamps_s(1), np.ones(1))
     assert held.finger_motion is None
@@ -136,13 +136,13 @@ def test_a_slide_whose_speed_is_not_gated_is_a_press():
 
 
 @pytest.mark.parametrize("part", [0.11, 0.09])
-def test_below_a_tenth_of_its_target_the_finger_has_left(part):
+def test_finger_has_left_below_tenth_of_target(part):
     held = Held(press(0.0), moving=False)
     held.applied_force.on_samples(stamps_s(1), np.array([part]))
     assert held.breaks() == (part < 0.1)
 
 
-def test_a_sensor_that_tells_nothing_but_lost_samples_is_lost():
+def test_touch_breaks_when_all_samples_are_lost():
     held, n_known, n_samples = Held(press(0.0), moving=False), 10, 50
     forces = np.where(np.arange(n_samples) < n_known, 1.0, math.nan)
     lost = [held.breaks() for _ in in_turns(held.applied_force.on_samples, stamps_s(n_samples), forces)]
@@ -156,20 +156,20 @@ def told(*blocks):
     return trace
 
 
-def test_only_the_known_samples_of_an_interval_are_given():
+def test_trace_interval_contains_known_samples_only():
     trace = told(([1, 2], [10, 20]), ([], []), ([3, 4, 5], [math.nan, 40, 50]))
     times_s, values = trace.between(2.0, 4.0)
     assert (times_s.tolist(), values.tolist()) == ([2, 4], [20, 40])
     assert trace.between(6.0, 7.0)[0].size == told().between(0.0, 9.0)[0].size == 0
 
 
-def test_where_a_stamp_goes_back_no_samples_are_given():
+def test_trace_interval_is_empty_when_stamps_go_back():
     trace = told(([1, 2], [1, 2]), ([1.5, 3], [3, 4]))
     assert trace.between(0.0, 9.0)[0].size == 0
     assert trace.between(1.6, 9.0)[0].tolist() == [2, 3]
 
 
-def test_a_thread_that_says_nothing_at_all_is_held_up():
+def test_silent_thread_counts_as_held_up():
     trace = told(([time.perf_counter()], [1]))
     time.sleep(DEAF_S + 0.01)
     assert trace.quiet(60.0)

@@ -1,4 +1,4 @@
-"""Journal and data set: whole lines, damage named, locks, full disks, rebuilt tables."""
+"""Journal and data set: complete lines, damage, locks, full disks and rebuilt tables."""
 
 import os
 import resource
@@ -38,13 +38,13 @@ def files(root):
     }
 
 
-def test_the_same_seed_alone_gives_the_same_bytes(tmp_path):
+def test_equal_seeds_give_equal_bytes(tmp_path):
     for name, seed in (("a", 1), ("b", 1), ("c", 2)):
         live(tmp_path / name, Who("P01", seed=seed))
     assert files(tmp_path / "a") == files(tmp_path / "b") != files(tmp_path / "c")
 
 
-def test_the_trials_file_is_derived_from_the_journal(lived):
+def test_trials_file_is_derived_from_the_journal(lived):
     recording = read(journal_of(lived))
     columns = EXPERIMENT.design(TOML).columns
     trials = next((lived / "data").glob("*.csv")).read_bytes()
@@ -53,7 +53,7 @@ def test_the_trials_file_is_derived_from_the_journal(lived):
 
 @pytest.fixture
 def n_syncs(monkeypatch):
-    """How many files were synced since, in a list."""
+    """List that gains an item with every synced file."""
     synced, sync = [], os.fsync
 
     def counted(file):
@@ -65,7 +65,7 @@ def n_syncs(monkeypatch):
 
 
 @pytest.mark.parametrize("rig", RIGS)
-def test_trials_of_people_are_synced_one_by_one_and_those_of_a_simulation_with_their_session(tmp_path, n_syncs, rig):
+def test_trials_are_synced_singly_except_in_simulations(tmp_path, n_syncs, rig):
     keeper = OpenSession(tmp_path, EXPERIMENT.design(TOML), Session("P01", 1, "tutorial"), rig, resume=False)
     before = len(n_syncs)
     for n in range(5):
@@ -77,12 +77,12 @@ def test_trials_of_people_are_synced_one_by_one_and_those_of_a_simulation_with_t
     assert len(n_syncs) - before == (2 if rig == "simulated" else 6)
 
 
-def test_a_simulated_session_is_synced_as_often_whatever_its_number_of_trials(tmp_path, n_syncs):
+def test_number_of_syncs_is_independent_of_trials(tmp_path, n_syncs):
     n_trials = live(tmp_path / "d").n_trials
     assert len(n_syncs) < 20 < n_trials
 
 
-def test_a_recorded_session_is_not_overwritten(lived):
+def test_recorded_session_is_not_overwritten(lived):
     before = files(lived)
     with pytest.raises(InvalidFile, match="this session has been recorded already, expected a new one"):
         live(lived)
@@ -91,7 +91,7 @@ def test_a_recorded_session_is_not_overwritten(lived):
 
 @given(cut=st.integers(0, 10**6))
 @examples(40, deadline=None)
-def test_a_journal_cut_anywhere_is_repaired_and_gives_the_same_bytes(whole, tmp_path_factory, cut):
+def test_resuming_a_cut_journal_gives_the_same_bytes(whole, tmp_path_factory, cut):
     torn = Path(shutil.copytree(whole, tmp_path_factory.mktemp("torn") / "d"))
     journal = journal_of(torn)
     with journal.open("r+b") as file:
@@ -101,7 +101,7 @@ def test_a_journal_cut_anywhere_is_repaired_and_gives_the_same_bytes(whole, tmp_
     exact_case("a journal cut at any byte", against="the same bytes after going on")
 
 
-def test_what_was_cut_off_is_kept_and_said(lived):
+def test_resuming_keeps_and_reports_cut_bytes(lived):
     journal = journal_of(lived)
     content = journal.read_bytes()
     journal.write_bytes(content[:-400])
@@ -112,7 +112,7 @@ def test_what_was_cut_off_is_kept_and_said(lived):
 
 @given(line=st.integers(0, 10**6), bit=st.integers(0, 7), place=st.integers(0, 10**6))
 @examples(60, deadline=None)
-def test_a_damaged_line_stops_with_its_number_and_nothing_is_changed(whole, tmp_path_factory, line, bit, place):
+def test_damaged_line_is_reported_and_changes_nothing(whole, tmp_path_factory, line, bit, place):
     root = Path(shutil.copytree(whole, tmp_path_factory.mktemp("damaged") / "d"))
     journal = journal_of(root)
     lines = journal.read_bytes().split(b"\n")[:-1]
@@ -130,7 +130,7 @@ def test_a_damaged_line_stops_with_its_number_and_nothing_is_changed(whole, tmp_
     exact_case("any bit of a journal turned", against="its line is named, nothing changes")
 
 
-def test_a_second_process_is_refused(lived):
+def test_journal_refuses_a_second_process(lived):
     script = (
         "import sys; from pathlib import Path; from tactometry.records.open_journal import Journal\n"
         "try: Journal(Path(sys.argv[1]), resume=True)\n"
@@ -149,13 +149,13 @@ def test_a_second_process_is_refused(lived):
     assert "another process is writing this session" in other.stdout
 
 
-def test_the_lock_goes_with_its_holder(lived):
+def test_closing_a_journal_releases_its_lock(lived):
     Journal(journal_of(lived), resume=True).close()
     live(lived, resume=True)
 
 
 @pytest.mark.parametrize("n_bytes", [0, 1, 2000, 5000, 9000])
-def test_a_full_disk_stops_clearly_and_loses_nothing(whole, tmp_path, n_bytes):
+def test_full_disk_ends_session_without_losing_trials(whole, tmp_path, n_bytes):
     full = tmp_path / "full"
     child = os.fork()
     if child == 0:
@@ -168,7 +168,7 @@ def test_a_full_disk_stops_clearly_and_loses_nothing(whole, tmp_path, n_bytes):
 
 
 def _live_on_small_disk(root, n_bytes):
-    """Runs in a child: no file may grow past `n_bytes`, as on a disk that is full."""
+    """Record a session in a child process in which no file may exceed `n_bytes`."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, n_bytes))
     try:
         live(root)
@@ -196,8 +196,8 @@ print("whole" if all(content.endswith(b"\\n") for content in journals if content
 """
 
 
-def test_a_real_full_disk(tmp_path):
-    """A small disk in a mount namespace of its own, which goes with its process."""
+def test_session_on_a_real_full_disk_resumes(tmp_path):
+    """The small disk is in a separate mount namespace that ends with its process."""
     script, disk = tmp_path / "fill.py", tmp_path / "disk"
     disk.mkdir()
     script.write_text(FILL_DISK)
@@ -211,7 +211,7 @@ def test_a_real_full_disk(tmp_path):
     assert journals == "whole"
 
 
-def test_a_number_that_is_not_finite_is_not_written(tmp_path):
+def test_journal_refuses_numbers_that_are_not_finite(tmp_path):
     journal = Journal(tmp_path / "j.jsonl", resume=False)
     with pytest.raises(DeviceFailed, match="cannot be kept without loss, expected finite numbers"):
         journal.append(Wait(1.0), Done(float("nan")))
@@ -226,23 +226,23 @@ def test_a_number_that_is_not_finite_is_not_written(tmp_path):
     level=st.none() | st.floats(allow_nan=False, allow_infinity=False),
     response=st.none() | st.integers(0, 9) | st.text(max_size=20),
 )
-def test_any_trial_reads_back_as_it_was(factors, level, response):
+def test_trials_survive_encoding(factors, level, response):
     trial = Trial(1, 1, factors, "staircase", level, "V", "yes_no", response)
     line = encode_entry(Record(trial), Done(0.5))
     assert decode_entry(msgspec.json.decode(line)) == (Record(trial), Done(0.5))
 
 
-def test_choices_keep_their_type():
+def test_choices_keep_their_type_when_encoded():
     entry = (Choose("felt", (0, 1), ("no", "yes")), Chosen(1, 0.5, 0.25, "2026-01-01T00:00:00+00:00"))
     assert decode_entry(msgspec.json.decode(encode_entry(*entry))) == entry
 
 
-def test_another_study_in_the_same_folder_is_refused(lived):
+def test_folder_of_another_study_is_refused(lived):
     with pytest.raises(InvalidFile, match="study.toml: found another study or other numbers"):
         record(EXPERIMENT, TOML + b"\n# edited", lived, Who("P02", seed=1), simulated(EXPERIMENT, Who("P02", seed=1)))
 
 
-def test_the_head_says_what_it_was_made_with(lived):
+def test_head_states_seed_versions_and_observer(lived):
     head = read(journal_of(lived)).head
     assert (head.seed, head.participant, head.rig, head.study) == (1, "P01", "simulated", "tutorial")
     assert head.versions["tactometry"]
@@ -250,7 +250,7 @@ def test_the_head_says_what_it_was_made_with(lived):
     assert (lived / "study.toml").read_bytes() == TOML
 
 
-def test_the_catalogue_names_every_built_in_study():
+def test_catalogue_contains_every_built_in_study():
     assert {path.stem for path in (ROOT / "experiments").glob("*.toml")} <= set(catalogue.PROTOCOLS)
 
 

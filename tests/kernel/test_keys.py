@@ -1,4 +1,4 @@
-"""Tables of keys: as the classes have them, on the pages as they are, and of every table that a file may hold."""
+"""Tables of keys: from classes, on reference pages and for every file."""
 
 import tomllib
 from dataclasses import dataclass, field
@@ -56,8 +56,8 @@ def names_of(name):
 
 
 @pytest.fixture
-def beside_files(tmp_path, monkeypatch):
-    """Where the files lie that the examples name."""
+def example_files(tmp_path, monkeypatch):
+    """Create the files that the examples name in a temporary folder."""
     (tmp_path / "grey.csv").write_bytes(GREY)
     monkeypatch.chdir(tmp_path)
 
@@ -66,7 +66,7 @@ def gadget(**said):
     return KeyTable("gadget", "[gadget]", f"{__name__}:Gadget", example={"speed_m_per_s": 1.0}, **said)
 
 
-def test_a_key_is_what_its_class_says():
+def test_keys_are_read_from_their_class():
     assert keys_of(gadget(samples={"inner": [1.0], "names": {"a": "b"}})) == (
         Key("speed_m_per_s", "a number", "m/s", "above 0", "", "How fast it is.", "1.0"),
         Key("n", "a whole number", "", "at most 5", "3", "What it has.", "3"),
@@ -75,22 +75,22 @@ def test_a_key_is_what_its_class_says():
     )
 
 
-def test_a_kind_is_the_first_key_of_its_table():
+def test_kind_is_the_first_key_of_its_table():
     assert keys_of(gadget(kind="round"))[0] == Key("kind", "a text", "", '`"round"`', "", "A gadget.", '"round"')
     assert keys_of(gadget(kind="round", usual=True))[0].otherwise == '"round"'
 
 
-def test_a_block_states_what_must_be_there_and_comments_the_rest():
+def test_block_states_required_keys_and_comments_the_rest():
     assert block(gadget(kind="round")) == '[gadget]\nkind = "round"\nspeed_m_per_s = 1.0\n# n = 3\n'
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_a_page_holds_the_keys_as_they_are(page):
+def test_reference_pages_are_up_to_date(page):
     assert path_of(page).read_text(encoding="utf-8") == text_of(page), "run make keys"
 
 
 @per_table
-def test_every_key_says_what_it_means_and_has_an_example_or_a_table_of_its_own(name):
+def test_every_key_has_a_meaning_and_an_example(name):
     for key in keys(name):
         assert key.means, key.name
         assert not key.means.startswith("As in"), key.name
@@ -99,7 +99,7 @@ def test_every_key_says_what_it_means_and_has_an_example_or_a_table_of_its_own(n
 
 
 @per_table
-def test_keys_have_meanings_of_their_own(name):
+def test_keys_of_a_table_have_distinct_meanings(name):
     told = {key.name: key.means for key in keys(name) if key.name != "kind"}
     generic = [each for each, means in told.items() if means == summary(TABLES[name].reader) or len(means.split()) < 3]
     assert not generic
@@ -107,7 +107,7 @@ def test_keys_have_meanings_of_their_own(name):
 
 
 @per_table
-def test_an_example_reads_and_without_a_required_key_it_is_refused_by_its_name(name):
+def test_examples_read_and_missing_required_keys_are_named(name):
     table = TABLES[name]
     required = {key.name for key in keys(name) if key.required} - {"kind"}
     assert required <= set(table.shown)
@@ -120,8 +120,8 @@ def test_an_example_reads_and_without_a_required_key_it_is_refused_by_its_name(n
 
 
 @per_table
-def test_each_commented_line_of_a_block_reads_where_it_is_stated(name, beside_files):
-    """A key that does not go with the example stands in one of its own, of whose keys the block has each."""
+def test_commented_lines_of_a_block_are_valid(name, example_files):
+    """A key that the example excludes is tried in the alternative example of `instead`."""
     table = TABLES[name]
     for key in keys(name):
         if key.example and key.name != "kind":
@@ -137,26 +137,26 @@ BENCH = {
 
 
 @pytest.mark.parametrize("name", [name for name in TABLES if name.startswith("bench.")])
-def test_a_block_reads_where_it_stands_in_a_bench_file(name):
+def test_blocks_read_within_a_bench_file(name):
     stated = merge({"sensors": {"NAME": {}}}, tomllib.loads(block(TABLES[name])))
     has_kind = "kind" in stated["sensors"]["NAME"]
     base = merge(BENCH, {"sensors": {"NAME": None}}) if has_kind else BENCH
     parse_bench(merge(base, stated))
 
 
-def test_the_block_of_a_study_is_a_study():
+def test_block_of_a_study_is_a_study():
     wire(parse(block(TABLES["study"]).encode(), "s.toml"), "s.toml")
 
 
 @per_table
-def test_a_key_that_no_table_has_is_refused(name):
+def test_unknown_keys_are_refused(name):
     table = TABLES[name]
     with pytest.raises(InvalidParameter, match=r"t\.no_such: found an unknown key"):
         build(table.reader, {"no_such": 1}, "t", **table.given())
 
 
-def test_samples_are_of_keys_that_are_there():
-    """What several tables share may hold more: each sample is a key of one of them."""
+def test_samples_belong_to_existing_keys():
+    """Samples shared by several tables may contain more keys: each belongs to one of the tables."""
     for name, table in TABLES.items():
         group = [other for other in TABLES if other.partition(".")[0] == name.partition(".")[0]]
         assert set(table.shown) <= names_of(name), name
@@ -164,7 +164,7 @@ def test_samples_are_of_keys_that_are_there():
 
 
 @pytest.mark.parametrize("study", shipped())
-def test_every_key_of_a_shipped_study_is_in_a_table(study):
+def test_tables_contain_every_key_of_shipped_studies(study):
     table = read_table(shipped()[study], "a study file")
     assert set(table) <= names_of("study")
     varied = [change for levels in table.get("variants", {}).values() for change in levels.values()]
@@ -176,12 +176,12 @@ def test_every_key_of_a_shipped_study_is_in_a_table(study):
         assert set().union(*held) <= set().union(below, {"kind"}, *map(names_of, known)), where
 
 
-def test_a_session_that_may_last_no_time_is_refused():
+def test_plan_refuses_negative_session_length():
     with pytest.raises(InvalidParameter, match=r"^plan\.longest_s: found -5\.0, expected a finite number above 0"):
         build(TABLES["plan"].reader, {"longest_s": -5.0}, "plan")
 
 
-def test_a_unit_of_another_dimension_is_refused_where_the_unit_is_a_ratio():
+def test_ratio_unit_refuses_another_dimension():
     from tactometry.config.quantity import as_si
 
     assert as_si({"rate_per_s": "3 s", "moment_n_per_v": "1 V"}, "") == {"rate_per_s": "3 s", "moment_n_per_v": "1 V"}

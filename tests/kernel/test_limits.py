@@ -1,4 +1,4 @@
-"""Every limit, and waveforms, gains and sequences that try to pass it."""
+"""Every limit, against waveforms, gains and sequences that exceed it."""
 
 import math
 from dataclasses import fields, replace
@@ -48,17 +48,17 @@ def in_volts(samples):
 
 
 def fine(samples, n=64):
-    """The straight lines between the samples, each cut into n pieces, with the zeros around: (n_channels, ...)."""
+    """Interpolate linearly with n points per sample, from and to zero: (n_channels, ...)."""
     padded = np.pad(samples, ((0, 0), (1, 1)))
     at = np.linspace(0, padded.shape[1] - 1, (padded.shape[1] - 1) * n + 1)
     return np.array([np.interp(at, np.arange(padded.shape[1]), row) for row in padded]), 1 / (RATE_HZ * n)
 
 
-# --- each limit against the quantity itself, by another way of computing it
+# --- each limit against an independent computation of its quantity
 
 
 @given(volts, limits_of)
-def test_no_voltage_above_its_limit_passes(samples, limit):
+def test_voltage_above_its_limit_is_refused(samples, limit):
     over = bool(np.any(np.abs(samples) > limit * (1 + 1e-11)))
     if over or not np.any(np.abs(samples) > limit):
         assert refused(lambda: Limits(limit).check(in_volts(samples)), "voltage_peak_v") == over
@@ -66,14 +66,14 @@ def test_no_voltage_above_its_limit_passes(samples, limit):
 
 
 @given(st.integers(1, 3000), st.floats(1e-3, 3.0))
-def test_no_signal_longer_than_its_limit_passes(n_samples, limit):
+def test_signal_longer_than_its_limit_is_refused(n_samples, limit):
     assert refused(lambda: Limits(1.0, limit).check(in_volts(np.zeros((1, n_samples)))), "duration_s") == (
         n_samples / RATE_HZ > limit * (1 + 1e-12)
     )
 
 
 @given(volts, limits_of)
-def test_no_current_above_its_limit_passes(samples, limit):
+def test_current_above_its_limit_is_refused(samples, limit):
     course, step_s = fine(samples)
     slopes = np.diff(course, axis=1) / step_s
     current_a = np.abs(FINGER.capacitance_f * slopes + course[:, 1:] / FINGER.leak_resistance_ohm).max()
@@ -83,7 +83,7 @@ def test_no_current_above_its_limit_passes(samples, limit):
 
 
 @given(volts, limits_of)
-def test_no_charge_above_its_limit_passes(samples, limit):
+def test_charge_above_its_limit_is_refused(samples, limit):
     course, step_s = fine(samples)
     leaked_c = np.cumsum((course[:, 1:] + course[:, :-1]) / 2, axis=1) * step_s / FINGER.leak_resistance_ohm
     charge_c = np.abs(FINGER.capacitance_f * course[:, 1:] + leaked_c).max()
@@ -93,7 +93,7 @@ def test_no_charge_above_its_limit_passes(samples, limit):
 
 
 @given(volts, limits_of, arrays(np.float64, (2, 12), elements=st.floats(-1e-6, 1e-6)))
-def test_no_displacement_above_its_limit_passes_whatever_the_responses(samples, limit, responses):
+def test_displacement_of_any_response_above_limit_is_refused(samples, limit, responses):
     gains = tuple(float(g) for g in np.abs(responses).sum(axis=1) + 1e-15)
     moved_m = np.abs(sum(np.convolve(v, h) for v, h in zip(samples, responses, strict=True))).max()
     if moved_m > limit * (1 + 1e-9):
@@ -105,8 +105,8 @@ plays = st.lists(st.tuples(st.floats(0, 5), st.floats(0.01, 3), st.floats(0, 1))
 
 
 @given(plays, st.floats(0.05, 1.0))
-def test_no_window_is_fuller_than_the_duty(plays, duty):
-    """Pauses, signals and early stops at random: what passed is summed up in every window that ends with a signal."""
+def test_no_window_exceeds_the_duty(plays, duty):
+    """Pauses, signals and early stops are random; every window that ends with a signal is summed."""
     limits, exposure, now_s, emitted = Limits(1.0, duty=duty, duty_window_s=6.0), Exposure(0.0), 0.0, []
     for pause_s, duration_s, kept in plays:
         now_s += pause_s
@@ -122,26 +122,26 @@ def test_no_window_is_fuller_than_the_duty(plays, duty):
 
 
 @given(st.floats(0, 1e4), st.floats(0, 1e4), st.floats(1e-3, 60), st.floats(1, 1e4))
-def test_no_signal_ends_after_the_session(opened_s, waited_s, duration_s, session_s):
+def test_signal_ending_after_the_session_is_refused(opened_s, waited_s, duration_s, session_s):
     limits, begin_s = Limits(1.0, session_s=session_s), opened_s + waited_s
     late = begin_s + duration_s - opened_s > session_s * (1 + 1e-12)
     assert refused(lambda: limits.check_exposure(Exposure(opened_s), begin_s, duration_s), "session_s") == late
 
 
-def test_what_is_no_number_is_no_number_within_a_limit():
+def test_limits_reject_nan():
     limits = Limits(1.0, session_s=1.0)
     assert refused(lambda: limits.check_exposure(Exposure(0.0), math.nan, 0.1), "session_s")
 
 
 @given(st.floats(1e-3, 100), st.floats(0.01, 1.0), st.floats(1e-3, 100))
-def test_no_touch_asks_for_more_force_than_its_limit(target_n, tolerance, limit):
+def test_touch_above_the_force_limit_is_refused(target_n, tolerance, limit):
     limits = Limits(1.0, force_peak_n=limit)
     over = target_n * (1 + tolerance) > limit * (1 + 1e-12)
     assert refused(lambda: limits.check_force(target_n, tolerance), "force_peak_n") == over
 
 
 @given(st.lists(st.floats(0.0, 1.0), max_size=20), st.floats(0.01, 5.0))
-def test_no_session_passes_more_net_charge_than_its_limit(charges_c, limit_c):
+def test_session_charge_above_its_limit_is_refused(charges_c, limit_c):
     limits, exposure = Limits(1.0, charge_session_c=limit_c), Exposure(0.0)
     for charge_c in charges_c:
         over = exposure.charge_c + exposure.playing_c + charge_c > limit_c * (1 + 1e-12)
@@ -154,7 +154,7 @@ gaps_and_durations = st.lists(st.tuples(st.floats(0.0, 3.0), st.floats(0.1, 3.0)
 
 
 @given(gaps_and_durations, st.floats(0.1, 4.0), st.floats(0.05, 1.0))
-def test_a_refused_signal_may_begin_after_the_wait_that_is_told_and_not_before(plays, duration_s, duty):
+def test_refusal_states_the_shortest_sufficient_wait(plays, duration_s, duty):
     limits, exposure, now_s = Limits(1.0, duty=duty, duty_window_s=6.0), Exposure(0.0), 0.0
     for gap_s, lasts_s in plays:
         now_s += gap_s
@@ -170,10 +170,10 @@ def test_a_refused_signal_may_begin_after_the_wait_that_is_told_and_not_before(p
     assert refused(lambda: limits.check_exposure(exposure, now_s + max(0.0, wait_s - 0.11), duration_s), "duty")
 
 
-# --- a limit is not tighter than it says
+# --- a limit is not tighter than stated
 
 
-def test_what_reaches_each_limit_exactly_is_played():
+def test_signal_exactly_at_each_limit_is_played():
     signal = in_volts(np.array([[50.0, -50.0], [0.0, 0.0]]))
     limits = Limits(
         50.0,
@@ -193,7 +193,7 @@ def test_what_reaches_each_limit_exactly_is_played():
 # --- the physics of the load
 
 
-def test_the_current_of_a_sine_is_that_of_its_circuit():
+def test_sine_current_equals_that_of_its_circuit():
     t_s = np.arange(20_001) / 1e6
     sine = Signal(100 * np.sin(2 * np.pi * 1000 * t_s)[None], 1e6, "V")
     admittance_s = abs(1 / FINGER.leak_resistance_ohm + 2j * np.pi * 1000 * FINGER.capacitance_f)
@@ -205,7 +205,7 @@ def test_charge_without_a_leak_is_capacitance_times_voltage():
     assert load.charge_peak_c(in_volts(np.array([[0.0, 30.0, -40.0, 0.0]]))) == pytest.approx(2e-9 * 40, rel=1e-15)
 
 
-def test_charge_turns_between_samples_where_the_current_does():
+def test_charge_peak_is_found_between_samples():
     leaky = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e5)
     samples = np.array([[0.0, 100.0, 100.0, -100.0]])
     course, step_s = fine(samples, 4096)
@@ -215,7 +215,7 @@ def test_charge_turns_between_samples_where_the_current_does():
     assert leaky.charge_peak_c(in_volts(samples)) > at_samples
 
 
-# --- what is not stated is not played
+# --- limits that are not stated
 
 
 @pytest.mark.parametrize(
@@ -233,12 +233,12 @@ def test_charge_turns_between_samples_where_the_current_does():
         (FINGER, LIMITS, "no displacement_m_per_v of the load"),
     ],
 )
-def test_a_load_whose_limits_nobody_stated_gets_nothing(load, limits, message):
+def test_load_without_stated_limits_is_refused(load, limits, message):
     with pytest.raises(LimitExceeded, match=message + ".*nothing was played"):
         limits.check_load(in_volts(np.zeros((2, 4))), load)
 
 
-def test_without_a_load_a_signal_is_as_long_as_a_default():
+def test_signal_without_load_has_a_default_limit():
     Limits(1.0).check(in_volts(np.zeros((1, round(LONGEST_SIGNAL_S * RATE_HZ)))))
     assert refused(
         lambda: Limits(1.0).check(in_volts(np.zeros((1, round(LONGEST_SIGNAL_S * RATE_HZ) + 1)))), "duration_s"
@@ -261,7 +261,7 @@ def test_defaults_of_limits_are_those_of_the_documentation():
 
 
 @pytest.mark.parametrize("name", ["voltage_peak_v", "duty_window_s", "force_peak_n"])
-def test_limits_that_always_hold_cannot_be_left_out(name):
+def test_mandatory_limits_cannot_be_none(name):
     with pytest.raises((InvalidParameter, TypeError)):
         Limits(**{"voltage_peak_v": 1.0, name: None})
 
@@ -270,7 +270,7 @@ def test_signal_without_charge_keeps_any_limit_of_charge():
     Limits(1.0, charge_session_c=1e-12).check_exposure(Exposure(0.0).after(0.0, 1.0, 60.0), 2.0, 1.0)
 
 
-def test_samples_that_are_no_volts_are_refused():
+def test_limits_refuse_samples_not_in_volts():
     with pytest.raises(LimitExceeded, match="found a signal in 'm', expected volt"):
         Limits(1.0).check(Signal(np.zeros((1, 2)), RATE_HZ, "m"))
 
@@ -286,7 +286,7 @@ def test_limit_is_finite_and_above_zero(name, value):
 
 
 @pytest.mark.parametrize("name", ["duty", "duty_window_s"])
-def test_a_duty_is_a_part_of_a_window(name):
+def test_duty_is_between_zero_and_one(name):
     with pytest.raises(InvalidParameter, match=f"^Limits.{name}: found 0.0"):
         Limits(1.0, **{name: 0.0})
     with pytest.raises(InvalidParameter, match="^Limits.duty: found 1.5, expected at most 1"):
@@ -301,12 +301,12 @@ def test_a_duty_is_a_part_of_a_window(name):
         ({"displacement_m_per_v": (1e-7, math.nan)}, "Load.displacement_m_per_v: found"),
     ],
 )
-def test_a_load_is_physical(change, message):
+def test_load_refuses_unphysical_values(change, message):
     with pytest.raises(InvalidParameter, match=f"^{message}"):
         replace(FINGER, **change)
 
 
-def test_a_displacement_per_volt_is_told_for_each_channel():
+def test_displacement_per_volt_needs_every_channel():
     with pytest.raises(InvalidParameter, match="found 2 values for 3 channels"):
         PATCHES.displacement_peak_m(in_volts(np.zeros((3, 4))))
 
@@ -328,7 +328,7 @@ some_limits = st.builds(
 
 
 @given(some_limits, some_limits, plays)
-def test_what_passes_the_tighter_limits_passes_both(one, other, plays):
+def test_signal_within_tighter_limits_is_within_both(one, other, plays):
     both, exposure, now_s = one.tighter(other), Exposure(0.0), 0.0
     for pause_s, duration_s, _ in plays:
         now_s += pause_s
@@ -342,22 +342,22 @@ def test_what_passes_the_tighter_limits_passes_both(one, other, plays):
         now_s += duration_s
 
 
-def test_a_duty_over_one_window_stays_the_number_that_was_stated():
-    """0.031 came back as 0.030999999999999996, and was told as a change between sittings."""
+def test_tighter_keeps_the_stated_duty_exactly():
+    """0.031 became 0.030999999999999996 and was reported as a change between sittings."""
     assert Limits(1.0, duty=0.031).tighter(Limits(1.0)).duty == 0.031
     assert Limits(1.0, duty=0.031).tighter(Limits(1.0, duty=0.5)).duty == 0.031
 
 
 @given(some_limits, some_limits)
-def test_the_tighter_limits_are_stated_where_one_is(one, other):
+def test_tighter_takes_the_minimum_of_stated_limits(one, other):
     both = one.tighter(other)
     for name in ("voltage_peak_v", "duration_s", "current_peak_a", "session_s", "force_peak_n", "charge_session_c"):
         stated = [getattr(each, name) for each in (one, other) if getattr(each, name) is not None]
         assert getattr(both, name) == min(stated, default=None)
 
 
-def test_duties_of_different_windows_hold_both():
-    """A second in a second, and 6 s in a minute: at most a second in any minute keeps both."""
+def test_tighter_duty_satisfies_both_windows():
+    """Limits of 1 s in 1 s and of 6 s in 60 s are both satisfied by 1 s in 60 s."""
     short, long = Limits(1.0, duty=1.0, duty_window_s=1.0), Limits(1.0, duty=0.1, duty_window_s=60.0)
     for both in (short.tighter(long), long.tighter(short)):
         assert (both.duty, both.duty_window_s) == (pytest.approx(1 / 60), 60.0)

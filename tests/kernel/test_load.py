@@ -1,4 +1,4 @@
-"""What a load takes, against values worked out by hand."""
+"""Current and charge of a load, against values computed by hand."""
 
 import math
 
@@ -17,18 +17,18 @@ def volts(*samples, rate_hz=1.0):
 
 
 def test_current_adds_slope_and_leak():
-    """From 0 to 100 V in 1 ms: 1 nF takes 0.1 mA and 1 Mohm takes 0.1 mA at the end."""
+    """A rise from 0 to 100 V in 1 ms draws 0.1 mA in 1 nF, and finally 0.1 mA in 1 Mohm."""
     assert LEAKY.current_peak_a(volts(0.0, 100.0, 100.0, rate_hz=1e3)) == pytest.approx(0.2e-3)
 
 
 def test_current_of_a_weakened_signal_adds_its_rise():
-    """100 V that may rise in 10 ms: 1 nF takes 10 uA more."""
+    """A rise by 100 V within 10 ms draws 10 uA more in 1 nF."""
     signal = volts(0.0, 100.0, 100.0, rate_hz=1e3)
     assert LEAKY.current_peak_a(signal, rise_s=0.01) == pytest.approx(0.21e-3)
 
 
 def test_charge_of_a_weakened_signal_has_one_sign():
-    """1 nF holds 0.1 uC at 100 V; four triangles of 100 V x 1 s / 2 pass 0.2 mC, whatever their signs."""
+    """1 nF stores 0.1 uC at 100 V; four triangles of 100 V x 1 s / 2 pass 0.2 mC, whatever their signs."""
     assert LEAKY.charge_peak_c(volts(100.0, 0.0, -100.0), rise_s=0.01) == pytest.approx(1e-7 + 2e-4)
 
 
@@ -37,13 +37,13 @@ def test_charge_of_a_weakened_signal_has_one_sign():
     [
         ((100.0, 0.0), 0.0, 0.0, 50.0),  # the line from zero to the first sample
         ((100.0, 100.0, 0.0, -100.0, -100.0), 4.0, 0.0, 50.0),  # 200 - 150
-        ((100.0, 100.0, 0.0, -100.0, -100.0), 2.0, 2.0, 350.0),  # what follows a stop may have any sign
-        ((100.0, -100.0), 0.5, 0.0, 100.0),  # 50 up to the sample before, and 50 to the one behind
+        ((100.0, 100.0, 0.0, -100.0, -100.0), 2.0, 2.0, 350.0),  # the charge after a stop may have any sign
+        ((100.0, -100.0), 0.5, 0.0, 100.0),  # 50 up to the sample before, and 50 to the one after
         ((100.0, 100.0), -5.0, 0.0, 50.0),
         ((100.0, 100.0), 50.0, 0.0, 200.0),
     ],
 )
-def test_stopped_charge_is_that_of_the_samples(samples, after_s, late_s, passed_uc):
+def test_stopped_charge_equals_that_of_the_samples(samples, after_s, late_s, passed_uc):
     assert 1e6 * LEAKY.passed_c(volts(*samples)).stopped_c(after_s, late_s) == pytest.approx(passed_uc)
 
 

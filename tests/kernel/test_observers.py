@@ -1,4 +1,4 @@
-"""Observers answer as often as their functions say: exact binomial bounds at 1e-4, over 1e5 trials each."""
+"""Response rates of observers: exact binomial bounds at 1e-4, over 1e5 trials."""
 
 import numpy as np
 import pytest
@@ -21,24 +21,24 @@ KNOWN = PsychometricObserver(20.0, 8.0, false_alarm_rate=0.1, lapse_rate=0.03, s
 
 
 def is_rate(n_yes, p, n=N):
-    """Whether so many of n can be of a chance p."""
+    """Return True if `n_yes` of n is within the binomial bounds for p."""
     return binom.ppf(ALPHA / 2, n, p) <= n_yes <= binom.isf(ALPHA / 2, n, p)
 
 
 def right_of(m, d_prime):
-    """Of an unbiased choice of m, one of which is d' above the others; Green and Swets (1966)."""
+    """Compute proportion correct of an unbiased m-alternative choice; Green and Swets (1966)."""
     return quad(lambda x: norm.pdf(x - d_prime) * norm.cdf(x) ** (m - 1), -10, 10 + d_prime)[0]
 
 
 @pytest.mark.parametrize("level_db", [NOTHING, -3.0, 2.0])
-def test_signal_detection_says_yes_as_its_formula(level_db):
+def test_signal_detection_yes_rate_follows_its_formula(level_db):
     rng = np.random.default_rng()
     p = 0.96 * norm.cdf(DETECTS.d_prime(level_db) - DETECTS.criterion - 0.2) + 0.02
     assert is_rate(sum(DETECTS.detect(level_db, rng) for _ in range(N)), p)
 
 
 @pytest.mark.parametrize("m", [pytest.param(2, marks=pytest.mark.slow), 3])
-def test_signal_detection_chooses_as_its_formula(m):
+def test_signal_detection_choices_follow_its_formula(m):
     rng, levels = np.random.default_rng(), [NOTHING] * (m - 1) + [-2.0]
     p = 0.96 * right_of(m, DETECTS.d_prime(-2.0)) + 0.04 / m
     assert is_rate(sum(DETECTS.compare(levels, rng) == m - 1 for _ in range(N)), p)
@@ -46,7 +46,7 @@ def test_signal_detection_chooses_as_its_formula(m):
 
 @pytest.mark.parametrize("shape", ["normal", "logistic", "gumbel", "reversed_gumbel"])
 @pytest.mark.parametrize("above", [NOTHING, -1.5, 3.0])
-def test_a_psychometric_observer_says_yes_as_it_is_stated(shape, above):
+def test_psychometric_observer_has_the_stated_yes_rate(shape, above):
     observer, rng = PsychometricObserver(20.0, 8.0, shape=shape, false_alarm_rate=0.1), np.random.default_rng()
     psi = PsychometricFunction(shape, 20.0, 8.0, 0.1, 0.02)
     p = 0.1 if above == NOTHING else float(psi.probability(20.0 + above))
@@ -55,7 +55,7 @@ def test_a_psychometric_observer_says_yes_as_it_is_stated(shape, above):
 
 
 @pytest.mark.parametrize("m", [pytest.param(2, marks=pytest.mark.slow), 4])
-def test_a_psychometric_observer_chooses_as_it_is_stated(m):
+def test_psychometric_observer_has_the_stated_choice_rate(m):
     rng, levels = np.random.default_rng(), [NOTHING] * (m - 1) + [1.0]
     p = float(PsychometricFunction("normal", 0.0, 8.0, 1 / m, 0.03).probability(1.0))
     chosen = np.bincount([KNOWN.compare(levels, rng) for _ in range(N)], minlength=m)
@@ -66,7 +66,7 @@ def test_a_psychometric_observer_chooses_as_it_is_stated(m):
     assert is_rate(n_identified, float(PsychometricFunction("normal", 0.0, 8.0, 0.5, 0.03).probability(1.0)))
 
 
-def test_two_levels_are_compared_with_the_width_that_is_stated():
+def test_comparison_of_two_levels_uses_stated_width():
     rng, sd = np.random.default_rng(), 8.0 / (2 * norm.isf(0.05))
     p = 0.97 * norm.cdf(2.0 / sd) + 0.015
     assert is_rate(sum(KNOWN.compare([1.0, 3.0], rng) for _ in range(N)), p)
@@ -79,8 +79,8 @@ def test_blanks_are_chosen_equally_often():
         assert all(is_rate(n, 1 / 3, 3000) for n in chosen)
 
 
-def test_a_condition_has_the_threshold_and_the_width_that_are_stated():
-    """Lower by this person's sensitivity, all of it in the unit of the level."""
+def test_conditions_have_their_stated_threshold_and_width():
+    """The sensitivity of the participant lowers the threshold, in the unit of the level."""
     of = ({"frequency_hz": 60.0, "threshold": 30.0, "width": 16.0}, {"force_n": 2.0, "width": 4.0})
     observer = PsychometricObserver(20.0, 8.0, of, false_alarm_rate=0.0, lapse_rate=0.0, sensitivity_db=3.0)
     for factors, threshold, width in (
@@ -95,7 +95,7 @@ def test_a_condition_has_the_threshold_and_the_width_that_are_stated():
             assert observer.chance(felt, 0.0) == pytest.approx(float(psi.probability(level)), rel=1e-9)
 
 
-def test_an_ideal_observer_is_right():
+def test_ideal_observer_answers_correctly():
     rng, ideal = np.random.default_rng(), IdealObserver(sensitivity_db=1.0)
     assert [ideal.detect(level, rng) for level in (-1.5, -0.5, NOTHING)] == [False, True, False]
     assert {ideal.compare([1.0, 1.1, NOTHING], rng) for _ in range(100)} == {1}
@@ -113,7 +113,7 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_study_is_simulated_with_each_kind(kind):
+def test_study_runs_with_each_observer_kind(kind):
     toml = f"{TUTORIAL}\n[observer]\n{KINDS[kind]}[observer.people]\nlatency_cv = 0.2\n"
     rows = simulated_trials(wired(toml), [Who("P01", seed=1)]).rows
     assert len(rows) >= 32
@@ -135,5 +135,5 @@ def test_a_study_is_simulated_with_each_kind(kind):
         ('kind = "ideal"\n[observer.changes]\nlearning = {}', "whose people do not change, expected none"),
     ],
 )  # fmt: skip
-def test_an_observer_that_a_study_cannot_have_is_refused(observer, sentence):
+def test_invalid_observers_are_refused(observer, sentence):
     assert sentence in refusal(f"{TUTORIAL}\n[observer]\n{observer}\n")

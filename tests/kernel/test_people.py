@@ -1,4 +1,4 @@
-"""People who differ: a population has the moments that it states, and a person is the same whatever else is asked."""
+"""Populations of simulated participants: stated moments and reproducible traits."""
 
 from dataclasses import replace
 
@@ -31,41 +31,41 @@ def draws_of(person, seed=1):
 
 
 def in_sd(values, sd):
-    """Whether the standard deviation of normal values can be `sd`."""
+    """Return True if the standard deviation of normal values is compatible with `sd`."""
     low, high = chi2.ppf([ALPHA / 2, 1 - ALPHA / 2], len(values) - 1)
     return low <= (len(values) - 1) * np.var(values, ddof=1) / sd**2 <= high
 
 
 @pytest.fixture(scope="module")
 def drawn():
-    """The traits of N people, as normal numbers in the order of `TRAITS`."""
+    """Traits of N participants as normal numbers, in the order of `TRAITS`."""
     people, rng = People(**SPREADS, correlations=PAIRS), np.random.default_rng()
     traits = [people.traits(rng) for _ in range(N)]
     factors = {name: np.array([np.log(getattr(t, f"{name}_factor")) for t in traits]) for name in TRAITS[2:]}
     return {name: np.array([getattr(t, name) for t in traits]) for name in TRAITS[:2]} | factors
 
 
-def test_traits_have_the_spreads_that_are_stated(drawn):
+def test_traits_have_the_stated_spreads(drawn):
     spreads = dict(zip(TRAITS, (1.0, *SPREADS.values()), strict=True))
     for name, values in drawn.items():
         assert in_sd(values, spreads[name])
         assert abs(values.mean()) <= norm.isf(ALPHA / 2) * spreads[name] / np.sqrt(N)
 
 
-def test_traits_have_the_correlations_that_are_stated(drawn):
+def test_traits_have_the_stated_correlations(drawn):
     found, stated = np.corrcoef(list(drawn.values())), correlation_matrix(PAIRS)
     apart = np.arctanh(found[np.triu_indices(8, 1)]) - np.arctanh(stated[np.triu_indices(8, 1)])
     assert np.all(np.abs(apart) * np.sqrt(N - 3) <= norm.isf(ALPHA / 2 / 28))
 
 
-def test_a_population_without_spreads_draws_the_sensitivity_that_it_drew_before_there_were_any():
+def test_population_without_spreads_draws_sensitivity_only():
     plain, z = SignalDetectionObserver(), stream(3, "P01", "traits").standard_normal()
     person = population_of({}, "observer").person(stream(3, "P01", "traits"))
     assert person.observer == replace(plain, sensitivity_db=5.0 * z)
     assert (person.force_factor, person.speed_factor) == (1.0, 1.0)
 
 
-def test_traits_that_are_one_thing_are_one_number():
+def test_fully_correlated_traits_are_equal():
     traits = People(number_cv=0.5, latency_cv=0.5, correlations={"number": {"latency": 1.0}}).traits
     drawn = traits(np.random.default_rng(1))
     assert drawn.number_factor == pytest.approx(drawn.latency_factor, rel=1e-12)
@@ -82,14 +82,14 @@ def test_traits_that_are_one_thing_are_one_number():
         ({"force": {"speed": 0.9, "lapse": 0.9}, "speed": {"lapse": -0.9}}, "that no people can have together"),
     ],
 )
-def test_correlations_that_belong_to_no_people_are_refused(pairs, sentence):
+def test_impossible_correlations_are_refused(pairs, sentence):
     with pytest.raises(InvalidParameter) as error:
         population_of({"people": {"correlations": pairs}}, "observer")
     assert str(error.value).startswith("observer.people.correlations")
     assert sentence in str(error.value)
 
 
-def test_a_deviation_depends_on_person_and_cell_alone():
+def test_deviation_depends_on_person_and_cell_only():
     people = People(modality_sd_db=1.0, condition_sd_db=2.0, factor_sd_db={"force_n": 1.0})
     of = [people.deviation_db(cell, "electrovibration", draws_of("P01")) for cell in CELLS]
     turned = [dict(reversed(cell.items())) for cell in CELLS[::-2]]
@@ -98,8 +98,8 @@ def test_a_deviation_depends_on_person_and_cell_alone():
     assert of[0] != people.deviation_db(CELLS[0], "electrovibration", draws_of("P02"))
 
 
-def test_deviations_have_the_variances_that_are_stated():
-    """Their sum in a cell, the difference of two cells, and that of two cells of one frequency."""
+def test_deviations_have_the_stated_variances():
+    """Checks the sum in a cell, the difference of two cells, and that of two cells of one frequency."""
     people = People(modality_sd_db=3.0, condition_sd_db=1.0, factor_sd_db={"frequency_hz": 2.0})
     pairs = [(n, cell) for n in range(N) for cell in (*CELLS[:2], CELLS[3])]
     felt = [people.deviation_db(cell, "electrovibration", draws_of(f"P{n}")) for n, cell in pairs]
@@ -110,21 +110,21 @@ def test_deviations_have_the_variances_that_are_stated():
     assert in_sd(felt[:, 0] - felt[:, 2], np.sqrt(2))
 
 
-def test_two_modalities_are_felt_apart_and_both_at_once_between():
+def test_hybrid_deviation_is_the_mean_of_both_modalities():
     people, names = People(modality_sd_db=3.0), ("electrovibration", "time_reversal", "hybrid")
     one, other, both = (people.deviation_db({}, name, draws_of("P01")) for name in names)
     assert one != other
     assert both == pytest.approx((one + other) / 2)
 
 
-def test_an_effect_is_felt_by_everybody_at_its_level():
+def test_effects_shift_their_level_for_all_participants():
     people = People(effects_db={"force_n": {"3": 2.0}})
     felt = [people.deviation_db(cell, "electrovibration", draws_of("P01")) for cell in CELLS]
     assert felt == [0.0] * 3 + [2.0] * 3
 
 
-def test_a_person_feels_in_a_session_as_the_population_says():
-    """Who feels 300 dB more at one frequency says yes there to all but the blanks, in so far as nobody lapses."""
+def test_session_uses_the_deviations_of_the_population():
+    """With +300 dB at one frequency and no lapses, every trial there except the blanks is answered yes."""
     table = '\n[observer]\nlapse_rate = 0.0\n[observer.people.effects_db.frequency_hz]\n"60" = 300.0\n"240" = -300.0\n'
     experiment = wired(TUTORIAL + table)
     felt = experiment.feelings("P01", 1)
@@ -142,7 +142,7 @@ def test_a_person_feels_in_a_session_as_the_population_says():
         ("mood = 1.0", "observer.people.mood: found an unknown key"),
     ],
 )
-def test_people_that_a_study_cannot_have_are_refused(people, sentence):
+def test_invalid_populations_are_refused(people, sentence):
     assert sentence in refusal(f"{TUTORIAL}\n[observer.people]\n{people}\n")
 
 
@@ -153,14 +153,14 @@ def test_traits_reach_the_observer_and_the_finger():
     assert (person.lapse_rate, person.latency_s, person.number_factor) == (0.5, 1.6, 3.0)
 
 
-def test_a_bias_moves_false_alarms_as_a_criterion_does():
+def test_bias_changes_false_alarms_like_a_criterion():
     observer, rng, n = SignalDetectionObserver(bias=0.4, lapse_rate=0.0), np.random.default_rng(), 100_000
     n_yes = sum(observer.detect(-np.inf, rng) for _ in range(n))
     p = norm.sf(observer.criterion + 0.4)
     assert abs(n_yes - n * p) <= norm.isf(ALPHA / 2) * np.sqrt(n * p * (1 - p))
 
 
-def test_a_habit_shows_in_force_and_speed_and_stays_in_the_band():
+def test_force_habit_shifts_force_within_the_band():
     finger, rng = SimulatedFinger(force_factor=1.1), np.random.default_rng()
     request = Press("tone", 20.0, 0.2, 1.0, 0.2, 0.5, 5.0)
     forces_n = np.array([finger.hold(request, rng).forces_n.mean() for _ in range(300)])

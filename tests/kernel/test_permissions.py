@@ -1,4 +1,4 @@
-"""Devices and files that this user may not open: one clear sentence, status 3 for devices, and nothing was played."""
+"""Errors for devices and files that the user has no permission to open."""
 
 import io
 import os
@@ -38,7 +38,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="no users as 
 
 @contextmanager
 def unprivileged():
-    """As another user where this one may do everything."""
+    """Run as an unprivileged user if this process runs as root."""
     root = os.geteuid() == 0
     if root:
         os.seteuid(NOBODY)
@@ -51,7 +51,7 @@ def unprivileged():
 
 @pytest.fixture
 def folder():
-    """One that every user may enter and write in."""
+    """Folder that every user may enter and write to."""
     path = Path(tempfile.mkdtemp())
     path.chmod(0o777)
     yield path
@@ -60,7 +60,7 @@ def folder():
 
 @pytest.fixture
 def line(folder):
-    """A serial line that nobody else may open."""
+    """Serial line that no other user may open."""
     master, slave = os.openpty()
     tty.setraw(slave)
     path = Path(os.ttyname(slave))
@@ -71,7 +71,7 @@ def line(folder):
 
 
 @pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
-def test_a_serial_line(line):
+def test_serial_line_without_permission_is_refused(line):
     refused = pytest.raises(DeviceFailed, match="serial /dev/.*: cannot open the line .*Permission denied")
     with unprivileged(), refused as no:
         Reader(SerialSettings(str(line), 1000.0).source()).open()
@@ -92,7 +92,7 @@ def closed(folder, name, content=""):
         (lambda path: RecordedSettings(path, 100.0), "cannot be read as a recording .*Permission denied"),
     ],
 )
-def test_a_sensor(folder, settings, message):
+def test_sensor_without_permission_is_refused(folder, settings, message):
     path = closed(folder, "event5", "time_s,count\n0,1\n")
     with unprivileged(), pytest.raises(DeviceFailed, match=message) as refused:
         Reader(settings(str(path)).source()).open()
@@ -100,7 +100,7 @@ def test_a_sensor(folder, settings, message):
 
 
 @pytest.mark.parametrize("settings", [FileSettings, PackedSettings])
-def test_an_output(folder, settings):
+def test_output_without_permission_is_refused(folder, settings):
     inner = folder / "inner"
     inner.mkdir(mode=0o755)
     output = settings(str(inner / "played"), n_channels=1, rate_hz=1e3).driver(Gain(1.0, 1.0))
@@ -116,7 +116,7 @@ def test_an_output(folder, settings):
     assert list(inner.iterdir()) == []
 
 
-def test_a_data_set(folder):
+def test_data_set_without_permission_is_refused(folder):
     inner = folder / "inner"
     inner.mkdir(mode=0o755)
     refused = pytest.raises(DeviceFailed, match="cannot make the folder .Permission denied., expected room and")
@@ -126,7 +126,7 @@ def test_a_data_set(folder):
         prepare(folder / "data", EXPERIMENT.design(TOML))
 
 
-def test_a_bench_file_and_a_study(folder):
+def test_bench_file_and_study_without_permission_are_refused(folder):
     path = closed(folder, "bench.toml")
     with unprivileged(), pytest.raises(InvalidFile, match="bench.toml: cannot be read .Permission denied."):
         load_bench(path)
@@ -135,7 +135,7 @@ def test_a_bench_file_and_a_study(folder):
 
 
 @pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
-def test_check_finds_it_and_its_exit_status_is_3(line, folder):
+def test_check_reports_missing_permission_with_exit_status_3(line, folder):
     path = folder / "bench.toml"
     path.write_text(f'[sensors.hand]\nkind = "serial"\nrate_hz = 1000\nport = "{line}"\n', encoding="utf-8")
     reader = load_bench(path).devices(Limits(1.0), date(2026, 11, 21)).readers["hand"]
@@ -177,7 +177,7 @@ DAMAGES = {
 
 
 def in_sentences(capsys, *words):
-    """The status of a command, which says what is wrong in one sentence if it says anything."""
+    """Run a command and check that its error, if any, is one sentence."""
     status, said, out = call(capsys, *words)
     assert status in (0, 1, 2, 3)
     assert "Traceback" not in said + out
@@ -187,7 +187,7 @@ def in_sentences(capsys, *words):
 
 @pytest.fixture(scope="module")
 def loaded():
-    """Everything that the commands import: another user may not read the environment."""
+    """Import all modules of the commands, as another user may not read them."""
     import tactometry.analysis.pipeline
     import tactometry.experiments.data_sets.export
 
@@ -196,7 +196,7 @@ def loaded():
 
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize("file", FILES)
-def test_what_cannot_be_read_in_a_data_set_is_one_sentence(folder, capsys, monkeypatch, loaded, file, damage):
+def test_unreadable_data_set_files_give_one_sentence(folder, capsys, monkeypatch, loaded, file, damage):
     recorded, root = RECORDED / "console", folder / "d"
     shutil.copy(recorded / "study.toml", folder / "s.toml")
     resume = ("run", folder / "s.toml", "--participant", "P01", "--rig", "console", "--out", root, "--resume")
@@ -217,7 +217,7 @@ def test_what_cannot_be_read_in_a_data_set_is_one_sentence(folder, capsys, monke
         shutil.rmtree(root)
 
 
-def test_a_folder_of_tables_that_may_not_be_read_is_not_said_to_be_empty(folder, capsys, loaded):
+def test_unreadable_data_folder_is_not_reported_as_empty(folder, capsys, loaded):
     root = shutil.copytree(RECORDED / "console", folder / "d")
     root.chmod(0o755)
     (root / "data").chmod(0)

@@ -1,4 +1,4 @@
-"""Where a session stands, from its journal alone: against what the protocol itself knows of it."""
+"""Progress of a session from its journal, against the state of the protocol."""
 
 from functools import reduce
 
@@ -45,7 +45,7 @@ def attempts(n):
 
 
 @pytest.mark.parametrize("path", RECORDED, ids=lambda path: f"{path.parents[1].name}-{path.stem[12:15]}")
-def test_every_recorded_session_is_counted_as_its_tally_counts_it(path):
+def test_progress_of_recorded_sessions_equals_their_tally(path):
     recording = read(path)
     state = progress_of(recording)
     assert state.tally == tally(recording.trials)
@@ -53,18 +53,18 @@ def test_every_recorded_session_is_counted_as_its_tally_counts_it(path):
     assert state.over == recording.complete
 
 
-def test_the_parts_and_the_trials_are_those_of_the_plan(lived):
+def test_progress_counts_parts_and_trials_of_the_plan(lived):
     state, parts = progress_of(read(journal_of(lived))), parts_ahead(EXPERIMENT, number=1)
     assert state.n_parts == state.part == len(parts)
     assert [state.n_valid(n) for n in range(1, len(parts) + 1)] == [part.n_trials for part in parts]
 
 
-def test_before_the_first_trial_the_time_left_is_that_of_the_plan():
+def test_time_left_at_start_equals_the_plan():
     blocks, parts = plan(EXPERIMENT, 1), parts_ahead(EXPERIMENT, number=1)
     assert Progress().left_s(parts) == pytest.approx(duration_s(EXPERIMENT, blocks))
 
 
-def test_the_time_left_goes_at_the_pace_of_the_last_trials_and_not_of_pauses():
+def test_time_left_follows_recent_trials_and_ignores_pauses():
     parts = [PartAhead(n_trials=20, lasts_s=100.0), PartAhead(n_trials=10, lasts_s=50.0)]
     times_s = [*np.arange(1, 9) * 2.0, 1016.0]  # a trial in 2 s, then a long pause
     state = Progress().after(Show("block", {"block": 1, "n_blocks": 2}), Done(0.0))
@@ -83,7 +83,7 @@ def test_the_time_left_goes_at_the_pace_of_the_last_trials_and_not_of_pauses():
         WeightedStaircase(start=20.0, steps_up=(6.0,), steps_down=(2.0,), low=0.0, high=40.0, n_reversals=50),
     ],
 )
-def test_the_reversals_are_those_of_the_staircase(rule, seed):
+def test_reversals_equal_those_of_the_staircase(rule, seed):
     rng, run, track = np.random.default_rng(seed), rule.begin(), TrackProgress()
     n = 0
     while not run.finished:
@@ -91,22 +91,22 @@ def test_the_reversals_are_those_of_the_staircase(rule, seed):
         row = Trial(1, n, {}, rule.name, run.level, "dB", "yes_no", 1)
         track = track.after(row, aborted=False)
         run = run.after(rng.random() < 1 / (1 + np.exp(6.0 - run.level)))
-    # the last turn of the rule shows in the level that comes next
+    # the last reversal appears in the next level
     track = track.after(Trial(1, n + 1, {}, rule.name, run.level, "dB", "yes_no", 1), aborted=False)
     levels = [row.level for row in track.reversals]
     marks = [mark for mark in run.marks if not np.isnan(mark)]
-    assert levels == marks or levels == marks[:-1]  # at a bound a turn asks for the level that stands
+    assert levels == marks or levels == marks[:-1]  # at a bound a reversal repeats the level
     assert len(levels) > 2
 
 
-def test_levels_in_a_drawn_order_have_no_reversals():
+def test_constant_stimuli_have_no_reversals():
     track = TrackProgress()
     for n, level in enumerate((1.0, 3.0, 2.0, 4.0, 1.0), 1):
         track = track.after(Trial(1, n, {}, "constant_stimuli", level, "dB", "yes_no", 1), aborted=False)
     assert not track.reversals
 
 
-def test_catch_trials_and_what_is_not_valid_move_no_staircase():
+def test_catch_and_invalid_trials_move_no_staircase():
     track = TrackProgress()
     rows = (trial(1, 10.0), trial(2, None, catch=True), trial(3, 8.0, valid=False), trial(3, 12.0, attempt=2))
     for row in rows:
@@ -129,7 +129,7 @@ def test_track_warns_before_it_is_aborted(n, warning):
     assert recorded(*attempts(n)).warning(FIVE) == warning
 
 
-def test_track_warns_no_more_when_it_is_aborted():
+def test_track_warning_ends_when_track_is_aborted():
     row = trial(1, valid=False, attempt=5)
     state = recorded(*attempts(4)).after(Record(row, "block 1 is aborted"), Done(5.0))
     assert state.warning(FIVE) is None
@@ -143,8 +143,8 @@ def test_valid_touch_or_another_block_ends_the_warning():
 
 
 @pytest.mark.parametrize("n", [3, 4])
-def test_attempts_at_one_trial_count_when_others_are_valid(n):
-    """As under constant stimuli, where what is owed waits for the end of the block."""
+def test_warning_counts_attempts_at_one_trial(n):
+    """Constant stimuli repeat trials at the end of the block, so others come between."""
     state = recorded(*(row for attempt in attempts(n) for row in (trial(2), attempt)))
     assert (state.track.n_invalid_in_a_row, state.track.n_lost) == (1, n)
     more = {3: "2 more abort", 4: "1 more aborts"}[n]
@@ -155,12 +155,12 @@ def catch_trial(n, response, *, valid=True):
     return Trial(1, n, {}, "staircase", None, "dB", "yes_no", response, valid=valid, catch=True)
 
 
-def test_false_alarms_are_those_of_valid_catch_trials():
+def test_false_alarms_count_valid_catch_trials_only():
     state = recorded(catch_trial(1, 1), catch_trial(2, 0), catch_trial(3, 1, valid=False), catch_trial(4, 1))
     assert (state.n_false_alarms, state.n_catch) == (2, 3)
 
 
-def test_touches_are_kept_with_their_reasons_and_gaps():
+def test_progress_keeps_touches_with_reasons_and_gaps():
     state, press = Progress(), Press("tone", 10.0, 0.5, 1.0, 0.2, 0.3, 5.0)
     for n in range(MOST_SHOWN + 3):
         reason = "too_light" if n % 2 else None
@@ -170,7 +170,7 @@ def test_touches_are_kept_with_their_reasons_and_gaps():
     assert state.n_gaps == MOST_SHOWN + 3
 
 
-def test_events_tell_of_frames_latencies_clocks_and_pauses():
+def test_progress_reads_timing_clocks_and_pauses_from_events():
     state = Progress()
     for delay_s, n_dropped in ((0.004, 1), (0.002, 0)):
         facts = {"n_frames": 100, "n_dropped_frames": n_dropped, "gate_delay_s": delay_s, "key_to_record_s": None}
@@ -189,7 +189,7 @@ def test_invalidated_false_alarm_is_not_counted():
     assert (state.n_false_alarms, state.n_catch, state.tally.n_invalid) == (1, 1, 1)
 
 
-def test_a_session_to_which_nobody_agreed_is_over():
+def test_session_is_over_when_consent_was_declined():
     parts = [PartAhead(n_trials=40, lasts_s=600.0)]
     state = Progress().after(Show("declined"), Done(3.0))
     assert (state.over, state.left_s(parts)) == (True, 0.0)

@@ -1,4 +1,4 @@
-"""Psychometric functions: laws over all shapes, tails against 50 digits, psignifit side by side, refusals."""
+"""Psychometric functions: properties, tails to 50 digits, psignifit, refusals."""
 
 import math
 import re
@@ -22,14 +22,14 @@ def function(shape: str, threshold: float = 2.0, width: float = 1.5, guess: floa
 
 @shapes
 @given(threshold=st.floats(1e-6, 1e6), width=st.floats(1e-3, 1e3), guess=rates, lapse=rates)
-def test_the_threshold_is_where_the_unscaled_function_is_one_half(shape, threshold, width, guess, lapse) -> None:
+def test_unscaled_function_is_one_half_at_threshold(shape, threshold, width, guess, lapse) -> None:
     f = function(shape, threshold, width, guess, lapse)
     assert f.probability(threshold) == pytest.approx(guess + (1 - guess - lapse) / 2, rel=1e-12)
 
 
 @shapes
 @given(threshold=st.floats(0.1, 10), width=st.floats(1e-3, 10))
-def test_the_width_spans_from_five_to_ninety_five_percent(shape, threshold, width) -> None:
+def test_width_spans_from_5_to_95_percent(shape, threshold, width) -> None:
     low, high = function(shape, threshold, width, 0, 0).level([0.05, 0.95])
     spanned = math.log(high / low) if SHAPES[shape].on_log_levels else high - low
     assert spanned == pytest.approx(width, rel=1e-9)
@@ -46,7 +46,7 @@ def test_level_inverts_probability(shape, p, width, guess, lapse) -> None:
 
 @shapes
 @given(a=st.floats(0.01, 100), b=st.floats(0.01, 100))
-def test_a_higher_level_is_never_felt_less(shape, a, b) -> None:
+def test_probability_never_falls_with_level(shape, a, b) -> None:
     low, high = sorted((a, b))
     f = function(shape)
     assert f.probability(low) <= f.probability(high)
@@ -54,7 +54,7 @@ def test_a_higher_level_is_never_felt_less(shape, a, b) -> None:
 
 @shapes
 @given(x=st.floats(0.001, 1e4), guess=rates, lapse=rates)
-def test_the_two_answers_exhaust_all_chances(shape, x, guess, lapse) -> None:
+def test_probabilities_of_both_responses_sum_to_one(shape, x, guess, lapse) -> None:
     yes, no = function(shape, guess=guess, lapse=lapse).log_probability(x, [1, 0])
     assert np.logaddexp(yes, no) == pytest.approx(0.0, abs=1e-13)
 
@@ -67,7 +67,7 @@ def test_reversed_gumbel_mirrors_gumbel(x, lapse, guess) -> None:
 
 
 @given(x=st.floats(1e-3, 1e3), scale=st.floats(1e-9, 1e9))
-def test_weibull_does_not_depend_on_the_unit_of_the_level(x, scale) -> None:
+def test_weibull_is_independent_of_the_level_unit(x, scale) -> None:
     one, other = function("weibull", 2.0), function("weibull", 2.0 * scale)
     assert other.probability(x * scale) == pytest.approx(float(one.probability(x)), rel=1e-9)
 
@@ -84,12 +84,12 @@ def test_weibull_is_one_minus_exp_of_a_power() -> None:
     ("shape", "width"),
     [("normal", 3.2897073), ("logistic", 5.8888780), ("gumbel", 4.0673839), ("reversed_gumbel", 4.0673839)],
 )
-def test_widths_of_the_standard_shapes(shape: str, width: float) -> None:
+def test_standard_shapes_have_their_published_widths(shape: str, width: float) -> None:
     assert SHAPES[shape].z_width == pytest.approx(width, abs=5e-8)
 
 
 @pytest.mark.parametrize(("lapse", "at_threshold"), [(0.0, 0.75), (0.02, 0.74)])
-def test_two_alternatives_at_threshold(lapse: float, at_threshold: float) -> None:
+def test_two_alternative_probability_at_threshold(lapse: float, at_threshold: float) -> None:
     assert function("normal", lapse=lapse).probability(2.0) == pytest.approx(at_threshold, rel=1e-14)
 
 
@@ -105,7 +105,7 @@ def exact_log_cdf(shape: str, z: float) -> mpmath.mpf:
 
 @pytest.mark.parametrize("shape", ["normal", "logistic", "gumbel", "reversed_gumbel"])
 @pytest.mark.parametrize("z", [-600.0, -40.0, -36.9, -5.0, -0.3, 0.0, 0.4, 3.0, 6.0])
-def test_log_chances_against_fifty_digits(shape: str, z: float) -> None:
+def test_log_probabilities_match_fifty_digit_values(shape: str, z: float) -> None:
     with mpmath.workdps(50):
         exact = exact_log_cdf(shape, z)
         sf = mpmath.log(-mpmath.expm1(exact))
@@ -127,17 +127,17 @@ def test_densities_and_scores_are_derivatives(shape, z) -> None:
     assert standard.score(at[1:2])[0] == pytest.approx(slope, rel=1e-5, abs=1e-6)
 
 
-def test_no_answer_far_from_the_threshold_costs_infinitely_much_while_there_are_lapses() -> None:
+def test_lapses_bound_log_probability_far_from_threshold() -> None:
     f = function("logistic", 0.0, 1.0, 0.5, 0.01)
     assert f.log_probability([1e300, -1e300], [0, 1]) == pytest.approx([math.log(0.01), math.log(0.5)])
 
 
-def test_far_tails_keep_their_digits_without_asymptotes() -> None:
+def test_far_tails_keep_their_digits() -> None:
     f = function("logistic", 0.0, SHAPES["logistic"].z_width, 0.0, 0.0)
     hard_case("answers of chance e^-800", f.log_probability([-800.0, 800.0], [1, 0]), -800.0, 1e-14, against="-800")
 
 
-def test_log1mexp_at_both_ends() -> None:
+def test_log1mexp_is_exact_at_both_ends() -> None:
     assert log1mexp(np.array([0.0, 1e-20, 50.0])) == pytest.approx([-np.inf, math.log(1e-20), -math.exp(-50)])
 
 
@@ -145,7 +145,7 @@ def test_log1mexp_at_both_ends() -> None:
     ("ours", "theirs"),
     [("normal", "norm"), ("logistic", "logistic"), ("gumbel", "gumbel"), ("reversed_gumbel", "rgumbel")],
 )
-def test_equals_psignifit(ours: str, theirs: str) -> None:
+def test_psychometric_function_equals_psignifit(ours: str, theirs: str) -> None:
     psignifit = pytest.importorskip("psignifit.sigmoids")
     x = np.linspace(-3, 6, 50)
     f = function(ours, 1.3, 2.1, 0.0, 0.0)
@@ -165,12 +165,14 @@ def test_equals_psignifit(ours: str, theirs: str) -> None:
         (("normal", 1, 1, 0.5, 0.5), "guess_rate, lapse_rate: found 0.5 and 0.5, expected a sum below 1"),
     ],
 )
-def test_refuses_impossible_parameters(arguments: tuple[str, float, float, float, float], message: str) -> None:
+def test_psychometric_function_refuses_impossible_parameters(
+    arguments: tuple[str, float, float, float, float], message: str
+) -> None:
     with pytest.raises(InvalidParameter, match=f"^{re.escape(message)}$"):
         PsychometricFunction(*arguments)
 
 
-def test_refuses_what_is_no_level_answer_or_reachable_rate() -> None:
+def test_psychometric_function_refuses_invalid_arguments() -> None:
     f = function("weibull")
     for call, message in (
         (lambda: f.probability(math.nan), "level: found nan, expected numbers, not NaN"),

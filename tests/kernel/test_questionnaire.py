@@ -1,4 +1,4 @@
-"""Questionnaires: what their files may hold, how an item is presented, how answers become scores."""
+"""Questionnaires: files, presentation of items, and scores."""
 
 import csv
 from collections import Counter
@@ -45,7 +45,7 @@ def straight(raw, form=FULL):
     return {item.id: raw for item in form.items}
 
 
-def test_the_published_order_is_kept():
+def test_attrakdiff_items_have_the_published_order():
     assert [item.id for item in FULL.items] == PUBLISHED
 
 
@@ -54,10 +54,10 @@ def test_fifteen_items_are_reversed():
     assert Counter(dimensions) == {"PQ": 4, "HQI": 3, "HQS": 4, "ATT": 4}
 
 
-def test_poles_and_reversals_are_those_of_the_item_list():
+def test_poles_and_reversals_match_the_item_list():
     path = SHARED / "science" / "attrakdiff_items.csv"
     if not path.is_file():
-        pytest.skip("the folder of shared data is not beside the checkout")
+        pytest.skip("the folder of shared data is not next to the checkout")
     rows = list(csv.DictReader(path.read_text("utf-8").splitlines()))
     listed = {row["item"]: (row["negative_pole_en"], row["positive_pole_en"], row["reversed"] == "yes") for row in rows}
     assert {item.id: (*item.poles["en"], item.reversed) for item in FULL.items} == listed
@@ -71,7 +71,7 @@ def test_straight_lines_give_the_published_values(raw, sevenths):
 
 
 @given(answers=raw_answers, flipped=st.sets(st.sampled_from(PUBLISHED)), order=st.permutations(PUBLISHED))
-def test_another_presentation_with_its_own_reversals_changes_no_score(answers, flipped, order):
+def test_scores_are_independent_of_order_and_reversals(answers, flipped, order):
     items = tuple(
         replace(item, reversed=item.reversed != (item.id in flipped), order=order.index(item.id)) for item in FULL.items
     )
@@ -80,30 +80,30 @@ def test_another_presentation_with_its_own_reversals_changes_no_score(answers, f
 
 
 @given(answers=raw_answers)
-def test_hedonic_quality_is_the_mean_of_both_halves(answers):
+def test_hedonic_quality_is_the_mean_of_its_halves(answers):
     found = scores(answers)
     assert found["HQ"] == pytest.approx((found["HQI"] + found["HQS"]) / 2, abs=1e-12)
 
 
 @given(answers=raw_answers, missing=st.sets(st.sampled_from(PUBLISHED)))
-def test_a_dimension_needs_five_of_its_seven_answers(answers, missing):
+def test_dimension_score_needs_five_of_seven_answers(answers, missing):
     found = scores({name: None if name in missing else raw for name, raw in answers.items()})
     for name in ("PQ", "HQI", "HQS", "ATT"):
         assert (found[name] is None) == (len(missing & set(FULL.items_of(name))) > 2)
 
 
-def test_a_reversed_item_has_its_positive_pole_on_the_left():
+def test_reversed_item_has_positive_pole_on_left():
     assert FULL.words("PQ1", "en") == ("", "Human", "Technical")
     assert FULL.words("PQ4", "fr") == ("", "fastidieux", "efficace")
 
 
-def test_the_usability_scale_is_scored_as_brooke_did():
+def test_sus_scores_match_brooke():
     odd_high = {item.id: 5.0 if item.order % 2 else 1.0 for item in load("sus").items}
     assert load("sus").scores(odd_high) == {"SUS": 100.0}
     assert load("sus").scores(straight(3, load("sus"))) == {"SUS": 50.0}
 
 
-def test_a_statement_keeps_its_ends_where_they_are():
+def test_reversed_statement_keeps_its_scale_ends():
     assert load("sus").words("SUS2", "en")[1:] == load("sus").words("SUS1", "en")[1:]
 
 
@@ -114,7 +114,7 @@ def test_every_item_can_be_presented_in_each_language(form):
 
 
 @per_form
-def test_the_best_answers_give_the_highest_scores(form):
+def test_best_answers_give_the_highest_scores(form):
     best = {item.id: form.low if item.reversed else form.high for item in form.items}
     assert set(form.scores(best).values()) == {form.score_high}
 
@@ -140,7 +140,7 @@ def test_the_best_answers_give_the_highest_scores(form):
         ('name = "small"', "name = ", "found no valid TOML"),
     ],
 )
-def test_a_bad_file_is_refused_in_one_sentence(old, new, sentence):
+def test_invalid_questionnaire_is_refused_in_one_sentence(old, new, sentence):
     with pytest.raises(InvalidFile) as refused:
         parse(SMALL.replace(old, new, 1).encode(), "small.toml")
     assert sentence in str(refused.value)
@@ -148,12 +148,12 @@ def test_a_bad_file_is_refused_in_one_sentence(old, new, sentence):
 
 
 @pytest.mark.parametrize(("raw", "words"), [(8, "1 to 7 in 7 steps"), (1.5, "in 7 steps"), (float("nan"), "1 to 7")])
-def test_an_answer_beside_the_scale_is_refused(raw, words):
+def test_answers_off_the_scale_are_refused(raw, words):
     with pytest.raises(InvalidParameter, match=words):
         FULL.score("PQ1", raw)
 
 
-def test_what_nobody_knows_is_refused_with_the_nearest_name():
+def test_unknown_names_are_refused_with_a_suggestion():
     with pytest.raises(InvalidParameter, match="did you mean 'attrakdiff'"):
         load("atrakdiff")
     with pytest.raises(InvalidParameter, match="did you mean 'PQ1'"):
@@ -162,7 +162,7 @@ def test_what_nobody_knows_is_refused_with_the_nearest_name():
         FULL.words("PQ1", "it")
 
 
-def test_items_stand_in_their_order():
+def test_items_are_sorted_by_order():
     form = parse(SMALL.encode(), "small.toml")
     assert [item.id for item in form.items] == ["B", "A"]
     assert form.item("A") == Item("A", "D", 2, poles={"en": ("Bad", "Good")})

@@ -1,4 +1,4 @@
-"""Raters of questionnaires: answers follow the common factor model that is stated, dimension by dimension."""
+"""Simulated raters: answers follow the stated common factor model."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def rater(person=0, **keys):
 
 
 def places(one, met=1, liking=0.0, rng=None):
-    """By item, from -1 (the bad end) to 1 (the good end)."""
+    """Return the answer to each item, from -1 (negative pole) to 1 (positive pole)."""
     rng = rng or np.random.default_rng(0)
     found = {}
     for page in PAGES:
@@ -43,29 +43,29 @@ def within_sd(values, sd):
     return low <= (len(values) - 1) * np.var(values, ddof=1) / sd**2 <= high
 
 
-def test_an_effect_is_answered_in_its_dimension_alone_with_the_loading_of_each_item():
+def test_effects_act_on_their_dimension_by_loading():
     one = rater(effects={"pattern": {"P3": {"HQS": 0.5}, "P1": {"PQ": 1.0}}}, loadings={"HQS2": -0.4})
     for item, place in places(one).items():
         loading = {"HQS2": -0.4}.get(item, 0.8)
         assert place == pytest.approx(0.5 * loading if item.startswith("HQS") else 0.0)
 
 
-def test_without_a_stimulus_no_effect_is_answered():
+def test_raters_show_no_effect_without_a_stimulus():
     one = rater(effects={"pattern": {"P3": {"HQS": 0.5}}}, liking=1.0)
     assert set(places(one, met=None, liking=1.0).values()) == {0.0}
 
 
-def test_a_strength_that_feels_good_is_liked_by_its_weight():
+def test_liking_is_weighted():
     assert set(places(rater(liking=0.5), liking=0.5).values()) == {0.2}
 
 
-def test_an_acquiescent_person_answers_to_the_right_of_every_item():
+def test_acquiescence_shifts_every_item_equally():
     one = rater(acquiescence_sd=0.2)
     right = {answer for page in PAGES for answer in one.answers(page, 1, 0.0, np.random.default_rng(0))}
     assert right == {one.acquiescence}
 
 
-def test_people_have_the_spreads_that_are_stated():
+def test_raters_have_the_stated_spreads():
     def attitude(n, **spread):
         return rater(n, **spread).raters.attitude("ATT", CELL, rater(n).draws)
 
@@ -82,8 +82,8 @@ def test_people_have_the_spreads_that_are_stated():
         assert abs(values.mean()) <= norm.isf(ALPHA / 2) * sd / np.sqrt(N)
 
 
-def test_items_of_a_dimension_correlate_as_their_loadings_say():
-    """Two items of loading l, noise e and attitude a have the covariance l^2 a^2, those of two dimensions none."""
+def test_items_correlate_according_to_their_loadings():
+    """Items with loading l and attitude a have covariance l^2 a^2; items of two dimensions have none."""
     rng = np.random.default_rng()
     answers = [places(rater(n, dimension_sd=0.2, noise=0.1), rng=rng) for n in range(N)]
     att, att2, pq = (np.array([answer[item] for answer in answers]) for item in ("ATT1", "ATT2", "PQ1"))
@@ -94,8 +94,8 @@ def test_items_of_a_dimension_correlate_as_their_loadings_say():
     assert within_sd(att, np.sqrt(0.64 * 0.04 + 0.01))
 
 
-def test_dimensions_of_a_simulated_study_differ_as_it_says():
-    """An effect of 2/3 is 2 of the 3 points of the scale above its middle, by hand."""
+def test_simulated_study_shows_the_stated_effects():
+    """An effect of 2/3 is 2 of the 3 points above the middle of the scale."""
     still = "\n".join(f"{key} = 0.0" for key in (*STILL, "liking", "noise"))
     effects = "[observer.raters.effects.pattern]\nP0 = { ATT = -0.6667, HQS = 0.3333 }\nP3 = { ATT = 0.6667 }\n"
     toml = f"{PATTERNS}[observer.raters]\nloading = 1.0\n{still}\n{effects}"
@@ -110,7 +110,7 @@ def test_dimensions_of_a_simulated_study_differ_as_it_says():
     assert [scores[name]["HQS"] for name in ("P0", "P3")] == [1.0, 0.0]
 
 
-def test_a_study_without_raters_does_not_know_them():
+def test_study_without_raters_has_no_rater():
     experiment = wired(PATTERNS)
     assert experiment.simulated_rig("P01", 1, 1).rater is None
 
@@ -126,5 +126,5 @@ def test_a_study_without_raters_does_not_know_them():
         ("effects.size.P3 = { ATT = 1.0 }", "observer.raters.effects.size: found an unknown factor"),
     ],
 )
-def test_raters_that_a_study_cannot_have_are_refused(raters, sentence):
+def test_invalid_raters_are_refused(raters, sentence):
     assert sentence in refusal(f"{PATTERNS}[observer.raters]\n{raters}\n")

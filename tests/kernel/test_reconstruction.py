@@ -1,4 +1,4 @@
-"""Peaks between samples against a dense sum of sincs, which shares no step with what is tested."""
+"""Peaks between samples, against an independent dense sum of sincs."""
 
 import math
 
@@ -19,7 +19,7 @@ weight = st.floats(0, 2)
 
 
 def dense(samples):
-    """The course and its change per sample by the definition: (n_points,) both."""
+    """Compute the filtered course and its change per sample: both (n_points,)."""
     at = np.arange(-N_AROUND * N_POINTS, (len(samples) + N_AROUND) * N_POINTS) / N_POINTS
     lags = at[:, None] - np.arange(len(samples))
     sinc = np.sinc(lags)
@@ -28,7 +28,7 @@ def dense(samples):
 
 
 def worst(n):
-    """The samples from -1 to 1 with the largest course of all in the middle between two of them."""
+    """Return the n samples of magnitude 1 with the largest possible peak between the middle two."""
     return np.sign(np.sinc(np.arange(n) - n // 2 + 0.5))
 
 
@@ -58,7 +58,7 @@ def test_course_peak_adds_straight_lines(samples, lines):
     at, course, _ = dense(samples)
     exact = np.abs(course + np.interp(at, np.arange(-1, len(samples)), np.append(0.0, added))).max()
     size = max(np.abs(samples).max(), np.abs(added).max())
-    # the dense points hold each corner of the lines; between points both may miss a part of a course
+    # the dense points contain each corner of the lines; between points both may miss part of a peak
     assert course_peak(samples, 0.0, added=added) == pytest.approx(exact, rel=0.01, abs=0.01 * size)
 
 
@@ -69,7 +69,7 @@ def test_quarter_rate_sine_has_its_amplitude(phase_rad):
     assert course_peak(samples, 0.0) == pytest.approx(1.0, abs=MISSED_OF_QUARTER_RATE)
 
 
-def test_peak_of_the_worst_samples_grows_with_their_number():
+def test_peak_of_worst_samples_grows_with_number():
     """The sum of abs(sinc(k + 1/2)) has no limit: 2/pi (ln(n / 2) + ln 4 + Euler's constant) for n samples."""
     for n in (2, 20, 200, 500):
         exact = np.abs(np.sinc(np.arange(n) - n // 2 + 0.5)).sum()
@@ -78,14 +78,14 @@ def test_peak_of_the_worst_samples_grows_with_their_number():
 
 
 def test_course_peak_is_found_in_any_block():
-    """Also where it is between the last sample of one block and the first of the next."""
+    """Includes peaks between the last sample of one block and the first of the next."""
     for at in (0, 1, 3070, 3071, 3072, 4095, 9999):
         samples = np.zeros(10_001)
         samples[at : at + 2] = 1.0
         assert course_peak(samples, 1.1) == pytest.approx(2 * np.sinc(0.5), rel=1e-6)
 
 
-def test_course_peak_of_many_samples_is_that_of_a_part():
+def test_course_peak_finds_a_short_part():
     samples = np.zeros(1_000_000)
     samples[-500:] = worst(500)
     assert course_peak(samples, 1.0) == pytest.approx(course_peak(worst(500), 1.0), rel=1e-6)

@@ -1,4 +1,4 @@
-"""The repair of a journal: killed before or after any of its system calls, it loses no trial, remark or stop."""
+"""Repair of a journal, killed before or after any of its system calls."""
 
 import json
 import os
@@ -27,7 +27,7 @@ CALLS = re.findall(r"\w+", "open close read write fsync lseek ftruncate rename r
 
 @pytest.fixture
 def cut_off(lived):
-    """A journal whose last trial was under way when two remarks were made, with a torn last line."""
+    """Journal with an unfinished trial, two remarks during it and a torn last line."""
     path = journal_of(lived)
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(lines[:12]))
@@ -44,7 +44,7 @@ def cut_off(lived):
 
 
 def killed_at(n_calls, path):
-    """Whether a repair was killed at that many comings and goings of system calls; else it came to its end."""
+    """Return True if a repair was killed at the `n_calls`-th call or return, False if it finished."""
     child = os.fork()
     if child == 0:
         left = n_calls
@@ -67,7 +67,7 @@ def repaired(path):
     return path.read_bytes()
 
 
-def test_a_repair_that_is_killed_anywhere_loses_nothing(cut_off):
+def test_repair_loses_nothing_when_killed_at_any_call(cut_off):
     torn, kept = cut_off.read_bytes(), read(cut_off).events
     assert kept[-2:] == TOLD
     interruptions = Journal(cut_off, resume=True)
@@ -88,7 +88,7 @@ def test_a_repair_that_is_killed_anywhere_loses_nothing(cut_off):
     exact_case("a repair killed around any system call", against="every trial, remark and stop")
 
 
-def test_a_repaired_journal_is_locked_and_read_by_who_comes_then(cut_off):
+def test_repaired_journal_is_locked_and_readable(cut_off):
     held = Journal(cut_off, resume=True)
     with pytest.raises(SessionInUse):
         Journal(cut_off, resume=True)
@@ -97,8 +97,8 @@ def test_a_repaired_journal_is_locked_and_read_by_who_comes_then(cut_off):
     assert [event.facts["text"] for event in read(cut_off).events][-1] == "later"
 
 
-def test_a_journal_that_was_replaced_while_it_was_opened_is_opened_anew(cut_off, monkeypatch):
-    """Who waited with the old file in hand locks the new one."""
+def test_journal_is_reopened_when_replaced_during_opening(cut_off, monkeypatch):
+    """A process that waited for the lock of the old file locks the new one."""
     from tactometry.records import open_journal as module
 
     lock, content = module._lock, cut_off.read_bytes()
@@ -117,7 +117,7 @@ def test_a_journal_that_was_replaced_while_it_was_opened_is_opened_anew(cut_off,
     assert read(cut_off).events[-1] == TOLD[0]
 
 
-def test_a_disk_that_is_full_leaves_the_journal_as_it_was(cut_off):
+def test_repair_leaves_journal_unchanged_when_disk_is_full(cut_off):
     import resource
 
     torn = cut_off.read_bytes()
@@ -132,7 +132,7 @@ def test_a_disk_that_is_full_leaves_the_journal_as_it_was(cut_off):
     assert drafts(cut_off.parent) == []
 
 
-def test_what_was_cut_off_is_kept_beside(cut_off):
+def test_repair_keeps_cut_bytes_in_interruptions_file(cut_off):
     journal = Journal(cut_off, resume=True)
     journal.close()
     (line,) = journal.interruptions.read_text().splitlines()

@@ -1,4 +1,4 @@
-"""Files of a data set that do not belong together: older copies, copies under other names, orphans, twins."""
+"""Data sets with mismatched files: old copies, renamed copies, orphans, duplicates."""
 
 import csv
 import json
@@ -23,7 +23,7 @@ def trials_of(root):
 
 
 def shortened(journal, n_lines):
-    """A journal as it was some lines ago."""
+    """Truncate a journal to its first `n_lines` lines."""
     journal.write_bytes(b"".join(journal.read_bytes().splitlines(keepends=True)[:n_lines]))
 
 
@@ -39,7 +39,7 @@ def resume(root):
 # --- a journal that is older than the trials file
 
 
-def test_rows_that_an_older_journal_does_not_hold_are_kept_and_told_before_the_session_goes_on(lived, capsys):
+def test_resume_keeps_rows_missing_from_an_older_journal(lived, capsys):
     rows = trials_of(lived).read_text().splitlines()[1:]
     shortened(journal_of(lived), 30)
     status, said, _ = call(capsys, *resume(lived))
@@ -51,7 +51,7 @@ def test_rows_that_an_older_journal_does_not_hold_are_kept_and_told_before_the_s
     assert "restore the newer one" in said
 
 
-def test_rows_that_were_edited_by_hand_are_kept(lived, capsys):
+def test_resume_keeps_rows_edited_by_hand(lived, capsys):
     path = trials_of(lived)
     path.write_bytes(path.read_bytes().replace(b",1,1,", b",1,0,", 1))
     status, said, _ = call(capsys, *resume(lived))
@@ -59,7 +59,7 @@ def test_rows_that_were_edited_by_hand_are_kept(lived, capsys):
     assert "held 1 row that the journal" in said
 
 
-def test_what_a_crash_leaves_of_a_trials_file_is_no_surplus(lived, capsys):
+def test_resume_rewrites_torn_trials_file_without_a_message(lived, capsys):
     path, whole = trials_of(lived), trials_of(lived).read_bytes()
     for left in (whole[:-20], whole[:-20] + bytes(64), b""):
         path.write_bytes(left)
@@ -67,11 +67,11 @@ def test_what_a_crash_leaves_of_a_trials_file_is_no_surplus(lived, capsys):
         assert path.read_bytes() == whole
 
 
-# --- what the trials file lacks
+# --- a trials file that lacks rows
 
 
 @pytest.mark.parametrize("n", [1, 2])
-def test_a_trials_file_that_lacks_its_last_rows_is_told_and_written_anew(lived, capsys, n):
+def test_missing_last_rows_are_reported_and_rebuilt(lived, capsys, n):
     path, whole = trials_of(lived), trials_of(lived).read_bytes()
     path.write_bytes(b"".join(whole.splitlines(keepends=True)[:-n]))
     lacks = f"lacks the last {n} row{'s' * (n > 1)} of the journal, expected all of them; write it anew with tactometry"
@@ -88,18 +88,18 @@ def test_a_trials_file_that_lacks_its_last_rows_is_told_and_written_anew(lived, 
     assert call(capsys, "rebuild", lived)[2].strip().endswith("trials")
 
 
-def test_zero_bytes_behind_the_last_row_are_told():
+def test_zero_bytes_after_last_row_are_reported():
     row, how = disagreement(b"a\n1\n\0\0", b"a\n1\n")
     assert (row, how.partition(";")[0]) == (3, "found zero bytes behind the last row, expected none")
 
 
-def test_rebuild_of_nothing_is_bad_input(tmp_path, capsys):
+def test_rebuild_refuses_folder_without_journal(tmp_path, capsys):
     status, said, _ = call(capsys, "rebuild", tmp_path)
     assert status == 2
     assert "found no journal, expected" in said
 
 
-def test_rebuild_leaves_what_is_complete_as_it_is(lived, capsys):
+def test_rebuild_leaves_complete_data_set_unchanged(lived, capsys):
     before = {path: path.read_bytes() for path in lived.rglob("*") if path.is_file()}
     assert call(capsys, "rebuild", journal_of(lived))[0] == 0
     assert before == {path: path.read_bytes() for path in lived.rglob("*") if path.is_file()}
@@ -140,7 +140,7 @@ def test_copy_under_another_name_is_not_resumed(lived):
 
 
 @pytest.mark.parametrize(("column", "value"), [("session", "2"), ("study", "tutorials")])
-def test_a_row_of_another_session_or_study_than_its_file_s_is_told(lived, column, value):
+def test_validate_reports_rows_of_another_session_or_study(lived, column, value):
     with trials_of(lived).open(newline="") as text:
         rows = list(csv.DictReader(text))
     rows[3][column] = value
@@ -151,7 +151,7 @@ def test_a_row_of_another_session_or_study_than_its_file_s_is_told(lived, column
     assert any(f"row 5: column {column!r}: found {value!r}" in str(defect) for defect in validate(lived).defects)
 
 
-def test_a_journal_of_other_numbers_does_not_go_on(lived, tmp_path):
+def test_resume_refuses_journal_of_another_study(lived, tmp_path):
     from tactometry.experiments.sessions.recording import record, simulated
 
     other = TOML.replace(b"trial_s = 5.0", b"trial_s = 6.0")
@@ -160,7 +160,7 @@ def test_a_journal_of_other_numbers_does_not_go_on(lived, tmp_path):
         record(EXPERIMENT, other, lived, Who("P01"), simulated(EXPERIMENT, Who("P01")), resume=True)
 
 
-def test_codes_that_differ_in_capitals_alone_are_refused_and_told(lived):
+def test_participant_codes_must_differ_beyond_case(lived):
     with pytest.raises(InvalidParameter, match="participant: found 'p01' beside 'P01', expected codes that differ in"):
         live(lived, Who("p01", seed=1))
     assert validate(lived).notes == ()
@@ -169,8 +169,8 @@ def test_codes_that_differ_in_capitals_alone_are_refused_and_told(lived):
     assert any("P01 and p01 differ in capitals alone" in note for note in validate(lived).notes)
 
 
-def test_of_two_studies_that_begin_at_once_one_gets_the_folder(tmp_path):
-    """In each new folder four processes with a study each: one goes on, and the others are refused."""
+def test_only_one_of_concurrent_studies_gets_the_folder(tmp_path):
+    """In each new folder, four processes begin different studies: one continues, the others are refused."""
     designs = [EXPERIMENT.design(TOML + b"# %d\n" % n) for n in range(4)]
     for n in range(10):
         begin, go = os.pipe()
@@ -190,10 +190,10 @@ def test_of_two_studies_that_begin_at_once_one_gets_the_folder(tmp_path):
         assert sorted(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children) == [0, 2, 2, 2]
 
 
-# --- what killed processes leave
+# --- files that killed processes leave
 
 
-def test_drafts_of_a_session_are_told_and_removed_and_their_rows_kept(lived, capsys):
+def test_rebuild_removes_drafts_and_keeps_their_rows(lived, capsys):
     orphan = trials_of(lived).with_name(f".{trials_of(lived).name}.4711")
     orphan.write_bytes(trials_of(lived).read_bytes() + b"P01,1,tutorial,9,99\n")
     (lived / "journals" / f".{journal_of(lived).name}.4711").write_bytes(b"{")
@@ -209,7 +209,7 @@ def test_drafts_of_a_session_are_told_and_removed_and_their_rows_kept(lived, cap
     assert drafts(lived / "data") == drafts(lived / "journals") == []
 
 
-def test_drafts_of_others_stay(lived, capsys):
+def test_rebuild_keeps_drafts_of_other_sessions(lived, capsys):
     other = lived / "data" / ".participant-P02_session-1_study-tutorial_data.csv.4711"
     other.write_bytes(b"")
     assert call(capsys, "rebuild", lived)[0] == 0
@@ -217,7 +217,7 @@ def test_drafts_of_others_stay(lived, capsys):
     assert STUDY.name == "tutorial"
 
 
-def test_a_header_alone_is_no_trials_file(lived, capsys):
+def test_validate_refuses_trials_file_without_rows(lived, capsys):
     path = trials_of(lived)
     path.write_bytes(path.read_bytes().partition(b"\n")[0] + b"\n")
     status, _, out = call(capsys, "validate", path)
@@ -225,8 +225,8 @@ def test_a_header_alone_is_no_trials_file(lived, capsys):
     assert "found a header alone, expected a row for each trial" in out
 
 
-def test_people_and_simulated_participants_in_one_folder_are_told(lived, capsys):
-    """Put together by hand: the commands refuse to."""
+def test_validate_reports_simulated_participants_mixed_with_people(lived, capsys):
+    """Combined by hand, as the commands refuse to."""
     for path in (RECORDED / "console").rglob("*P02*"):
         shutil.copy(path, lived / path.parent.name / path.name)
     status, _, out = call(capsys, "validate", lived)
@@ -234,7 +234,7 @@ def test_people_and_simulated_participants_in_one_folder_are_told(lived, capsys)
     assert "journals: found simulated participants (P01, ...) beside people (P02, ...), expected either alone" in out
 
 
-def test_what_a_system_hides_beside_its_files_is_no_trials_file(lived, capsys):
+def test_hidden_system_files_are_ignored(lived, capsys):
     (lived / "data" / f"._{trials_of(lived).name}").write_bytes(b"\0\5\26\7")
     (lived / "journals" / f"._{journal_of(lived).name}").write_bytes(b"\0\5\26\7")
     for command in ("validate", "replay", "analyse"):

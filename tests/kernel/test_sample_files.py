@@ -1,4 +1,4 @@
-"""Files of samples that are torn, damaged, or claim more than they hold: one sentence each, within bounds."""
+"""Sample files that are torn, damaged, or have wrong headers."""
 
 import io
 import json
@@ -69,7 +69,7 @@ READERS = {
 
 
 def refusal(folder, name, content, reader=None):
-    """The one sentence that refuses such a file; None where it is read."""
+    """Return the error message for a file, or None if it is read."""
     path = folder / name
     path.write_bytes(content)
     try:
@@ -84,14 +84,14 @@ def refusal(folder, name, content, reader=None):
 
 
 @pytest.mark.parametrize("name", SOUND)
-def test_what_is_sound_is_read(tmp_path, name):
+def test_valid_files_are_read(tmp_path, name):
     for reader in READERS[name]:
         assert refusal(tmp_path, name, SOUND[name], reader) is None
 
 
 @pytest.mark.parametrize("name", SOUND)
 @given(data=st.data())
-def test_damaged_bytes_are_one_sentence_or_samples(tmp_path_factory, name, data):
+def test_damaged_sample_files_are_read_or_refused_clearly(tmp_path_factory, name, data):
     folder, content = tmp_path_factory.getbasetemp(), bytearray(SOUND[name])
     begin, end = sorted(data.draw(st.tuples(*[st.integers(0, len(content))] * 2)))
     content[begin:end] = data.draw(st.binary(max_size=8) | st.just(b"") | st.just(content[begin:end] * 2))
@@ -103,7 +103,7 @@ def test_damaged_bytes_are_one_sentence_or_samples(tmp_path_factory, name, data)
 
 @pytest.mark.parametrize("name", ["x.wav", "y.wav"])
 @pytest.mark.parametrize("part", [0.0, 0.2, 0.5, 0.99])
-def test_a_torn_wav_file_is_not_read_as_a_whole_one(tmp_path, name, part):
+def test_torn_wav_file_is_refused(tmp_path, name, part):
     content = SOUND[name][: round(part * len(SOUND[name]))]
     for reader, error in zip(READERS[name], (InvalidFile, InvalidParameter), strict=True):
         (tmp_path / name).write_bytes(content)
@@ -139,19 +139,19 @@ DATA_AT = WAV.index(b"data") + 4
         (WAV[:30], "found no whole chunk 'fmt ', expected one: the file is torn"),
     ],
 )
-def test_a_wav_file_that_claims_something_else_is_refused(tmp_path, content, message):
+def test_wav_file_with_wrong_header_is_refused(tmp_path, content, message):
     said = refusal(tmp_path, "x.wav", content)
     assert message in said, said
 
 
-def test_wav_file_is_refused_when_floats_have_five_bytes(tmp_path):
+def test_wav_file_with_five_byte_floats_is_refused(tmp_path):
     content = changed(SOUND["m.wav"], 32, "<HH", 5, 40)
     for reader in (play, lambda path: read([path])):
         assert "found a damaged WAV file (" in refusal(tmp_path, "m.wav", content, reader)
 
 
-def test_a_long_wav_file_says_its_size_elsewhere(tmp_path):
-    """RF64: sizes of 64 bits stand in a chunk of their own, which programs write for files that may grow large."""
+def test_rf64_file_is_read_with_large_size(tmp_path):
+    """RF64 files store 64-bit sizes in a separate chunk."""
     size = struct.unpack_from("<I", WAV, DATA_AT)[0]
     long = struct.pack("<4sIQQQI", b"ds64", 28, len(WAV), size, size // 6, 0)
     content = b"RF64" + struct.pack("<I", 2**32 - 1) + b"WAVE" + long + changed(WAV, DATA_AT, "<I", 2**32 - 1)[12:]
@@ -174,7 +174,7 @@ def test_a_long_wav_file_says_its_size_elsewhere(tmp_path):
         (HEADER + "1,2,3\n1,2\n", "the number of columns changed from 3 to 2"),
     ],
 )
-def test_a_csv_file_without_samples_or_with_two_rates_is_refused(tmp_path, content, message):
+def test_csv_file_without_one_sampling_rate_is_refused(tmp_path, content, message):
     said = refusal(tmp_path, "x.csv", content.encode())
     assert any(part in said for part in message.split("|")), said
 
@@ -183,7 +183,7 @@ def test_a_csv_file_without_samples_or_with_two_rates_is_refused(tmp_path, conte
 
 
 def npy(shape, descr="<f8"):
-    """The bytes of an array whose header claims a shape, and that holds one number."""
+    """Return the bytes of an array of one number whose header states `shape`."""
     header = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + bytes(8)
 
@@ -212,12 +212,12 @@ def archive(samples):
     ],
     ids=lambda part: "archive" if isinstance(part, bytes) else part,  # its bytes hold the time of day
 )
-def test_an_npz_file_that_claims_more_than_it_holds_is_refused(tmp_path, content, message):
+def test_npz_file_with_wrong_header_is_refused(tmp_path, content, message):
     said = refusal(tmp_path, "x.npz", content)
     assert message in said, said
 
 
-def test_a_bomb_is_refused_before_it_goes_off(tmp_path, monkeypatch):
+def test_archive_bomb_is_refused_before_decompression(tmp_path, monkeypatch):
     monkeypatch.setattr("tactometry.files.samples.LARGEST_BYTES", 10**6)
     content = archive(bytes(10**8))
     assert len(content) < 10**6
@@ -228,7 +228,7 @@ def test_a_bomb_is_refused_before_it_goes_off(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_a_file_larger_than_any_is_not_read(tmp_path, name):
+def test_oversized_sample_file_is_not_read(tmp_path, name):
     path = tmp_path / name
     with path.open("wb") as file:
         file.truncate(LARGEST_BYTES + 1)
@@ -237,13 +237,13 @@ def test_a_file_larger_than_any_is_not_read(tmp_path, name):
             reader(path)
 
 
-def test_words_that_are_nested_too_deep_are_refused(tmp_path):
+def test_deeply_nested_provenance_is_refused(tmp_path):
     for words in ("[" * 100_000, '{"a":' * 100_000, "{", "3"):
         said = refusal(tmp_path, "x.npz", npz(provenance=words), read_provenance)
         assert said.startswith("cannot be read as learnt responses")
 
 
-def test_what_is_no_file_is_not_waited_for(tmp_path):
+def test_pipes_and_folders_are_refused_without_waiting(tmp_path):
     os.mkfifo(tmp_path / "x.wav")
     with pytest.raises(InvalidFile, match=r"x\.wav: found a pipe or a device, expected impulse responses"):
         read([tmp_path / "x.wav"])
@@ -313,15 +313,15 @@ def stored_elsewhere(h5py, file):
         (partial(whole, samples=np.zeros((1, 3, 0))), "found no samples, expected at least one"),
     ],
 )
-def test_an_hdf5_file_holds_its_own_samples_and_no_more_than_is_read(tmp_path, hdf5, fill, message):
+def test_hdf5_file_with_links_or_excess_is_refused(tmp_path, hdf5, fill, message):
     np.zeros(150).tofile(tmp_path / "other.raw")
     path = hdf5(fill)
     said = refusal(tmp_path, "x.h5", path.read_bytes())
     assert message in said, said
 
 
-def test_an_hdf5_file_that_its_library_never_comes_back_from_is_given_up(tmp_path, hdf5, monkeypatch):
-    """The size of a text in the heap of the file: the library follows it in a circle."""
+def test_hdf5_file_is_refused_when_its_library_hangs(tmp_path, hdf5, monkeypatch):
+    """A wrong text size in the heap of the file makes the library loop forever."""
     content = hdf5(whole).read_bytes()
     assert refusal(tmp_path, "x.h5", content) is None
     monkeypatch.setattr("tactometry.files.hdf5.READ_WITHIN_S", 1.0)
@@ -332,7 +332,7 @@ def test_an_hdf5_file_that_its_library_never_comes_back_from_is_given_up(tmp_pat
 
 
 @pytest.mark.skipif(find_spec("h5py") is None, reason="no h5py: extra hdf5")
-def test_damaged_bytes_of_an_hdf5_file_are_one_sentence_or_samples(tmp_path, hdf5, monkeypatch):
+def test_damaged_hdf5_files_are_read_or_refused_clearly(tmp_path, hdf5, monkeypatch):
     monkeypatch.setattr("tactometry.files.hdf5.READ_WITHIN_S", 3.0)
     content, rng = hdf5(whole).read_bytes(), np.random.default_rng()
     for _ in range(10):

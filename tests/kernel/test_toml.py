@@ -1,4 +1,4 @@
-"""Every file in TOML that is read: what cannot be is one sentence with the file and what was expected."""
+"""TOML files: each refusal names the file and what was expected."""
 
 import re
 import time
@@ -39,7 +39,7 @@ DAMAGES = {
 
 @pytest.mark.parametrize("what", READERS)
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_damage_is_told_in_one_sentence(tmp_path: Path, what: str, damage: str) -> None:
+def test_damaged_file_is_refused_in_one_sentence(tmp_path: Path, what: str, damage: str) -> None:
     content, found = DAMAGES[damage]
     path = tmp_path / "file.toml"
     path.write_bytes(content)
@@ -51,8 +51,8 @@ def test_damage_is_told_in_one_sentence(tmp_path: Path, what: str, damage: str) 
     assert f"expected {what}" in said
 
 
-def test_a_table_that_stands_twice_is_named_with_its_lines(tmp_path: Path) -> None:
-    """One that is added at the end of a copy: TOML's own words name the second line alone."""
+def test_duplicate_table_is_named_with_its_lines(tmp_path: Path) -> None:
+    """The error of the TOML parser names only the second line."""
     path = tmp_path / "s.toml"
     path.write_text(SOUND["a study file"] + "\n[observer]\nexponent = 2.0\n", encoding="utf-8")
     lines = [
@@ -65,7 +65,7 @@ def test_a_table_that_stands_twice_is_named_with_its_lines(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("what", sorted(set(READERS) - {"a questionnaire", "a study file"}))
-def test_an_absent_file_is_told(tmp_path: Path, what: str) -> None:
+def test_missing_file_is_reported(tmp_path: Path, what: str) -> None:
     with pytest.raises(InvalidFile, match=f"none.toml: cannot be read .No such file or directory., expected {what}"):
         READERS[what](tmp_path / "none.toml")
 
@@ -84,13 +84,13 @@ ODD = ["-1", "1e300", "nan", "-inf", "true", '""', "[]", "{}", "[[1]]", "1979-05
 
 
 @pytest.mark.parametrize("what", READERS)
-def test_what_is_sound_is_read(tmp_path: Path, what: str) -> None:
+def test_valid_files_are_read(tmp_path: Path, what: str) -> None:
     (tmp_path / "file.toml").write_text(SOUND[what], "utf-8")
     READERS[what](tmp_path / "file.toml")
 
 
 def refusal(what: str, path: Path) -> str | None:
-    """Why a file is refused; None if it is read."""
+    """Return the error message for a file, or None if it is read."""
     try:
         READERS[what](path)
     except TactometryError as error:
@@ -101,10 +101,8 @@ def refusal(what: str, path: Path) -> str | None:
 @pytest.mark.parametrize("what", READERS)
 @given(data=st.data())
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_a_file_with_other_values_or_bytes_is_read_or_refused_in_one_sentence(
-    tmp_path: Path, what: str, data: st.DataObject
-) -> None:
-    """Some values are others or gone, or a few bytes are."""
+def test_changed_file_is_read_or_refused_clearly(tmp_path: Path, what: str, data: st.DataObject) -> None:
+    """Some values or bytes are replaced or removed."""
     lines, path, begun_s = SOUND[what].splitlines(), tmp_path / "file.toml", time.process_time()
     stated = [n for n, line in enumerate(lines) if re.match(r"[\w.]+ *=", line)]
     for n in data.draw(st.lists(st.sampled_from(stated), min_size=1, max_size=3)):
@@ -121,7 +119,7 @@ def test_a_file_with_other_values_or_bytes_is_read_or_refused_in_one_sentence(
 
 
 @pytest.mark.parametrize("what", sorted(set(READERS) - {"a questionnaire", "a study file"}))
-def test_a_file_larger_than_anybody_writes_is_not_read(tmp_path: Path, what: str) -> None:
+def test_oversized_file_is_not_read(tmp_path: Path, what: str) -> None:
     with (tmp_path / "file.toml").open("wb") as file:
         file.truncate(2**30)
     with pytest.raises(InvalidFile, match=f"found {2**30} bytes, expected {what} of at most {LARGEST_FILE}"):

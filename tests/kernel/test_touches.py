@@ -1,4 +1,4 @@
-"""Touches that are computed ahead for many trials are those of each trial's own stream."""
+"""Touches computed in batches equal those from each trial's stream."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def one_by_one(request, rng):
 
 
 @given(st.lists(st.lists(STEPS, max_size=4), max_size=6))
-def test_whatever_a_trial_asks_draws_from_its_own_stream_alone(trials):
+def test_each_trial_draws_from_its_own_stream(trials):
     touches = Touches(FINGER, stream)
     for n, steps in enumerate(trials):
         touches.begin(n)
@@ -48,7 +48,7 @@ def test_whatever_a_trial_asks_draws_from_its_own_stream_alone(trials):
         assert touches.rng.random() == rng.random()
 
 
-def test_a_session_of_many_trials_makes_each_stream_once():
+def test_each_stream_is_made_once():
     made = []
     touches = Touches(FINGER, lambda n: made.append(n) or stream(n))
     for n in range(3 * N_AHEAD):
@@ -61,7 +61,7 @@ def test_a_session_of_many_trials_makes_each_stream_once():
 
 
 @pytest.mark.parametrize("request_", [PRESS, SHORT, SLIDE, GATED])
-def test_many_touches_are_the_bits_of_each_alone(request_):
+def test_batched_touches_equal_single_touches(request_):
     drawn = np.random.default_rng(1).standard_normal((50, FINGER.n_draws(request_)))
     together = FINGER.holds(request_, drawn)
     for i, row in enumerate(drawn):

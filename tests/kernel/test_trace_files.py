@@ -1,4 +1,4 @@
-"""Files of traces: whole members, found by their places, whatever a kill or a full disk leaves."""
+"""Trace files: complete members after kills and full disks."""
 
 import gzip
 import resource
@@ -26,7 +26,7 @@ def files(tmp_path):
 
 
 def touch(seed, n=200, rng_of=np.random.default_rng):
-    """Samples of a touch that hardly compress."""
+    """Return samples of a touch that compress poorly."""
     return np.column_stack([np.arange(n) / 1000, rng_of(seed).uniform(0.0, 2.0, n)])
 
 
@@ -34,7 +34,7 @@ finite = st.floats(-1e6, 1e6) | st.just(float("nan"))
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 1e5), finite), min_size=1, max_size=30))
-def test_rows_are_read_back_to_their_last_digit(rows):
+def test_trace_rows_survive_encoding(rows):
     table = np.array(rows)
     force, position = (decode_rows(encode_rows(kind, table)) for kind in ("force", "position"))
     np.testing.assert_allclose(force[:, 0], table[:, 0], atol=5.1e-7)
@@ -42,7 +42,7 @@ def test_rows_are_read_back_to_their_last_digit(rows):
     np.testing.assert_allclose(position[:, 1], table[:, 1], rtol=1e-15, atol=5.1e-10)
 
 
-def test_parts_are_read_back_each_from_its_place(tmp_path, files):
+def test_trace_parts_are_read_from_their_offsets(tmp_path, files):
     tables = [touch(seed) for seed in range(3)]
     parts = [files.keep("force", table, 1000.0) for table in tables]
     for part, table in zip(parts, tables, strict=True):
@@ -53,7 +53,7 @@ def test_parts_are_read_back_each_from_its_place(tmp_path, files):
 
 @settings(deadline=None)
 @given(st.floats(0.0, 1.0, exclude_max=True))
-def test_a_member_that_a_kill_tore_is_cut_off_and_nothing_else(part_written):
+def test_only_the_torn_member_is_cut_off(part_written):
     with TemporaryDirectory() as folder:
         root = Path(folder)
         before = TraceFiles(root, SESSION)
@@ -70,8 +70,8 @@ def test_a_member_that_a_kill_tore_is_cut_off_and_nothing_else(part_written):
         np.testing.assert_allclose(read_part(root, kept), touch(1), atol=5.1e-6)
 
 
-def test_a_whole_member_that_no_journal_names_stays(tmp_path, files):
-    """The journal may be an older copy: what it does not know of is not lost."""
+def test_whole_member_is_kept_when_journal_lacks_it(tmp_path, files):
+    """The journal may be an older copy; traces that it does not name are kept."""
     first, second = (files.keep("force", touch(seed), 1000.0) for seed in (1, 2))
     files.close()
     again = TraceFiles(tmp_path, SESSION)
@@ -80,7 +80,7 @@ def test_a_whole_member_that_no_journal_names_stays(tmp_path, files):
     assert third.first_byte == first.n_bytes + second.n_bytes
 
 
-def test_members_longer_and_shorter_than_a_piece_are_told_apart():
+def test_whole_length_separates_members_of_any_size():
     members = [packed(encode_rows("force", touch(seed, n))) for seed, n in enumerate((30_000, 1, 40_000, 3))]
     ends = np.cumsum([len(member) for member in members]).tolist()
     content = b"".join(members)
@@ -90,14 +90,14 @@ def test_members_longer_and_shorter_than_a_piece_are_told_apart():
         assert whole_length(content[: next_end - 1]) == end
 
 
-def test_what_is_damaged_within_a_file_is_no_tear():
+def test_damage_within_a_file_is_not_cut_off():
     members = [bytearray(packed(encode_rows("force", touch(seed)))) for seed in range(3)]
     members[1][40] ^= 1
     content = b"".join(members)
     assert whole_length(content) == len(content)
 
 
-def test_a_damaged_part_is_refused_in_one_sentence(tmp_path, files):
+def test_damaged_trace_part_is_refused(tmp_path, files):
     part = files.keep("force", touch(1), 1000.0)
     path = trace_file(tmp_path, SESSION, "force")
     path.write_bytes(bytes(part.n_bytes))
@@ -108,7 +108,7 @@ def test_a_damaged_part_is_refused_in_one_sentence(tmp_path, files):
         read_part(tmp_path, part)
 
 
-def test_a_disk_that_fills_takes_nothing_of_what_was_kept(tmp_path, files):
+def test_full_disk_leaves_kept_traces_intact(tmp_path, files):
     first = files.keep("force", touch(1), 1000.0)
     limits, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (first.n_bytes + 100, limits[1]))
@@ -123,7 +123,7 @@ def test_a_disk_that_fills_takes_nothing_of_what_was_kept(tmp_path, files):
     assert second.first_byte == first.n_bytes
 
 
-def test_the_same_samples_give_the_same_bytes_and_a_file_of_its_owner(tmp_path):
+def test_equal_samples_give_equal_bytes_in_private_files(tmp_path):
     made = []
     for name in ("a", "b"):
         make_folder(tmp_path / name)

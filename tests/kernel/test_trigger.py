@@ -1,4 +1,4 @@
-"""The decision in the sensors' threads: it acts once, and not after it was called off; what hangs holds nobody up."""
+"""Trigger in the sensor threads: fires once, can be disarmed, never blocks."""
 
 import queue
 import sys
@@ -17,7 +17,7 @@ from tactometry.signal import Signal
 
 
 class Scene:
-    """What a trigger asks and does, in a list."""
+    """Callbacks of a trigger, recorded in a list."""
 
     def __init__(self):
         self.opens = self.breaks = self.muted = False
@@ -42,7 +42,7 @@ def scene():
     return Scene()
 
 
-def test_it_fires_once_when_it_opens_and_stops_once_when_it_breaks(scene):
+def test_trigger_fires_and_stops_once(scene):
     assert scene.considered(breaks=True) == []
     assert (scene.trigger.begun, scene.trigger.broken) == (None, False)
     before_s = time.perf_counter()
@@ -55,20 +55,20 @@ def test_it_fires_once_when_it_opens_and_stops_once_when_it_breaks(scene):
     assert scene.considered() == ["fire", "stop"]
 
 
-def test_what_may_not_play_just_now_is_tried_again(scene):
+def test_trigger_retries_when_output_was_muted(scene):
     assert scene.considered(opens=True, muted=True) == ["muted"]
     assert scene.trigger.begun is None
     assert scene.considered(muted=False) == ["muted", "fire"]
 
 
 @pytest.mark.parametrize("begun", [False, True])
-def test_called_off_it_neither_fires_nor_stops(scene, begun):
+def test_disarmed_trigger_neither_fires_nor_stops(scene, begun):
     done = scene.considered(opens=begun).copy()
     scene.trigger.disarm()
     assert scene.considered(opens=True, breaks=True) == done
 
 
-def test_calling_off_waits_for_what_is_under_way_and_nobody_else_does(scene, in_background):
+def test_only_disarm_waits_for_a_running_step(scene, in_background):
     scene.opens = True
     scene.may_end.clear()
     in_background(scene.trigger.consider)
@@ -86,7 +86,7 @@ def test_calling_off_waits_for_what_is_under_way_and_nobody_else_does(scene, in_
 
 
 class Beginning:
-    """An output that has begun to begin."""
+    """Output that waits while it begins a signal."""
 
     def __init__(self):
         self.done, self.begins, self.may_go_on = [], threading.Event(), threading.Event()
@@ -102,7 +102,7 @@ class Beginning:
         self.may_go_on.set()
 
 
-def test_what_begins_while_it_is_muted_is_stopped_and_nothing_begins_until_it_is_not(in_background):
+def test_muted_emitter_stops_and_refuses_signals(in_background):
     output = Beginning()
     emitter, signal = Emitter({}, output, None), Signal(np.zeros((1, 1)), 1000.0, "V")
     in_background(emitter.emit_if_allowed, signal)
@@ -116,7 +116,7 @@ def test_what_begins_while_it_is_muted_is_stopped_and_nothing_begins_until_it_is
 
 
 class Hung(Beginning):
-    """An output whose driver never comes back from its beginning."""
+    """Output whose driver never returns from beginning a signal."""
 
     name = "hung"
 
@@ -124,7 +124,7 @@ class Hung(Beginning):
         self.done.append("stop")
 
 
-def test_no_session_waits_for_an_output_that_hangs_as_it_begins(in_background, monkeypatch):
+def test_mute_fails_in_time_when_output_hangs(in_background, monkeypatch):
     monkeypatch.setattr("tactometry.rigs.emitter.BEGIN_WITHIN_S", 0.1)
     output = Hung()
     emitter, signal = Emitter({}, output, None), Signal(np.zeros((1, 1)), 1000.0, "V")
@@ -140,7 +140,7 @@ def test_no_session_waits_for_an_output_that_hangs_as_it_begins(in_background, m
 
 
 @pytest.mark.parametrize("fails", ["opens", "fire", "breaks", "stop"])
-def test_what_went_wrong_is_raised_where_the_session_is_led_and_not_tried_again(fails):
+def test_trigger_reports_errors_to_the_session_without_retrying(fails):
     def failing(name, value):
         def step():
             called.append(name)
@@ -161,7 +161,7 @@ def test_what_went_wrong_is_raised_where_the_session_is_led_and_not_tried_again(
             getattr(trigger, asked)
 
 
-def test_threads_take_quick_turns_only_while_a_decision_is_awaited():
+def test_quick_turns_restores_the_switch_interval():
     def fail():
         with quick_turns():
             assert sys.getswitchinterval() == pytest.approx(TURN_S)
@@ -179,11 +179,11 @@ def test_threads_take_quick_turns_only_while_a_decision_is_awaited():
         sys.setswitchinterval(usual_s)
 
 
-# --- what is heard
+# --- listening to sensors
 
 
 class Teller:
-    """A sensor that tells one who listens."""
+    """Sensor with one listener."""
 
     hear = None
 
@@ -192,7 +192,7 @@ class Teller:
         return lambda: setattr(self, "hear", None)
 
 
-def test_the_decision_follows_what_was_heard_and_ends_with_it():
+def test_receiving_calls_listener_and_callback_until_exit():
     sensor, heard = Teller(), []
 
     def fail():
@@ -206,13 +206,13 @@ def test_the_decision_follows_what_was_heard_and_ends_with_it():
     assert sensor.hear is None
 
 
-def test_without_a_sensor_nothing_is_heard():
+def test_receiving_without_sensor_calls_nothing():
     with receiving(None, pytest.fail):
         pass
 
 
 class Gone:
-    """A sensor that is there once, and then neither tells nor can be closed at once or found again."""
+    """Sensor that opens once, then fails to read, to close at once and to reopen."""
 
     name, n_channels, rate_hz = "gone", 1, 1000.0
 
@@ -243,7 +243,7 @@ class Gone:
         (RuntimeError("an\nerror"), "gone: found a failure (RuntimeError: an error), expected samples"),
     ],
 )
-def test_while_a_sensor_is_away_its_listeners_are_told_that_nothing_came(error, failure):
+def test_listeners_get_empty_blocks_when_sensor_is_away(error, failure):
     reader, told = Reader(Gone(error)), queue.Queue()
     reader.subscribe(told.put)
     reader.open()
@@ -254,7 +254,7 @@ def test_while_a_sensor_is_away_its_listeners_are_told_that_nothing_came(error, 
 
 
 class Hanging(Gone):
-    """A sensor whose driver comes back neither from reading nor from closing."""
+    """Sensor whose driver returns neither from reading nor from closing."""
 
     def __init__(self):
         super().__init__(DeviceFailed("gone"))
@@ -267,7 +267,7 @@ class Hanging(Gone):
         self.hangs.wait()
 
 
-def test_a_driver_that_hangs_keeps_no_session_from_its_end(monkeypatch):
+def test_session_ends_when_driver_hangs(monkeypatch):
     monkeypatch.setattr("tactometry.devices.sensors.reader.CLOSE_WITHIN_S", 0.1)
     reader = Reader(Hanging())
     reader.open()
@@ -278,7 +278,7 @@ def test_a_driver_that_hangs_keeps_no_session_from_its_end(monkeypatch):
     reader.source.hangs.set()
 
 
-def test_a_sensor_that_fails_as_it_is_opened_is_a_failed_device():
+def test_sensor_error_on_opening_is_a_failed_device():
     source = Gone(RuntimeError("an internal error"))
     source.n_opened = 1
     with pytest.raises(DeviceFailed, match=r"^gone: found a failure \(RuntimeError: an internal error\), expected"):

@@ -1,1 +1,1 @@
-"""From samples to a voltage: the seam, the guard before every driver, the drivers."""
+"""Outputs: the driver interface, the guard and the drivers."""

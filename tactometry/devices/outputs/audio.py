@@ -23,17 +23,17 @@ from .gain import Gain, SignalChain, required_gain
 from .output import LONGEST_WORD_S, AmplifiedDriver
 
 FADE_S = 1e-3
-"""A stop falls to zero in this time, whatever the block (unverified default)."""
+"""Fade of a stop to zero, for any block size (unverified default)."""
 LONGEST_START_S = 2.0
 LONGEST_S: Final = {"block_s": 1.0, "latency_s": 10.0, "position_latency_s": 1.0}
-"""Of what is stated: later nothing stops, and nothing follows a finger (unverified default)."""
+"""Longest stated times; with longer ones, stops and textures would be too late (unverified default)."""
 POSITION_AGE_S: Final = 0.005
-"""How old the last place of a finger may be when it is needed: an interval of the sensor, its way to us, and turns of
-threads (unverified default)."""
+"""Age of the last finger position when it is used: sensor interval, transfer and thread switches (unverified
+default)."""
 WORD_S = 1e-3
 SHARED: Final = ("pulse", "pipewire", "jack", "dmix")
 SHARED_INTERFACES: Final = ("MME", "Windows DirectSound", "Windows WASAPI", "Core Audio", "JACK", "PulseAudio")
-"""PortAudio's devices and interfaces that mix in what other programs play."""
+"""PortAudio devices and interfaces that mix in sound from other programs."""
 SERVERS: Final = ("pulse", "pipewire")
 """Devices of PortAudio on Linux that lead to a sound server, by the server's default sink."""
 ASKED_WITHIN_S: Final = 2.0
@@ -47,15 +47,15 @@ class AudioSettings:
     `block_s` and `latency_s` trade a quick stop against gaps in the sound. Both are unverified defaults. Without
     `position_latency_s` it is the longest lead that the device took of late, a block, and `POSITION_AGE_S`.
 
-    - `rate_hz`: Of the card, and so of the stimulus.
+    - `rate_hz`: Sampling rate of the card, and therefore of the stimulus.
     - `device`: The card, as the system calls it.
-    - `channels`: Its outlets, from 0, in the order of the signal's channels.
-    - `sample_format`: Of a sample on its way to the card.
-    - `block_s`: What is written at once: a stop takes at most a block and the latency.
-    - `latency_s`: How far the card is written ahead.
+    - `channels`: Outputs of the card, from 0, in the order of the signal's channels.
+    - `sample_format`: Format of the samples sent to the card.
+    - `block_s`: Duration written at once: a stop takes at most a block and the latency.
+    - `latency_s`: Duration buffered ahead.
     - `shared`: Allow a device that other programs play to as well.
-    - `position_latency_s`: From a place of the finger to the voltage of a texture there; by default as the device led
-      of late.
+    - `position_latency_s`: Time from a finger position to the voltage of a texture there; by default from the recent
+      lead of the device.
     """
 
     connected: ClassVar[bool] = True
@@ -99,7 +99,7 @@ class AudioOutput(AmplifiedDriver):
         self._n_frames, self._dry = 0, DryRuns(settings.latency_s)
         self._clocks = ClockMap()
         self._numbers = functools.lru_cache(maxsize=1)(self._round_to_zero)
-        """What the card gets, (n_channels, n_samples); the last signal's is kept, so that `play` begins at once."""
+        """Device samples, (n_channels, n_samples), cached for the last signal, so that `play` begins at once."""
 
     @property
     def identity(self) -> str:
@@ -139,13 +139,13 @@ class AudioOutput(AmplifiedDriver):
         try:
             self._stream = sounddevice.OutputStream(
                 device=settings.device,
-                # PortAudio opens the outlets from the first on; those that are not named get zeros
+                # PortAudio opens outputs from the first on; unused ones get zeros
                 channels=max(settings.channels) + 1,
                 samplerate=settings.rate_hz,
                 dtype=settings.sample_format,
                 blocksize=round(settings.block_s * settings.rate_hz),
                 latency=settings.latency_s,
-                # what leaves is what `final` gave to the guard, to the last bit
+                # emit exactly the bits that the guard checked in `final`
                 dither_off=True,
                 clip_off=True,
                 callback=self._fill,
@@ -165,7 +165,7 @@ class AudioOutput(AmplifiedDriver):
         kind = np.dtype(self._settings.sample_format)
         if kind.kind == "i":
             return np.trunc(units * FULL_SCALE[kind.name]).astype(kind)
-        # to the nearest, which may lie further from zero: then one step back
+        # round to nearest, then one step back if that is further from zero
         numbers = units.astype(kind)
         return np.where(np.abs(numbers) > np.abs(units), np.nextafter(numbers, kind.type(0)), numbers)
 
@@ -213,7 +213,7 @@ class AudioOutput(AmplifiedDriver):
 
     def _fill(self, out: NDArray[np.generic], n_frames: int, times: Any, status: Any) -> None:
         now_s = time.perf_counter()
-        feed = self._feed  # read once: `play` puts another in its place while this runs in PortAudio's thread
+        feed = self._feed  # read once: `play` may replace it while this runs in PortAudio's thread
         lead_s = max(0.0, times.outputBufferDacTime - times.currentTime)
         block_s = n_frames / self.rate_hz
         underflow = bool(status.output_underflow)
@@ -222,13 +222,13 @@ class AudioOutput(AmplifiedDriver):
             feed.n_gaps += feed.is_torn_by(gap_s, self.rate_hz)
         self._clocks = self._clocks.after(self._n_frames / self.rate_hz, now_s)
         self._n_frames += n_frames
-        out[:] = 0  # before and after a signal, and behind its last frame
+        out[:] = 0  # silence before a signal and after its last frame
         if feed is None or feed.finished:
             return
         if not feed.begun.is_set():
             feed.n_gaps += self._dry.is_dry  # its first frames are lost in the gap before it
             feed.begin(now_s, lead_s)
-        # a device whose lead is not known plays up to `latency_s` behind its first block
+        # a device with unknown lead plays up to `latency_s` after its first block
         feed.give_up_if_late(self.rate_hz, FADE_S + (0.0 if self._dry.has_lead else self._settings.latency_s))
         piece = feed.take(n_frames)
         out[: len(piece)] = piece
@@ -239,11 +239,11 @@ class AudioOutput(AmplifiedDriver):
         if feed is None:
             return 0
         lasts = not self._asks_within(longest_wait_s) and feed.is_torn_by(self._dry.dry_s, self.rate_hz)
-        # frames that are late were held up by a gap: by one that nobody told of, if there is no other
+        # late frames imply at least one gap, even if none was reported
         return feed.n_gaps + lasts or int(feed.is_late(time.perf_counter(), self.rate_hz))
 
     def _asks_within(self, longest_s: float) -> bool:
-        """Return True if the device asks for samples in time; 0 does not wait."""
+        """Return True if the device requests samples in time; 0 does not wait."""
         n_frames, end_s = self._n_frames, time.perf_counter() + longest_s
         while longest_s and self._n_frames == n_frames:
             if time.perf_counter() > end_s:

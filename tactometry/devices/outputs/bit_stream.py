@@ -17,11 +17,11 @@ offset  type  what
 ======  ====  ===================================================================================
 
 The payload of version 1 is one word of signs per sample, ``ceil(n_channels / 8)`` bytes; channel q is bit q mod 8 of
-byte q div 8; the bits beyond the last channel are 0. In version 2 a second word follows it, of which channels are on:
-where its bit is 0, the channel is switched off, and its sign bit is 0. A board whose supply can be commanded sets it to
-``voltage_v`` first. A board plays a stream once it has all of it, its checksum is right and its supply is that of the
-header, and switches its outputs off before it, after its last sample, at the end of the file, and at
-once when it reads a stream of no samples, which is how "stop" is said.
+byte q div 8; the bits beyond the last channel are 0. In version 2 a second word follows, with a bit for each
+channel: where it is 0, the channel is switched off and its sign bit is 0. A board with a programmable supply first sets
+it to ``voltage_v``. A board plays a stream once it is complete, its checksum is correct and the supply has the voltage
+of the header. It switches its outputs off before the stream, after its last sample, at the end of the file, and at once
+when it reads a stream without samples, which means "stop".
 """
 
 import struct
@@ -37,7 +37,7 @@ from ...signal import Signal
 MAGIC: Final = b"TACT1BIT"
 SIGNS: Final = 1
 SIGNS_AND_OFF: Final = 2
-"""Versions: words in each sample."""
+"""Format versions, equal to the words per sample."""
 _FIELDS: Final = struct.Struct("<8sHHIddQI")
 _CHECKSUM: Final = struct.Struct("<I")
 HEADER_BYTES: Final = _FIELDS.size + _CHECKSUM.size

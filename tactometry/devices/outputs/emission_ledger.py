@@ -22,10 +22,10 @@ from ...safety.limits import LONGEST_WINDOW_S
 from ..clock_map import boot_clock_s, boot_id
 
 Emissions = tuple[tuple[float, float], ...]
-"""How long ago signals began, s, and how long they play, s."""
+"""Time since the beginning of each signal, s, and its duration, s."""
 NAME: Final = "outputs.sqlite3"
 LONGEST_WAIT_S: Final = 1.0
-"""For another process that writes (unverified default)."""
+"""Longest wait for another process that writes (unverified default)."""
 _TABLE: Final = (
     "CREATE TABLE IF NOT EXISTS emissions (id INTEGER PRIMARY KEY, output TEXT NOT NULL, opened TEXT NOT NULL, "
     "boot_id TEXT NOT NULL, boot_s REAL NOT NULL, utc_s REAL NOT NULL, duration_s REAL NOT NULL)"
@@ -106,7 +106,7 @@ class Ledger:
                 row = (self._output, self._opened, now.boot_id, now.boot_s, now.utc_s, duration_s)
                 columns = "output, opened, boot_id, boot_s, utc_s, duration_s"
                 added = database.execute(f"INSERT INTO emissions ({columns}) VALUES (?, ?, ?, ?, ?, ?)", row)
-            # only a row that is committed: another process may take the number of one that is not
+            # set after the commit, as another process may reuse the number of an uncommitted row
             self._last = (added.lastrowid or 0, now, duration_s)
 
     def end(self, late_s: float) -> None:
@@ -154,7 +154,7 @@ class Ledger:
     def _connect(self) -> sqlite3.Connection:
         os.close(open_private(self._path, os.O_RDWR))
         database = sqlite3.connect(self._path, LONGEST_WAIT_S, isolation_level=None, check_same_thread=False)
-        # a process that is killed loses nothing; only a power failure could, and nothing plays behind one at once
+        # a killed process loses nothing; after a power failure nothing plays at once
         database.execute("PRAGMA synchronous = OFF")
         return database
 

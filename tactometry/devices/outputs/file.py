@@ -1,4 +1,4 @@
-"""An output to files: exactly what would be played, one file per signal."""
+"""File output that writes each signal exactly as it would be played."""
 
 import time
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from .output import UnconnectedDriver
 
 @dataclass(frozen=True)
 class FileSettings:
-    """Files in place of a device: `folder` gets 0001.npz and on (``samples`` in V, ``rate_hz``, ``unit``,
-    ``digest``), or 0001.wav.
+    """File output: one numbered file per signal, instead of a device.
 
-    A WAV file holds 64-bit numbers in volt, the same samples to the last bit; its rate is a whole number.
+    Files are 0001.npz and so on, with ``samples`` in V, ``rate_hz``, ``unit`` and ``digest``, or 0001.wav. A WAV file
+    contains the same samples as 64-bit numbers in volt; its rate must be a whole number.
 
-    - `folder`: Where the files go, one for each signal.
+    - `folder`: Folder of the files, one for each signal.
     - `format`: Arrays, or sound files of 64-bit numbers in volt.
     - `n_channels`: Channels of each signal; by default any.
     - `rate_hz`: Rate of each signal; by default any.

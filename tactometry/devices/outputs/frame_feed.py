@@ -1,4 +1,4 @@
-"""Frames that a sound card requests: of a signal, of one that follows a finger, and gaps of the card."""
+"""Frames requested by a sound card, and detection of its gaps."""
 
 import math
 import statistics
@@ -15,24 +15,24 @@ from ...signal import FloatArray
 from ..clock_map import boot_clock_s
 
 SCANT_S: Final = 0.01
-"""A device that has less in hand as it asks has run dry (unverified default: of a sound server that was held up it was
-0 to 3 ms behind each gap, and 24 ms or more where all was heard)."""
+"""A device with a smaller buffer at a request has run dry (unverified default: a suspended sound server had 0 to 3 ms
+after each gap, and 24 ms or more without gaps)."""
 
 SCANT_PART: Final = 0.6
-"""A device that asks with less than this part of what it has in hand as a rule was held up (measured: of nine touches
-that a sound server tore without a word, at a load of 10 to 15 on two cores, each had asked so, with 10 to 54 % of
-its latency left; where program and server went first it asked with 87 % and more in 103 of 105 touches)."""
+"""A device that requests samples with less than this part of its usual buffer was held up (measured: in nine touches
+with unreported gaps, at a load of 10 to 15 on two cores, 10 to 54 % of the latency was left; with priority for program
+and server it was at least 87 % in 103 of 105 touches)."""
 N_LEADS: Final = 400
-"""Blocks whose lead is remembered: two seconds, as `block_s` is by default."""
+"""Number of blocks whose lead is remembered: two seconds with the default `block_s`."""
 
 BURST_S: Final = 0.05
-"""Blocks that a device asks for to fill itself again come within less (unverified default)."""
+"""Longest interval between requests of a device that refills its buffer (unverified default)."""
 EARLY_S: Final = 0.03
-"""A device may run dry so long before what it has in hand lasts, as it says (unverified default: the block of a sound
-server's sink is 20 ms, and what it says of itself is off by some)."""
+"""A device may run dry this much earlier than its reported buffer ends (unverified default: the block of a sound
+server's sink is 20 ms, and its report is inexact)."""
 
 LONGEST_HOLD_UP_S: Final = 0.1
-"""A device that asks for the first frames later than this after they were made was held up (unverified default)."""
+"""A device that requests the first frames later than this after they were ready was held up (unverified default)."""
 
 
 class FrameFeed:
@@ -103,7 +103,7 @@ class FrameFeed:
         >>> small_blocks.take(2).ravel().tolist(), small_blocks.take(2).ravel().tolist()
         ([8.0, 6.0], [4.0, 2.0])
         """
-        stopping = self._stopping  # read once: the thread that plays may set it meanwhile
+        stopping = self._stopping  # read once: the playing thread may set it meanwhile
         n_taken = min(n_frames, self._n_fade - self._n_faded) if stopping else n_frames
         begin, piece = self._at, self._frames[self._at : self._at + n_taken]
         self._at += n_taken
@@ -143,7 +143,7 @@ class FollowingFeed(FrameFeed):
             return piece
         path = self._signal.path
         times_s = self.onset_s - self.latency_s + np.arange(begin, begin + len(piece)) / self._signal.rate_hz
-        last_s = path.last_s  # before the places are asked for: the sensor's thread goes on
+        last_s = path.last_s  # read before the positions, as the sensor's thread may add some
         places_m = path.at(times_s)
         self._n_late += len(piece) - int(np.searchsorted(times_s, last_s, side="right"))
         self._n_unknown += int(np.count_nonzero(np.isnan(places_m)))
@@ -180,7 +180,7 @@ class FollowingFeed(FrameFeed):
 
 
 def was_held_up(left_s: float, leads_s: Sequence[float], latency_s: float) -> bool:
-    """Return True if a device that has `left_s` in hand asks later than it should, and may have skipped.
+    """Return True if a device with a buffer of `left_s` may have skipped frames.
 
     A held-up sound server may run dry before its reported buffer ends, without reporting it. The usual buffer is the
     median of `leads_s`, or `latency_s` if that is less; all in s.
@@ -212,14 +212,14 @@ class DryRuns:
     def __init__(self, latency_s: float) -> None:
         self.n_gaps = 0
         self.dry_s = math.inf
-        """When what the device has runs out, s on `time.perf_counter`; infinite where that is not believed."""
+        """When the buffer of the device runs out, s on `time.perf_counter`; infinite if its report is not trusted."""
         self.is_dry = False
-        """Whether it was, or may have been, as it asked for the last block."""
+        """True if it ran dry, or may have, before the last request."""
         self.leads_s: deque[float] = deque(maxlen=N_LEADS)
         self._latency_s, self._had_lead = latency_s, False
         self._last_s = self._last_dry_s = -math.inf
         self._heard_s = -math.inf
-        """When the first block of the last burst is heard, as the device says."""
+        """When the first block of the last burst is emitted, according to the device."""
 
     @property
     def has_lead(self) -> bool:

@@ -12,9 +12,9 @@ from ...signal import FloatArray, Signal
 from ..measured import MaxAge, Measured
 
 MAX_AGE_DAYS: Final = 365
-"""Of a gain for which nobody stated another age (unverified default)."""
+"""Default largest age of a gain, days (unverified default)."""
 VOLUME_TOLERANCE: Final = 0.005
-"""Sound servers state a volume in whole per cent."""
+"""Tolerated difference of volumes, as sound servers state them in whole per cent."""
 MEASURE: Final = "measure it with: tactometry calibrate gain; nothing was played"
 
 
@@ -28,7 +28,7 @@ class SignalChain:
 
 @dataclass(frozen=True)
 class Gain(Measured):
-    """Volts at the load for each unit of a sample: those at the device's connector, times what the amplifier does.
+    """Volts at the load per sample unit: connector voltage times amplifier gain.
 
     - `volts_per_unit`: Peak voltage at the connector for a sample of 1.0, V, above 0.
     - `amplifier_gain`: Voltage at the load over voltage at the connector, above 0.
@@ -76,7 +76,7 @@ class Gain(Measured):
         system_volume = chain.system_volume
         known = [volume for volume in (self.system_volume, system_volume) if volume is not None]
         apart = max(known, default=0.0) - min(known, default=0.0)
-        # one volume alone tells nothing of the other: a server came or went since the gain was measured
+        # volumes compare only if both are known: the server may have been started or removed since
         if len(known) == 1 or apart > VOLUME_TOLERANCE:
             raise DeviceFailed(
                 f"{what}.system_volume: found a gain of {_volume(self.system_volume)}, expected one of "
@@ -90,7 +90,7 @@ class Gain(Measured):
         Raises `DeviceFailed` if one is beyond -1..1, where the device would clip.
         """
         units = signal.samples / self.load_volts_per_unit
-        # 1e-12: the last digits of the division are no excess, and are cut off below
+        # 1e-12: rounding errors of the division are clipped below
         if np.max(np.abs(units), initial=0.0) > 1 + 1e-12:
             raise DeviceFailed(
                 f"output: found a peak of {signal.peak:.6g} V, expected at most {self.load_volts_per_unit:.6g} V, what "

@@ -41,7 +41,7 @@ class _Playing:
 
 @dataclass(eq=False)
 class Guarded:
-    """An output that checks the final samples of its driver, and how often and how long it played.
+    """Output that checks its driver's final samples and its playing time.
 
     - `limits`: None: nothing is played.
     - `load`: None only for a driver that is not connected.
@@ -125,7 +125,7 @@ class Guarded:
     ) -> None:
         """Count and report a signal that the driver has begun."""
         with self._counting:
-            # the clock anew: a driver may let the signal before fall to zero first
+            # read the clock again: a driver may first fade the previous signal
             now_s = self.clock()
             self._exposure = self._exposure.after(now_s, duration_s, limits.duty_window_s, largest_c)
             self._playing = _Playing(now_s + onset_s - time.perf_counter(), duration_s, charge)
@@ -139,7 +139,7 @@ class Guarded:
             others_s = ((now_s - ago_s, now_s - ago_s + other_s) for ago_s, other_s in emitted)
             limits.check_exposure(self._exposure.with_others(others_s), now_s, duration_s, charge_c)
 
-        if self.ledger is None or not self.ledger.is_open:  # a driver that is not open plays nothing on its load
+        if self.ledger is None or not self.ledger.is_open:  # a closed driver plays nothing
             allow(())
         else:
             self.ledger.add(duration_s, allow)
@@ -163,7 +163,7 @@ class Guarded:
         return limits, self._final(signal, limits)
 
     def _keep_to_limits(self, signal: Signal, limits: Limits) -> Signal:
-        # twice: what was asked for, and what rounding and clipping make of it
+        # check both the requested signal and its rounded and clipped version
         limits.check(signal)
         check_format(signal, self.driver)
         final = self.driver.final(signal)

@@ -2,10 +2,10 @@
 
 Written to the documented interface of `nidaqmx` and checked against its signatures. It was **not run on a device**.
 
-Each signal is a finite generation from a buffer that ends at zero: nothing has to tell the device to be silent. A stop
-aborts the generation and writes zeros. If the process is killed in the middle of a signal, the driver aborts the task
-and the last value may stay at the output: devices that know an idle state are told to idle at 0 V (`idle_at_zero`),
-others need a watchdog of their own, or an amplifier that is switched off by hand.
+Each signal is a finite generation from a buffer that ends at zero, so that the device falls silent without a command. A
+stop aborts the generation and writes zeros. If the process is killed during a signal, the driver aborts the task and
+the last value may remain at the output. Devices with an idle state are set to idle at 0 V (`idle_at_zero`); others need
+a hardware watchdog, or an amplifier that is switched off by hand.
 """
 
 import time
@@ -31,9 +31,9 @@ class NiSettings:
     device's, V, of either sign.
 
     - `channels`: Physical names such as ``Dev1/ao0``, in the order of the signal's channels.
-    - `rate_hz`: Of the cards, and so of the stimulus.
-    - `range_v`: Of the device, of either sign.
-    - `idle_at_zero`: Tell devices that know an idle state to idle at 0 V.
+    - `rate_hz`: Sampling rate of the cards, and therefore of the stimulus.
+    - `range_v`: Largest output voltage of the device, of either sign.
+    - `idle_at_zero`: Set devices with an idle state to idle at 0 V.
     - `onboard_memory`: Play from the memory on the card alone.
     - `reconstruction_filter`: False for a card that holds each value until the next: peaks between samples are then not
       checked.

@@ -15,13 +15,13 @@ from ...signal import Signal
 from .gain import Gain, SignalChain
 
 RAMP_S = 0.005
-"""Ramps of a signal that does not begin and end at rest by itself (unverified default)."""
+"""Ramps of a signal that does not begin and end at rest (unverified default)."""
 AT_REST_PART = 0.01
 """A signal that begins and ends below this part of its peak needs no ramp."""
 
 
 LONGEST_WORD_S = 0.1
-"""A device that asks for no samples for so long plays none (unverified default)."""
+"""A device that requests no samples for longer plays none (unverified default)."""
 
 
 class Driver(ABC):
@@ -31,7 +31,7 @@ class Driver(ABC):
     - `one_bit`: True if it emits only plus or minus one voltage, without ramps.
     - `emits`: False for a null output.
     - `full_scale_v`: The largest voltage that it can put on the load.
-    - `n_channels`, `rate_hz`: None for a driver that takes any.
+    - `n_channels`, `rate_hz`: None for a driver that accepts any.
     - `follows`: True if it can play signals that follow a finger.
     """
 

@@ -29,29 +29,29 @@ from .gain import Gain, SignalChain, required_gain
 from .output import LONGEST_WORD_S, AmplifiedDriver
 
 OPEN_WITHIN_S: Final = 5.0
-"""A board that does not read yet is waited for."""
+"""Longest wait for a board to begin reading."""
 AGAIN_WITHIN_S: Final = 0.5
-"""The same, where it read before."""
+"""The same for a board that has read before."""
 SEND_EXTRA_S: Final = 1.0
-"""A board takes a stream in the time that it lasts and this (unverified default)."""
+"""Time limit for sending a stream, in addition to its duration (unverified default)."""
 TAKE_EXTRA_S: Final = 0.5
-"""A board that has not all of a stream so long after its end played nothing (unverified default)."""
+"""A board that has not read a complete stream this long after its end played nothing (unverified default)."""
 LOOK_S: Final = 0.005
-"""A line that takes nothing is looked at this often."""
+"""Polling interval of a full line."""
 READ_WITHIN_S: Final = STOP_WITHIN_S - 2 * LOOK_S
-"""A board that has not read a stop by then hangs: what was sent before, and the stop, are looked at once more each."""
+"""Time limit for a board to read a stop; earlier data and the stop are each polled once more."""
 _NEVER: Final = threading.Event()
 
 
 class BoardLine:
-    """An open line; only of pipes is it known whether data were read, and can they be taken back."""
+    """Open line; only pipes show whether data were read, and can be emptied."""
 
     def __init__(self, path: Path, file: int) -> None:
         self.path, self._file = path, file
         self._is_pipe = stat.S_ISFIFO(os.fstat(file).st_mode)
 
     def write(self, stream: bytes, within_s: float, until: threading.Event = _NEVER) -> int:
-        """Return how many bytes the line took in a time, or before `until` was set.
+        """Return the bytes accepted within a time, or before `until` was set.
 
         Raises `DeviceFailed` if the board went away.
         """
@@ -92,7 +92,7 @@ class BoardLine:
         with contextlib.ExitStack() as last_first, contextlib.suppress(OSError):
             own_end = os.open(self.path, os.O_RDONLY | os.O_NONBLOCK)
             last_first.callback(os.close, own_end)
-            # an empty pipe that may still be written to raises BlockingIOError, which is the way out
+            # an empty pipe with a writer raises BlockingIOError, which ends the loop
             while os.read(own_end, 2**16):
                 pass
 
@@ -101,7 +101,7 @@ class BoardLine:
 
 
 class Sending:
-    """A stream that is sent in a thread; `failure` says what went wrong, unless it was ended."""
+    """Stream being sent in a thread; `failure` is its error unless it was ended."""
 
     def __init__(self, line: BoardLine, stream: bytes, within_s: float) -> None:
         self._line, self._stream, self._within_s = line, stream, within_s
@@ -142,17 +142,17 @@ class Sending:
 def open_line(path: Path, within_s: float) -> BoardLine:
     """Open a line for appending; wait for the reader of a pipe.
 
-    Raises `DeviceFailed` if it cannot be written, or nobody reads it within `within_s`.
+    Raises `DeviceFailed` if it cannot be written, or has no reader within `within_s`.
     """
-    # without O_NONBLOCK the opening of a pipe that nobody reads blocks; O_NOCTTY: a serial node does not become the
-    # terminal whose hang-up ends this process; Windows knows neither
+    # without O_NONBLOCK, opening a pipe without a reader blocks; with O_NOCTTY, a serial node does not become the
+    # terminal whose hang-up ends this process; Windows has neither
     not_blocking = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
     flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | not_blocking
     end_s = time.monotonic() + within_s
     while True:
         try:
             file = os.open(path, flags, 0o666)
-            # a terminal adds a carriage return to a line feed: a serial line is to pass on each byte as it is
+            # raw mode, as a terminal would add carriage returns to line feeds
             if os.name == "posix" and os.isatty(file):
                 import tty
 
@@ -189,10 +189,9 @@ class PackedSettings:
 
     - `path`: A device node, a named pipe or a file, opened for appending.
     - `n_channels`: Channels of the board.
-    - `rate_hz`: Clock of the board, and so of the stimulus.
+    - `rate_hz`: Clock rate of the board, and therefore of the stimulus.
     - `electrode`: The channel, from 0, that leads to an electrode; the others lead to transducers.
-    - `lowest_supply_v`: Down to which the board sets its supply to what a stream says; without it the supply stays as
-      it is.
+    - `lowest_supply_v`: Lowest voltage to which the board sets its supply for a stream; without it the supply is fixed.
     """
 
     connected: ClassVar[bool] = True
@@ -233,7 +232,7 @@ class PackedOutput(AmplifiedDriver):
         self._turn = threading.Lock()
         self._sending: Sending | None = None
         self._stream_of = functools.lru_cache(maxsize=1)(encode)
-        """The stream of a signal; the last one is kept, so that `play` begins at once."""
+        """Stream of a signal, cached for the last one, so that `play` begins at once."""
         self._n_bytes, self._over_s, self._is_torn = 0, 0.0, False
 
     @property
@@ -250,7 +249,7 @@ class PackedOutput(AmplifiedDriver):
     def open(self) -> None:
         """Wait for the board to read, and stop it.
 
-        Raises `DeviceFailed` if the board cannot be opened, nobody reads within `OPEN_WITHIN_S`, or it does not take
+        Raises `DeviceFailed` if the board cannot be opened, does not read within `OPEN_WITHIN_S`, or does not accept
         the stop.
         """
         self._line = open_line(self._path, OPEN_WITHIN_S)
@@ -263,13 +262,13 @@ class PackedOutput(AmplifiedDriver):
             emitted = decode(self._stream_of(signal))
         except InvalidParameter as error:
             raise DeviceFailed(f"output {self.name!r}: {error}; nothing was played") from None
-        if signal.samples.size:  # one of no samples is "stop" and has no voltage
+        if signal.samples.size:  # a signal without samples means "stop" and has no voltage
             self._check_supply(signal.peak)
         supply_v = min(max(signal.peak, self._lowest_v), self.full_scale_v)
         return Signal(np.sign(emitted.samples) * supply_v, emitted.rate_hz, "V")
 
     def _check_supply(self, peak_v: float) -> None:
-        # 1e-9: the supply is a product, the level may be another
+        # 1e-9 allows for rounding in the products of supply and level
         if self._lowest_v * (1 - 1e-9) <= peak_v <= self.full_scale_v * (1 + 1e-9):
             return
         fixed = self._lowest_v == self.full_scale_v
@@ -281,12 +280,12 @@ class PackedOutput(AmplifiedDriver):
         )
 
     def play(self, signal: Signal) -> float:
-        self.final(signal)  # for what it refuses
+        self.final(signal)  # raises for refused signals
         if not self._is_open:
             raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
         with self._turn:
             self._end_whole()
-            # a stop that the board did not read has let its line go
+            # a stop that the board did not read has closed its line
             self._line = self._line or open_line(self._path, AGAIN_WITHIN_S)
             onset_s = time.perf_counter()
             self._over_s, self._is_torn = onset_s + signal.duration_s, False
@@ -294,7 +293,7 @@ class PackedOutput(AmplifiedDriver):
         return onset_s
 
     def _end_whole(self) -> None:
-        """Finish before another signal; what lies unread in a pipe was not played."""
+        """Finish before another signal; unread data in a pipe were not played."""
         before, is_over = self._sending, time.perf_counter() >= self._over_s
         self._finish(READ_WITHIN_S)
         if before is None:

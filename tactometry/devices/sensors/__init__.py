@@ -1,1 +1,1 @@
-"""From a device to stamped samples: the seams, the reader thread, calibration, the sources."""
+"""Sensors: the source interface, the reader thread, calibration, drivers."""

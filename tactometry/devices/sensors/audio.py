@@ -19,9 +19,9 @@ class AudioInputSettings(SensorSettings):
 
     - `rate_hz`: Sampling rate of the sound card's input.
     - `device`: The card, as the system calls it.
-    - `n_channels`: How many are read, from the first.
-    - `block_s`: What is read at once.
-    - `latency_s`: How much the card may keep.
+    - `n_channels`: Number of channels read, from the first.
+    - `block_s`: Duration of a block read at once.
+    - `latency_s`: Duration that the card may buffer.
     """
 
     rate_hz: Positive

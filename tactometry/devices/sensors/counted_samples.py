@@ -1,4 +1,4 @@
-"""Samples that carry a counter and their device's time, mapped to our clock."""
+"""Samples with a counter and device time, mapped to the local clock."""
 
 from collections.abc import Sequence
 
@@ -8,17 +8,17 @@ from ..clock_map import ClockMap
 from .reader import SampleBlock
 
 SETTLING_S = 0.5
-"""Samples of the first while only tell how the clocks are related, and are dropped."""
+"""Samples of this first period only serve to relate the clocks, and are dropped."""
 STANDS_S = 5e-3
-"""A difference that falls by more within that while still falls (unverified default)."""
+"""A clock difference that falls by more than this within the period is not yet stable (unverified default)."""
 SLEW = 1e-3
-"""Stamps advance as the device's time, but for this part: no hold is stretched by more (unverified default)."""
-STEP_S = 0.02
-"""Stamps that are further off than this are put right at once. A gate begins anew at such a step: it is a gap as long
-as its longest, or a stamp that goes back."""
-REPEATED_AMONG = 1000
-"""A counter that goes back by less is a sample that came before; by more, a device that started again (unverified
+"""Largest relative deviation of stamps from device time, which is the most that a hold is stretched (unverified
 default)."""
+STEP_S = 0.02
+"""Stamps with a larger error are corrected at once. A gate restarts at such a step, which is a gap of its longest
+length or a stamp that goes back."""
+REPEATED_AMONG = 1000
+"""A counter that goes back by less indicates a repeated sample; by more, a restarted device (unverified default)."""
 
 
 class CountedSamples:
@@ -58,7 +58,7 @@ class CountedSamples:
             if self._is_new(counter, ticks):
                 self._ticks += (ticks - self._ticks) % 2**32
                 new.append((self._ticks * self._tick_s, values))
-        # all of the block first, so that its least delayed sample stamps the others too
+        # the whole block first, so that its least delayed sample stamps the others too
         for device_s, _ in new:
             self._clocks = self._clocks.after(device_s, arrival_s)
         self._clocks.check(self._name)
@@ -74,7 +74,7 @@ class CountedSamples:
         if self._best is None:
             self._best = offset_s, device_s
         elif offset_s < self._best[0] - STANDS_S:
-            # it fell for the whole block: the time of standing begins behind its newest sample
+            # it fell during the whole block: stability begins after its newest sample
             self._best = offset_s, newest_s
         self._is_settled = device_s - self._best[1] >= self._settling_s
         return self._is_settled
@@ -89,7 +89,7 @@ class CountedSamples:
                 bend_s = SLEW * elapsed_s
                 stamp_s = min(max(stamp_s, expected_s - bend_s), expected_s + bend_s)
             elif stamp_s < expected_s and stamp_s - last_stamp_s <= STEP_S:
-                # a gate would take this step back for an ordinary interval: before the last stamp it begins anew
+                # a gate would miss a step back within a gap: stamp before the last one, so that it restarts
                 stamp_s = min(stamp_s, last_stamp_s - self._tick_s)
         self._last = (device_s, stamp_s)
         return stamp_s
@@ -103,7 +103,7 @@ class CountedSamples:
             if n_behind < REPEATED_AMONG and not anew:
                 self.n_duplicates += 1
                 return False
-            if n_missing > 2**31:  # more than half round the counter: it went back
+            if n_missing > 2**31:  # more than half of the counter's range: it went back
                 self._begin(ticks)
             else:
                 self.n_lost += n_missing

@@ -20,19 +20,19 @@ OTHERS_WITHIN_S = 0.5
 MOST_OUTLETS = 100
 MOST_SAMPLES = 4096
 WARNINGS_ONLY = "[log]\nlevel = -1\n"
-"""liblsl else tells the terminal which settings it took; it is asked before its first use."""
+"""Otherwise liblsl prints its settings to the terminal; set before its first use."""
 SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.cfg")
 
 
 @dataclass(frozen=True)
 @constrained
 class LslSettings(SensorSettings):
-    """A stream of Lab Streaming Layer: the outlet by its name; `rate_hz` is what its head must state.
+    """Stream of Lab Streaming Layer, by the name of its outlet.
 
     - `stream`: The name of the outlet.
-    - `rate_hz`: What the head of the stream must state.
-    - `n_channels`: How many it has.
-    - `source_id`: Tells it from others of the same name; without it there may be no other.
+    - `rate_hz`: Sampling rate, which the header of the stream must state.
+    - `n_channels`: Number of channels of the stream.
+    - `source_id`: Identifies one of several outlets of the same name; without it the name must be unique.
     """
 
     stream: str
@@ -59,7 +59,7 @@ class LslSource(Source):
         self._searched = False
 
     def facts(self) -> dict[str, str | int | float | None]:
-        # LSL exchanges clocks in the background every few seconds; the last correction is at hand at once
+        # LSL compares clocks in the background every few seconds; the last correction is available at once
         inlet, pylsl = self._inlet, _library()
         if inlet is not None:
             with contextlib.suppress(pylsl.util.LostError, pylsl.util.TimeoutError, pylsl.util.InternalError):
@@ -77,13 +77,13 @@ class LslSource(Source):
                 raise DeviceFailed(
                     f"{self.name}: found a stream with {name} {value:g}, expected {expected:g}; correct the bench file"
                 )
-        # recover=False: an outlet that dies is to raise, else liblsl waits for it in silence
+        # recover=False: raise when an outlet dies, as liblsl would wait for it silently
         inlet = pylsl.StreamInlet(info, max_buflen=60, recover=False, processing_flags=pylsl.proc_clocksync)
         lost = pylsl.util.LostError, pylsl.util.TimeoutError
         with attempt(self.name, "the outlet does not answer", "one that runs", lost):
             inlet.open_stream(timeout=LONGEST_SEARCH_S)
             self._correction_s = inlet.time_correction(timeout=LONGEST_SEARCH_S)
-            inlet.flush()  # what has waited is not of now
+            inlet.flush()  # drop old samples
         self._offset_s = clock_offset_s(pylsl.local_clock, 20)  # both are steady
         self._opened.callback(inlet.close_stream)
         self._inlet, self._source_id = inlet, self._source_id or info.source_id() or None
@@ -93,7 +93,7 @@ class LslSource(Source):
         self._searched = True
         if not pylsl.resolve_byprop("name", self._settings.stream, timeout=search_s):
             raise DeviceFailed(f"{self.name}: found no such stream in {search_s:g} s, expected its outlet to run")
-        # again: the first search ends with the first outlet that answers
+        # search again: the first search ends with the first outlet that answers
         outlets = pylsl.resolve_byprop("name", self._settings.stream, MOST_OUTLETS, OTHERS_WITHIN_S)
         wanted = [info for info in outlets if self._source_id in (None, info.source_id())]
         if len(wanted) != 1:
@@ -120,7 +120,7 @@ class LslSource(Source):
 def _library() -> Any:
     with library_needed("lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'"):
         import pylsl
-    # a settings file of the user stays in force
+    # a settings file of the user has priority
     if "LSLAPICFG" not in os.environ and not any(Path(place).expanduser().is_file() for place in SETTINGS_FILES):
         with contextlib.suppress(NotImplementedError):
             pylsl.set_config_content(WARNINGS_ONLY)

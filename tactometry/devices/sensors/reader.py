@@ -1,4 +1,4 @@
-"""One thread per sensor takes samples as they come, independently of the display."""
+"""Reading of sensors, one thread each, independently of the display."""
 
 import contextlib
 import math
@@ -19,30 +19,33 @@ from ...signal import FloatArray
 from ..deadline import CLOSE_WITHIN_S, within
 
 RETRY_S = 0.2
-"""A device that went away is looked for this often."""
+"""Interval of attempts to reopen a lost device."""
 POLL_S = 0.01
-"""That nothing came is said this often."""
+"""Interval of empty blocks while no samples arrive."""
 KEPT_S = 60.0
-"""A listener that does not read loses what is older."""
+"""A listener that does not read loses older samples."""
 AHEAD_S: Final = 0.05
-"""A sample is not taken later than it arrives, but for an error of the clocks' relation (unverified default)."""
+"""Largest lead of a stamp over its arrival, due to errors of the clock offset (unverified default)."""
 LATE_S: Final = 0.1
-"""A sample that is older when it arrives says nothing of now: a sensor that is silent for so long is lost, too."""
+"""Samples that are older on arrival are not current; a sensor silent for longer is lost."""
 LATE_FOR_S: Final = 5.0
-"""So long may all samples be late: what had waited while the computer was held up is through by then. No gate opens on
-them meanwhile (unverified default)."""
+"""Longest time for which all samples may be late, as after a busy period of the computer. No gate opens on them
+(unverified default)."""
 
 
 @dataclass(frozen=True, eq=False)
 class SampleBlock:
-    """Samples: times (n_samples,) in s on `time.perf_counter`, values (n_samples, n_channels) as the device counts."""
+    """Samples: times (n_samples,) in s on `time.perf_counter`, values (n_samples, n_channels) in device counts."""
 
     times_s: FloatArray
     values: FloatArray
 
 
 class Source(ABC):
-    """What a reader reads, at the nominal rate `rate_hz`. Its methods are called from one thread at a time."""
+    """Device that a reader reads, at the nominal rate `rate_hz`.
+
+    Its methods are called from one thread at a time.
+    """
 
     def __init__(self, name: str, rate_hz: float, n_channels: int) -> None:
         self.name, self.rate_hz, self.n_channels = name, rate_hz, n_channels
@@ -94,7 +97,7 @@ class Listener:
 
     def read(self) -> SampleBlock:
         """Return all samples since the last call, in order; never waits."""
-        # as many as there are now: the reader's thread may add to them meanwhile
+        # the present number, as the reader's thread may add more
         blocks = [self._blocks.popleft() for _ in range(len(self._blocks))]
         if not blocks:
             return SampleBlock(np.empty(0), np.empty((0, self._n_channels)))
@@ -135,7 +138,7 @@ related to this computer's"
     def after(self, times_s: FloatArray, arrival_s: float) -> "Arrivals":
         """Add a block of at least one sample."""
         stamps_s = times_s.tolist()
-        age_s = arrival_s - max(stamps_s)  # of the newest: a block is late if all of it is
+        age_s = arrival_s - max(stamps_s)  # age of the newest sample: a block is late if all of it is
         since_s = arrival_s if self.late_since_s is None else self.late_since_s
         late_since_s = since_s if age_s > LATE_S else None
         late_for_s = 0.0 if late_since_s is None else arrival_s - late_since_s
@@ -178,7 +181,7 @@ class Reader:
         self._n_outages = self._n_steps_back = 0
         self._arrivals = Arrivals()
         self.failure: str | None = None
-        """Why it tells nothing, since it last did."""
+        """Why there are no samples since the last ones."""
 
     def facts(self) -> dict[str, str | int | float | None]:
         counts = {"n_samples": self._n_samples, "n_outages": self._n_outages, "failure": self.failure}
@@ -202,7 +205,7 @@ class Reader:
 
         Returns the function that ends the subscription.
         """
-        # a new tuple, never a list that grows: the reader's thread goes through the old one undisturbed
+        # a new tuple, as the reader's thread may be iterating over the old one
         self._subscribers = (*self._subscribers, on_block)
 
         def unsubscribe() -> None:
@@ -232,7 +235,7 @@ class Reader:
         while not self._ending.is_set():
             try:
                 self._take(self.source.receive())
-            except Exception as error:  # whatever it was, the device is looked for again
+            except Exception as error:  # after any error the device is reopened
                 self.failure = str(self._as_failure(error))
                 self._n_outages += 1
                 with contextlib.suppress(Exception):
@@ -245,7 +248,7 @@ class Reader:
         try:
             self.source.open()
         except Exception as error:
-            with contextlib.suppress(Exception):  # what was opened of it in part
+            with contextlib.suppress(Exception):  # release a partly opened device
                 self.source.close()
             raise self._as_failure(error) from None
 
@@ -267,7 +270,7 @@ class Reader:
             return
         self._n_samples += block.times_s.size
         self.failure = None
-        # a copy only where stamps move: listeners share the block
+        # a copy only if stamps move, as listeners share the block
         self._publish(SampleBlock(block.times_s - self._delay_s, block.values) if self._delay_s else block)
 
     def _publish(self, block: SampleBlock) -> None:

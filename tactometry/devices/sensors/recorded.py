@@ -1,4 +1,4 @@
-"""A recorded file as a sensor, played back in its own time."""
+"""Recorded file as a sensor, played back in real time."""
 
 import io
 import time
@@ -21,12 +21,13 @@ STEP_S = 0.005
 @dataclass(frozen=True)
 @constrained
 class RecordedSettings(SensorSettings):
-    """A recording: a CSV file with a header, of which the first column is ``time_s`` and the others are channels, in
-    counts.
+    """Recording in a CSV file with a header.
 
-    - `path`: A CSV file, from where the program runs.
+    The first column is ``time_s``, the others are channels in counts.
+
+    - `path`: Path of the CSV file, relative to the working directory.
     - `rate_hz`: Sampling rate of the recording.
-    - `n_channels`: How many columns follow ``time_s``.
+    - `n_channels`: Number of columns after ``time_s``.
     """
 
     live: ClassVar[bool] = False

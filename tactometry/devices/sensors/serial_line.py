@@ -1,4 +1,4 @@
-"""A sensor on a serial line, in frames that each have a checksum (extra: serial).
+"""Sensor on a serial line that sends frames with checksums (extra: serial).
 
 A frame, all little-endian:
 
@@ -36,8 +36,8 @@ class SerialSettings(SensorSettings):
     """A serial line: `port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states.
 
     - `port`: Such as ``/dev/ttyACM0`` or ``COM3``.
-    - `rate_hz`: What the device states.
-    - `n_channels`: How many values a sample has.
+    - `rate_hz`: Sampling rate that the device states.
+    - `n_channels`: Number of values in a sample.
     - `baud`: Symbol rate of the serial line.
     """
 
@@ -90,7 +90,7 @@ class SerialSource(Source):
 
 
 def _available(line: Any, n_missing: int) -> bytes:
-    """Return what has come after `POLL_S` at most, in few calls, as each may wait for another thread."""
+    """Return the bytes received within `POLL_S`, in few calls, as each may wait for another thread."""
     if os.name != "posix":
         return bytes(line.read(max(n_missing, line.in_waiting)))
     ready, _, _ = select.select([line.fd], [], [], POLL_S)
@@ -130,11 +130,11 @@ def frame_bytes(n_channels: int) -> int:
 
 @dataclass(frozen=True)
 class Framing:
-    """The rest of a stream of bytes after its frames were taken out.
+    """Parser state: the rest of a byte stream after its complete frames.
 
     A whole frame is found in any noise; a damaged one is accepted once in 2**32.
 
-    - `n_channels`: Of every frame of this device.
+    - `n_channels`: Number of channels in every frame of this device.
     - `rest`: Bytes that are not yet a whole frame.
     - `n_skipped`: Bytes that belonged to no frame.
 
@@ -167,7 +167,7 @@ class Framing:
             n_skipped += begin - at
             frame = _decode(stream[begin : begin + n_frame])
             if frame is None:
-                # what looked like an opening may lie in another frame, or a frame in it: only its first byte is gone
+                # a false opening may contain a frame, or be part of one: skip only its first byte
                 at = begin + 1
                 n_skipped += 1
             else:

@@ -15,9 +15,9 @@ from ..measured import MaxAge, Measured
 from .reader import Reader, SampleBlock
 
 OnSamples = Callable[[FloatArray, FloatArray], None]
-"""What takes samples: their times (n_samples,) in s on `time.perf_counter`, and their values."""
+"""Callback for samples: times (n_samples,) in s on `time.perf_counter`, and values."""
 MEAN_S = 0.02
-"""Positions are averaged over this time before distances are summed, so that noise is no way (unverified default)."""
+"""Positions are averaged over this time before distances are summed, against noise (unverified default)."""
 
 
 class StreamedSensor:
@@ -42,7 +42,7 @@ class StreamedSensor:
         if not self._is_open:
             self.reader.open()
             self._is_open = True
-            self.read()  # a shared reader may have run before: what it took then is not of this opening
+            self.read()  # drop samples that a shared reader received before this opening
 
     def read(self) -> tuple[FloatArray, FloatArray]:
         block = self._listener.read()
@@ -72,17 +72,19 @@ class StreamedSensor:
 
 LARGEST_FORCE_N = 100.0
 LARGEST_PLACE_M = 1e6
-"""Values beyond these are none of a finger: instruments send them at overload (unverified defaults)."""
+"""Larger values cannot come from a finger: instruments send them at overload (unverified defaults)."""
 
 
 @dataclass(frozen=True)
 @constrained
 class ForceCalibration(Measured):
-    """One of three forms; what lies outside of a range that is known becomes NaN, a lost sample. So does a force above
-    `LARGEST_FORCE_N`, as the value that an instrument sends at overload.
+    """Force calibration in one of three forms.
+
+    Counts outside a known range become NaN, a lost sample. So does a force above `LARGEST_FORCE_N`, which instruments
+    send at overload.
 
     - `newtons_per_count`: With `zero_count`: N per count, not 0 (below 0 where pressing lowers the counts).
-    - `zero_count`: What the sensor counts without a force.
+    - `zero_count`: Count of the sensor without a force.
     - `polynomial`: Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to
       `count_high`.
     - `table_counts`: Rising counts of a calibration curve of straight lines.
@@ -156,7 +158,7 @@ def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None
     slope = np.polynomial.Polynomial(polynomial).deriv().trim()
     roots = np.asarray(slope.roots(), complex)
     turns = (roots.imag == 0) & (roots.real > low) & (roots.real < high)
-    is_flat = not np.any(slope.coef)  # a constant has no slope, hence no root that would tell
+    is_flat = not np.any(slope.coef)  # a constant has no slope, and so no root to check
     if np.any(turns) or is_flat:
         raise InvalidParameter(
             f"ForceCalibration.polynomial: found {polynomial}, which gives one force for several counts from "

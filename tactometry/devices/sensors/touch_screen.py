@@ -2,7 +2,7 @@
 
 The kernel writes records of 24 bytes (``struct input_event`` of a 64-bit system: seconds, microseconds, type, code,
 value); a report of type 0 and code 0 ends a sample. Absolute axes are a touch screen's first contact, relative ones a
-mouse's steps, summed. Tried on records through a pipe, not on a touch screen.
+mouse's steps, summed. Tested with records through a pipe, not with a touch screen.
 """
 
 import os
@@ -30,7 +30,7 @@ TRACKING: Final = (ABSOLUTE, 57)
 # EVIOCSCLOCKID, and CLOCK_MONOTONIC, which `time.perf_counter` reads on Linux
 SET_CLOCK, MONOTONIC = 0x400445A0, 1
 HELD_S = 0.01
-"""A finger that rests sends nothing; its place is said again this often."""
+"""Interval at which the position of a resting finger is repeated, as the device sends nothing."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class TouchSettings(SensorSettings):
     """A touch screen: `path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units.
 
     - `path`: Device file of the touch screen, such as ``/dev/input/event5``.
-    - `rate_hz`: How often it reports a finger that moves.
+    - `rate_hz`: Report rate for a moving finger.
     """
 
     path: str
@@ -117,7 +117,7 @@ class TouchSource(Source):
         samples = []
         for seconds, microseconds, kind, code, value in EVENT.iter_unpack(stream[:whole]):
             self._finger = self._finger.after(kind, code, value)
-            if kind != SYNC:  # between two reports a place is half old, half new
+            if kind != SYNC:  # between two reports a position is partly old
                 continue
             self._reported = self._finger
             if self._finger.touching:

@@ -22,7 +22,7 @@ BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)
 RECORD: Final = struct.Struct(">III6i")
 RECEIVED_BYTES = 2**22
-"""What the system is asked to keep for us, as far as it allows."""
+"""Requested size of the system's receive buffer, bytes."""
 SILENT_S = 0.5
 """After this silence the request is sent again: the sensor may have been off."""
 
@@ -30,12 +30,11 @@ SILENT_S = 0.5
 @dataclass(frozen=True)
 @constrained
 class UdpSettings(SensorSettings):
-    """A sensor that sends datagrams: its address; `sensor_rate_hz` is the rate of its own samples, of which it may
-    send each n-th.
+    """Sensor that sends datagrams, by its address.
 
     - `address`: Network address of the sensor.
-    - `rate_hz`: Of the samples that it sends.
-    - `sensor_rate_hz`: Of its own samples, of which it may send each n-th.
+    - `rate_hz`: Rate of the samples that it sends.
+    - `sensor_rate_hz`: Internal sampling rate of the sensor, which may send only every n-th sample.
     - `port`: UDP port of the sensor.
     """
 
@@ -65,7 +64,7 @@ def records(datagram: bytes) -> list[tuple[int, int, int, tuple[int, ...]]]:
 
 
 class UdpSource(Source):
-    """Asks the sensor to send and takes what comes from its address; an unsound status is a lost sample."""
+    """Requests samples and accepts those from the sensor's address; a bad status is a lost sample."""
 
     def __init__(self, settings: UdpSettings) -> None:
         super().__init__(f"udp {settings.address}:{settings.port}", settings.rate_hz, n_channels=6)
@@ -83,7 +82,7 @@ class UdpSource(Source):
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_BYTES)
             self._socket.settimeout(POLL_S)
             self._socket.connect((self._settings.address, self._settings.port))
-        self._heard_s = now_s() - SILENT_S  # so that the first `receive` asks at once
+        self._heard_s = now_s() - SILENT_S  # so that the first `receive` sends a request at once
 
     def receive(self) -> SampleBlock | None:
         try:
@@ -92,16 +91,16 @@ class UdpSource(Source):
                 self._samples.may_begin_anew()
                 self._heard_s = now_s()
             datagram = self._socket.recv(65_536)
-        except (TimeoutError, ConnectionRefusedError):  # refused: nobody is at the port, as while a sensor starts
+        except (TimeoutError, ConnectionRefusedError):  # refused: the port is closed, as while a sensor starts
             return None
         except OSError as error:
             raise DeviceFailed(f"{self.name}: the network failed ({error})") from None
         self._heard_s = arrival_s = now_s()
         received = records(datagram)
         sound = [(sequence, ticks, values) for sequence, ticks, status, values in received if status == 0]
-        self._n_refused += len(received) - len(sound) if received else 1  # a datagram of another form is one
+        self._n_refused += len(received) - len(sound) if received else 1  # a datagram of another format counts as one
         return self._samples.block(sound, arrival_s) if sound else None
 
     def _end(self) -> None:
-        with contextlib.suppress(OSError):  # the sensor may have gone first
+        with contextlib.suppress(OSError):  # the sensor may be off already
             self._socket.send(END)

@@ -1,1 +1,1 @@
-"""Forms of questions with choices of their own, a data file each; `tactometry.questionnaire` reads them."""
+"""Shipped forms of choice questions, one TOML file each."""

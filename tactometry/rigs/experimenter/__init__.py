@@ -1,1 +1,1 @@
-"""The experimenter's side: orders, pauses, the log of trials."""
+"""Experimenter's terminal: commands, pauses and the log of trials."""

@@ -20,7 +20,7 @@ PROMPT: Final = "> "
 ERASE_BELOW, REVERSE, USUAL = "\x1b[J", "\x1b[7m", "\x1b[0m"
 BACK: Final = frozenset("\x7f\b")
 CLEARS: Final = frozenset("\x15\x17")
-"""Ctrl-U and Ctrl-W take the whole line back."""
+"""Ctrl-U and Ctrl-W delete the whole line."""
 USUAL_WIDTH: Final = 80
 
 
@@ -60,7 +60,7 @@ def rows(trial: str, status: str, typed: str, width: int) -> tuple[str, ...]:
     >>> rows("trial 7: tone 5", "", "n he", 12)
     ('…7: tone 5', '> n he')
     """
-    room = max(width - 2, 1)  # a row that is full might wrap
+    room = max(width - 2, 1)  # a full row might wrap
     begun = status if len(status) <= room else f"{status[: room - 1]}…"
     upper = [_end(trial, room) if trial else "", f"{REVERSE}{begun}{USUAL}" if status else ""]
     return (*filter(None, upper), _end(f"{PROMPT}{typed}", room))
@@ -91,13 +91,13 @@ class LiveTerminal(ExperimenterTerminal):
         self._drawing, self._n_rows, self._width = threading.RLock(), 0, USUAL_WIDTH
         self._trial, self._typed, self._opened = "", Typed(), ExitStack()
         self._decode = codecs.getincrementaldecoder("utf-8")("replace")
-        self._kept_file = os.dup(output.fileno())  # what libraries write to is exchanged below
+        self._kept_file = os.dup(output.fileno())  # the files that libraries write to are redirected below
         self._opened.callback(os.close, self._kept_file)
         self._opened.callback(one_by_one(source.fileno()))
         atexit.register(self.close)
         super().__init__(source, output)
         self._opened.callback(self._leave)
-        self._opened.enter_context(redirected(redirected_files, self.tell))  # to their last word, before it is left
+        self._opened.enter_context(redirected(redirected_files, self.tell))  # until their last output, before closing
 
     def _read(self, file: int) -> None:
         while data := available(file):
@@ -174,7 +174,7 @@ def one_by_one(file: int) -> Callable[[], None]:
     def restore() -> None:
         try:
             termios.tcsetattr(file, termios.TCSANOW, before)
-        except (termios.error, OSError):  # it is gone
+        except (termios.error, OSError):  # the terminal is gone
             return
 
     return restore
@@ -199,7 +199,7 @@ def _redirected(file: int, tell: Callable[[str], None]) -> Iterator[None]:
     try:
         yield
     finally:
-        os.dup2(before, file)  # the last end of the pipe to write to, so that the listener comes to its end
+        os.dup2(before, file)  # closes the last writing end of the pipe, so that the listener ends
         os.close(before)
         listener.join(1.0)
         os.close(source)

@@ -20,9 +20,9 @@ EXPERIMENTER = "the experimenter"
 WHEN: Final = "noted; it is done when this trial, or this page, has come to its end"
 SAFE = "what was recorded is safe: go on with --resume"
 STOPPED_S: Final = 10.0
-"""So long the page stays that says whom to call, unless a key is pressed (unverified default)."""
+"""Duration of the page that asks to call the experimenter, unless a key is pressed (unverified default)."""
 CLOCK = "_clock_offset_s"
-"""How a device's facts say by how much our clock is ahead of its own."""
+"""Suffix of the fact that states local minus device clock, s."""
 
 
 def utc_text(clock_s: float) -> str:

@@ -42,7 +42,7 @@ WORDS: Final[dict[str, Wish]] = {
 OF_TRIALS: Final = "p pause   g go on   r repeat this trial   i invalidate the one before"
 OF_SESSION: Final = "k skip this block   b rest   e end in good order   n TEXT remark   s stop"
 HELP: Final = f"{OF_TRIALS}   (return)\n{OF_SESSION}"
-"""On rows of less than 80 letters."""
+"""Help text in lines of fewer than 80 letters."""
 
 
 @dataclass(frozen=True)

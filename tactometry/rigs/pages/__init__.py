@@ -1,1 +1,1 @@
-"""The participant's pages as values, and what presents them."""
+"""Pages of the participant as values, and their presentation."""

@@ -1,4 +1,4 @@
-"""A page of a questionnaire: a row for each question, all open until the page is left."""
+"""Questionnaire page with one row per question, editable until it is left."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,15 +7,14 @@ from . import layout
 from .page import ACCENT, EDGE, GOOD, INK, QUIET, Answer, Box, Button, Item, Page, Slider, Text
 
 WORDS, WORDS_OF_WIDTH = 0.034, 0.02
-"""The height of letters, and how high they are at most in widths of the screen: the longest statement of the SUS is one
-line."""
+"""Height of letters, and its limit in screen widths, with which the longest SUS statement fits on one line."""
 TOP, BOTTOM = 0.37, -0.27
-"""Where the rows are."""
+"""Upper and lower edge of the rows."""
 STEM_Y = 0.435
 MOST_DIGITS = 9
-"""Of a row with more rings no ring has a digit of its own, and its scale takes the width of the page."""
+"""Rows with more rings have no digit keys and fill the width of the page."""
 NARROW = 0.62
-"""The longest scale that has its words at its sides."""
+"""Largest length of a scale with its words at the sides."""
 NEXT, BEFORE, BACK, OPEN = "next row", "row before", "page before", "leave open"
 FOOT_Y = -0.34
 CONFIRM_BUTTON = Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0, FOOT_Y, 0.26, 0.08)

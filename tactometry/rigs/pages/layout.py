@@ -15,14 +15,14 @@ MARGIN = 0.9
 """Part of the screen's width that may be filled."""
 LONGEST_NEXT_TO_BAR = 0.5
 WIDEST = 1.5
-"""No line of words is longer, on however wide a screen."""
+"""Largest width of a line of text."""
 
 TALLEST = 0.4
-"""An image on a page of text."""
+"""Largest height of an image on a page of text."""
 LIST_TOP, LIST_HEIGHT, LEAST_ROWS = 0.28, 0.62, 6
-"""Where options stand one below the other; fewer are no higher than so many."""
+"""Top and height of a column of options, and the number of rows that sets the largest row height."""
 ELSEWHERE: Final = {"a": ("q",), "m": ("semicolon",), "q": ("a",), "w": ("z",), "y": ("z",), "z": ("y", "w")}
-"""Letters that lie where a US keyboard has other keys: on a German or Swiss one (QWERTZ), on a French one (AZERTY)."""
+"""US names of the keys that carry a letter on QWERTZ and AZERTY keyboards, if they differ."""
 CONTINUE_KEYS = ("space", "return", "num_enter")
 LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
 FIRST, LAST = "first place", "last place"
@@ -86,7 +86,7 @@ def message_page(
 
 
 def bar_page(words: str, hint: str, aspect: float, length: float) -> Page:
-    """Return a page with a bar of `length` beside a text."""
+    """Return a page with a bar of `length` next to a text."""
     message = message_page("", hint, aspect)
     first, _, body = words.partition("\n\n")
     items = (
@@ -115,7 +115,7 @@ def question_page(words: str, options: Sequence[int], labels: Sequence[str], hin
 def _option_box(button: Button, label: str) -> list[Item]:
     x, width, key = button.x, button.width, button.keys[0].upper()
     box = button.outline(INK)
-    if label.upper() == key:  # the label is its key: it is shown once, large
+    if label.upper() == key:  # a label that equals its key is shown once, large
         return [box, Text(label, x, -0.06, 0.1, wrap_width=width)]
     words = Text(label, x, -0.02, HEADING, wrap_width=0.95 * width)
     return [box, words, Box(x, -0.125, 0.07, 0.07, line=QUIET), Text(key, x, -0.125, BODY, QUIET)]
@@ -199,7 +199,7 @@ def track_page(page: Page, cue: float, length: float, finger: float | None = Non
     y = -0.23 if length <= LONGEST_NEXT_TO_BAR else -0.36
     moving = [Disc(cue * length / 2, y, 0.022, fill=ACCENT)]
     if finger is not None:
-        place = min(max(finger, -1.1), 1.1)  # just past an end, so that it is seen to be beyond
+        place = min(max(finger, -1.1), 1.1)  # clipped just past the end, so that it appears outside the track
         moving.append(Disc(place * length / 2, y, 0.036, line=GOOD))
     return Page((Box(0, y, length, 0.006, fill=EDGE), *page.items, *moving), page.buttons)
 
@@ -264,7 +264,7 @@ def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
 
 def digit_keys(k: int) -> tuple[str, ...]:
     """Return the keys of a place, from 0."""
-    return (str(k + 1), f"num_{k + 1}") if k < 9 else ()  # a tenth place has no digit of its own
+    return (str(k + 1), f"num_{k + 1}") if k < 9 else ()  # a tenth place has no digit
 
 
 def rings(places: Sequence[float], y: float, radius: float, mark: int | None) -> list[Item]:

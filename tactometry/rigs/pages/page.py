@@ -12,7 +12,7 @@ from ...session.request import Facts
 from ..frame_timing import PERIOD_WITHOUT_BLANK_S
 
 Answer = int | str | tuple[int, int]
-"""What a button stands for: an option or a place, a name, or (row, place)."""
+"""Answer of a button: an option or a place, a name, or (row, place)."""
 
 PAPER = "#0E1116"
 INK = "#F5F7FA"

@@ -8,9 +8,9 @@ from .page import Answer, Closed, Display, Input, KeyDown, Page
 
 S = TypeVar("S")
 Dress = Callable[[Page, float], Page]
-"""What is added to a page at a moment (s on `time.perf_counter`)."""
+"""Function that adds items to a page at a time (s on `time.perf_counter`)."""
 Attend = Callable[[tuple[Input, ...]], bool]
-"""Looks at what was pressed in a frame, and at what else is wanted: True if the session was paused meanwhile."""
+"""Handler of the inputs of a frame and of commands; returns True if the session was paused."""
 
 
 CLOSED = "the window was closed"
@@ -93,7 +93,7 @@ class Presenter:
                     if settled:
                         return state, onset_s, max(event.at_s, onset_s)
                     page = view(state)
-            if self.paused_until_s > onset_s:  # answers from before the pause, and its length, do not count
+            if self.paused_until_s > onset_s:  # discard answers from before the pause, and its duration
                 onset_s = self.screen.present(page)
             self.screen.refresh(page)
 

@@ -8,14 +8,14 @@ from . import layout
 from .page import GOOD, Disc, Item, Page, Text
 
 SCALE: Final = 0.55
-"""Of the picture: so small is its circle that nobody takes it for that of a touch."""
+"""Scale of the picture, so small that its circle is not mistaken for that of a touch."""
 PLACES: Final[Mapping[str, tuple[float, float]]] = {
     "circle": (-0.2, 0.13),
     "bar": (0.4, 0.33),
     "dot": (0.1, -0.31),
     "ring": (-0.07, -0.31),
 }
-"""Where the number of each part stands, on the page in its size."""
+"""Position of the number of each part, on the page at full size."""
 LENGTH, CUE, FINGER = 0.42, 0.5, -0.33
 
 

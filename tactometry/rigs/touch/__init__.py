@@ -1,1 +1,1 @@
-"""One touch on the bench: samples heard, gated, judged; the decision taken in the sensor thread."""
+"""Touches on the bench: gated samples, and decisions in sensor threads."""

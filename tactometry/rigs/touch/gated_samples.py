@@ -18,15 +18,15 @@ from ..touch_validity import fault_of_speed
 G = TypeVar("G", ForceGate, SpeedGate)
 
 SILENT_S = 0.1
-"""A sensor that says nothing for longer is lost."""
+"""A sensor that is silent for longer is lost."""
 AWAY_PART = 0.1
-"""Below this part of the target the finger has left (unverified default)."""
+"""Below this part of the target force the finger has left (unverified default)."""
 MOVING_S = 0.1
-"""So long must a speed be kept before a stimulus begins: a turn of a fast finger is shorter (unverified default)."""
+"""Time for which a speed must be held before a stimulus; a turn of a fast finger is shorter (unverified default)."""
 HALT_S = 0.15
-"""A finger that is out of its band of speed for longer has stopped; a turn is shorter (unverified default)."""
+"""A finger outside its speed band for longer has stopped; a turn is shorter (unverified default)."""
 DEAF_S = 0.5
-"""A sensor's thread that tells nothing for longer, not even that nothing came, is held up (unverified default)."""
+"""A sensor thread that sends no blocks for longer, not even empty ones, is held up (unverified default)."""
 
 
 class Trace:
@@ -44,7 +44,7 @@ class Trace:
         if times_s.size:
             self._blocks.append((times_s, values))
             self.last_s, self.last = float(times_s[-1]), values[-1]
-            self._taken_s = min(now_s, self.last_s)  # a stamp may be ahead of us by an error of the clocks
+            self._taken_s = min(now_s, self.last_s)  # a stamp may be ahead by an error of the clock offset
         self._told_s = now_s
         self._silent_s = 0.0 if times_s.size else now_s - self._taken_s
 
@@ -59,7 +59,7 @@ class Trace:
 
     def between(self, begin_s: float, end_s: float) -> tuple[FloatArray, FloatArray]:
         """Return times and values of finite samples of an interval; none if a stamp goes back."""
-        blocks = self._blocks.copy()  # the sensor's thread adds to them meanwhile
+        blocks = self._blocks.copy()  # copied, as the sensor's thread may add blocks
         if not blocks:
             return np.empty(0), np.empty(0)
         times_s, values = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
@@ -114,7 +114,7 @@ class GatedSamples(ABC, Generic[G]):
 
     def on_samples(self, times_s: FloatArray, values: FloatArray) -> None:
         self._trace.on_samples(times_s, values)
-        along = values if values.ndim == 1 else values[:, 0]  # of positions the first axis
+        along = values if values.ndim == 1 else values[:, 0]  # the first axis of positions
         for time_s, value in zip(times_s.tolist(), along.tolist(), strict=True):
             was_open = self.gate.open
             self.gate = self.gate.after(time_s, value)
@@ -122,7 +122,7 @@ class GatedSamples(ABC, Generic[G]):
             if self.gate.open and not was_open:
                 self.opened_s = time_s
             if self._is_good(value) or self._good_s is None:
-                self._good_s = time_s  # of a first sample that is not good too: from there on the time counts
+                self._good_s = time_s  # the time also counts from a first sample that is not good
 
     def _is_bad_for(self, longest_s: float) -> bool:
         last_s, good_s = self._trace.last_s, self._good_s
@@ -194,15 +194,15 @@ class FingerMotion(GatedSamples[SpeedGate]):
     def motion(self, begin_s: float, end_s: float) -> SpeedCompliance | None:
         """Return how well the speed was kept; None if it was not measured."""
         times_s, positions_m = self._trace.between(begin_s, end_s)
-        if times_s.size < 2 or np.any(np.diff(times_s) == 0):  # two places at one time have no speed
+        if times_s.size < 2 or np.any(np.diff(times_s) == 0):  # two positions at one time have no speed
             return None
         return motion(times_s, positions_m[:, 0], self.gate.target_m_per_s, self.gate.tolerance)
 
 
 class Release:
-    """Whether the force left its band between touches, which a stuck sensor never does.
+    """Check that the force left its band between touches.
 
-    It receives the force all the time; if not `needed`, it always happened.
+    A stuck sensor never does. The force is received continuously; if not `needed`, `happened` is always true.
 
     >>> release, gate = Release(), ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.5)
     >>> release.on_samples(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
@@ -234,6 +234,6 @@ class Release:
         """Return True if the force was outside the band of a gate since `begin`."""
         with self._lock:
             known = self._low_n <= self._high_n
-            # where both extremes are in the band, so was all between them
+            # if both extremes are in the band, so are all samples
             stayed = gate.holds(self._low_n) and gate.holds(self._high_n)
             return not self._needed or (known and not stayed)

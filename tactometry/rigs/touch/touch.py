@@ -1,4 +1,4 @@
-"""One touch while a stimulus plays, with or without a force sensor, and beside other code's pages."""
+"""Touches during a stimulus, with or without a force sensor."""
 
 import math
 import time
@@ -36,7 +36,7 @@ def moving_cue(request: Slide, display_height_m: float, places: Trace) -> Dress:
 
     def with_track(page: Page, now_s: float) -> Page:
         phase = (now_s - begin_s) * request.speed_m_per_s / request.length_m
-        place_m = math.nan if places.last is None else float(places.last[0])  # 0 is the beginning of the path
+        place_m = math.nan if places.last is None else float(places.last[0])  # the path begins at 0
         finger = 2 * place_m / request.length_m - 1 if math.isfinite(place_m) else None
         return layout.track_page(page, layout.sweep(phase), length, finger)
 
@@ -161,7 +161,7 @@ class TouchRun:
         """Keep the positions that a texture followed, and return their digest."""
         begin_s = onset_s - path.latency_s
         times_s, positions_m = self.places.between(begin_s - HELD_S, begin_s + path.signal.duration_s)
-        new = np.diff(times_s, prepend=-np.inf) > 0  # as the texture heard them: of those of one stamp the first
+        new = np.diff(times_s, prepend=-np.inf) > 0  # the first sample of each stamp, as the texture used it
         along_m = positions_m[:, 0] if positions_m.ndim == 2 else positions_m
         lines = path_lines(times_s[new] - begin_s, along_m[new])
         digest = digest_of(lines)
@@ -188,7 +188,7 @@ class TouchRun:
                 last_first.enter_context(
                     receiving(self.setup.position, held.finger_motion.on_samples, trigger.consider)
                 )
-            last_first.callback(trigger.disarm)  # the first to run on any way out: nothing fires behind it
+            last_first.callback(trigger.disarm)  # runs first on any exit, so that nothing fires afterwards
             begun = self._await_begin(held, trigger, sensor)
             if begun is None:
                 self.setup.say("not_played")
@@ -218,7 +218,7 @@ class TouchRun:
                 trigger.disarm()
                 break
             self._frame(held, playing=False)
-        return trigger.begun  # asked after disarming: it may have fired just before
+        return trigger.begun  # read after disarming, as it may have fired just before
 
     def _silence(self, held: Held, sensor: StreamedSensor) -> str | None:
         """Describe a silent sensor; a position sensor counts only if it failed, as a lifted finger has no position."""

@@ -11,7 +11,7 @@ from ...devices.sensors.streamed import OnSamples, StreamedSensor
 from ...signal import FloatArray
 
 TURN_S = 0.002
-"""While a decision is awaited, a thread that computes lets others in after this time; Python's own is 5 ms."""
+"""Thread switch interval while a decision is awaited; Python's default is 5 ms."""
 
 
 class Trigger:
@@ -56,14 +56,14 @@ class Trigger:
             try:
                 if self._step is not None:
                     self._step()
-            except BaseException as error:  # to be raised where the session is led
+            except BaseException as error:  # raised later in the session's thread
                 self._step, self._failure = None, error
             finally:
                 self._lock.release()
 
     def _begin(self) -> None:
         if self._opens():
-            decided_s = time.perf_counter()  # before the output begins: `delay_s` is that of the decision alone
+            decided_s = time.perf_counter()  # before the output begins: `delay_s` excludes it
             onset_s = self._fire()
             if onset_s is not None:
                 self._begun, self._step = (decided_s, onset_s), self._watch
@@ -76,7 +76,7 @@ class Trigger:
     def disarm(self, longest_s: float = BEGIN_WITHIN_S) -> None:
         """Neither fire nor stop any more; wait for a call under way, at most `longest_s`."""
         is_free = self._lock.acquire(timeout=longest_s)
-        self._step = None  # without the lock too: what hangs in it has fired already
+        self._step = None  # even without the lock: a step that hangs has fired already
         if is_free:
             self._lock.release()
 

@@ -21,7 +21,7 @@ from .trigger import receiving
 SILENT = "the force sensor is silent"
 
 Pause = Callable[[str, Callable[[], bool]], None]
-"""Pauses the session for a reason, until it is over."""
+"""Function that pauses the session for a reason until a condition is true."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
         nonlocal lost
         if sensor is not None:
             consider()
-        if lost:  # seen in the sensor's thread; a pause needs the screen's. By now it may be over
+        if lost:  # detected in the sensor's thread, but pauses run in the screen's; it may be over by now
             setup.pause(wrong() or SILENT, lambda: wrong() is None)
             lost = False
 
@@ -96,8 +96,8 @@ def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | N
         while True:
             onset_s = emitter.emit(signal)
             presenter.hold(onset_s + request.duration_s, page, each_frame=look)
-            look()  # what happened since the last frame counts too
-            if presenter.paused_until_s < begin_s:  # no pause since it began
+            look()  # include events since the last frame
+            if presenter.paused_until_s < begin_s:  # not paused since it began
                 break
             begin_s = presenter.screen.present(page)
     digest = emitter.digest(signal) or ""
