@@ -180,8 +180,9 @@ class BlockState:
         return replace(self, tracks=tuple(tracks))
 
     def without(self, trial: int, attempt: int, begun: "BlockState") -> tuple["BlockState", tuple[Slot, ...]] | None:
-        """Take back a presentation; return the state and the presentations that no longer count, or None if it does
-        not count.
+        """Take back a presentation; return the state and what no longer counts.
+
+        The result is None if the presentation does not count.
 
         In an adaptive track, later levels followed from its answer: they are taken back with it, and it comes again at
         its own level. `begun` is the state before the first trial.

@@ -191,7 +191,8 @@ def _mean(values: "pd.Series[float]", interval: float, possible: Range) -> dict[
 
 def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float = 0.95) -> pd.DataFrame:
     """The profile: per condition and item its mean over participants with t-interval, between its negative and its
-    positive word, in the order of the dimensions. `scored_items` is what `item_scores` gives."""
+    positive word, in the order of the dimensions. `scored_items` is what `item_scores` gives.
+    """
     form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
     simple = [name for name, dimension in form.dimensions.items() if not dimension.parts]
     order = {item: place for place, item in enumerate(i for name in simple for i in form.items_of(name))}

@@ -1,5 +1,6 @@
 """How the sessions of a data set went, as their journals tell: sittings with what changed between them, and what the
-experimenter did."""
+experimenter did.
+"""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise

@@ -1,5 +1,6 @@
 """Quality of the data, per participant: what was recorded and used, how catch trials were answered, what became of the
-frames; and what rules of exclusion, stated before the data are seen, leave out (without any rule nothing)."""
+frames; and what rules of exclusion, stated before the data are seen, leave out (without any rule nothing).
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace

@@ -158,7 +158,8 @@ def with_rows(tables: Mapping[Path, pd.DataFrame]) -> Mapping[Path, pd.DataFrame
 
 def begun_notes(tables: Mapping[Path, pd.DataFrame], used: Container[Path]) -> list[str]:
     """What is said of sessions that are not `used`, as they have no row: so one ends in which nobody agrees to take
-    part."""
+    part.
+    """
     names = [file.name for file in tables if file not in used]
     return [f"{count_of(len(names), 'session')} without a trial, left out: {', '.join(names)}"] if names else []
 

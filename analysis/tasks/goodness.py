@@ -74,7 +74,8 @@ def goodness_columns(
 
 def _in_order(answers: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Return the answers to a level in their order, with the number of the `cell`, the `stretch` of time in it, and
-    whether its levels `follow` the answers."""
+    whether its levels `follow` the answers.
+    """
     # Numbered before the catch trials go: a cell of these alone keeps its place among the estimates.
     rows = answers.assign(cell=answers.groupby(cell_keys(factors), sort=True, observed=True).ngroup())
     rows = rows[~rows["is_catch"]]

@@ -210,7 +210,8 @@ def device_facts(bench: BenchFile, devices: Devices) -> Facts:
 
 def _stated(bench: BenchFile) -> Facts:
     """What the file states of screen, sensors and their calibrations, each key on its own, so that a sitting with
-    another value can say which."""
+    another value can say which.
+    """
     parts = {"screen": bench.screen, "force": bench.force, "position": bench.position, **bench.sensors}
     return {
         f"bench_{part}_{key}": value

@@ -82,7 +82,8 @@ class Learning:
 
 class Heard(NamedTuple):
     """The responses to one channel, of shape (1, 1, n_samples): one of each time that it played, and what the quiet
-    before all of them would have been taken for."""
+    before all of them would have been taken for.
+    """
 
     repeats: tuple[Responses, ...]
     quiet: Responses

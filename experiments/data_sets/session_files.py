@@ -1,5 +1,6 @@
 """The files of a session beside its journal: where they are, what they hold, whose they must be, and whether they still
-say what the journal holds: somebody may have edited them, or a crash cut them."""
+say what the journal holds: somebody may have edited them, or a crash cut them.
+"""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -28,7 +29,8 @@ def session_of(head: Head) -> Session:
 
 def name_defect(journal: Path, head: Head) -> str | None:
     """What is wrong with a journal that is not named after its session: a copy under another name is no other session;
-    None of one that is."""
+    None of one that is.
+    """
     if session_of(head).stem == journal.stem:
         return None
     whose = f"session {head.session} of {head.participant} ({head.study})"

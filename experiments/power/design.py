@@ -1,5 +1,6 @@
 """What a power analysis asks: the study, the effect, the numbers of participants and trials; a value that is shipped to
-workers, from which everything follows."""
+workers, from which everything follows.
+"""
 
 import re
 from dataclasses import dataclass, field
@@ -25,7 +26,8 @@ _WHOLE = re.compile(r"\s*\d{1,9}\s*")
 @dataclass(frozen=True)
 class Case:
     """One kind of study that is simulated again and again: so many trials in each track (None: as the study says), with
-    the effect or without it."""
+    the effect or without it.
+    """
 
     n_trials: int | None
     has_effect: bool

@@ -81,7 +81,8 @@ class Applied:
 
 def applied(design: PowerDesign) -> Applied:
     """Of each level of the factor what is stated, and what everybody feels more, or thinks, with the effect and without
-    it."""
+    it.
+    """
     studies = [experiment_of(design, case).study for case in design.cases[:2]]
     effect = applied_effect(design.effect, studies[0])
     stated = effect.of_levels(studies[0].factors[effect.factor])

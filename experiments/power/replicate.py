@@ -241,7 +241,8 @@ def _width(values: pd.DataFrame, dependent: str) -> float | None:
 
 def mean_minutes(minutes: "pd.Series[float]", n: int) -> float:
     """Of the first `n` participants, of those who have any, in their order: each process has its own order of a set,
-    and sums with other last bits."""
+    and sums with other last bits.
+    """
     return float(minutes[[code for code in codes(n) if code in minutes]].mean())
 
 

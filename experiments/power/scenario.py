@@ -204,7 +204,8 @@ def _trials_keys(procedure: Mapping[str, Any], n_trials: int) -> dict[str, int]:
 
 def shifts(experiment: Experiment, effect: StatedEffect, *, has_effect: bool) -> dict[str, float]:
     """What everybody feels more (dB) at each level of the factor than the skin model says: so much that all its levels
-    are felt alike in the middle of the levels that are played, or at the standard, and the effect on top."""
+    are felt alike in the middle of the levels that are played, or at the standard, and the effect on top.
+    """
     middle_db, slopes = growths(experiment, effect.factor)
     for level, db in middle_db.items():
         found = f"no sensation at {effect.factor} {level} in the middle of the levels"
@@ -229,7 +230,8 @@ def growths(experiment: Experiment, factor: str) -> tuple[dict[str, float], dict
 def growth(experiment: Experiment, cell: WiredCell) -> tuple[float, float]:
     """What is felt of a cell (dB) in the middle of its levels, or at the standard, touched as it is asked, and by how
     much more per unit of the level; of people whose thresholds are stated how far that lies above them, in the unit of
-    the level."""
+    the level.
+    """
     middle, people = float(getattr(experiment.task, "standard_level", middle_of(cell))), experiment.people.middle
     if isinstance(people, Stated):
         return middle - (people.stated(cell.condition.factors).threshold or 0.0), 1.0

@@ -106,7 +106,8 @@ def task_scores(trials: Trials, form: Questionnaire) -> pd.DataFrame:
 
 def p_of_scores(scored: pd.DataFrame, study: Study, dimension: str, factor: str, primary: str | None) -> float | None:
     """What the analysis of ratings says of a factor: of the patterns of the thesis the analysis of variance by
-    frequency and envelope, or, of the factor `pattern`, the smallest of Holm's p against the single focus."""
+    frequency and envelope, or, of the factor `pattern`, the smallest of Holm's p against the single focus.
+    """
     if not has_patterns(study):
         return p_of(score_outcome(scored, scored.attrs["within"], dimension, primary), factor)
     if factor == PATTERN:

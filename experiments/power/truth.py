@@ -67,7 +67,7 @@ def _half_way_db(observer: SignalDetectionObserver, task: Task) -> float:
 
 
 def half_way_of_yes(criterion: float) -> float:
-    """d' at which a yes is half-way from false alarms to 1.
+    """D' at which a yes is half-way from false alarms to 1.
 
     >>> round(half_way_of_yes(1.645), 3)
     1.708
@@ -77,7 +77,7 @@ def half_way_of_yes(criterion: float) -> float:
 
 @lru_cache(maxsize=8)
 def half_way_of_choice(n_intervals: int) -> float:
-    """d' at which the right one of m intervals is taken half-way from 1/m to 1; Green and Swets (1966), chapter 2.
+    """D' at which the right one of m intervals is taken half-way from 1/m to 1; Green and Swets (1966), chapter 2.
 
     >>> round(half_way_of_choice(2), 4)
     0.9539

@@ -54,7 +54,8 @@ class Who:
 @dataclass(frozen=True)
 class Recorded:
     """What a sitting left: where, how many trials in all and before it, however often each was presented, how each
-    procedure ended, and what was repaired."""
+    procedure ended, and what was repaired.
+    """
 
     trials: Path
     tally: Tally

@@ -24,7 +24,8 @@ MOST_PARTICIPANTS = 100_000
 @dataclass(frozen=True)
 class Simulation:
     """What to simulate: the bytes of a study, and for whom; `code_from` is the folder from which the code of an
-    observer of one's own may be taken."""
+    observer of one's own may be taken.
+    """
 
     study_toml: bytes
     where: str

@@ -28,7 +28,8 @@ Factors = Mapping[str, float | str]
 @dataclass(frozen=True)
 class WiredCell:
     """A cell that is wired: its condition, its stimulus, its procedure, the model of what is felt, and the surface on
-    which it is."""
+    which it is.
+    """
 
     condition: Condition
     stimulus: Stimulus
@@ -61,7 +62,8 @@ def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
 
 class Wiring:
     """Wires the cells of a study; what several cells share is built once. Code of one's own is taken from a folder, or
-    is not allowed; without `plays` neither it nor files are asked for."""
+    is not allowed; without `plays` neither it nor files are asked for.
+    """
 
     def __init__(self, study: Study, code_from: Path | None = None, *, plays: bool = True) -> None:
         self.study, self._code_from, self._plays = study, code_from, plays
@@ -160,7 +162,8 @@ class Wiring:
 
     def _felt(self, kind: StimulusKind, of: Mapping[str, Mapping[str, Any]], stimulus: Any, touch: Touch) -> Sensation:
         """What is felt: through the scene that the study states, else through that of the stimulus, whose effects
-        `[sensation]` holds numbers of."""
+        `[sensation]` holds numbers of.
+        """
         if is_own(of["sensation"].get("kind")):
             expect(not of["scene"], "scene", "a table beside a [sensation] of one's own", "one of the two; remove one")
             return self._own_sensation(of["sensation"])

@@ -99,7 +99,8 @@ class _Touch:
 
 def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
     """Of each finger (or tip) and force that presses it the case that is nearest to lifting off; none of a study
-    without a focus."""
+    without a focus.
+    """
     nearest: dict[tuple[float, str], tuple[float, Strongest, _Touch]] = {}
     strongest = {one.name: one for one in experiment.strongest()}
     for name, touch in _touches(experiment):

@@ -22,7 +22,8 @@ LONG_S, LONGEST_S = 3 * 3600.0, 24 * 3600.0
 @dataclass(frozen=True)
 class PlannedBlock:
     """One part: its number, its factors, its procedure or questionnaire, how many tracks are interleaved, and at most
-    how many trials and items it takes, catch trials with them."""
+    how many trials and items it takes, catch trials with them.
+    """
 
     block: int
     factors: dict[str, float | str]
@@ -78,7 +79,8 @@ def _n_trials(block: Block) -> Iterator[int]:
 
 def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
     """How long a session takes at most, at the study's time per trial, `ITEM_S` per item, and its rests; a plan and a
-    task that end what lasts too long have the last word."""
+    task that end what lasts too long have the last word.
+    """
     most_s, parts_s = experiment.study.plan.longest_s, [_longest_block_s(experiment, block) for block in blocks]
     return min(sum(parts_s), inf if most_s is None else most_s + max(parts_s, default=0.0))
 

@@ -60,7 +60,8 @@ class Experiment(SessionPlan):
 
     def words_in(self, language: str) -> dict[str, str]:
         """What participants read in a language in place of the shipped words: texts, above them the prompt; and the
-        words of questions about a person."""
+        words of questions about a person.
+        """
         kind = self.table.kind
         asked = messages_of(kind, self.table.task_kind.questions)
         of_choices = {name: text for form in self.choices for name, text in words_of(form, language).items()}
@@ -89,7 +90,8 @@ class Experiment(SessionPlan):
 
     def strongest(self, bank: Mapping[str, Stimulus] | None = None) -> tuple[Strongest, ...]:
         """Each stimulus, or that of its name in `bank`, where it is strongest: stimuli are ordered by their level, so
-        that a session within these is within all."""
+        that a session within these is within all.
+        """
         bank = self.bank if bank is None else bank
         return tuple(Strongest(name, where, level, bank[name]) for name, (where, level) in self._highest.items())
 

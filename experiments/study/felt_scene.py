@@ -39,7 +39,8 @@ class FeltOnPlate(FeltScene):
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
         """(n_fingers, n_samples): what a linear contact does to each finger on top of its force, as the scene loads the
-        plate, or as by default where it does not."""
+        plate, or as by default where it does not.
+        """
         force_n: FloatArray = self._pressed.run({"signal": signal, "contact": contact})[FORCE]
         return force_n
 

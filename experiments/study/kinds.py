@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 class ProcedureKind:
     """Target string of the class of a table, a table that it takes (levels from 0 to 40), its method that makes the
     rule, where it is none itself, whether tracks can learn from each other's answers, and whether levels follow the
-    answers, so that easy trials can be among them."""
+    answers, so that easy trials can be among them.
+    """
 
     table: str
     example: Mapping[str, object]

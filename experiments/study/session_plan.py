@@ -1,5 +1,6 @@
 """The parts of a session: a pure function of the study, the participant's number, the session and the seed; random
-streams depend on who, when and what for, never on what was drawn before."""
+streams depend on who, when and what for, never on what was drawn before.
+"""
 
 import itertools
 import zlib
@@ -104,7 +105,8 @@ class SessionPlan:
 
     def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
         """The parts of a session of the participant with this number, in order: practice, the blocks, and the
-        questionnaires before, between and after them; `rng` shuffles within blocks."""
+        questionnaires before, between and after them; `rng` shuffles within blocks.
+        """
         factors = session_cells(self.study, self.table.over, number, n_session, seed)
         blocks = [self._block(list(group), rng) for _, group in itertools.groupby(factors, self._slow)]
         parts: list[Part] = [*self._inquiries("start", {}), *self._practice(blocks[0])]
@@ -147,7 +149,8 @@ class SessionPlan:
 
     def _conditions(self, factors: Factors) -> Iterator[tuple[str, Condition]]:
         """The conditions of a cell, each with the name of its track: one, or one for all alternatives, or for each
-        choice of some of them."""
+        choice of some of them.
+        """
         condition, over = self._cell(factors).condition, self.table.over
         name = ", ".join(f"{key}={cell_text(factors[key])}" for key in self.study.plan.interleave)
         if over is None:

@@ -93,7 +93,8 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
 @dataclass(frozen=True)
 class TaskTable:
     """The table `task`, built: the task, how blocks present it, the factor that it chooses or pairs over, and what it
-    asks in words of the study."""
+    asks in words of the study.
+    """
 
     kind: str
     task: Task

@@ -159,7 +159,8 @@ def samples_plot(
     further: str = "",
 ) -> Plot | None:
     """What a sensor said over time: a line for each of its axes, the band that was `wanted`, when the stimulus played,
-    and what is `further` to be said; None without samples."""
+    and what is `further` to be said; None without samples.
+    """
     values = [value for line in lines for _, value in line if math.isfinite(value)]
     times_s = [time_s for line in lines for time_s, _ in line]
     if not values:

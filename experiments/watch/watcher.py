@@ -117,7 +117,8 @@ def _written_s(path: Path) -> float:
 
 def _parts(root: Path, head: Head | None) -> tuple[PartAhead, ...]:
     """What the study plans for the session of this head; nothing where it can't be wired, which is no reason to see
-    nothing."""
+    nothing.
+    """
     if head is None:
         return ()
     from ..study.dry_run import parts_ahead

@@ -13,7 +13,7 @@ from .task import AgainstStandard, Presentation, Reply, TaskKind, TrialCourse
 
 @dataclass(frozen=True)
 class Comparison(AgainstStandard):
-    """A comparison of a level with a standard: which one is stronger?
+    """A comparison of a level with a standard ("which one is stronger?").
 
     Both come in random order; the result is a just noticeable difference. The response, also to the procedure, is 1 if
     the level was called stronger; it is correct if the level was higher, and not defined at equality. `target` is the

@@ -16,7 +16,7 @@ from .touch import feel_in_turn, nth
 
 @dataclass(frozen=True)
 class ForcedChoice(Task):
-    """A forced choice among intervals: which one contains the stimulus?
+    """A forced choice among intervals ("which one contains the stimulus?").
 
     Green and Swets, Signal Detection Theory and Psychophysics (1966), section 2.4.
 

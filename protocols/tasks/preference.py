@@ -14,7 +14,7 @@ from .touch import feel_in_turn
 
 @dataclass(frozen=True)
 class Preference(Task):
-    """Two alternatives in random order, then: which do you prefer?
+    """Two alternatives in random order ("which do you prefer?").
 
     A row holds them as `item` and `item_b` in their order; the response, 1 or 2, names the winner, as a Bradley-Terry
     fit takes it. Bradley and Terry, Biometrika 39, 324 (1952).

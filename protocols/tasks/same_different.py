@@ -13,7 +13,7 @@ from .task import AgainstStandard, Presentation, TaskKind, TrialCourse
 
 @dataclass(frozen=True)
 class SameDifferent(AgainstStandard):
-    """The standard and a level in random order, or (as catch trials) the standard twice, then: same or different?
+    """The standard and a level in random order ("same or different?"); catch trials are the standard twice.
 
     The response is 1 for "different". Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
     """

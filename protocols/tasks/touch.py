@@ -29,8 +29,10 @@ def fair_tolerance(force_n: float) -> float:
 @dataclass(frozen=True)
 @constrained
 class GatedTouch:
-    """A finger that presses `force_n` within `tolerance` (relative; None: `fair_tolerance`) for `hold_s` until the
-    stimulus begins, at most `timeout_s` later, and while it lasts.
+    """A finger that presses with a force.
+
+    The force is `force_n` within `tolerance` (relative; None: `fair_tolerance`) for `hold_s` until the stimulus begins,
+    at most `timeout_s` later, and while it lasts.
 
     - `duration_s`: How long it lasts, which is that of the stimulus.
     - `force_n`: The force that is asked for.

@@ -64,7 +64,8 @@ def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
 
 def pulled_by(scene: Scene, plan: Plan, given: Mapping[str, float]) -> list[PulledFinger]:
     """The fingers that load the plate in a plan of a scene, as linear contacts, whose forces it need not give; none
-    where they are not to be had. The forces hold to a tenth, or to the accuracy of the scene where that is looser."""
+    where they are not to be had. The forces hold to a tenth, or to the accuracy of the scene where that is looser.
+    """
     if not loads_n(plan).size:
         return []
     linear = tuple(effect for effect in scene.effects if "load" not in effect.requires)  # what acts on it

@@ -41,7 +41,7 @@ def amplitude_loss(
 
 @checked
 def ejection_force_n(amplitude_m: float, frequency_hz: float, pulp_mass_kg: Positive = PULP_MASS_KG) -> float:
-    """m w^2 A: the force that a focus of this amplitude can lift."""
+    """M w^2 A: the force that a focus of this amplitude can lift."""
     return float(pulp_mass_kg * np.abs(amplitude_m) * (2 * math.pi * frequency_hz) ** 2)
 
 
@@ -91,7 +91,8 @@ class Contactor:
 
     def loads(self, plate: Plate, at_m: Point, force_n: NotNegative) -> list[PlateLoad | SprungMass]:
         """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
-        out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it."""
+        out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it.
+        """
         plate.check_holds("at_m", at_m)
         if force_n == 0:
             return []

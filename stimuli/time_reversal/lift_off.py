@@ -138,7 +138,7 @@ def one_sided_contacts(
 def _march(
     free_m: FloatArray, compliance: FloatArray, force_n: FloatArray, towards_new: FloatArray, towards_old: FloatArray
 ) -> ContactCourses:
-    """f = towards_new z - towards_old z_before in each step, z = u or f = -F."""
+    """F = towards_new z - towards_old z_before in each step, z = u or f = -F."""
     k, n = free_m.shape
     plate, skin, answer = (np.zeros((k, n)) for _ in range(3))
     plate[:, :1] = skin[:, :1] = free_m[:, :1]

@@ -74,7 +74,7 @@ def rebuild(path: Path) -> None:
 @path_option("--out", required=True, help="The folder to write, new or empty.")
 @click.option("--author", "authors", multiple=True, help="An author of a BIDS data set; may be given again.")
 def export(path: Path, form: str, out: Path, authors: tuple[str, ...]) -> None:
-    """The data set or trials file PATH in the form of another program; PATH stays as it is."""
+    """Write the data set or trials file PATH in the form of another program; PATH stays as it is."""
     from tactometry.experiments.data_sets import export as data_sets
 
     written = data_sets.export(path, form, out, authors)

@@ -30,7 +30,7 @@ class TableName(click.ParamType[str]):
 @subcommand("keys procedure.staircase")
 @click.argument("name", type=TableName(), required=False)
 def command(name: str | None) -> None:
-    """The keys of a table of a study, bench, scene or map file: type, unit, default, range, meaning, an example.
+    """Explain the keys of a table of a study, bench, scene or map file: type, unit, default, range, meaning, example.
 
     NAME is that of a table, such as touch.slide, bench.output or map, or texts for the texts that [texts] may replace.
     Without it the names are listed.

@@ -46,7 +46,7 @@ from .output import STUDY, allow_code_option, drawn_seed, path_option, say, subc
 def command(
     *, study: str, effect: str, participants: str, trials: str | None, out: Path | None, **options: Any
 ) -> None:
-    """Simulate STUDY (a built-in name or a path) again and again: how often is an effect found?"""
+    """Simulate STUDY (a built-in name or a path) many times, and count how often an effect is found."""
     n_jobs, scheduler, resume, keep_data = (
         options.pop(name) for name in ("n_jobs", "scheduler", "resume", "keep_data")
     )

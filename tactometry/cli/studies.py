@@ -10,7 +10,7 @@ from .output import STUDY, path_option, say, subcommand
 
 @subcommand("studies")
 def studies() -> None:
-    """The built-in studies, a line each, and behind them those to copy."""
+    """List the built-in studies, then those to copy."""
     _say_studies()
 
 

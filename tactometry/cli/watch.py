@@ -27,8 +27,10 @@ OR_WAIT = "or --wait for one that is yet to come"
 def command(
     *, path: Path, participant: str | None, n_session: int | None, port: int, wait: bool, until_input_ends: bool
 ) -> None:
-    """A page in the browser that follows a session of the data set PATH while it runs: where it is, levels, curve,
-    touches, frames, warnings. Read-only; this computer alone reaches it. Ctrl-C ends it.
+    """Serve a page that follows a running session of the data set PATH.
+
+    It shows progress, levels, curve, touches, frames and warnings. It is read-only and reached from this computer only.
+    Ctrl-C ends it.
     """
     from tactometry.experiments.watch.scenery import Scenery
     from tactometry.experiments.watch.server import serve

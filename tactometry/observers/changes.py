@@ -16,8 +16,9 @@ Answer = float | str | None
 
 @dataclass(frozen=True)
 class Shift:
-    """Deviation of a participant in one trial: sensitivity, criterion (in units of the internal noise), and additional
-    lapses.
+    """Deviation of a participant in one trial.
+
+    Sensitivity, criterion (in units of the internal noise), and additional lapses.
     """
 
     sensitivity_db: float = 0.0
@@ -38,8 +39,9 @@ class Shift:
 
 
 class Change(Protocol):
-    """A pure function of the number of earlier trials, their answers, and a random stream that starts anew in every
-    trial.
+    """A change of a participant during a session.
+
+    A pure function of the number of earlier trials, their answers, and a random stream that starts anew in every trial.
     """
 
     def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift: ...

@@ -29,7 +29,7 @@ class IdealObserver(ObserverWithTraits):
     latency_s: Positive = 0.8
 
     def person(self, traits: Traits) -> Self:
-        """The participant with these traits; an ideal one has no other than its sensitivity and its time."""
+        """Return the participant with these traits: sensitivity and latency."""
         sensitivity_db = self.sensitivity_db + self.between_sd_db * traits.sensitivity
         return replace(self, sensitivity_db=sensitivity_db, latency_s=self.latency_s * traits.latency_factor)
 

@@ -155,8 +155,9 @@ OnEvent = Callable[[Event], None]
 
 
 class EventLog(Protocol):
-    """Store of events, used by rigs from any thread; `recorded_s` is when the last trial was on the disk (s on
-    `time.perf_counter`).
+    """Store of events, used by rigs from any thread.
+
+    `recorded_s` is when the last trial was on the disk (s on `time.perf_counter`).
     """
 
     @property

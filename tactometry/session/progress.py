@@ -35,8 +35,9 @@ TrackKey = tuple[int, str | None]
 
 @dataclass(frozen=True)
 class PartAhead:
-    """A planned part: factors, most trials, longest duration (s), and invalid presentations in a row that abort a
-    track.
+    """A planned part of a session.
+
+    Factors, most trials, longest duration (s), and invalid presentations in a row that abort a track.
     """
 
     factors: Mapping[str, float | str] = field(default_factory=dict)

@@ -65,7 +65,7 @@ def modulate(signal: FloatArray, order: int) -> BitStream:
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _modulate(signal: FloatArray, bits: NDArray[np.int8], b1: float, b2: float) -> tuple[FloatArray, FloatArray]:
-    """y = u - b1 e1 - b2 e2; the largest |y| and the last e1 of each channel."""
+    """Y = u - b1 e1 - b2 e2; the largest |y| and the last e1 of each channel."""
     n_samples, n_channels = signal.shape
     e1, e2, peak = np.zeros(n_channels), np.zeros(n_channels), np.zeros(n_channels)
     for t in range(n_samples):

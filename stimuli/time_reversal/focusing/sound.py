@@ -60,7 +60,7 @@ def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: Positive = SOUND
 
 @checked
 def radiation_efficiency(plate: Plate, frequency_hz: NotNegativeArray) -> FloatArray:
-    """sigma of a plate in a baffle, the mean over the modes that resonate near a frequency; without a step.
+    """Sigma of a plate in a baffle, the mean over the modes that resonate near a frequency; without a step.
 
     Above coincidence (1 - f_c / f)^(-1/2); below it the edges radiate (Maidanik 1962; Leppington, Broadbent and Heron
     1982); near it the size of the plate limits both, sqrt(k l) (0.5 - 0.15 l / L) with l the shorter side

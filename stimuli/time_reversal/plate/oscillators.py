@@ -139,7 +139,7 @@ def unit_phasor(omega_rad_per_s: FloatArray, sample: NDArray[np.floating], rate_
 
 
 def turns(omega_rad_per_s: FloatArray, sample: float, rate_hz: float) -> tuple[FloatArray, FloatArray]:
-    """omega sample / (2 pi rate) as a pair of doubles: the second is what the first is rounded by."""
+    """Omega sample / (2 pi rate) as a pair of doubles: the second is what the first is rounded by."""
     product, product_low = _two_product(omega_rad_per_s, np.float64(sample))
     turned, turned_low = _two_product(product, np.float64(PER_TURN))
     high = turned / rate_hz

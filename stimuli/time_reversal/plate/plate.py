@@ -87,7 +87,7 @@ class Plate:
 
     @property
     def rotary_inertia_kg(self) -> float:
-        """rho h^3 / 12: what the turning of a section resists, per area."""
+        """Rho h^3 / 12: what the turning of a section resists, per area."""
         return self.area_density_kg_per_m2 * self.thickness_m**2 / 12
 
     @property

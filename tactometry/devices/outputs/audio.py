@@ -192,8 +192,9 @@ class AudioOutput(AmplifiedDriver):
         return feed.onset_s
 
     def _position_latency_s(self) -> float:
-        """Time from a finger position to the voltage that answers it; the longest recent lead covers bursts of a sound
-        server.
+        """Return the time from a finger position to the voltage that answers it.
+
+        The longest recent lead covers bursts of a sound server.
         """
         stated_s, longest_lead_s = self._settings.position_latency_s, max(list(self._dry.leads_s), default=0.0)
         return longest_lead_s + self._settings.block_s + POSITION_AGE_S if stated_s is None else stated_s

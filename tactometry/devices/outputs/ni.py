@@ -27,8 +27,7 @@ from .output import AmplifiedDriver
 @dataclass(frozen=True)
 @constrained
 class NiSettings:
-    """Cards of National Instruments: `channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the
-    device's, V, of either sign.
+    """Analogue outputs of a card of National Instruments.
 
     - `channels`: Physical names such as ``Dev1/ao0``, in the order of the signal's channels.
     - `rate_hz`: Sampling rate of the cards, and therefore of the stimulus.

@@ -121,7 +121,8 @@ class Frame(NamedTuple):
 
 
 def frame_bytes(n_channels: int) -> int:
-    """
+    """Return the length of a frame.
+
     >>> frame_bytes(1), frame_bytes(3)
     (20, 28)
     """

@@ -57,7 +57,8 @@ class TrackedFinger:
     touching: bool = False
 
     def after(self, kind: int, code: int, value: int) -> "TrackedFinger":
-        """
+        """Return the finger after an event.
+
         >>> TrackedFinger().after(ABSOLUTE, 53, 120).after(RELATIVE, 1, -3).values
         (120.0, -3.0, 0.0)
         >>> TrackedFinger().after(*TRACKING, 7).touching, TrackedFinger().after(*TRACKING, -1).touching
