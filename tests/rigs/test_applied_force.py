@@ -35,18 +35,18 @@ def opens_now(force):
     return False
 
 
-def test_a_hold_that_is_known_of_now_is_open(force):
+def test_gate_opens_when_samples_are_current(force):
     assert opens_now(force)
 
 
-def test_a_hold_that_waited_to_be_read_is_not_open_until_the_samples_of_now_came(force):
+def test_gate_stays_closed_when_samples_are_old(force):
     hold_that_ended(force, SILENT_S + 1e-3)
     assert not force.open
     assert not force.silent
     assert opens_now(force)
 
 
-def test_silence_is_told_by_the_last_stamp_when_nothing_waits_to_be_read(force):
+def test_sensor_is_silent_when_last_stamp_is_old(force):
     """Samples that came now but were taken 101 ms ago: the first look that finds nothing more says so."""
     hold_that_ended(force, SILENT_S + 1e-3)
     assert not force.silent
@@ -54,7 +54,7 @@ def test_silence_is_told_by_the_last_stamp_when_nothing_waits_to_be_read(force):
     assert force.silent
 
 
-def test_stamps_of_the_future_hide_no_silence(force):
+def test_future_stamps_do_not_hide_silence(force):
     hold_that_ended(force, -5.0)
     time.sleep(SILENT_S + 1e-3)
     force.on_samples(NOTHING, NOTHING)

@@ -156,20 +156,20 @@ def lacks(language, name, text):
     return [word for word in HELD[language][name] if word not in told]
 
 
-def test_each_language_and_each_text_has_its_words():
+def test_word_table_covers_every_language_and_text():
     assert sorted(COLUMNS) == sorted(languages()), "add a column of words for each language"
     for language in COLUMNS:
         assert sorted(HELD[language].keys() ^ said_in(language).keys()) == [], "add a row of words for each text"
 
 
 @pytest.mark.parametrize("language", COLUMNS)
-def test_each_text_holds_its_words(language):
+def test_each_text_contains_its_words(language):
     missing = {name: lacks(language, name, text) for name, text in said_in(language).items()}
     assert {name: words for name, words in missing.items() if words} == {}
 
 
 @pytest.mark.parametrize("language", COLUMNS)
-def test_two_texts_that_are_exchanged_are_noticed(language):
+def test_word_table_distinguishes_all_texts(language):
     """As yes for no: the table must tell every text from every other."""
     said = said_in(language)
     alike = [

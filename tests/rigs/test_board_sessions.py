@@ -115,9 +115,7 @@ def emitted(request, tmp_path, in_background):
     indirect=["emitted"],
     ids=lambda value: "commanded" if value == COMMANDED else None,
 )
-def test_a_session_is_complete_and_the_board_decodes_what_was_asked_for(
-    name, emitted, more, tmp_path, capsys, monkeypatch
-):
+def test_board_receives_requested_signals_in_full_session(name, emitted, more, tmp_path, capsys, monkeypatch):
     """At full size the studies as they are built in, each trial of them."""
     path, content = emitted
     bench, study = board_in(tmp_path, path, more=more), name if SOAK else short(name, tmp_path)
@@ -164,7 +162,7 @@ TRIED = pytest.mark.parametrize("tried", [checked, on_the_console], ids=["check"
 
 @TRIED
 @pytest.mark.parametrize("more", ["", "lowest_supply_v = 20.0"], ids=["fixed", "commanded"])
-def test_a_level_above_the_board_is_refused_before_anything_plays(tried, more, tmp_path, capsys, monkeypatch):
+def test_level_above_board_range_is_refused_before_playback(tried, more, tmp_path, capsys, monkeypatch):
     (tmp_path / "board").touch()
     board_in(tmp_path, tmp_path / "board", supply_v=50.0, more=more)
     status, said, _ = tried(capsys, monkeypatch, tmp_path, short("time-reversal-threshold", tmp_path))
@@ -176,7 +174,7 @@ def test_a_level_above_the_board_is_refused_before_anything_plays(tried, more, t
 
 
 @TRIED
-def test_electrovibration_below_a_fixed_supply_is_refused_with_the_cure(tried, tmp_path, capsys, monkeypatch):
+def test_level_below_fixed_supply_is_refused_with_fix(tried, tmp_path, capsys, monkeypatch):
     (tmp_path / "board").touch()
     board_in(tmp_path, tmp_path / "board")
     status, said, _ = tried(capsys, monkeypatch, tmp_path, "electrovibration-threshold")
@@ -217,9 +215,7 @@ class Supplying:
     ],
     ids=["a supply that is refused", "a supply that does not come"],
 )
-def test_a_supply_that_fails_ends_the_session_and_loses_nothing(
-    closes, words, tmp_path, capsys, monkeypatch, in_background
-):
+def test_session_ends_without_data_loss_when_supply_fails(closes, words, tmp_path, capsys, monkeypatch, in_background):
     """A board whose supply does not come was taken to have played: its trials were valid, with nothing on the plate."""
     pipe, study = tmp_path / "board", short("time-reversal-threshold", tmp_path)
     os.mkfifo(pipe)

@@ -31,7 +31,7 @@ def held_up(process, for_s):
     process.send_signal(signal.SIGCONT)
 
 
-def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(needed, display, sink, tmp_path):
+def test_gap_during_stimulus_invalidates_its_trial(needed, display, sink, tmp_path):
     """A session in the window whose sound server is held up in the first stimulus."""
     study, device = study_in(tmp_path, n_trials=1), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
@@ -93,7 +93,7 @@ def played(output, duration_s):
     sleep_until(output.play(tone(duration_s)) + duration_s)
 
 
-def test_an_undisturbed_stimulus_has_no_gap(output):
+def test_undisturbed_stimulus_has_no_gap(output):
     def undisturbed():
         played(output, 0.3)
         return output.n_gaps() == 0
@@ -101,7 +101,7 @@ def test_an_undisturbed_stimulus_has_no_gap(output):
     assert any_of(undisturbed)
 
 
-def test_a_gap_before_or_after_a_stimulus_is_none_of_its(output, sink):
+def test_gaps_outside_a_stimulus_are_not_counted(output, sink):
     def beside():
         held_up(sink.server, 0.3)
         time.sleep(0.2)
@@ -119,7 +119,7 @@ def sleep_until(end_s):
     time.sleep(max(0.0, end_s - time.perf_counter()))
 
 
-def test_a_gap_that_the_device_tells_with_several_blocks_is_one(output, sink):
+def test_gap_reported_by_several_blocks_counts_once(output, sink):
     def torn():
         end_s = output.play(tone(1.0)) + 1.0
         held_up(sink.server, 0.3)
@@ -129,7 +129,7 @@ def test_a_gap_that_the_device_tells_with_several_blocks_is_one(output, sink):
     assert any_of(torn)
 
 
-def test_a_gap_that_lasts_when_the_stimulus_should_be_over_is_one(output, sink):
+def test_gap_lasting_past_stimulus_end_is_counted(output, sink):
     end_s = output.play(tone(0.6)) + 0.6
     sink.server.send_signal(signal.SIGSTOP)
     try:
@@ -155,7 +155,7 @@ def heard_while_held_up(output, sink, after_s, for_s):
     return whole, n_gaps
 
 
-def test_a_server_that_was_held_up_with_a_little_in_hand_is_not_told_to_be_whole(output, sink):
+def test_near_underrun_is_reported_as_gap(output, sink):
     """It had 0.1 s in hand: what was heard may be whole, and nobody can tell."""
     end_s = output.play(tone(0.5)) + 0.5
     time.sleep(0.2)
@@ -167,7 +167,7 @@ def test_a_server_that_was_held_up_with_a_little_in_hand_is_not_told_to_be_whole
 HELD_UP_S = [(0.1, 0.3), (0.3, 0.12), (0.45, 0.4)]
 
 
-def test_what_is_heard_with_a_gap_is_not_told_to_be_whole(output, sink):
+def test_audible_gap_is_always_reported(output, sink):
     """Wherever the server is held up; what is told to be torn may have been heard whole."""
 
     def told():
@@ -192,7 +192,7 @@ class Asking:
         self.ask(lead_s)
 
 
-def test_a_stimulus_that_begins_in_a_gap_is_torn():
+def test_stimulus_starting_in_a_gap_counts_it():
     """Its first frames were lost in the gap, which had begun before it."""
     card = Asking()
     card.ask(10.0)
@@ -200,7 +200,7 @@ def test_a_stimulus_that_begins_in_a_gap_is_torn():
     assert card.output.n_gaps(0.0) == 1
 
 
-def test_a_card_with_nothing_in_hand_has_run_dry_though_it_does_not_tell():
+def test_empty_card_buffer_counts_as_a_gap():
     card = Asking()
     card.ask(10.0)
     card.begin(10.0)
@@ -210,14 +210,14 @@ def test_a_card_with_nothing_in_hand_has_run_dry_though_it_does_not_tell():
     assert card.output.n_gaps(0.0) == 1
 
 
-def test_a_card_that_never_had_anything_in_hand_takes_samples_as_fast_as_they_come():
+def test_card_without_buffer_reports_no_gap():
     card = Asking()
     card.begin(0.0)
     card.ask(0.0)
     assert card.output.n_gaps(0.0) == 0
 
 
-def test_frames_that_a_card_has_not_taken_by_their_end_were_held_up():
+def test_frames_are_late_when_not_taken_in_time():
     course = FrameFeed(np.zeros((1000, 1)), n_fade=1)
     course.begun.set()
     course.take(900)
@@ -226,7 +226,7 @@ def test_frames_that_a_card_has_not_taken_by_their_end_were_held_up():
     assert not course.is_late(1.05, rate_hz=1000.0)
 
 
-def test_a_stimulus_is_torn_from_its_onset_to_its_end():
+def test_stimulus_counts_gaps_from_onset_to_end():
     course = FrameFeed(np.zeros((1000, 1)), n_fade=1)
     assert not course.is_torn_by(0.0, rate_hz=1000.0)
     course.onset_s = 10.0

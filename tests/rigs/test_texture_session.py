@@ -48,7 +48,7 @@ def needed():
         pytest.skip("no sounddevice: extra audio")
 
 
-def test_what_the_sink_hears_is_what_the_measured_positions_ask_for(needed, sink, tmp_path, capsys):
+def test_sound_output_follows_measured_positions(needed, sink, tmp_path, capsys):
     study, device = texture_study(tmp_path), Emulator("udp", tmp_path, profile=RELEASED)
     sink.begin()
     try:
@@ -123,9 +123,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("how", "changes", "status", "words"), REFUSED.values(), ids=REFUSED)
-def test_a_bench_that_cannot_follow_is_refused_before_anything_is_opened(
-    tmp_path, capsys, monkeypatch, how, changes, status, words
-):
+def test_unsuitable_texture_bench_is_refused_before_opening(tmp_path, capsys, monkeypatch, how, changes, status, words):
     study, bench = texture_study(tmp_path), texture_bench(tmp_path, 9, **how)
     text = bench.read_text()
     for old, new in changes.items():
@@ -144,7 +142,7 @@ def test_a_bench_that_cannot_follow_is_refused_before_anything_is_opened(
 
 
 @pytest.mark.slow
-def test_a_sound_server_that_goes_away_ends_the_session_and_loses_nothing(needed, tmp_path):
+def test_session_keeps_data_when_sound_server_dies(needed, tmp_path):
     own, device = Sink(tmp_path, alsa_in(tmp_path)), Emulator("udp", tmp_path, profile=RELEASED)
     study = texture_study(tmp_path, {"repeats = 4": "repeats = 200"})
     bench, data = texture_bench(tmp_path, device.udp_port), tmp_path / "d"
@@ -169,7 +167,7 @@ def test_a_sound_server_that_goes_away_ends_the_session_and_loses_nothing(needed
     assert validate(data).defects == ()
 
 
-def test_check_tells_of_a_bench_that_cannot_follow(tmp_path):
+def test_check_reports_missing_position_sensor(tmp_path):
     study, bench = texture_study(tmp_path), load_bench(texture_bench(tmp_path, 9, position=""))
     experiment = wire(parse(study.read_bytes(), "s.toml"), "s.toml")
     connected = Devices(Guarded(bench.output.settings.driver(bench.output.gain), bench.limits), None, None, {})
@@ -188,7 +186,7 @@ def feed(texture, positions, stamps_s, **keys):
     return made
 
 
-def test_a_frame_follows_the_place_of_its_latency_before():
+def test_feed_uses_position_one_latency_earlier():
     made = feed(Region(0.01, 0.03), [0.0, 0.02], [0.9, 1.1], rise_s=5e-5)
     emitted = np.concatenate([made.take(n)[:, 0] for n in (7, 993, 500, 500)])
     # 0.01 m at 1.0 s is heard 50 ms later: 1000 frames behind the onset
@@ -197,7 +195,7 @@ def test_a_frame_follows_the_place_of_its_latency_before():
     assert (made.late, made.unknown) == (0.0, 0.0)
 
 
-def test_a_place_that_has_not_come_is_the_last_one_and_then_nobody_knows():
+def test_missing_position_is_held_then_unknown():
     made = feed(Region(-1.0, 1.0), [0.0, 0.0], [0.8, 0.86], rise_s=5e-5)
     emitted = made.take(2000)[:, 0]
     # the first frame is that of 0.95 s; a place is held for 0.1 s, up to 0.96 s: 200 frames
@@ -236,7 +234,7 @@ def test_followed_signal_refuses_impossible_rise(rise_s):
         FollowedSignal(np.ones((1, 10)), 20e3, "V", stimulus, FingerPath())
 
 
-def test_no_path_drives_more_current_or_charge_than_the_guard_allows():
+def test_paths_never_exceed_current_and_charge_bounds():
     rng = np.random.default_rng(3)
     stimulus = FollowedTexture(Grating(1e-3), rate_hz=48e3, duration_s=0.2, carrier_hz=500.0, rise_s=5e-4)
     strongest, load = stimulus.at(40.0), Load("electrode", 1e-9, 1e7)
@@ -254,7 +252,7 @@ def test_no_path_drives_more_current_or_charge_than_the_guard_allows():
         limits.check_load(strongest, load, stimulus.rise_s)
 
 
-def test_the_guard_knows_a_signal_that_follows_from_its_strongest_samples(tmp_path):
+def test_guard_checks_followed_signal_at_its_strongest(tmp_path):
     bench = load_bench(texture_bench(tmp_path, 9))
     stimulus = FollowedTexture(Grating(1e-3), rate_hz=48e3)
     plain = stimulus.at(30.0)
@@ -267,7 +265,7 @@ def test_the_guard_knows_a_signal_that_follows_from_its_strongest_samples(tmp_pa
         guarded.check(followed)
 
 
-def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
+def test_finger_path_drops_backward_stamps():
     path = FingerPath()
     for n in range(N_KEPT + 10):
         path.on_samples(np.array([1e-3 * n, 1e-3 * n - 0.5]), np.array([[1.0 * n], [-1.0]]))
@@ -278,7 +276,7 @@ def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
     assert np.isnan(path.at(np.array([0.0, 1e3]))).all()
 
 
-def test_of_places_with_one_stamp_the_first_is_followed_and_kept():
+def test_first_position_is_kept_when_stamps_repeat():
     """A touch screen whose kernel stamps nothing is read late on a busy computer: several places come at once."""
     places, path, kept = Trace(), FingerPath(), []
     for on_samples in (places.on_samples, path.on_samples):

@@ -39,7 +39,7 @@ def scene(watched, driver, sink):
 @pytest.mark.parametrize(
     "force_n", [None, math.nan, 0.05], ids=["the sensor falls silent", "its samples are lost", "the finger leaves"]
 )
-def test_a_force_that_is_lost(scene, in_background, force_n):
+def test_sound_stops_when_force_is_lost(scene, in_background, force_n):
     in_background(scene.when_heard, setattr, scene, "force_n", force_n)
     touched = scene.bench.answer(PRESS)
     scene.ended.set()
@@ -50,7 +50,7 @@ def test_a_force_that_is_lost(scene, in_background, force_n):
 
 
 @pytest.mark.usefixtures("unhurried_sensors")
-def test_escape(scene, in_background, hands):
+def test_sound_stops_on_escape(scene, in_background, hands):
     in_background(scene.when_heard, hands.tap, "Escape")
     with pytest.raises(Stopped, match="Escape was pressed"):
         scene.bench.answer(PRESS)
@@ -58,7 +58,7 @@ def test_escape(scene, in_background, hands):
 
 
 @pytest.mark.usefixtures("unhurried_sensors")
-def test_an_error(scene, in_background):
+def test_sound_stops_on_error(scene, in_background):
     in_background(scene.when_heard, scene.screen.fails.set)
     with pytest.raises(BadError):
         scene.bench.answer(PRESS)
@@ -66,7 +66,7 @@ def test_an_error(scene, in_background):
 
 
 @pytest.mark.usefixtures("unhurried_sensors")
-def test_the_end_of_the_touch(scene):
+def test_sound_ends_with_the_touch(scene):
     """The time limit: a stimulus ends with its touch, at rest."""
     assert scene.bench.answer(Press("short", 1.0, 0.5, 1.0, 0.2, hold_s=0.1, timeout_s=30.0)).valid
     n_whole = round(0.5 * RATE_HZ)

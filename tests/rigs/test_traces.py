@@ -87,7 +87,7 @@ def valid_touches(root):
     return [(row, read_traces(root, int(row["trial"]))[int(row["attempt"]) - 1]) for row in rows]
 
 
-def test_the_samples_of_a_touch_are_those_that_the_sensor_sent(recorded):
+def test_trace_contains_every_sensor_sample_once(recorded):
     for _, touch in valid_touches(recorded):
         assert set(touch.force.values.tolist()) <= {0.3, 1.0}
         counts = touch.position.values[:, 0] / METRES_PER_COUNT
@@ -98,7 +98,7 @@ def test_the_samples_of_a_touch_are_those_that_the_sensor_sent(recorded):
             assert times_s[0] < touch.answer.gate_s <= times_s[-1]
 
 
-def test_what_the_row_says_of_a_touch_follows_from_its_trace(recorded):
+def test_trial_row_matches_its_trace(recorded):
     for row, touch in valid_touches(recorded):
         begin_s, (times_s, forces_n) = float(row["onset_s"]), touch.force
         during = (times_s >= begin_s) & (times_s <= begin_s + touch.request.duration_s)
@@ -109,14 +109,14 @@ def test_what_the_row_says_of_a_touch_follows_from_its_trace(recorded):
         assert np.all(forces_n[held] == 1.0)
 
 
-def test_a_speed_that_was_not_gated_has_no_band(recorded):
+def test_ungated_speed_has_no_band(recorded):
     courses = touch_courses(recorded)
     speeds = courses[courses["quantity"] == "speed_m_per_s"]
     assert len(speeds) > 1
     assert speeds[["band_low", "band_high"]].isna().all(axis=None)
 
 
-def test_what_was_emitted_is_computed_from_the_study_and_known_by_its_digest(recorded, copied, capsys, tmp_path):
+def test_emitted_signal_is_recomputed_and_checked_by_digest(recorded, copied, capsys, tmp_path):
     shown = ("show", copied, "--trial", 1, "--figure", tmp_path / "t.svg")
     touch, *_ = read_traces(recorded, 1)
     assert touch.emitted.digest() == touch.answer.digest
@@ -129,7 +129,7 @@ def test_what_was_emitted_is_computed_from_the_study_and_known_by_its_digest(rec
     np.testing.assert_array_equal(other.force.values, touch.force.values)
 
 
-def test_the_files_of_traces_are_explained_beside_them_and_read_by_any_program(recorded):
+def test_trace_files_have_sidecars_and_load_in_pandas(recorded):
     import pandas as pd
 
     stems = sorted(path.name.removesuffix(".tsv.gz") for path in (recorded / "traces").glob("*.tsv.gz"))
@@ -144,7 +144,7 @@ def test_the_files_of_traces_are_explained_beside_them_and_read_by_any_program(r
         assert table["time_s"].is_monotonic_increasing
 
 
-def test_traces_are_kept_as_the_bench_file_says(tmp_path, capsys, monkeypatch):
+def test_bench_file_selects_recorded_traces(tmp_path, capsys, monkeypatch):
     status, errors = sit(tmp_path, capsys, monkeypatch, bench="[traces]\nposition = false\n")
     assert status == 0, errors
     touch, *_ = read_traces(tmp_path / "d", 1)
@@ -156,14 +156,14 @@ def test_traces_are_kept_as_the_bench_file_says(tmp_path, capsys, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_session_without_traces_has_no_folder_for_them(tmp_path, capsys, monkeypatch):
+def test_session_without_traces_has_no_traces_folder(tmp_path, capsys, monkeypatch):
     status, errors = sit(tmp_path, capsys, monkeypatch, bench="[traces]\nposition = false\nforce = false\n")
     assert status == 0, errors
     assert not (tmp_path / "d" / "traces").exists()
     assert validate(tmp_path / "d").defects == ()
 
 
-def test_validate_names_a_trace_that_is_not_what_was_kept(copied):
+def test_validate_names_changed_trace_files(copied):
     assert validate(copied).defects == ()
     force, position = sorted((copied / "traces").glob("*.tsv.gz"))
     kept = force.read_bytes()
@@ -180,13 +180,13 @@ def test_validate_names_a_trace_that_is_not_what_was_kept(copied):
     assert not any(position.name in said for said in words)
 
 
-def test_a_data_set_with_traces_is_replayed_analysed_and_rebuilt(copied, capsys):
+def test_data_set_with_traces_replays_analyses_and_rebuilds(copied, capsys):
     for words in (("replay",), ("analyse",), ("rebuild",), ("replay",)):
         assert call(capsys, *words, copied)[0] == 0
     assert validate(copied).defects == ()
 
 
-def test_a_journal_that_names_a_place_outside_of_the_traces_is_refused(copied, capsys):
+def test_validate_rejects_trace_path_outside_traces_folder(copied, capsys):
     (path,) = (copied / "journals").glob("*.jsonl")
     first, *rest = path.read_bytes().splitlines(keepends=True)
     forged = [first]
@@ -207,7 +207,7 @@ def named(root):
     return sum(part.n_bytes for part in read_traces(root, 1)[0].answer.trace if "force" in part.file)
 
 
-def test_a_session_that_was_killed_keeps_the_traces_of_all_its_trials(tmp_path, capsys, monkeypatch):
+def test_killed_session_keeps_traces_of_all_trials(tmp_path, capsys, monkeypatch):
     device = Emulator("udp", tmp_path, profile=PROFILE)
     command = [sys.executable, "-m", "tactometry", "run", *words(tmp_path, device)]
     try:
@@ -238,7 +238,7 @@ def test_a_session_that_was_killed_keeps_the_traces_of_all_its_trials(tmp_path, 
         assert file.read().count(b"\n") >= 100 * (len(rows) + 1)  # and the one that led to no trial
 
 
-def test_what_was_said_before_a_touch_does_not_belong_to_it():
+def test_samples_before_a_touch_are_excluded():
     log, blocks = Kept(), [(np.array([1.0]), np.array([5.0])), (np.array([2.0]), np.array([6.0]))]
     source = SimpleNamespace(rate_hz=1000.0)
     sensor = SimpleNamespace(read=lambda: blocks.pop(0), reader=SimpleNamespace(source=source))
@@ -264,7 +264,7 @@ shutil.copytree(f"{disk}/d", kept)
 
 
 @pytest.mark.slow
-def test_a_real_disk_that_fills_costs_no_trial_and_one_sentence(tmp_path, capsys, monkeypatch):
+def test_full_disk_loses_no_trial(tmp_path, capsys, monkeypatch):
     """A small disk in a mount namespace of its own, which goes with its process."""
     device, script, disk = Emulator("udp", tmp_path, profile=PROFILE), tmp_path / "fill.py", tmp_path / "disk"
     disk.mkdir()

@@ -42,7 +42,7 @@ class Ruler:
         return f"{self.length_px * 2.5e-4}\n"
 
 
-def test_the_bar_that_is_shown_is_half_of_the_picture(display, screen, monkeypatch, capsys, in_background):
+def test_calibration_bar_is_half_the_screen_height(display, screen, monkeypatch, capsys, in_background):
     """The window of the command opens in front of that of the other tests, full screen, and is closed before the
     terminal asks; the keyboard of both is one, and ends with it."""
     ruler = Ruler(display)
@@ -57,7 +57,7 @@ def test_the_bar_that_is_shown_is_half_of_the_picture(display, screen, monkeypat
     assert capsys.readouterr().out.startswith(f"[screen]\nheight_m = {2 * ruler.length_px * 2.5e-4!r}")
 
 
-def test_escape_leaves_the_bar_and_measures_nothing(watched, participant):
+def test_escape_leaves_the_bar_without_measurement(watched, participant):
     participant.answers("Escape")
     with pytest.raises(Stopped, match="Escape was pressed; nothing was measured"):
         show_bar(watched)

@@ -16,7 +16,7 @@ from tactometry.rigs.texts import languages
 
 
 @pytest.mark.parametrize("language", languages())
-def test_every_page_is_drawn_within_the_screen_and_in_high_contrast(screen, artefacts, language):
+def test_pages_fit_the_screen_with_high_contrast(screen, artefacts, language):
     """The pictures are kept: look at them."""
     for name, page in all_pages(language, screen.aspect).items():
         image = screen.picture(page)
@@ -29,7 +29,7 @@ def test_every_page_is_drawn_within_the_screen_and_in_high_contrast(screen, arte
 
 @pytest.mark.soak  # the other pages and sizes are slow to draw in software
 @pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080), (3840, 2160)], ids=str)
-def test_every_page_is_drawn_on_screens_of_other_sizes(display, artefacts, width, height):
+def test_pages_fit_screens_of_other_sizes(display, artefacts, width, height):
     """Each on a display of its own; the pictures are kept: look at them. What is drawn scales with the screen."""
     command = ["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24", sys.executable, screens.__file__]
     folder = artefacts / f"{width}x{height}"
@@ -56,7 +56,7 @@ def plainly(canvas, item):
 
 
 @pytest.mark.parametrize("name", ["en_force_held", "form_nasa-tlx_en", "form_pleasantness-vas_en", "entry"])
-def test_what_is_drawn_from_lists_is_what_psychopy_draws(screen, name):
+def test_display_lists_match_psychopy_drawing(screen, name):
     """To the last bit but one of each pixel, as a list is placed in single precision; the texts to the last."""
     page = screens.every_page(screen.aspect)[name]
     recorded = pixels(screen, page).astype(int)
@@ -67,7 +67,7 @@ def test_what_is_drawn_from_lists_is_what_psychopy_draws(screen, name):
     assert np.abs(recorded - drawn).max() <= 1
 
 
-def test_a_frame_in_which_something_moves_asks_psychopy_for_nothing(screen, monkeypatch):
+def test_moving_frames_do_not_call_psychopy(screen, monkeypatch):
     """Each attribute of a shape costs more than its drawing: forms took 110 ms a frame, and dropped five of six."""
     marker = layout.marker_page(1, playing=True, words="Press")
     forces = [layout.force_page(marker, force_n, 1.0, 0.2) for force_n in (0.9, 1.1)]
@@ -81,7 +81,7 @@ def test_a_frame_in_which_something_moves_asks_psychopy_for_nothing(screen, monk
     assert np.array_equal(pixels(screen, frames[0]), first)
 
 
-def test_a_page_looks_the_same_whatever_was_drawn_before(screen):
+def test_page_is_independent_of_earlier_pages(screen):
     shown = screens.every_page(screen.aspect)
     names = ["en_force_low", "form_nasa-tlx_en", "en_force_held", "en_scale_marked", "entry", "form_attrakdiff_en"]
     first = {name: pixels(screen, shown[name]) for name in names}

@@ -60,7 +60,7 @@ def type_number(hands, number):
         hands.tap("Return")
 
 
-def test_a_number_that_is_typed_as_its_page_appears_is_whole(bench, hands, in_background):
+def test_number_typed_at_page_onset_is_complete(bench, hands, in_background):
     said = [12 + n for n in range(N_PAGES)]
 
     def type_all():
@@ -77,7 +77,7 @@ def test_a_number_that_is_typed_as_its_page_appears_is_whole(bench, hands, in_ba
     assert min(each.latency_s for each in entered) >= 0.0
 
 
-def test_a_touch_before_the_question_is_no_answer_to_it(bench, hands, participant):
+def test_touch_before_question_is_ignored(bench, hands, participant):
     """It waits in the queue of the window until the next page comes."""
     bench.answer(BETWEEN)
     hands.touch(*OF_NO)

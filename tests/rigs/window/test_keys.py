@@ -39,7 +39,7 @@ window.close()
 """
 
 
-def test_presses_wait_until_they_are_read_and_none_is_heard_without_a_window(display, tmp_path):
+def test_key_queue_survives_many_presses(display, tmp_path):
     """The queue of PsychoPy's own size ends the process by a segmentation fault after 5 000 presses."""
     environment = {
         **os.environ,

@@ -41,7 +41,7 @@ def sitting(*arguments):
         process.communicate()
 
 
-def test_a_kill_on_page_two_goes_on_there_with_what_was_marked(display, tmp_path):
+def test_killed_form_resumes_on_its_page_with_marks(display, tmp_path):
     (tmp_path / "s.toml").write_text(changed(TUTORIAL, RATED), "utf-8")
     run = ("run", tmp_path / "s.toml", "--participant", "P01", "--rig", "bench", "--seed", "7", "--out", tmp_path / "d")
 

@@ -92,7 +92,7 @@ NO_REQUEST = {
 }
 
 
-def test_every_page_that_a_session_shows_is_one_that_is_killed():
+def test_kill_test_covers_every_session_page():
     """Requests that protocols put, by their names; a page of words by that of its message, instructions by one name."""
     protocols = "".join(path.read_text("utf-8") for path in (ROOT / "protocols").rglob("*.py"))
     put = {name for name in REQUESTS if re.search(rf"\b{name}\(", protocols)}
@@ -235,7 +235,7 @@ AT_LENGTH = ("agreed", "rests")
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in STUDIES if SOAK or name not in AT_LENGTH])
-def test_a_session_that_is_killed_goes_on_with_the_page_that_it_was_on(display, tmp_path, name):
+def test_killed_session_resumes_on_the_same_page(display, tmp_path, name):
     make, pages = STUDIES[name]
     study = make()
     with sitting(tmp_path, study, "en", display, dry_run=name == TRIED) as seat:

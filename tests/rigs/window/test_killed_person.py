@@ -143,7 +143,7 @@ def on_each_page(killed, *keys):
         killed.kill()
 
 
-def test_each_question_about_a_person_and_each_rest_that_time_brings_is_put_once(session):
+def test_demographics_and_timed_rests_are_shown_once(session):
     killed = session(f"{changed(shortened('tutorial'), RESTING)}\n{PERSON}")
     on_each_page(killed, "space", "space", "3", "2", "1")  # welcome, the page before the questions, the questions
     killed.begin()
@@ -168,7 +168,7 @@ def test_each_question_about_a_person_and_each_rest_that_time_brings_is_put_once
     assert is_sound(killed.data)
 
 
-def test_who_does_not_agree_is_not_asked_again(session):
+def test_declined_consent_is_not_asked_again(session):
     """Killed on the page of thanks, which comes again."""
     killed = session(f"consent = true\n{shortened('tutorial')}")
     killed.begin()

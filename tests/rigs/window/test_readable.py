@@ -32,7 +32,7 @@ def texts_on(shown):
 
 
 @pytest.mark.parametrize("language", languages())
-def test_what_is_said_has_letters_of_20_arc_minutes_at_two_metres(capital, language):
+def test_text_subtends_20_arcmin_at_two_metres(capital, language):
     """On a screen of 0.40 m; with hints and the words of questionnaires on one of 0.52 m."""
     said = [item.height for shown in screens.all_pages(language, 16 / 9).values() for item in texts_on(shown)]
     large = [height for height in said if height != layout.HINT]
@@ -63,7 +63,7 @@ def contrast(one, other, cones):
 
 
 @pytest.mark.parametrize("cones", WITHOUT)
-def test_every_colour_stands_out_from_the_ground_whatever_cones_there_are(cones):
+def test_colours_have_contrast_for_colour_blind_participants(cones):
     """Letters by 4.5, lines by 3: the least of WCAG 2.1, 1.4.3 and 1.4.11."""
     for colour in (page.INK, page.QUIET, page.ACCENT, page.GOOD):
         assert contrast(colour, page.PAPER, cones) >= 4.5, colour
@@ -75,7 +75,7 @@ def shapes(shown):
     return sorted((type(item).__name__, item.fill is None) for item in shown.items if not isinstance(item, Text))
 
 
-def test_what_a_colour_tells_a_shape_tells_too():
+def test_states_differ_by_shape_and_colour():
     """Playing or not, held or not, marked or not, held beside the band or not."""
     ready, playing = (layout.marker_page(1, playing=on) for on in (False, True))
     assert shapes(ready) != shapes(playing)
@@ -101,7 +101,7 @@ BOTH_WAYS = {
 
 
 @pytest.mark.parametrize("name", BOTH_WAYS)
-def test_every_answer_is_given_by_keys_alone_and_by_the_mouse_alone(name):
+def test_every_answer_works_by_keys_or_mouse(name):
     shown = BOTH_WAYS[name]
     answers = {button.answer for button in shown.buttons}
     assert answers == by_mouse(shown)
@@ -109,7 +109,7 @@ def test_every_answer_is_given_by_keys_alone_and_by_the_mouse_alone(name):
 
 
 @pytest.mark.parametrize("place", range(7))
-def test_every_place_of_a_scale_is_reached_by_arrows_alone_and_by_the_mouse_alone(place):
+def test_every_scale_position_works_by_arrows_or_mouse(place):
     """As a touch screen has no keys: its touches are presses of the mouse."""
     mark = None
     for key in ["right"] * 8 + ["left"] * (6 - place):
@@ -127,7 +127,7 @@ def at(shown, answer):
     return next(place for place in places if shown.answer(Click(*place, 0.0)) == answer)
 
 
-def test_a_form_is_filled_and_left_by_the_mouse_alone():
+def test_form_can_be_completed_by_mouse():
     asked = form.Form((("", "a", "b"), ("", "c", "d")), n_positions=7, rings=True, words=form.FormWords("", ""))
     marks = form.begun((None, None))
     for answer in ((0, 3), (1, 6), layout.CONFIRM):

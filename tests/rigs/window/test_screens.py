@@ -82,7 +82,7 @@ def program(words, environment):
 
 
 @pytest.mark.parametrize("number", [pytest.param(0, marks=pytest.mark.slow), 1])
-def test_the_pages_are_on_the_screen_that_was_asked_for_and_the_other_is_dark(two_screens, number):
+def test_pages_appear_only_on_the_selected_screen(two_screens, number):
     done = program(["-c", LOOK, number], two_screens)
     assert done.stdout.splitlines() == [
         f"0 {number == 0}",
@@ -91,7 +91,7 @@ def test_the_pages_are_on_the_screen_that_was_asked_for_and_the_other_is_dark(tw
     ], done.stderr
 
 
-def test_a_screen_that_is_not_connected_is_refused_with_those_that_are_and_nothing_is_recorded(two_screens, tmp_path):
+def test_unconnected_screen_is_refused_before_recording(two_screens, tmp_path):
     bench = tmp_path / "bench.toml"
     bench.write_text(BENCH.format(2))
     words = ["-m", "tactometry", "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d"]
@@ -105,14 +105,14 @@ def test_a_screen_that_is_not_connected_is_refused_with_those_that_are_and_nothi
 
 
 @pytest.mark.slow
-def test_check_lists_the_screens_and_says_whose_each_is(two_screens, tmp_path):
+def test_check_lists_screens_and_marks_participant_screen(two_screens, tmp_path):
     bench = tmp_path / "bench.toml"
     bench.write_text(BENCH.format(1))
     done = program(["-m", "tactometry", "check", "--bench", bench], two_screens)
     assert "screen 0: 640 x 600 px; screen 1: 800 x 600 px, the participant's is screen 1" in done.stdout, done.stderr
 
 
-def test_a_screen_is_one_of_those_that_are_there():
+def test_check_screen_rejects_unconnected_screens():
     there = (ConnectedScreen(0, 640, 480),)
     check_screen(0, there)
     for number in (-1, 1):

@@ -67,7 +67,7 @@ def numbers():
 
 @pytest.mark.slow
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
-def test_a_texture_in_the_window_sounds_as_the_places_of_the_pointer_ask_for(display, sink, tmp_path):
+def test_window_texture_follows_pointer_positions(display, sink, tmp_path):
     study, device = texture_study(tmp_path), Emulator("udp", tmp_path, profile=RELEASED)
     position = POSITION.format(path=tmp_path / "pointer")
     bench = texture_bench(tmp_path, device.udp_port, position, "position_latency_s = 0.2")

@@ -28,14 +28,12 @@ def sessions():
             yield pytest.param(name, language, SOURCES[(n + k) % len(SOURCES)], marks=mark, id=f"{name}-{language}")
 
 
-def test_every_built_in_study_has_a_short_one():
+def test_every_built_in_study_has_short_version():
     assert sorted(SHORT) == sorted(builtin())
 
 
 @pytest.mark.parametrize(("name", "language", "source"), list(sessions()))
-def test_a_finger_that_sees_the_screen_takes_part_and_its_answers_are_recorded(
-    display, capsys, tmp_path, name, language, source
-):
+def test_simulated_finger_completes_session_from_pixels(display, capsys, tmp_path, name, language, source):
     if not available(source):
         pytest.skip(f"no library for {source}")
     study = shortened(name)
