@@ -1,5 +1,4 @@
-"""What ends unfinished is told at once, and by the closing summary and the exit status; questionnaires between blocks
-keep their condition, and are no trials."""
+"""Reports of aborted blocks, and questionnaires between blocks."""
 
 import json
 
@@ -19,7 +18,7 @@ STUDY = RECORDED / "inquiries" / "study.toml"
 
 
 def study_in(folder, **changes):
-    """Two blocks of six trials, each with a questionnaire, and one at the end."""
+    """Write a study of two blocks with three questionnaires."""
     text = STUDY.read_text(encoding="utf-8")
     path = folder / "study.toml"
     path.write_text(changed(text, {"n_attempts = 2": "n_attempts = 1", **changes}), encoding="utf-8")
@@ -71,7 +70,7 @@ def test_advice_differs_when_every_block_aborts(tmp_path, capsys):
 
 @pytest.mark.parametrize(("waver", "asked"), [(0.9, {"sus"}), (0.0, {"sus", "pleasantness-vas"})])
 def test_block_without_valid_touch_has_no_questionnaire(tmp_path, capsys, waver, asked):
-    """The questionnaire at the end of the session is asked all the same."""
+    """The questionnaire at the end of the session is still asked."""
     run(capsys, tmp_path, **{"waver_cv = 0.12": f"waver_cv = {waver}"})
     rows = trial_rows(tmp_path / "d")
     assert {row["valid"] for row in rows if row["task"] == "yes_no"} == {str(int(waver == 0.0))}
@@ -127,7 +126,7 @@ def test_block_aborts_when_it_lasts_too_long(tmp_path, capsys):
     assert texts == [f"block {n} is aborted: it has lasted longer than 2 s" for n in (1, 3)]
 
 
-# --- questionnaires on their own
+# --- questionnaires between blocks
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""A force is known of now: a sensor is silent by its last stamp, and nothing begins on what waited to be read."""
+"""Applied force: current samples open the gate, old stamps mean silence."""
 
 import time
 
@@ -22,7 +22,7 @@ def hold_that_ended(force, ago_s):
 
 
 def opens_now(force):
-    """A hold that is heard of for as long as it lasts."""
+    """Return True if the gate opens on samples that arrive as they are taken."""
     begin_s = last_s = time.perf_counter()
     hold_that_ended(force, 0.0)
     while time.perf_counter() < begin_s + 20.0:
@@ -47,7 +47,7 @@ def test_gate_stays_closed_when_samples_are_old(force):
 
 
 def test_sensor_is_silent_when_last_stamp_is_old(force):
-    """Samples that came now but were taken 101 ms ago: the first look that finds nothing more says so."""
+    """The samples are 101 ms old; the next empty read detects the silence."""
     hold_that_ended(force, SILENT_S + 1e-3)
     assert not force.silent
     force.on_samples(NOTHING, NOTHING)

@@ -1,4 +1,4 @@
-"""Pages as values: what they answer, and that nothing lies outside of the screen."""
+"""Page layouts: answers, and positions of items on the screen."""
 
 from itertools import combinations
 
@@ -31,7 +31,7 @@ def pages(aspect):
 
 
 def extent(item):
-    """Half width and half height of a shape."""
+    """Return half the width and half the height of a shape."""
     return (item.radius, item.radius) if isinstance(item, Disc) else (item.width / 2, item.height / 2)
 
 
@@ -61,7 +61,7 @@ US_KEY_OF = {
     "German": {"y": "z", "z": "y"},
     "French": {"a": "q", "q": "a", "w": "z", "z": "w", "m": "semicolon"},
 }
-"""Where a letter lies that is printed on another keyboard, by the name that the key has on a US one."""
+"""For each keyboard, the US name of the key on which a letter is printed."""
 
 
 @pytest.mark.parametrize("keyboard", US_KEY_OF)

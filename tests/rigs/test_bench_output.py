@@ -1,4 +1,4 @@
-"""What an output is given: ramps, limits, channels and rate."""
+"""Ramps and checks of a signal before an output plays it."""
 
 import numpy as np
 import pytest
@@ -95,7 +95,7 @@ def test_null_output_accepts_any_channels_and_rate():
 
 
 class Steps:
-    """A stimulus that neither begins nor ends at rest."""
+    """A stimulus that neither begins nor ends at zero."""
 
     unit = "V"
 

@@ -1,4 +1,4 @@
-"""The words of the participant's pages."""
+"""Texts of the participant's pages."""
 
 import re
 import string
@@ -16,7 +16,7 @@ def places(text):
 
 @pytest.mark.parametrize("language", languages())
 def test_every_language_has_the_same_messages(language):
-    """What a file lacks, or has too much, is named."""
+    """A failure lists the missing and the superfluous messages."""
     english, other = texts_in("en", {}), texts_in(language, {})
     assert sorted(english.labels.keys() ^ other.labels.keys()) == [], f"labels in messages_{language}.toml"
     assert sorted(english.messages.keys() ^ other.messages.keys()) == [], f"messages in messages_{language}.toml"
@@ -60,8 +60,10 @@ def test_texts_are_formal_and_gender_neutral(language, words):
 
 @pytest.mark.parametrize("language", languages())
 def test_every_line_fits_on_a_narrow_screen(language):
-    """The pictures at 1280 x 800 hold 70 letters of a text, and the more that a hint has; what is said on the page of a
-    touch is in one line at 1024 x 768."""
+    """A line fits 70 letters of text or 90 of a hint at 1280 x 800.
+
+    A touch page at 1024 x 768 fits 62.
+    """
     for name, text in texts_in(language, {}).messages.items():
         longest = max(map(len, text.splitlines()))
         most = 62 if name.startswith("lost_") else 90 if name.startswith(("hint", "meaning")) else 70

@@ -1,4 +1,4 @@
-"""What the texts say, in every language: words that each must hold, written down beside the files of messages."""
+"""Words that each participant text must contain, in every language."""
 
 from itertools import combinations
 
@@ -139,7 +139,7 @@ console.goes_on     | goes on                        | geht weiter              
 ROWS = [[cell.strip() for cell in line.split("|")] for line in TABLE.strip().splitlines()]
 HELD = {language: {name: words[n].split() for name, *words in ROWS} for n, language in enumerate(COLUMNS)}
 ALONE = ("no", "yes", "right", "wrong", "same", "different")
-"""Texts that are their word and nothing else."""
+"""Texts that consist of exactly their word."""
 
 
 def said_in(language):
@@ -149,7 +149,7 @@ def said_in(language):
 
 
 def lacks(language, name, text):
-    """The words of a text that it does not hold."""
+    """Return the required words that are missing from a text."""
     told = text.casefold()
     if name in ALONE:
         return [] if [told] == HELD[language][name] else HELD[language][name]
@@ -170,7 +170,7 @@ def test_each_text_contains_its_words(language):
 
 @pytest.mark.parametrize("language", COLUMNS)
 def test_word_table_distinguishes_all_texts(language):
-    """As yes for no: the table must tell every text from every other."""
+    """Swapped texts, such as yes and no, must violate the table."""
     said = said_in(language)
     alike = [
         (one, other)

@@ -1,4 +1,4 @@
-"""The stimuli of the thesis's studies on a one-bit board: each is made as asked for, or refused with the cure."""
+"""Stimuli of the thesis studies on a one-bit board."""
 
 from datetime import date
 
@@ -28,7 +28,7 @@ def test_strongest_built_in_stimuli_pass_board_guard(name, tmp_path):
 
 
 def test_electrovibration_runs_with_commanded_supply(tmp_path):
-    """From -10 to 46 dB re 1 V: what the driver would emit is decoded."""
+    """The encoded signal is decoded at levels from -10 to 46 dB re 1 V."""
     text = builtin()["electrovibration-threshold"].read_text("utf-8")
     changes = {"[30, 60, 120, 180, 240, 320, 480]": "[30, 480]", 'duration_s = "1 s"': 'duration_s = "150 ms"'}
     (tmp_path / "study.toml").write_text(changed(text, changes), encoding="utf-8")

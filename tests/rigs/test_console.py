@@ -1,4 +1,4 @@
-"""The console: what counts as an answer, and when it gives up."""
+"""Console rig: valid answers, printed texts, and stopping."""
 
 import io
 from dataclasses import replace
@@ -68,7 +68,7 @@ def test_console_states_expected_answer_after_invalid_line(request_, typed, lang
 
 
 class Typed(io.StringIO):
-    """Lines of somebody at a terminal."""
+    """Lines typed at a terminal."""
 
     def isatty(self):
         return True

@@ -1,4 +1,4 @@
-"""The console with and without an output: what plays, what counts as delivered, and which key stops it."""
+"""Console rig with and without an output, and its stop keys."""
 
 import io
 import itertools
@@ -40,7 +40,7 @@ SHORT = {'"500 ms"': '"100 ms"', '"300 ms"': '"20 ms"', "catch_rate = 0.2": "cat
 
 
 def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0, changes=SHORT):
-    """A session whose stimuli are written into `played`."""
+    """Run a session whose stimuli are written into `played`."""
     monkeypatch.setattr("sys.stdin", io.StringIO(answers))
     file_bench(folder, duty)
     words = ("run", tutorial_in(folder, changes), "--participant", "P01", "--rig", "console", "--out", folder / "d")
@@ -209,14 +209,14 @@ def test_output_stays_closed_when_sensor_fails_to_open(tmp_path):
     assert not (tmp_path / "played").exists()
 
 
-# --- what stops it
+# --- stop keys
 
 
 AT_A_TERMINAL = """
 import fcntl, signal, sys, termios
 from tactometry.cli import main
 fcntl.ioctl(0, termios.TIOCSCTTY, 0)
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that runs the tests behind it has it ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in background jobs
 main(sys.argv[1:])
 """
 

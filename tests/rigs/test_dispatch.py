@@ -1,4 +1,4 @@
-"""Every kind of request finds its one method on a rig, and that method gives the type that the request names."""
+"""Methods of the rigs for each request type, and their answer types."""
 
 from typing import get_type_hints
 

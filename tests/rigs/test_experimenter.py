@@ -1,4 +1,4 @@
-"""The experimenter's terminal, a real pseudo-terminal: what is typed there, and what comes of it in a window."""
+"""Orders typed at the experimenter's terminal during a window session."""
 
 import time
 from dataclasses import replace

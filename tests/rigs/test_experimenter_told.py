@@ -1,4 +1,4 @@
-"""What the experimenter's terminal, a real pseudo-terminal, tells of a session, and what the log keeps."""
+"""Output of the experimenter's terminal, and events in the log."""
 
 import threading
 from dataclasses import replace
@@ -56,7 +56,7 @@ def test_multi_row_trial_is_one_event(bench_with, terminal, kept):
     bench.answer(Wait(0.0))
     trials = [event.facts for event in kept.events if event.kind == "trial"]
     assert [facts["trial"] for facts in trials] == [7, 9]
-    assert trials[1]["n_frames"] <= 6  # those of its own wait, not of the questionnaire
+    assert trials[1]["n_frames"] <= 6  # frames of its own wait, without those of the questionnaire
     bench.answer(PRESS)
     terminal.shows("trial 3: tone 5")
     assert terminal._seen.count(b"valid (") == 2
@@ -67,7 +67,7 @@ def test_silent_sensor_pauses_session_until_it_recovers(bench_with, kept, log, t
     assert touched.valid
     silent = "the force sensor is silent"
     *pauses, began, ended = kept.told
-    # on a busy machine the sensor's thread may be held up, and it pauses once more
+    # on a busy machine a delayed sensor thread may cause further pauses
     assert pauses == [("pause", silent), ("resume", silent)] * max(1, len(pauses) // 2)
     assert (began[0], ended[0]) == ("stimulus", "stimulus_end")
     terminal.shows("paused: the force sensor is silent")

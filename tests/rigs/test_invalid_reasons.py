@@ -1,4 +1,4 @@
-"""Why a trial does not count: one reason in the row of each that does not, and none in the others."""
+"""Reasons of invalid trials: one in each invalid row, none in valid rows."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A study on a bench whose impulse responses were learnt: its stimuli are made from them."""
+"""Stimuli generated from the measured impulse responses of a bench."""
 
 from pathlib import Path
 
@@ -54,7 +54,7 @@ def test_noisy_responses_deliver_level_within_5_percent(experiment, learnt):
 
 
 def test_hybrid_uses_learnt_responses_for_foci_only(learnt):
-    """Through noise at 40 dB, at twice the amplitude of the model: the foci need half of the voltage."""
+    """The responses have twice the amplitude, so foci need half the voltage."""
     hybrid = wire(load("hybrid-button")[0], "hybrid-button")
     write_responses(learnt.responses, noise_db=40.0, factor=2.0)
     name = "hybrid, feedback=both"

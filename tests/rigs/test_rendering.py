@@ -1,4 +1,4 @@
-"""A stimulus by its name is the same on every rig: the nearest name where there is none, the limits of the study."""
+"""Look-up and rendering of stimuli by name, which every rig does alike."""
 
 import io
 

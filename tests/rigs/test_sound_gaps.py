@@ -1,4 +1,4 @@
-"""Gaps in the sound belong to the stimulus that they tear: through PortAudio and a sound server that is held up."""
+"""Audio gaps of each stimulus, measured with a stalled sound server."""
 
 import os
 import signal
@@ -22,7 +22,7 @@ from tactometry.experiments.data_sets.validation import validate
 from tactometry.signal import Signal
 
 N_TRIES = 3
-"""A busy computer may be late to hold the server up, or tear a stimulus by itself."""
+"""A busy computer may stall the server late, or interrupt a stimulus by itself."""
 
 
 def held_up(process, for_s):
@@ -32,7 +32,7 @@ def held_up(process, for_s):
 
 
 def test_gap_during_stimulus_invalidates_its_trial(needed, display, sink, tmp_path):
-    """A session in the window whose sound server is held up in the first stimulus."""
+    """The sound server of a window session stalls during the first stimulus."""
     study, device = study_in(tmp_path, n_trials=1), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio pulse, int16", system_volume=1.0))
@@ -53,12 +53,15 @@ def test_gap_during_stimulus_invalidates_its_trial(needed, display, sink, tmp_pa
     finally:
         tearing.join()
         device.close()
-    assert status in (0, 1), errors  # 1: a busy computer tears all five attempts
+    assert status in (0, 1), errors  # 1: a busy computer interrupts all five attempts
     rows = trial_rows(tmp_path / "data")
     torn = [row for row in rows if row["n_gaps"] not in ("", "0")]
     assert torn
     assert {row["valid"] for row in torn} == {"0"}
-    assert {row["invalid_reason"] for row in torn} <= {"output_gap", "sensor_lost"}  # it may be too busy to hear too
+    assert {row["invalid_reason"] for row in torn} <= {
+        "output_gap",
+        "sensor_lost",
+    }  # a busy computer may also lose the sensor
     assert [row["attempt"] for row in rows] == [str(n + 1) for n in range(len(rows))]
     assert validate(tmp_path / "data").defects == ()
 
@@ -140,7 +143,10 @@ def test_gap_lasting_past_stimulus_end_is_counted(output, sink):
 
 
 def heard_while_held_up(output, sink, after_s, for_s):
-    """Whether the sink heard a noise sample by sample, and how many gaps the output tells, where it was held up."""
+    """Play noise while the server stalls once.
+
+    Return True if the sink recorded every sample, and the number of gaps that the output reports.
+    """
     signal_played = noise(1, 48e3, 0.6)
     sink.begin()
     end_s = output.play(signal_played) + 0.6
@@ -151,12 +157,14 @@ def heard_while_held_up(output, sink, after_s, for_s):
     samples = output.final(signal_played).samples[0] / 50.0
     heard = sink.end()[:, 0] / 32768
     heard = heard[int(np.argmax(heard != 0)) :][: len(samples)]
-    whole = len(heard) == len(samples) and np.abs(heard - samples).max() < 3 / 32768  # 32 bits became 16
+    whole = (
+        len(heard) == len(samples) and np.abs(heard - samples).max() < 3 / 32768
+    )  # tolerance for the conversion from 32 to 16 bits
     return whole, n_gaps
 
 
 def test_near_underrun_is_reported_as_gap(output, sink):
-    """It had 0.1 s in hand: what was heard may be whole, and nobody can tell."""
+    """The stall nearly empties the 0.1 s buffer; the signal may be intact."""
     end_s = output.play(tone(0.5)) + 0.5
     time.sleep(0.2)
     held_up(sink.server, 0.08)
@@ -168,7 +176,7 @@ HELD_UP_S = [(0.1, 0.3), (0.3, 0.12), (0.45, 0.4)]
 
 
 def test_audible_gap_is_always_reported(output, sink):
-    """Wherever the server is held up; what is told to be torn may have been heard whole."""
+    """The server stalls at several times. Some reported gaps are inaudible."""
 
     def told():
         found = [heard_while_held_up(output, sink, *each) for each in HELD_UP_S]
@@ -178,7 +186,7 @@ def test_audible_gap_is_always_reported(output, sink):
 
 
 class Asking:
-    """A card that asks for blocks of 5 ms, with so much in hand."""
+    """A sound card that requests blocks of 5 ms, with a given buffer lead."""
 
     def __init__(self):
         self.output = AudioOutput(AudioSettings(48e3, "x", latency_s=0.1, shared=True), Gain(50.0, 1.0))
@@ -193,7 +201,7 @@ class Asking:
 
 
 def test_stimulus_starting_in_a_gap_counts_it():
-    """Its first frames were lost in the gap, which had begun before it."""
+    """The gap began before the stimulus and lost its first frames."""
     card = Asking()
     card.ask(10.0)
     card.begin(0.003)
@@ -232,5 +240,5 @@ def test_stimulus_counts_gaps_from_onset_to_end():
     course.onset_s = 10.0
     course.begun.set()
     assert course.is_torn_by(10.9, rate_hz=1000.0)
-    assert course.is_torn_by(11.02, rate_hz=1000.0)  # it runs dry a little before what it says that it has
+    assert course.is_torn_by(11.02, rate_hz=1000.0)  # the card runs dry slightly before its reported lead ends
     assert not course.is_torn_by(11.1, rate_hz=1000.0)

@@ -1,5 +1,4 @@
-"""The experimenter's terminal as a person sees it, by an emulator of terminals: what stands at the bottom is whole,
-whatever libraries write and hands type."""
+"""Status line, messages and typed input on an emulated terminal."""
 
 import os
 import pty
@@ -34,7 +33,7 @@ HIGH = 60
 
 
 class Seen:
-    """What stands on a terminal whose other end is `master`."""
+    """The rendered screen of a terminal whose other end is `master`."""
 
     def __init__(self, master, width=100):
         self.screen = pyte.Screen(width, HIGH)
@@ -42,7 +41,7 @@ class Seen:
         self.data = b""
 
     def rows(self):
-        """The rows that are not empty."""
+        """Return the rows that are not empty."""
         while select.select([self.master], [], [], 0)[0]:
             try:
                 data = os.read(self.master, 4096)
@@ -62,7 +61,7 @@ class Seen:
 
 @pytest.fixture
 def desk(monkeypatch):
-    """A terminal on a real pseudo-terminal, what is seen there, and its file."""
+    """A live terminal, its rendered screen, and its file descriptor."""
     monkeypatch.setenv("TERM", "xterm")
     master, slave = pty.openpty()
     termios.tcsetwinsize(slave, (HIGH, 100))
@@ -196,7 +195,7 @@ def test_status_is_stored_when_terminal_is_dumb(monkeypatch, desk):
 
 
 class Sitting:
-    """`tactometry run` of a short study in a window, on a terminal that is seen and typed on."""
+    """A `tactometry run` in a window, controlled from a pseudo-terminal."""
 
     def __init__(self, folder, hands):
         changes = {'duration_s = "500 ms"': 'duration_s = "100 ms"', "repeats = 4": "repeats = 1"}
@@ -216,7 +215,10 @@ class Sitting:
         os.write(self._master, words.encode())
 
     def answers_until(self, holds=lambda rows: False):
-        """Answer whatever is asked, until the rows of the terminal are so or the session is over; the rows."""
+        """Answer questions until the rows meet a condition or the session ends.
+
+        Return the rows of the terminal.
+        """
         end_s = time.monotonic() + LONGEST_PROGRAM_S
         while self.process.poll() is None and not holds(self.seen.rows()):
             assert time.monotonic() < end_s
@@ -239,7 +241,7 @@ def sitting(display, tmp_path):
 
 
 def test_status_line_stays_whole_during_a_session(sitting):
-    """The participant answers in the window; the experimenter types meanwhile."""
+    """The experimenter types while the participant answers in the window."""
     statuses = set()
 
     def note(rows):

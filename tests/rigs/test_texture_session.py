@@ -1,4 +1,4 @@
-"""A texture in a session: a UDP sensor tells where the finger is, and a sound server plays what the place asks for."""
+"""Texture sessions with a UDP position sensor and a sound server."""
 
 import importlib.util
 import io
@@ -52,7 +52,7 @@ def test_sound_output_follows_measured_positions(needed, sink, tmp_path, capsys)
     study, device = texture_study(tmp_path), Emulator("udp", tmp_path, profile=RELEASED)
     sink.begin()
     try:
-        # on a busy computer positions come late: so long after them none is missing
+        # positions arrive late on a busy computer, hence the long latency
         bench = texture_bench(tmp_path, device.udp_port, more="position_latency_s = 0.2")
         bench.write_text(bench.read_text().replace("\nlatency_s = 0.02", "\nlatency_s = 0.1"))
         status, _, errors = console_session(study, bench, tmp_path / "d", sink.env)
@@ -176,7 +176,7 @@ def test_check_reports_missing_position_sensor(tmp_path):
 
 
 def feed(texture, positions, stamps_s, **keys):
-    """A feed of a constant voltage whose first frame leaves at 1 s; the finger was at these positions."""
+    """Return a constant-voltage feed from 1 s on that follows positions."""
     stimulus = FollowedTexture(texture, duration_s=0.1, ramp_s=0.0, **keys)
     path = FingerPath()
     path.on_samples(np.asarray(stamps_s), np.asarray(positions)[:, None])
@@ -189,7 +189,7 @@ def feed(texture, positions, stamps_s, **keys):
 def test_feed_uses_position_one_latency_earlier():
     made = feed(Region(0.01, 0.03), [0.0, 0.02], [0.9, 1.1], rise_s=5e-5)
     emitted = np.concatenate([made.take(n)[:, 0] for n in (7, 993, 500, 500)])
-    # 0.01 m at 1.0 s is heard 50 ms later: 1000 frames behind the onset
+    # 0.01 m at 1.0 s is played 50 ms later, 1000 frames after the onset
     assert emitted[:999].max() == 0.0
     assert emitted[1001:].min() == 1000.0
     assert (made.late, made.unknown) == (0.0, 0.0)
@@ -198,7 +198,7 @@ def test_feed_uses_position_one_latency_earlier():
 def test_missing_position_is_held_then_unknown():
     made = feed(Region(-1.0, 1.0), [0.0, 0.0], [0.8, 0.86], rise_s=5e-5)
     emitted = made.take(2000)[:, 0]
-    # the first frame is that of 0.95 s; a place is held for 0.1 s, up to 0.96 s: 200 frames
+    # the first frame uses 0.95 s; a position is held for 0.1 s, until 0.96 s: 200 frames
     assert made.late == 1.0
     assert made.unknown == pytest.approx(0.9, abs=2e-3)
     assert emitted[:199].min() == 1000.0
@@ -277,7 +277,7 @@ def test_finger_path_drops_backward_stamps():
 
 
 def test_first_position_is_kept_when_stamps_repeat():
-    """A touch screen whose kernel stamps nothing is read late on a busy computer: several places come at once."""
+    """Touch screens without kernel stamps may send several positions at once."""
     places, path, kept = Trace(), FingerPath(), []
     for on_samples in (places.on_samples, path.on_samples):
         on_samples(np.array([1.0, 1.0, 1.1]), np.array([[0.0], [5.0], [0.1]]))

@@ -1,4 +1,4 @@
-"""Force and position of each touch, kept: by a real session at a console, whose sensor counts its samples."""
+"""Recorded force and position traces of each touch."""
 
 import gzip
 import io
@@ -41,11 +41,11 @@ channels = [0]
 metres_per_count = {METRES_PER_COUNT}
 """
 PROFILE = "0.2:30,1:100"
-"""Released, then held at 1 N, again and again; the emulated finger moves on by one count a sample."""
+"""Alternates between released and held at 1 N; the emulated finger moves by one count per sample."""
 
 
 def words(folder, device, bench="", out="d", changes=None):
-    """A session at a console, before a file for an output and a sensor by UDP, as arguments of `run`."""
+    """Return `run` arguments for a console session with a UDP sensor."""
     text = FILE_BENCH.format(folder=folder / "played", duty=1.0, window_s=60)
     path = folder / "bench.toml"
     path.write_text(text + UDP_HAND.format(port=device.udp_port) + MOVING + bench, encoding="utf-8")
@@ -54,7 +54,7 @@ def words(folder, device, bench="", out="d", changes=None):
 
 
 def sit(folder, capsys, monkeypatch, **how):
-    """Such a session whose participant answers 1 each time: its status and errors."""
+    """Run such a session, answering 1 each time; return status and errors."""
     device = Emulator("udp", folder, profile=PROFILE)
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
     try:
@@ -65,7 +65,7 @@ def sit(folder, capsys, monkeypatch, **how):
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """A data set with traces, which no test changes."""
+    """A data set with traces; read-only."""
     folder = tmp_path_factory.mktemp("recorded")
     with pytest.MonkeyPatch.context() as patch:
         silent = SimpleNamespace(readouterr=lambda: SimpleNamespace(out="", err=""))
@@ -81,7 +81,7 @@ def copied(recorded, tmp_path):
 
 
 def valid_touches(root):
-    """The rows that count, each with its touch: a busy computer may hear nothing of a sensor for a while."""
+    """Return each valid row with its touch; other rows may lack the sensor."""
     rows = [row for row in trial_rows(root) if row["valid"] == "1"]
     assert rows
     return [(row, read_traces(root, int(row["trial"]))[int(row["attempt"]) - 1]) for row in rows]
@@ -91,7 +91,7 @@ def test_trace_contains_every_sensor_sample_once(recorded):
     for _, touch in valid_touches(recorded):
         assert set(touch.force.values.tolist()) <= {0.3, 1.0}
         counts = touch.position.values[:, 0] / METRES_PER_COUNT
-        np.testing.assert_allclose(np.diff(counts), 1.0, atol=1e-6)  # none is lost, none stands twice
+        np.testing.assert_allclose(np.diff(counts), 1.0, atol=1e-6)  # no sample is lost or duplicated
         for times_s, values in (touch.force, touch.position):
             assert len(times_s) == len(values)
             assert np.all(np.diff(times_s) >= 0)
@@ -103,9 +103,9 @@ def test_trial_row_matches_its_trace(recorded):
         begin_s, (times_s, forces_n) = float(row["onset_s"]), touch.force
         during = (times_s >= begin_s) & (times_s <= begin_s + touch.request.duration_s)
         assert forces_n[during].mean() == pytest.approx(float(row["force_mean_n"]), abs=1e-6)
-        # the gate opened on a sample, after the force had been held
+        # the gate opened on a sample after the force had been held
         held = (times_s <= touch.answer.gate_s) & (times_s >= touch.answer.gate_s - touch.request.hold_s)
-        assert np.min(np.abs(times_s - touch.answer.gate_s)) <= 1.5e-6  # both are told to a microsecond
+        assert np.min(np.abs(times_s - touch.answer.gate_s)) <= 1.5e-6  # both are recorded to a microsecond
         assert np.all(forces_n[held] == 1.0)
 
 
@@ -123,7 +123,7 @@ def test_emitted_signal_is_recomputed_and_checked_by_digest(recorded, copied, ca
     study = copied / "study.toml"
     study.write_text(study.read_text("utf-8").replace("frequency_hz = [60]", "frequency_hz = [61]"), "utf-8")
     other, *_ = read_traces(copied, 1)
-    assert other.emitted is None  # another signal than the one that was played is none
+    assert other.emitted is None  # a signal with another digest is not returned
     assert other.unknown.startswith(f"the study gives another signal than that of the digest {touch.answer.digest}; ")
     assert (touch.unknown, f"unknown: {other.unknown}" in output(capsys, *shown)) == (None, True)
     np.testing.assert_array_equal(other.force.values, touch.force.values)
@@ -203,7 +203,7 @@ def test_validate_rejects_trace_path_outside_traces_folder(copied, capsys):
 
 
 def named(root):
-    """Up to where the first trial of a data set names the forces."""
+    """Return the size of the force traces of the first trial, in bytes."""
     return sum(part.n_bytes for part in read_traces(root, 1)[0].answer.trace if "force" in part.file)
 
 
@@ -222,7 +222,7 @@ def test_killed_session_keeps_traces_of_all_trials(tmp_path, capsys, monkeypatch
         process.kill()
         process.communicate()
         with force.open("ab") as file:
-            file.write(b"\x1f\x8b\x08\x00")  # a member that had only begun
+            file.write(b"\x1f\x8b\x08\x00")  # an incomplete gzip member
         monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
         status, errors, _ = call(capsys, "run", *words(tmp_path, device), "--resume")
     finally:
@@ -231,11 +231,11 @@ def test_killed_session_keeps_traces_of_all_trials(tmp_path, capsys, monkeypatch
     assert validate(tmp_path / "d").defects == ()
     rows = trial_rows(tmp_path / "d")
     assert all(len(read_traces(tmp_path / "d", int(row["trial"]))[0].force.times_s) > 100 for row in rows)
-    for row in rows:  # the clock of the session goes on in the second sitting
+    for row in rows:  # the session clock continues after the resume
         times_s, onset_s = read_traces(tmp_path / "d", int(row["trial"]))[0].force.times_s, float(row["onset_s"])
         assert times_s[0] < onset_s < times_s[-1] + 1.0
     with gzip.open(force) as file:
-        assert file.read().count(b"\n") >= 100 * (len(rows) + 1)  # and the one that led to no trial
+        assert file.read().count(b"\n") >= 100 * (len(rows) + 1)  # including the touch of the interrupted trial
 
 
 def test_samples_before_a_touch_are_excluded():
@@ -265,7 +265,7 @@ shutil.copytree(f"{disk}/d", kept)
 
 @pytest.mark.slow
 def test_full_disk_loses_no_trial(tmp_path, capsys, monkeypatch):
-    """A small disk in a mount namespace of its own, which goes with its process."""
+    """The small disk is in a mount namespace, which ends with its process."""
     device, script, disk = Emulator("udp", tmp_path, profile=PROFILE), tmp_path / "fill.py", tmp_path / "disk"
     disk.mkdir()
     script.write_text(FILL_DISK)

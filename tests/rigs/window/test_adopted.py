@@ -1,4 +1,4 @@
-"""The window of a PsychoPy script with our pages in it: never closed, and given back as it was."""
+"""Adopted windows of PsychoPy scripts, restored after use."""
 
 import time
 
@@ -23,7 +23,7 @@ LOOKS = {
 
 @pytest.fixture(scope="module")
 def theirs(display):
-    """The window of a script, with a stimulus that it draws by itself."""
+    """The window of a PsychoPy script."""
     from tactometry.rigs.window import load_psychopy
 
     psychopy = load_psychopy()
@@ -35,7 +35,7 @@ def theirs(display):
 
 @pytest.fixture(params=LOOKS)
 def scene(theirs, request):
-    """Their window with a look, and the stimulus that is drawn with it at every flip."""
+    """The script's window with changed settings and a drawn stimulus."""
     from psychopy import visual
 
     for name, value in ({"viewScale": None, "viewPos": None, "viewOri": 0.0} | LOOKS[request.param]).items():
@@ -58,7 +58,7 @@ def window(scene):
 
 
 def seen(window):
-    """What a flip of the script shows."""
+    """Return the picture that a flip of the script shows."""
     for stimulus in window._toDraw:
         stimulus.draw()
     picture = np.asarray(window.getMovieFrame(buffer="back"))
@@ -127,7 +127,7 @@ def test_script_flip_callbacks_wait_for_script_flip(scene, window):
     assert called == []
     scene.flip()
     assert called == [1]
-    assert len(scene.frameIntervals) == n_intervals  # the one over our page is none of theirs
+    assert len(scene.frameIntervals) == n_intervals  # the interval that spans our page is not counted
     scene.recordFrameIntervals = False
 
 
@@ -148,7 +148,7 @@ def test_keys_go_to_owner_of_current_page(scene, window, hands):
 
     def taps(key):
         hands.tap(key)
-        time.sleep(0.4)  # until PsychoPy's thread has it, whoever's it is
+        time.sleep(0.4)  # until PsychoPy's thread has read it
 
     taps("a")
     window.present(Page())
@@ -165,7 +165,7 @@ def test_keys_go_to_owner_of_current_page(scene, window, hands):
 
 
 def test_press_time_is_correct_with_another_clock(scene, window, hands):
-    """As what Builder writes does, after its components are made."""
+    """Builder scripts set another clock after creating their components."""
     from psychopy import clock, logging
 
     window.present(Page())
@@ -176,7 +176,7 @@ def test_press_time_is_correct_with_another_clock(scene, window, hands):
         [press] = wait_for(window.events)
     finally:
         logging.setDefaultClock(usual)
-    assert press.at_s == pytest.approx(down_s, abs=1.0)  # the clocks are further apart
+    assert press.at_s == pytest.approx(down_s, abs=1.0)  # the clocks differ by more than this
 
 
 def test_key_held_past_last_page_is_ignored(scene, window, hands, in_background):

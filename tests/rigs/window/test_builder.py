@@ -1,4 +1,4 @@
-"""An experiment of Builder with our components and loop: saved, compiled and run by PsychoPy, answered by hands."""
+"""A Builder experiment with our components, compiled and run by PsychoPy."""
 
 import json
 import os
@@ -83,7 +83,7 @@ def test_loop_runs_procedure_levels_until_it_finishes(sitting):
 
 def test_stimulus_and_touch_components_write_rows(sitting):
     [row] = [row for row in sitting if row["buzz.digest"]]
-    # a busy machine may silence the hand's sensor, which cuts what plays
+    # a busy machine may lose the sensor, which stops the stimulus
     assert (row["buzz.cut"], row.get("buzz.level_delivered", "")) in (("0", "36"), ("1", ""))
     [felt] = [row for row in sitting if row["felt.valid"]]
     assert felt["felt.level_delivered"] == "30"

@@ -1,4 +1,4 @@
-"""The bar by which a display is measured, as the X server shows it."""
+"""The calibration bar of a display, as the X server shows it."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from tactometry.experiments.bench.calibration import show_bar
 
 
 class Ruler:
-    """Someone at the screen: measures the bar as the X server shows it, goes on with a key, and types its length."""
+    """A simulated user who measures the bar and types its length."""
 
     def __init__(self, hands):
         self._hands, self._root = hands, hands._display.screen().root
@@ -43,8 +43,10 @@ class Ruler:
 
 
 def test_calibration_bar_is_half_the_screen_height(display, screen, monkeypatch, capsys, in_background):
-    """The window of the command opens in front of that of the other tests, full screen, and is closed before the
-    terminal asks; the keyboard of both is one, and ends with it."""
+    """The window of the command closes before the terminal asks for a length.
+
+    It shares its keyboard with the window of the other tests, so the keyboard is restarted afterwards.
+    """
     ruler = Ruler(display)
     monkeypatch.setattr("sys.stdin", ruler)
     in_background(ruler.measure)

@@ -1,4 +1,4 @@
-"""How pages are drawn: within the screen, in high contrast, and as PsychoPy draws them."""
+"""Drawing of pages: margins, contrast, and equality with PsychoPy."""
 
 import subprocess
 import sys
@@ -17,7 +17,7 @@ from tactometry.rigs.texts import languages
 
 @pytest.mark.parametrize("language", languages())
 def test_pages_fit_the_screen_with_high_contrast(screen, artefacts, language):
-    """The pictures are kept: look at them."""
+    """The pictures are saved for inspection."""
     for name, page in all_pages(language, screen.aspect).items():
         image = screen.picture(page)
         image.save(artefacts / f"window_{language}_{name}.png")
@@ -30,7 +30,7 @@ def test_pages_fit_the_screen_with_high_contrast(screen, artefacts, language):
 @pytest.mark.soak  # the other pages and sizes are slow to draw in software
 @pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080), (3840, 2160)], ids=str)
 def test_pages_fit_screens_of_other_sizes(display, artefacts, width, height):
-    """Each on a display of its own; the pictures are kept: look at them. What is drawn scales with the screen."""
+    """Each size has a separate display; the pictures are saved for inspection."""
     command = ["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24", sys.executable, screens.__file__]
     folder = artefacts / f"{width}x{height}"
     subprocess.run([*command, str(width), str(height), str(folder)], check=True, timeout=LONGEST_PROGRAM_S)
@@ -46,7 +46,7 @@ def pixels(screen, page):
 
 
 def plainly(canvas, item):
-    """PsychoPy's own stimulus of an item, in its place."""
+    """Return the PsychoPy stimulus of an item at its position."""
     if isinstance(item, Text):
         return canvas._text(item)
     look, size = canvas._look(item)
@@ -57,7 +57,7 @@ def plainly(canvas, item):
 
 @pytest.mark.parametrize("name", ["en_force_held", "form_nasa-tlx_en", "form_pleasantness-vas_en", "entry"])
 def test_display_lists_match_psychopy_drawing(screen, name):
-    """To the last bit but one of each pixel, as a list is placed in single precision; the texts to the last."""
+    """Pixels may differ by one, as display lists use single precision."""
     page = screens.every_page(screen.aspect)[name]
     recorded = pixels(screen, page).astype(int)
     for item in page.items:
@@ -68,7 +68,7 @@ def test_display_lists_match_psychopy_drawing(screen, name):
 
 
 def test_moving_frames_do_not_call_psychopy(screen, monkeypatch):
-    """Each attribute of a shape costs more than its drawing: forms took 110 ms a frame, and dropped five of six."""
+    """PsychoPy's shape attributes are slow: forms took 110 ms per frame."""
     marker = layout.marker_page(1, playing=True, words="Press")
     forces = [layout.force_page(marker, force_n, 1.0, 0.2) for force_n in (0.9, 1.1)]
     frames = [layout.track_page(page, at, 0.5, 0.0) for page, at in zip(forces, (-0.1, 0.1), strict=True)]

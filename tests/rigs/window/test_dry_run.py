@@ -1,4 +1,4 @@
-"""Before the first touch of a kind its page is explained by a picture and tried without a stimulus."""
+"""Dry run before the first touch of each kind."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ ENGLISH = texts_in("en", {}).messages
 
 
 class Leaving:
-    """A participant who leaves a page with a hint."""
+    """A screen whose participant leaves each page that has buttons."""
 
     def __init__(self, watched, hands, in_background):
         self._watched, self._hands, self._in_background = watched, hands, in_background
@@ -61,7 +61,7 @@ def told(page):
 
 
 def shown(watched, name):
-    """On how many of the pages a message is."""
+    """Return the number of pages that show a message."""
     words = ENGLISH[name].strip().partition("\n\n")[0]
     return sum(words in told(page) for page in watched.pages)
 
@@ -93,7 +93,7 @@ def test_failed_dry_run_repeats_with_reason(bench_with, watched, log):
 
 
 def test_each_touch_kind_has_a_dry_run(bench_with, watched):
-    """Without sensors there is no bar and no ring."""
+    """The picture explains no bar or ring when there are no sensors."""
     bench, kept = bench_with()
     for request in (PRESS, SLIDE, PRESS, SLIDE):
         assert bench.answer(request).valid

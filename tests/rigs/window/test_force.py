@@ -1,4 +1,4 @@
-"""Touches with a force that is sampled in real time: held, late, lost, and left."""
+"""Touches gated by a force that is sampled in real time."""
 
 import math
 import threading
@@ -47,7 +47,7 @@ def bench_with(watched, output, log):
 
 
 class Slow:
-    """An output that takes its time to begin."""
+    """An output that starts late."""
 
     def __init__(self, output, takes_s):
         self._output, self._takes_s = output, takes_s
@@ -112,7 +112,7 @@ def test_output_stops_when_sensor_thread_hangs(bench_with, log):
 
 
 class Held:
-    """A screen whose frames last until the output has stopped, once it plays."""
+    """A screen whose frame lasts until the playing output has stopped."""
 
     def __init__(self, screen, log):
         self._screen, self._log = screen, log
@@ -159,7 +159,7 @@ def test_ungated_stimulus_restarts_after_excess_force(bench_with, log, watched):
 
 
 class Fast:
-    """A sensor whose stamps run at a rate that is not ours; it holds its force from the first sample on."""
+    """A sensor whose time stamps run faster than the session clock."""
 
     name, n_channels, rate_hz = "fast", 1, 1000.0
 
@@ -184,7 +184,7 @@ class Fast:
 
 
 class Timed:
-    """An output that notes when it plays."""
+    """An output that records its playback times."""
 
     def __init__(self, output):
         self._output, self.played_s = output, []
@@ -199,7 +199,7 @@ class Timed:
 
 @pytest.mark.parametrize("rate", [1.01, 1.1, 1.3, 10.0])
 def test_fast_stamps_do_not_open_gate_early(watched, output, participant, rate):
-    """By our clock: those that ran 1.3 times as fast opened it after 0.23 of 0.3 s."""
+    """Regression: stamps 1.3 times too fast opened a 0.3 s gate after 0.23 s."""
     sensor, timed = streamed_force(Reader(Fast(rate)), 0, ForceCalibration(newtons_per_count=1.0)), Timed(output)
     bench = Bench(watched, Equipment(timed, {"tone": TONE}, sensor=sensor, release=False), texts_in("en", {}))
     participant.answers(1.0, "Escape")
@@ -215,7 +215,7 @@ STUCK = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout
 
 
 def test_stuck_force_plays_nothing(bench_with, log, watched):
-    """A sensor that is stuck from the beginning: the page says to lift the finger."""
+    """The sensor is stuck from the start, so the page asks to lift the finger."""
     touched = bench_with(lambda time_s: 1.0, release=True).answer(STUCK)
     assert (touched.valid, touched.invalid_reason) == (False, "timeout")
     assert log == ["output.open"]
@@ -226,7 +226,7 @@ def test_stuck_force_plays_nothing(bench_with, log, watched):
     ("between_n", "plays"), [(1.0, False), (0.9, False), (1.3, True), (0.1, True), (math.nan, False)]
 )
 def test_force_must_leave_band_between_touches(bench_with, log, watched, between_n, plays):
-    """It was 0.3 N before the first; after the first stimulus it is so much for a while, then held."""
+    """The force is `between_n` for a while after the first stimulus."""
     ended = []
 
     def force_n(time_s):
@@ -236,7 +236,7 @@ def test_force_must_leave_band_between_touches(bench_with, log, watched, between
         return between_n if len(ended) < 100 else 1.0
 
     bench = bench_with(force_n, release=True)
-    in_time = replace(STUCK, timeout_s=20.0)  # of a busy machine too
+    in_time = replace(STUCK, timeout_s=20.0)  # enough for a busy machine
     assert bench.answer(in_time).valid
     time.sleep(0.2)
     touched = bench.answer(in_time if plays else STUCK)
@@ -258,7 +258,7 @@ def test_force_drift_out_of_band_invalidates_trial(bench_with, log, drifted_n, r
 
 @pytest.mark.usefixtures("unhurried_sensors")
 def test_gate_delay_is_unaffected_by_later_force(watched, output, log):
-    """It is out of its band, and back, while the stimulus plays: the gate opens once more."""
+    """The force re-enters its band during the stimulus and reopens the gate."""
     left = iter([0.7] * 50)
     reader = Reader(Sampled(lambda time_s: next(left, 1.0) if "play 5 V" in log else 1.0, log))
     sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
@@ -297,7 +297,7 @@ def test_stimulus_starting_at_timeout_is_valid(bench_with, output, log):
 
 
 class Failing:
-    """A screen that fails while an output begins."""
+    """A screen that fails while an output starts."""
 
     def __init__(self, screen, output):
         self._screen, self._output = screen, output
@@ -360,7 +360,7 @@ def test_adjustment_restarts_after_sensor_loss(bench_with, log, participant):
 
 
 def test_next_touch_shows_why_last_was_invalid(bench_with, watched):
-    """And no more after a page, or after one that counts."""
+    """The reason is not shown after another page or after a valid touch."""
     told = "Too light: press more, until the bar stays between the lines"
     bench = bench_with(lambda time_s: 1.0)
 

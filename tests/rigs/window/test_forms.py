@@ -1,4 +1,4 @@
-"""Questionnaires and typed numbers in a real window, and every study there from start to end, by real key events."""
+"""Questionnaires, typed numbers and complete studies in a real window."""
 
 import threading
 from dataclasses import replace
@@ -41,7 +41,7 @@ def drawn(request=PAGE):
 
 
 def place(row, k, request=PAGE):
-    """Where place `k` of a row lies."""
+    """Return the screen coordinates of position `k` of a row."""
     page = drawn(request)
     pitch = (form.TOP - form.BOTTOM) / len(page.rows)
     y = form.scale_y(page, row, form.TOP - (row + 0.5) * pitch, pitch)
@@ -119,7 +119,7 @@ def test_touch_sets_value_on_continuous_line(bench, participant):
 
 def test_drag_sets_its_row_at_release_point(bench, participant, hands):
     (x, _), (far, low) = place(0, 20, VAS), place(1, 90, VAS)
-    participant.answers(  # a click has the time at which it is heard of: the keys wait for it
+    participant.answers(  # a click is stamped when it is read, so the keys wait for it
         lambda: hands.drag(place(0, 20, VAS), (0.5 * (x + far), low), (far, low)), 0.3, *TO_THE_END, "Return"
     )
     assert bench.answer(VAS).values == pytest.approx((90, 100), abs=1)
@@ -193,23 +193,25 @@ def test_entry_page_is_saved_as_picture(screen, artefacts):
     screen.picture(entry_page(screen.aspect)).save(artefacts / "entry.png")
 
 
-# --- studies from start to end
+# --- complete studies
 
 LEARNT = "time-reversal-threshold"
 OTHERS = ("time-reversal-patterns", "time-reversal-localisation", "hybrid-button", "electrovibration-threshold")
 BLINDLY = (LEARNT, *OTHERS)
-"""Studies that keys alone lead through."""
+"""Studies that can be completed by keys alone."""
 
 
 @pytest.fixture
 def in_the_window(display, screen, capsys):
-    """Runs a command line whose window opens in front of that of the other tests; keys that lead through every page are
-    tapped, over and over, until it ends. The keyboard of both windows is one, and ends with the command's."""
+    """A function that runs a command and taps keys that pass every page.
+
+    The command shares its keyboard with the window of the other tests, so the keyboard is restarted afterwards.
+    """
     ended = threading.Event()
 
     def tap_all():
         while not ended.wait(0.02):
-            for key in ("space", "y", "4", "2", "0"):  # 0 leaves the places of a line open
+            for key in ("space", "y", "4", "2", "0"):  # 0 leaves a continuous line unanswered
                 display.tap(key, 0.01)
 
     def run(*arguments):
@@ -226,7 +228,7 @@ def in_the_window(display, screen, capsys):
 
 
 def learnt(name, folder):
-    """What a bench file says of the responses that were learnt on it."""
+    """Return the bench tables for learnt responses, if the study uses them."""
     if name != LEARNT:
         return ""
     write_responses(folder / "learnt.npz", noise_db=40.0, factor=1.5)
@@ -235,7 +237,7 @@ def learnt(name, folder):
 
 
 def check_played(folder):
-    """What was played came from the learnt responses."""
+    """Check that the played signals were computed from the learnt responses."""
     [journal] = (folder / "d" / "journals").glob("*.jsonl")
     recording = read(journal)
     assert recording.head.facts["responses_measured"] == "2026-11-20 ZG"

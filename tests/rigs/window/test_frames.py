@@ -1,4 +1,4 @@
-"""The frame period: measured, held against the mode of the screen, and believed where it can be one."""
+"""Frame period: measurement, comparison with the screen mode, and pacing."""
 
 import time
 from types import SimpleNamespace
@@ -26,7 +26,7 @@ def test_frame_period_is_trusted_despite_dropped_frames(rate_hz, told, jitter, n
 
 @given(st.lists(st.floats(4.4e-3, 95e-3), min_size=20, max_size=20), rates_hz)
 def test_loaded_frame_intervals_are_not_trusted(intervals_s, rate_hz):
-    """The medians of what was measured under load were 4.4 to 95 ms."""
+    """Medians measured under load were 4.4 to 95 ms."""
     rhythm = rhythm_of(intervals_s, rate_hz)
     assert abs(rhythm.period_s * rate_hz - 1) <= 0.1 + 1e-9
     assert rhythm.trusted or rhythm.period_s == 1 / rate_hz
@@ -82,11 +82,11 @@ def test_pacer_waits_after_frames_are_too_fast():
     assert time.perf_counter() - begin_s >= 0.1
 
 
-# --- the window itself
+# --- window
 
 
 def test_window_uses_nominal_period_after_slow_start(screen, monkeypatch):
-    """Three measurements under load; a mode of 60 Hz, which a virtual screen does not tell."""
+    """Three measurements under load, with a simulated mode of 60 Hz."""
     late_s = iter(np.random.default_rng(0).uniform(0.014, 0.06, 63).tolist())
     monkeypatch.setattr(type(screen), "_flip", lambda self: time.sleep(next(late_s)) or time.perf_counter())
     monkeypatch.setattr("tactometry.rigs.window.nominal_rate_hz", lambda mode: 60.0)

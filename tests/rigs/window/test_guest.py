@@ -1,4 +1,4 @@
-"""A PsychoPy script with our touches in it: the one of the docs, run in a real window by hands, with a real force."""
+"""The documented PsychoPy script, run in a real window."""
 
 import json
 import os
@@ -20,12 +20,12 @@ from tactometry.questionnaire import load
 
 N_TRIALS = 4
 OURS = 9
-"""Lines that a script gains, as the page says."""
+"""Number of lines that the how-to page adds to the script."""
 
 
 @pytest.fixture(scope="module")
 def sitting(display, tmp_path_factory):
-    """The script of the docs, and the bench with a hand that presses 1 N."""
+    """Result of the documented script with an emulated hand that presses 1 N."""
     folder = tmp_path_factory.mktemp("script")
     hand = hand_and_bench(folder)
     [script] = texts_of("how_to/psychopy.md", "python")
@@ -70,7 +70,7 @@ def test_script_data_load_with_documented_column_map(sitting):
 
 @pytest.fixture
 def guest(screen):
-    """In a window of this process, where nothing is played."""
+    """A guest in a window of this process, without an output."""
     with Guest(screen._window, "tutorial") as made:
         yield made
 
@@ -87,7 +87,7 @@ def test_background_stimulus_ends_after_its_duration(guest):
         n_looks += 1
     assert n_looks > 1
     assert not beside.cut
-    assert beside.end().level_delivered is None  # nothing plays there
+    assert beside.end().level_delivered is None  # there is no output
 
 
 def test_unknown_questionnaire_is_refused(guest):
@@ -102,4 +102,4 @@ def test_questionnaire_scores_with_documented_column_map(sitting, capsys):
     assert status == 0
     [scores] = json.loads(told)["questionnaires"].values()
     means = {row["dimension"]: row["mean"] for row in scores}
-    assert means == dict.fromkeys(("ATT", "HQ", "HQI", "HQS", "PQ"), 0.0)  # all in the middle of their scales
+    assert means == dict.fromkeys(("ATT", "HQ", "HQI", "HQS", "PQ"), 0.0)  # every answer was the scale midpoint

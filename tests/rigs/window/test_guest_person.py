@@ -1,4 +1,4 @@
-"""Questions about a person, and a study's own words, in the window of a PsychoPy script."""
+"""Demographic questions and study texts in a PsychoPy script's window."""
 
 import queue
 
@@ -35,7 +35,7 @@ TOLD = 'kind = "yes_no"\nprompt = { en = "Was there a buzz?", fr = "Y avait-il u
 
 @pytest.fixture
 def pages(monkeypatch):
-    """What is shown, as it is shown."""
+    """A queue of the texts of each page, filled as the pages are shown."""
     shown, present = queue.Queue(), Window.present
 
     def noted(window, page):
@@ -49,7 +49,7 @@ def pages(monkeypatch):
 
 @pytest.fixture
 def presses(pages, hands, in_background):
-    """Presses some keys, one on each page; what the pages said is in the list that is returned."""
+    """A function that presses keys on each page and returns the page texts."""
 
     def start(*keys):
         seen = []
@@ -83,7 +83,7 @@ def guest_with(screen, tmp_path):
 
 @pytest.fixture
 def experiment(screen):
-    """The handler of PsychoPy's that a script has; it is imported once there is a display."""
+    """A PsychoPy experiment handler; its import requires a display."""
     del screen
     from psychopy import data
 

@@ -1,4 +1,4 @@
-"""Images on pages of text: shown in the window, and refused before a session begins where they cannot be."""
+"""Images on text pages, and errors before a session begins."""
 
 from dataclasses import replace
 
@@ -36,7 +36,7 @@ def test_image_is_drawn_upright_on_its_page_only(watched, output, file, artefact
     page = rig._message(Show("welcome", {}), "hint_continue")
     [drawn] = [item for item in page.items if isinstance(item, Picture)]
     assert drawn.width / drawn.height == pytest.approx(2.0)
-    for _ in range(2):  # it is drawn again as it was
+    for _ in range(2):  # redrawing gives the same picture
         shown = watched.picture(page).convert("RGB")
     shown.save(artefacts / "image.png")
     width, height = shown.size

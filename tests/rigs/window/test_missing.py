@@ -1,4 +1,4 @@
-"""What is said where a display, PsychoPy or its keyboard is missing; each in a process of its own."""
+"""Errors for a missing display, PsychoPy or keyboard."""
 
 import os
 import subprocess
@@ -47,7 +47,7 @@ def test_window_reports_missing_display(home, display_name):
 
 @pytest.mark.skipif(find_spec("psychopy") is None, reason="no psychopy: pip install 'tactometry[window]'")
 def test_window_reports_sphinx_in_process(display, home):
-    """The process ended there by a fault of memory: pyglet had made no context."""
+    """Regression: pyglet creates no context when sphinx is loaded."""
     line = said("import sys; sys.modules['sphinx'] = sys" + OPEN, HOME=home, DISPLAY=os.environ["DISPLAY"])
     assert line.startswith("window: found sphinx in this process")
     assert line.endswith("3")

@@ -99,7 +99,7 @@ def test_shortest_taps_are_recorded(bench, participant):
 
 
 def test_key_pressed_before_question_is_ignored(bench, participant, hands, in_background):
-    """PsychoPy gives an old press again when its key is released."""
+    """PsychoPy returns an earlier press again when its key is released."""
     in_background(hands.tap, "y", 0.6)
     time.sleep(0.2)
     participant.answers(0.8, "n")
@@ -194,7 +194,7 @@ def test_escape_stops_output_before_closing(bench, participant, log, request_):
 
 
 def test_stopped_page_stays_until_next_key(bench, watched, participant, log, monkeypatch):
-    """The output is at zero meanwhile."""
+    """The output is stopped while the page is shown."""
     monkeypatch.setattr("tactometry.rigs.experimenter.supervisor.STOPPED_S", 3600.0)
     participant.answers("Escape", 0.3, "q")
     with pytest.raises(Stopped):

@@ -1,4 +1,4 @@
-"""Which display: a real X server with two monitors, a window on either, and the refusal of a third."""
+"""Selection of the participant's screen on an X server with two monitors."""
 
 import os
 import shutil
@@ -19,7 +19,7 @@ from Xlib import display
 from Xlib.ext import randr
 from Xlib.protocol import rq
 
-class SetMonitor(rq.Request):  # that of python-xlib 0.33 cannot be packed: a list within an object
+class SetMonitor(rq.Request):  # python-xlib 0.33 cannot pack its own request, which nests a list
     _request = rq.Struct(
         rq.Card8("opcode"), rq.Opcode(43), rq.RequestLength(), rq.Window("window"), *randr.MonitorInfo.fields
     )
@@ -35,7 +35,7 @@ for name, x, width, outputs in (("left", 0, 640, [output]), ("right", 640, 800, 
     SetMonitor(display=server.display, opcode=opcode, window=root, **named, **place, **size, crtcs=outputs)
 server.sync()
 """
-"""One desktop on two monitors side by side, as a desktop of two displays is."""
+"""A script that splits the desktop into two monitors side by side."""
 LOOK = """
 import sys
 from tactometry.rigs.pages.layout import marker_page
@@ -56,7 +56,7 @@ window.close()
 
 @pytest.fixture(scope="module")
 def two_screens(tmp_path_factory):
-    """The environment of programs on a server with two monitors."""
+    """Environment variables for a server with two monitors."""
     if find_spec("psychopy") is None or shutil.which("Xvfb") is None:
         pytest.skip("no psychopy or no Xvfb")
     read_end, write_end = os.pipe()

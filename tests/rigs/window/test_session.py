@@ -1,4 +1,4 @@
-"""A whole session through the command line in a real window: stopped with Escape, resumed, validated, replayed."""
+"""A session in a real window: stopped, resumed, validated, replayed."""
 
 import json
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ SHORT = {
 
 
 def until_trials(journals, n_trials):
-    """Keys until that many trials are in the journal, then Escape."""
+    """Yield keys until the journal has a number of trials, then Escape."""
     for key in any_keys(1):
         if sum(path.read_text().count('"Record"') for path in journals.glob("*.jsonl")) >= n_trials:
             break

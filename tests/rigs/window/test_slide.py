@@ -1,4 +1,4 @@
-"""Slides in the window with force and position sampled in real time: nothing plays on a finger that does not move."""
+"""Slides in the window with force and position sampled in real time."""
 
 import time
 from dataclasses import replace
@@ -22,7 +22,7 @@ PATH_M = 0.02
 
 @pytest.fixture
 def slid(watched, output, log):
-    """A slide of a finger that holds its force, at these places."""
+    """A function that slides a finger of constant force along positions."""
 
     def slide(place_m, request=SLIDE):
         force, place = (Reader(Sampled(value, rate_hz=500.0)) for value in (lambda time_s: 1.0, place_m))
@@ -45,7 +45,7 @@ def test_slide_following_the_cursor_is_valid(slid, log):
     assert "play 5 V" in log
 
 
-def test_nothing_plays_when_finger_rests(slid, log):
+def test_resting_finger_receives_no_stimulus(slid, log):
     touched = slid(lambda time_s: 0.01)
     assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
     assert "play 5 V" not in log
@@ -61,7 +61,11 @@ def test_stimulus_stops_when_finger_stops(slid, log):
 
 
 def stop_and_go(log):
-    """Steady until the stimulus begins, then at rest for 0.1 s after each 0.12 s: never long enough to be a halt."""
+    """Return positions of a finger that pauses while the stimulus plays.
+
+    It moves steadily until the stimulus begins, then rests for 0.1 s after each 0.12 s, which is too short to count
+    as stopped.
+    """
     begun_s = []
 
     def place_m(time_s):
@@ -76,7 +80,7 @@ def stop_and_go(log):
 
 
 def test_stop_and_go_slide_is_too_slow(slid, log):
-    """One stop is that at the end of the touch, one that of closing: none came before."""
+    """The log has two stops: one ends the touch, one closes the output."""
     touched = slid(stop_and_go(log))
     assert (touched.valid, touched.invalid_reason) == (False, "too_slow")
     assert touched.force_in_band == 1.0
@@ -114,7 +118,7 @@ def test_speed_is_measured_but_ungated_without_tolerance(slid):
 
 
 def test_page_shows_finger_and_moving_dot(slid, watched):
-    """Both go out and back at the same speed, while a force that never comes is waited for."""
+    """Finger and dot move at the same speed while the rig waits for a force."""
     waiting = replace(SLIDE, target_n=5.0, timeout_s=4.0)
     slid(lambda time_s: triangle(0.05 * max(0.0, time_s - 0.08), PATH_M), waiting)
     tracks = [[item for item in page.items if getattr(item, "y", 0) == -0.23] for page in watched.drawn]
@@ -126,7 +130,7 @@ def test_page_shows_finger_and_moving_dot(slid, watched):
 
 
 def test_session_pauses_until_position_sensor_returns(slid):
-    """Longer than the touch is waited for: that it was not held in time was no fault of the finger."""
+    """The time limit of the touch does not run during the outage."""
     begin_s = time.perf_counter()
 
     def place_m(time_s):

@@ -1,4 +1,4 @@
-"""Who watches a session in a browser sees what a finger does at the real window."""
+"""The browser page that shows a running window session."""
 
 import re
 import threading
