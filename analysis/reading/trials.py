@@ -54,9 +54,7 @@ TRIAL_KEY = (
     *("participant", "study", "session", "block", "task", "procedure"),
     *("trial", "attempt", "item", "item_b", "track", "catch", "level"),
 )
-"""Columns that, if present, identify a row together with the factors.
-
-Other programs restart their trial numbers in each condition or at each level."""
+"""Columns that identify a row, with the factors: other programs restart their trial numbers in each condition."""
 
 
 @dataclass(frozen=True)
@@ -214,9 +212,7 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
 
 
 def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
-    """Give all tables the same columns.
-
-    Tables from versions without the columns `ADDED` get empty ones.
+    """Give all tables the same columns; tables without `ADDED` get empty ones.
 
     Raises
     ------
@@ -376,10 +372,7 @@ def _is_filled(column: "pd.Series[Any]") -> bool:
 
 
 def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
-    """Parse a factor as numbers, or as text if any cell is not numeric.
-
-    Raises for empty cells of psychophysical trials.
-    """
+    """Parse a factor as numbers, or as text if any cell is not numeric."""
     text = rows[name].astype(str)
     lost = (text == "") & rows["task"].isin(CURVED)
     if lost.any():
