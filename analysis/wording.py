@@ -67,7 +67,7 @@ def interval_text(value: Any, low: Any = None, high: Any = None, decimals: int |
 
 
 def ends_text(low: Any, high: Any) -> str:
-    """Return an interval without a value, of which one end may be open.
+    """Format an interval that may be open at one end.
 
     >>> ends_text(12.0, 25.5), ends_text(None, 25.5), ends_text(12.0, math.nan)
     ('[12.0, 25.5]', 'at most 25.5', 'at least 12.0')
@@ -135,7 +135,7 @@ DEPENDENT_NAMES = {
     "exponent": "exponent of magnitude estimates",
 }
 NAMED = 6
-"""At most so many cells or participants are named."""
+"""Largest number of cells or participants listed by name."""
 
 
 def split_unit(name: str) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""Designs of values of which some are bounds or missing, and their largest complete or known part."""
+"""Designs with bounds or missing values, and their largest complete part."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ BOUND = "a value, or a bound below or above it, in this order; leave the row out
 MAX_SUBSETS = 200_000
 
 Subset = tuple[tuple[int, ...], ...]
-"""Places of the levels of each factor that are kept."""
+"""Indices of the kept levels of each factor."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def bounded_design(
     between: str | None,
     subject: str,
 ) -> BoundedDesign:
-    """Return the design of a table with at most one row in each cell.
+    """Return the design of a table with at most one row per cell.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def _standardised(design: BoundedDesign, dependent: str) -> BoundedDesign:
 
 @dataclass(frozen=True)
 class SubDesign:
-    """Part of a table, its factors with at least two levels, and the names of what was left out."""
+    """Part of a table, with its factors and the names of the omitted parts."""
 
     table: pd.DataFrame
     within: tuple[str, ...]
@@ -212,10 +212,10 @@ class _Presence:
 
 
 def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str) -> SubDesign | None:
-    """Return the participants and levels that are complete together and have most values; ties go to participants.
+    """Return the largest complete set of participants and levels.
 
-    All combinations of subsets of levels are tried (with more than `MAX_SUBSETS`: all levels only). None if no three
-    participants share two levels of a factor.
+    Ties keep more participants. All combinations of subsets of levels are tried (with more than `MAX_SUBSETS`: all
+    levels only). None if no three participants share two levels of a factor.
     """
     presence = _Presence.of(table, dependent, within, subject)
     n = len(presence.subjects)
@@ -224,7 +224,7 @@ def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[st
         complete: Bools = np.asarray(presence.has[np.ix_(range(n), *chosen)].reshape(n, -1).all(axis=1))
         n_complete = int(complete.sum())
         rank = n_complete * _n_cells(chosen), n_complete
-        if n_complete >= MIN_PARTICIPANTS and rank > best_rank:  # of equal choices the first
+        if n_complete >= MIN_PARTICIPANTS and rank > best_rank:  # the first of equal choices
             best, best_rank, best_complete = chosen, rank, complete
     return None if best is None else presence.part(best, best_complete)
 
@@ -232,9 +232,10 @@ def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[st
 def largest_known(
     table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str, between: str | None, at_least: int
 ) -> SubDesign | None:
-    """Return the levels whose combinations all have `at_least` known values (in each group), as many as possible.
+    """Return the largest set of levels with enough known values.
 
-    All participants are kept. None if no factor keeps two levels.
+    Each combination of levels needs `at_least` known values (in each group). All participants are kept. None if no
+    factor keeps two levels.
     """
     presence = _Presence.of(table, dependent, within, subject)
     subjects, has = presence.subjects, presence.has
@@ -242,7 +243,7 @@ def largest_known(
     group = np.zeros(len(subjects)) if between is None else pd.factorize(by_subject.loc[subjects, between])[0]
     n_known = np.stack([has[group == g].sum(axis=0) for g in np.unique(group)]).min(axis=0)
     known = [chosen for chosen in _subsets(presence.levels) if n_known[np.ix_(*chosen)].min() >= at_least]
-    # Of equal choices the first.
+    # The first of equal choices.
     return presence.part(max(known, key=_n_cells), np.ones(len(subjects), dtype=bool)) if known else None
 
 

@@ -1,10 +1,10 @@
-"""Normal model of an analysis of variance, fitted by maximum likelihood to values of which some are bounds.
+"""Normal model of an analysis of variance, fitted to values and bounds.
 
 A participant's values have the means of their conditions and one variance for each stratum (participants; participants
-by each factor; by each interaction). With all values known this is the analysis of variance itself; a bound counts as
-what is known (Tobin 1958, Econometrica 26, 24-36). Fitted by expectation and maximisation (Dempster, Laird and Rubin
-1977), with the observed information of Louis (1982, Journal of the Royal Statistical Society B 44, 226-233).
-
+by each factor; by each interaction). With all values known this is the analysis of variance itself. A bound contributes
+the probability of its interval (Tobin 1958, Econometrica 26, 24-36). Fitted by expectation and maximisation (Dempster,
+Laird and Rubin 1977), with the observed information of Louis (1982, Journal of the Royal Statistical Society B 44,
+226-233).
 Values between ends are drawn one after the other, given those before (Geweke, Hajivassiliou and Keane; Genz and Bretz
 2009, Computation of Multivariate Normal and t Probabilities, section 4.1), at fixed points that fill the cube evenly.
 The probability of one value is exact, that of two has five digits.
@@ -23,15 +23,15 @@ from ..arrays import Array, Bools, Indices
 from .contrasts import contrasts, effect_places
 
 TOLERANCE = 1e-8
-"""Of a step, in standard deviations of the values and in logarithms of the variances."""
+"""Convergence tolerance of a step, in standard deviations and in logarithms of the variances."""
 MAX_STEPS = 2000
 LEAST_VARIANCE = 1e-12
-"""A stratum with a smaller part of the largest variance has no error."""
+"""Variances below this fraction of the largest one count as zero."""
 LOG_TWO_PI = float(np.log(2 * np.pi))
 N_POINTS = 1024
-"""A power of two, for which the sequence of Sobol is even."""
+"""Number of Sobol points, a power of two as the sequence requires."""
 SEED = 20_171_101
-"""Of its scrambling, so that the same data give the same numbers."""
+"""Seed of the scrambling, so that equal data give equal results."""
 SMALLEST = 1e-300
 
 
@@ -140,7 +140,7 @@ def fit_bounded(data: BoundedValues) -> BoundedFit:
     Raises
     ------
     numpy.linalg.LinAlgError
-        If the search leaves the floats.
+        If the search leaves the range of floating-point numbers.
     """
     ends = np.where(np.isfinite(data.low), data.low, data.high)
     cell_means = np.nanmean(np.where(data.known, data.low, np.nan), axis=0)
@@ -264,7 +264,7 @@ def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) ->
         steps[:, j], log_probability = _standard_between(even[:, j], bottom, top)
         log_weights += log_probability
     largest = log_weights.max()
-    weights = np.exp(log_weights - largest)  # a probability far out in a tail is below the floats
+    weights = np.exp(log_weights - largest)  # probabilities far in a tail underflow
     log_mean = largest + np.log(weights.mean())
     return Points(mean + steps @ root.T, weights / weights.sum(), float(log_mean))
 

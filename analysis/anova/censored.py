@@ -1,7 +1,7 @@
-"""Analysis of variance of values of which some are bounds or missing: nobody is left out.
+"""Analysis of variance of values with bounds or missing values.
 
-With all values known, F, degrees of freedom, corrections, effect sizes and comparisons equal those of
-`repeated_measures`, `mixed_anova`, `pairs` and `group_pairs`. A missing value is missing at random.
+No participant is excluded. With all values known, F, degrees of freedom, corrections, effect sizes and comparisons
+equal those of `repeated_measures`, `mixed_anova`, `pairs` and `group_pairs`. A missing value is missing at random.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,7 +27,7 @@ LEAVE_OUT = "leave the conditions out in which most values are bounds"
 WIDEST_SE = 10.0
 """Known values do not determine a mean with a larger standard error, in their standard deviations."""
 LEAST_SD = 1e-7
-"""In standard deviations of the values: the root of a variance that is rounding."""
+"""Standard deviations below this, relative to that of the values, are rounding."""
 
 
 @dataclass(frozen=True)
@@ -241,7 +241,7 @@ def _contrasts(model: CensoredAnova, factor: str, by: str | None) -> Iterator[Ce
 
 
 def _averages(model: CensoredAnova, by: str | None) -> list[tuple[dict[str, object], Array, int | None]]:
-    """Return weights (cell,) of the mean over all conditions, of each group, or at each level of a factor.
+    """Return weights (cell,) of the mean of all conditions, groups or levels.
 
     Each has the name of its level, and the place of its group.
     """

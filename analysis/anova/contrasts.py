@@ -15,7 +15,7 @@ from ..arrays import Array
 from .design import WithinDesign
 
 MOST_EXACT = 14
-"""With at most so many participants every change of signs is tried."""
+"""Up to this number of participants, all sign changes are enumerated."""
 RANK_TOLERANCE = 1e-12
 
 
@@ -125,7 +125,7 @@ def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
 
 
 def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = None, n_resamples: int = 9_999) -> float:
-    """Return the probability of an effect as large if the signs of each participant's contrasts were random.
+    """Return p of an effect by random signs of the participants' contrasts.
 
     Exact for symmetric errors, whatever the sphericity and rank of the error matrix: the sum of squares of effect and
     error together is constant, so that the effect's own orders them as F does.

@@ -70,7 +70,7 @@ def expect_defined(holds: bool | np.bool_, status: DesignStatus, where: str, fou
 class WithinDesign:
     """Values of shape (participant, levels of the first factor, ...), with the names of all axes.
 
-    `notes` are for the reader; smaller differences than `rounding` are none.
+    `notes` are for the reader; differences below `rounding` count as zero.
     """
 
     values: Array

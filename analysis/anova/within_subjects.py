@@ -26,7 +26,7 @@ ALPHA = 0.05
 LARGEST = 1e7
 MANY_SD = 3.0
 MAX_SHAPIRO = 5000
-"""With more values the p of Shapiro and Wilk is not accurate."""
+"""Above this number of values, the p of Shapiro and Wilk is inaccurate."""
 SIZES = ("np2", "np2_low", "np2_high", "ng2", "ng2_low", "ng2_high")
 """Columns of partial and generalised eta squared, each with its interval."""
 MISSING = (np.nan, np.nan)

@@ -178,7 +178,7 @@ def dimensions_of(scored: pd.DataFrame) -> list[str]:
 
 
 def _possible(scored: pd.DataFrame) -> Range:
-    """The range of the scores of a questionnaire, and of its items."""
+    """Return the range of the scores of a questionnaire and its items."""
     form = scored.attrs["questionnaire"]
     return Range(*sorted((form.score_low, form.score_high)))
 
@@ -190,8 +190,10 @@ def _mean(values: "pd.Series[float]", interval: float, possible: Range) -> dict[
 
 
 def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float = 0.95) -> pd.DataFrame:
-    """The profile: per condition and item its mean over participants with t-interval, between its negative and its
-    positive word, in the order of the dimensions. `scored_items` is what `item_scores` gives.
+    """Return the profile: the mean of each item with its word pair.
+
+    Each condition and item has the mean over participants with its t-interval and its negative and positive word, in
+    the order of the dimensions. `scored_items` is the result of `item_scores`.
     """
     form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
     simple = [name for name, dimension in form.dimensions.items() if not dimension.parts]

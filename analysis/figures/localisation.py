@@ -65,7 +65,7 @@ def confusion_figure(confusions: pd.DataFrame) -> Drawing:
         for axes, (name, panel) in zip(grid, panels, strict=False):
             _draw_matrix(axes, panel, places)
             axes.set_title(name, fontsize=8)
-        for axes in grid[len(panels) - columns : len(panels)]:  # the lowest of each column, in two rows perhaps
+        for axes in grid[len(panels) - columns : len(panels)]:  # the lowest panel of each column
             axes.tick_params(labelbottom=True)
         for axes in grid[len(panels) :]:
             axes.set_visible(False)

@@ -40,7 +40,7 @@ BESIDE = 0.4
 ROOM = 1.05
 """Room above the highest value of an axis that begins at 0."""
 MOST_INSIDE = 4
-"""More series have their legend outside of the axes."""
+"""Largest number of series with the legend inside the axes."""
 OPEN = {"mfc": "none", "alpha": 0.8}
 RATES = (-0.03, 1.03)
 """An axis of rates, with room for dots at 0 and 1."""

@@ -105,7 +105,7 @@ def drawing_of(figure: "Figure", about: str | None = None) -> Drawing:
 
 
 def look(place: int) -> dict[str, Any]:
-    """Return colour and marker of a series; markers are open where colours repeat."""
+    """Return colour and marker of a series; repeated colours have open markers."""
     style: dict[str, Any] = {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
     return style | ({"mfc": "white"} if place >= len(COLOURS) else {})
 
@@ -148,7 +148,7 @@ class FactorAxis:
             return _centred(axes, {level: float(n) for n, level in enumerate(levels)})
         if levels[0] > 0 and levels[-1] / levels[0] > LOG_RANGE:
             axes.set_xscale("log")
-            axes.xaxis.set_minor_locator(NullLocator())  # no ticks but those of the levels
+            axes.xaxis.set_minor_locator(NullLocator())  # ticks only at the levels
         axes.set_xticks([float(level) for level in levels], [f"{level:g}" for level in levels])
         return _centred(axes, {level: float(level) for level in levels})
 

@@ -24,7 +24,7 @@ from .findings import FORCE, TITLES, Outcome, Primary, primary_analysis
 
 MEASURED = "log2 of the measured force"
 PERMUTATION_SEED = 20_170_522
-"""Of the permutation test with many participants, so that the same data give the same report."""
+"""Seed of the permutation test with many participants, so that equal data give equal reports."""
 SUBJECT = "participant"
 INTERVAL = 0.95
 

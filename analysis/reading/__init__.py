@@ -1,1 +1,1 @@
-"""From files to a checked table of trials: what is used, left out, and of what quality."""
+"""Reading, checking and selection of trials, and the quality of the data."""

@@ -1,4 +1,4 @@
-"""Foreign tables in our terms: what their columns are called, what their values mean, which rows are trials."""
+"""Translation of other programs' tables to our columns and values."""
 
 import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
@@ -20,44 +20,45 @@ from .rows import expect_column, holds
 from .unfolded import POSITIVE, TOTAL, counted_trials, survey_answers, with_responses
 
 NEEDED = ("participant", "level", "task", "response", POSITIVE, TOTAL)
-"""Columns that no table may lack."""
+"""Required columns."""
 
 
 @dataclass(frozen=True)
 class ColumnMap:
-    """How a foreign table is read. Values are compared as text, as they stand in the file.
+    """Rules for another program's table, with values compared as text.
 
     Parameters
     ----------
     columns : mapping of str to str
-        Our name of a column to theirs. ``n_positive`` and ``n_trials`` name the counts of a table that has a row for
-        each level.
+        From our column name to theirs. ``n_positive`` and ``n_trials`` name the counts in a table with one row per
+        level.
     constants : mapping of str to value
-        Our name of a column that is not there, to the value of every row, as ``n_alternatives = 2``.
+        From our name of a missing column to its value in every row, for example ``n_alternatives = 2``.
     values : mapping of str to mapping
-        Our name of a column, to what its values mean: theirs to ours. A value that is not named stays.
+        From our column name to a translation of its values, theirs to ours. Other values are unchanged.
     keep : mapping of str to list of str
-        Their name of a column, to the values of the rows that are trials; other rows are left out.
+        From their column name to the values of rows that are trials. Other rows are omitted.
     from_name : mapping of str to str
-        Our name of a column, to the key of the file's name that holds it: ``sub`` of ``sub-01_ses-2_beh.tsv``. Or the
-        part of the name about it, with a star in its place: ``P*``, ``_subject_*_``, ``*`` for all of the name.
+        From our column name to the key in the file name that contains its value, for example ``sub`` in
+        ``sub-01_ses-2_beh.tsv``. A pattern with a star for the value also works: ``P*``, ``_subject_*_``, or ``*`` for
+        the whole name.
     units : mapping of str to str
-        Our name of a column, to the unit that it has there: ``latency_s = "ms"`` divides by 1000. Levels come to the SI
-        unit, which is then `level_unit`, as do standards and settings without a unit of their own.
+        From our column name to the unit in the file: ``latency_s = "ms"`` divides by 1000. Levels are converted to the
+        SI unit, which becomes `level_unit`. So are standards and settings without a separate unit.
     level_scale : str
-        ``linear``, ``log10`` or ``db``: the axis on which the levels, as they stand after `units`, are fitted.
+        Axis of the fits: ``linear``, ``log10`` or ``db``, applied to the levels after `units`.
     missing : list of str
-        What stands for a value that was not measured.
+        Texts that mark a value as missing.
     decimal : str
-        The decimal sign, "." or ",".
+        Decimal sign, "." or ",".
     separator : str
-        What separates columns: one sign, as ";"; left out, a comma, and in ``.tsv`` a tab.
+        Column separator, one character such as ";". By default a comma, and in ``.tsv`` files a tab.
 
     Raises
     ------
     InvalidParameter
-        If the decimal sign is another, the separator is not one sign, both are the same, a column has two sources, or
-        a unit is unknown or of another dimension than the column's name.
+        If the decimal sign is invalid or equals the separator, the separator is not one character, a column has two
+        sources, or a unit is unknown or does not match the column's name.
     """
 
     columns: dict[str, str] = field(default_factory=dict)
@@ -92,7 +93,7 @@ def read_column_map(path: str | Path) -> ColumnMap:
     Raises
     ------
     InvalidFile
-        If the file cannot be read, is no TOML, or holds something else.
+        If the file cannot be read, is not TOML, or contains other keys or values.
     """
     read = read_toml(ColumnMap, Path(path), "a column map")
     return replace(read, **{key.name: _plain(getattr(read, key.name)) for key in fields(read)})
@@ -114,18 +115,20 @@ def translate(
     elsewhere: Container[str] = (),
     warn: Callable[[str], None] = lambda note: None,
 ) -> pd.DataFrame:
-    """A table of text in our terms; columns that other tables have `elsewhere` may be missing, and are then empty.
+    """Translate a table of text to our columns and values.
+
+    Columns that other tables have `elsewhere` may be missing, and are then empty.
 
     Raises
     ------
     InvalidFile
-        If the map names a column that is not there, or one twice, or no row is a trial.
+        If the map names a missing column or one column twice, or no row is a trial.
     """
     if column_map == ColumnMap():
         return raw
     for note in _unkept_notes(raw, column_map, file):
         warn(note)
-    # Their names and words come first: rows are kept, and cells are missing, as the file has them.
+    # Their names and values apply first: `keep` and `missing` refer to the file's own text.
     whole = raw.assign(**dict.fromkeys(_optional(raw, column_map, elsewhere), ""))
     table = _with_our_names(_with_our_signs(_trial_rows(whole, column_map, file), column_map), column_map, file)
     if column_map.decimal == ",":
@@ -137,7 +140,7 @@ def translate(
 
 
 def _optional(raw: pd.DataFrame, column_map: ColumnMap, elsewhere: Container[str]) -> list[str]:
-    """Their names of columns that this table lacks, others have, and no trial needs."""
+    """Return their names of optional columns that only other tables have."""
     named = {theirs for ours, theirs in column_map.columns.items() if ours not in NEEDED}
     return sorted(theirs for theirs in named if theirs in elsewhere and theirs not in raw.columns)
 
@@ -151,7 +154,7 @@ def missing_notes(tables: Mapping[Path, pd.DataFrame], column_map: ColumnMap) ->
 
 
 def _unkept_notes(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> Iterator[str]:
-    """Warn of rows that are not kept as their value differs from a kept one by case or as a number of another form."""
+    """Warn of omitted rows whose value differs from a kept one only in form."""
     for theirs, values in column_map.keep.items():
         kept = {_folded(value) for value in values}
         held = raw[theirs] if theirs in raw.columns else pd.Series(dtype=str)
@@ -166,7 +169,7 @@ def _folded(value: str) -> str:
 
 
 def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
-    """The participants that a table names in any row."""
+    """Return the participants that a table names in any row."""
     name = column_map.columns.get("participant", "participant")
     if name not in raw.columns or "participant" in (*column_map.constants, *column_map.from_name):
         return set()
@@ -176,13 +179,14 @@ def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
 
 
 def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
-    """The rows that hold a trial: a level, an answer, an item or a catch trial. Other programs write rows for routines
-    without any of these, too.
+    """Return the rows with a level, an answer, an item or a catch trial.
+
+    Other programs also write rows for routines, which have none of these.
 
     Raises
     ------
     InvalidFile
-        If there is none.
+        If there is no such row.
     """
     is_trial = holds(table, "catch", "1")
     for name in ("level", "response", "item", "level_measured"):
@@ -211,19 +215,19 @@ def _trial_rows(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.Data
 
 
 def _with_our_signs(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
-    """Empty cells for what was not measured, decimal points for decimal commas."""
+    """Empty the cells of missing values, and use decimal points."""
     table = raw.copy()
     for name in (name for name in raw.columns if name != "row"):
         if column_map.missing:
             table[name] = table[name].where(~table[name].isin(column_map.missing), "")
         if column_map.decimal == ",":
-            # Only cells that are a number as a whole: texts keep their commas.
+            # Only in cells that are numbers: texts keep their commas.
             table[name] = table[name].str.replace(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", regex=True)
     return table
 
 
 def _refuse_thousands(table: pd.DataFrame, file: Path) -> None:
-    """Refuse numbers such as 6.125 where the decimal sign is a comma: they may be 6125."""
+    """Refuse numbers such as 6.125 with decimal commas: they may be 6125."""
     for name in (name for name in NUMBERS if name in table.columns):
         pointed = table[table[name].str.fullmatch(r"[+-]?\d*\.\d+")]
         if len(pointed) and pointed[name].str.fullmatch(r"[+-]?[1-9]\d{0,2}\.\d{3}").all():
@@ -240,7 +244,7 @@ def _with_our_names(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.
         if ours != theirs and ours in raw.columns:
             raise InvalidFile(f"{file}: found the column {ours!r}, which the column map also names {theirs!r}")
     table = raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
-    # One column of theirs may stand for several of ours, of which renaming makes one.
+    # One of their columns may be the source of several of ours, which renaming cannot express.
     return table.assign(**{ours: raw[theirs] for ours, theirs in column_map.columns.items() if ours not in table})
 
 
@@ -270,7 +274,7 @@ def shared_name_notes(files: Iterable[Path], column_map: ColumnMap) -> Iterator[
 
 
 def _name_pattern(key: str) -> str:
-    """Return a regular expression for a code in a file's name: of a BIDS key, or of a text with a star.
+    """Return a regular expression for a BIDS key or a pattern with a star.
 
     >>> re.search(_name_pattern("_subject_*_"), "_subject_1_trials_2026")[1], re.search(_name_pattern("P*"), "P01")[1]
     ('1', '01')
@@ -290,7 +294,7 @@ def _with_our_values(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> 
 
 
 def _in_si(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
-    """Numbers in SI units; what is no number is left for the check of the table to name."""
+    """Convert numbers to SI units; the later check reports other cells."""
     for name, unit in {**_units_of_levels(table, column_map), **column_map.units}.items():
         expect_column(table, name, file, ", which the column map names in units")
         symbol, factor = si_unit(unit, f"units.{name}")
@@ -304,7 +308,7 @@ def _in_si(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFra
 
 
 def _units_of_levels(table: pd.DataFrame, column_map: ColumnMap) -> Mapping[str, str]:
-    """Return the unit of the levels for each column that contains levels, such as the standard and settings."""
+    """Return the unit of the levels for each column that contains levels."""
     if "level" not in column_map.units:
         return {}
     are_settings = "task" in table.columns and set(table["task"]) <= set(SETTINGS)

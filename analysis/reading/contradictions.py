@@ -1,4 +1,4 @@
-"""Warnings of columns that contradict each other, and of values that cannot be."""
+"""Warnings of contradicting columns and impossible values."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from .level_scale import is_logarithm
 from .rows import correctness, first_place, numbers_of
 
 CHOSEN = ("forced_choice", "localisation")
-"""Tasks whose response is the number that `target` holds where it is correct."""
+"""Tasks whose correct response equals `target`."""
 OF_SIGN = ("comparison", "adjustment", "same_different")
 """Tasks whose levels may be differences, which have a sign in any unit."""
 
@@ -26,7 +26,7 @@ BELOW_CHANCE_P = 1e-4
 
 
 def contradictions(rows: pd.DataFrame) -> Iterator[str]:
-    """Warn of contradicting columns of a checked table, with the number of rows and the first."""
+    """Warn of contradicting columns, with the number of rows and the first."""
     checks = (
         (_wrong_correctness(rows), "a value of 'correct' other than 'response' and 'target' say; 'correct' was used"),
         (_beyond_alternatives(rows), "a response or target above 'n_alternatives'; the stated number was used"),
@@ -59,7 +59,10 @@ def _beyond_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def _unused_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Find rows of which one alternative was never chosen and never the target, although the target varies."""
+    """Find rows with an alternative that was never chosen or the target.
+
+    Only tables in which the target varies are examined.
+    """
     stated, is_choice = _column(rows, "n_alternatives"), rows["task"] == "forced_choice"
     largest = pd.concat([_chosen(rows), _column(rows, "target")], axis=1).max(axis=1).where(is_choice)
     groups = largest.groupby(stated)
@@ -78,7 +81,7 @@ def _long_latencies(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def _below_chance(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Find forced choices of participants with fewer correct answers than guessing explains."""
+    """Find forced choices of participants with a rate correct below chance."""
     known = rows[(rows["task"] == "forced_choice") & (rows["response"] != "")]
     right, n = correctness(known), _column(known, "n_alternatives").fillna(_chosen(known).max())
     by_code = pd.DataFrame({"right": right, "chance": 1 / n}).dropna().groupby(known["participant"])
@@ -88,7 +91,7 @@ def _below_chance(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def _chosen(rows: pd.DataFrame) -> "pd.Series[float]":
-    """The number of the interval or alternative that was chosen; NaN in other tasks."""
+    """Return the chosen interval or alternative; NaN in other tasks."""
     of_choices = rows["task"].isin(CHOSEN)
     chosen = pd.Series(np.nan, index=rows.index)
     chosen[of_choices] = numbers_of(rows.loc[of_choices, "response"])

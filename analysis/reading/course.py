@@ -1,6 +1,4 @@
-"""How the sessions of a data set went, as their journals tell: sittings with what changed between them, and what the
-experimenter did.
-"""
+"""Interruptions and interventions in sessions, from their journals."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -16,12 +14,12 @@ from tactometry.records.head import Head, differences
 from .origin import SessionKey
 
 TOLD: Final = ("remark", "pause", "repeat", "stop", "abort", "order", "intervention")
-"""Kinds of events that a reader should know of."""
+"""Kinds of events that the report lists."""
 EVENT_COLUMNS: Final = ("participant", "session", "onset", "trial_type", "text")
 
 
 def sittings(known: Mapping[SessionKey, Sequence[Head]]) -> pd.DataFrame:
-    """The sittings of sessions that were interrupted, with what differs from the sitting before."""
+    """Return the sittings of interrupted sessions, with changes between them."""
     rows = [
         (code, int(session), number, head.started_utc or "", head.begun_s, words)
         for (code, session), heads in known.items()
@@ -36,12 +34,12 @@ def _changes(heads: Sequence[Head]) -> list[str]:
 
 
 def happenings(path: Path) -> pd.DataFrame:
-    """What was told in the sessions of a data set, with its time (s of the session); empty where there is none.
+    """Return the reported events of all sessions with their times (s).
 
     Raises
     ------
     InvalidFile
-        If a file of events has not the columns.
+        If a file of events lacks a column.
     """
     files = sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []
     tables = [table for file in files if len(table := _told(file))]
@@ -66,6 +64,6 @@ def _told(file: Path) -> pd.DataFrame:
 
 
 def _words(told: pd.DataFrame) -> pd.Series:
-    """What is said of each event; of an order that a trial does not count, which."""
+    """Return the text of each event; orders about a trial include its number."""
     of_trial = (told["trial_type"] == "order") & (told["trial"] != "n/a")
     return told["text"].where(~of_trial, told["text"] + " trial " + told["trial"])

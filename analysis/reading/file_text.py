@@ -1,4 +1,4 @@
-"""Text of a table file: decoded, normalised, and refused by name where it is another kind of file."""
+"""Decoded and normalised text of table files."""
 
 import re
 import unicodedata
@@ -22,19 +22,19 @@ SIGNATURES = (
     (b"\xff\xfe", UTF_16),
     (b"\xfe\xff", UTF_16),
 )
-"""First bytes of files that hold no table of text, with what they are and how to get one."""
+"""First bytes of unsupported files, with their kind and how to export a text table."""
 _INVISIBLE = re.compile("[\u200b\u200e\u200f\u2060\ufeff]")
 _MINUS = re.compile("[\u2212\uff0d](?=[.,]?[0-9])")
 _JSON_LIST = re.compile(r"\s*\[\s*[{\]]")
 
 
 def file_text(file: Path, *, verbatim: bool = False) -> str:
-    """Read a table's text from UTF-8; unless it is `verbatim`, in the form that `plain_text` has.
+    """Read UTF-8 text, normalised by `plain_text` unless `verbatim`.
 
     Raises
     ------
     InvalidFile
-        If the file cannot be read, is empty, or holds no text in UTF-8.
+        If the file cannot be read, is empty, or is not UTF-8 text.
     """
     content = read_file(file, "a table of trials")
     kinds = [kind for signature, kind in SIGNATURES if content.startswith(signature)]
@@ -42,7 +42,7 @@ def file_text(file: Path, *, verbatim: bool = False) -> str:
     if kinds:
         raise InvalidFile(f"{file}: found {_kind_of_archive(content, kinds[0])}")
     try:
-        text = content.decode("utf-8-sig")  # spreadsheets write a mark before the first byte
+        text = content.decode("utf-8-sig")  # spreadsheets write a byte order mark
     except UnicodeDecodeError as damage:
         row = content.count(b"\n", 0, damage.start) + 1
         raise InvalidFile(
@@ -58,7 +58,7 @@ def file_text(file: Path, *, verbatim: bool = False) -> str:
 
 
 def _kind_of_archive(content: bytes, kind: str) -> str:
-    """Tell a spreadsheet from another archive: both begin as a ZIP file does."""
+    """Distinguish a spreadsheet from another ZIP archive."""
     if kind != WORKBOOK or b"xl/" in content:
         return kind
     if b"opendocument" in content:
@@ -67,7 +67,7 @@ def _kind_of_archive(content: bytes, kind: str) -> str:
 
 
 def plain_text(text: str) -> str:
-    r"""Return the text in composed form (NFC), with ASCII minus signs before digits and no invisible signs.
+    r"""Normalise to NFC, ASCII minus signs, and no invisible characters.
 
     >>> plain_text("\u221212\u200b"), plain_text("gro\u0308\u00dfe") == "gr\u00f6\u00dfe"
     ('-12', True)
@@ -76,7 +76,7 @@ def plain_text(text: str) -> str:
 
 
 def trimmed(text: str) -> str:
-    """Return the text without spaces around it; a text of spaces alone, as jsPsych's space bar, stays.
+    """Trim a text; one of spaces only, such as jsPsych's space bar, stays.
 
     >>> trimmed(" S01 "), trimmed(" ")
     ('S01', ' ')

@@ -1,4 +1,4 @@
-"""The axis on which levels are fitted: as they stand, or as a logarithm where their scale is one of ratios."""
+"""Conversion of levels to the axis of the fits: linear or logarithmic."""
 
 from collections.abc import Callable, Mapping
 from typing import Literal, get_args
@@ -18,16 +18,16 @@ LOGARITHMS: Mapping[str, tuple[str, Callable[[Array], Array]]] = {
     "log10": ("log10", np.log10),
     "db": ("dB re 1", lambda level: 20 * np.log10(level)),
 }
-"""How a unit is named on each scale, and what becomes of a level."""
+"""Name of a unit on each scale, and the conversion of a level."""
 PLACED = ("level", "level_delivered", "standard_level")
 SCALED = tasks_with_level("curve", "scale")
 SETTINGS = tuple(name for name, held in TASKS.items() if held.sets_level)
 WIDE = 20.0
-"""Levels that span a larger factor are seldom meant to lie on a linear axis; an unverified default."""
+"""Levels that span a larger factor are seldom meant for a linear axis (unverified default)."""
 
 
 def is_logarithm(unit: str) -> bool:
-    """Whether levels of this unit are logarithms of an amplitude.
+    """Return True if levels of this unit are logarithms of an amplitude.
 
     >>> is_logarithm("dB re 1 V"), is_logarithm("log10 V"), is_logarithm("V")
     (True, True, False)
@@ -36,12 +36,12 @@ def is_logarithm(unit: str) -> bool:
 
 
 def on_scale(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
-    """A checked table with its levels, settings and their unit on the scale: ``linear``, ``log10`` or ``db``.
+    """Convert levels, settings and unit to ``linear``, ``log10`` or ``db``.
 
     Raises
     ------
     InvalidParameter
-        If there is no such scale, or levels in a logarithm are to have another.
+        If the scale is unknown, or the levels are already logarithms.
     InvalidFile
         For a level of 0 or below, which has no logarithm, with its row.
     """
@@ -79,7 +79,7 @@ def _positive(rows: pd.DataFrame, name: str, levels: "pd.Series[float]") -> Arra
 
 
 def wide_levels(rows: pd.DataFrame) -> list[str]:
-    """A warning where levels that are no logarithm span a factor above `WIDE`."""
+    """Warn of levels on a linear scale that span a factor above `WIDE`."""
     is_linear = rows["task"].isin(tasks_with_level("curve"))
     if "level_unit" in rows.columns:
         logarithms = [unit for unit in rows["level_unit"].unique() if is_logarithm(unit)]
@@ -87,7 +87,7 @@ def wide_levels(rows: pd.DataFrame) -> list[str]:
     levels = rows.loc[is_linear, "level"]
     above = levels[levels > 0]
     if above.empty or (levels < 0).any() or above.max() <= WIDE * above.min():
-        return []  # a scale that goes below 0 is none of ratios
+        return []  # a scale with negative values is not a ratio scale
     low, high = float(above.min()), float(above.max())
     return [
         f"levels from {low:.3g} to {high:.3g} span a factor of {high / low:.3g} on a linear axis; if their scale is "

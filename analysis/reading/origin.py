@@ -1,4 +1,4 @@
-"""Who answered, and to what: people or simulated participants, never pooled, and whether anything was played."""
+"""Origin of the answers: people or simulated participants."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -24,7 +24,7 @@ SessionKey = tuple[str, float]
 
 @dataclass(frozen=True)
 class Origin:
-    """Whether the participants are simulated, and what the report states of it.
+    """Origin of the answers, with the texts that the report states about it.
 
     `heads` are those of all sittings, by session.
     """
@@ -37,7 +37,7 @@ class Origin:
 
     @property
     def line(self) -> str:
-        """The first line of a report; empty where people answered.
+        """First line of a report; empty if people answered.
 
         >>> Origin(is_simulated=True, seeds=(5,)).line
         'Simulated participants, no people (seed 5).'
@@ -46,7 +46,7 @@ class Origin:
 
     @property
     def method(self) -> str:
-        """What a methods paragraph begins with; empty where people answered.
+        """Beginning of a methods paragraph; empty if people answered.
 
         >>> Origin(is_simulated=True).method
         'The participants were simulated by Tactometry (seed not known); no person took part. '
@@ -63,13 +63,13 @@ class Origin:
 
 
 def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
-    """The rows of people, or where there are none those of simulated participants.
+    """Return the rows of people, or of simulated participants if there are none.
 
-    A row says by its `rig` who answered, else the journal of its session; where neither does, it was people.
+    The `rig` of a row states who answered, else the journal of its session does. Without either, it was people.
     """
     known = _heads_of(trials.path)
     mask = _is_simulated(trials.rows, known)
-    first_heads = [sittings[0] for sittings in known.values()]  # a session goes on with the rig and seed it began with
+    first_heads = [sittings[0] for sittings in known.values()]  # a resumed session keeps its rig and seed
     seeds = tuple(sorted({head.seed for head in first_heads if head.rig == SIMULATED}))
     warnings = (*_silence_warnings(trials.rows), *_changes(known))
     if mask.all() and len(mask):
@@ -84,7 +84,7 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
 
 
 def _heads_of(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
-    """The heads of all sittings, by session; a journal that is damaged is none."""
+    """Return the heads of all sittings by session, without damaged journals."""
     by_session: dict[SessionKey, tuple[Head, ...]] = {}
     for journal in sorted((path / "journals").glob("participant-*.jsonl")) if path.is_dir() else ():
         with suppress(InvalidFile):
@@ -104,9 +104,9 @@ def _is_simulated(rows: pd.DataFrame, known: Mapping[SessionKey, Sequence[Head]]
 
 
 def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
-    """A level is analysed as it was asked for where none was delivered, so it is told that nothing played.
+    """Warn of trials without a delivered level, whose requested level is used.
 
-    Only rows that name their rig can tell; a level that a participant sets is never one that was delivered.
+    Only rows that name their rig are examined, without tasks in which the participant sets the level.
     """
     if not {"rig", "level_delivered"} <= set(rows.columns):
         return

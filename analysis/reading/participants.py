@@ -1,4 +1,4 @@
-"""Codes of participants: written without separators, and compared with each other."""
+"""Normalisation and comparison of participant codes."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -16,14 +16,14 @@ _ZEROS = re.compile(r"(?<![0-9])0+(?=[0-9])")
 
 
 def without_separators(codes: Iterable[str], path: Path) -> dict[str, str]:
-    """Map codes that are not of letters and digits alone to such, by leaving out hyphens and underscores.
+    """Map codes with hyphens or underscores to codes without them.
 
     A code with a space may be a person's name, for which the column map must state a code.
 
     Raises
     ------
     InvalidFile
-        If two codes differ by these alone.
+        If two codes differ only by these characters.
 
     >>> without_separators(["sub-01", "S02", "Bob Smith", "P_01"], Path("t.csv"))
     {'sub-01': 'sub01', 'P_01': 'P01'}
@@ -43,7 +43,7 @@ def without_separators(codes: Iterable[str], path: Path) -> dict[str, str]:
 
 
 def with_codes(tables: Mapping[Path, pd.DataFrame], path: Path, notes: list[str]) -> dict[Path, pd.DataFrame]:
-    """Return the tables with `without_separators` applied to their participants, and say so in `notes`."""
+    """Apply `without_separators` to the participants, with a note in `notes`."""
     codes = dict.fromkeys(code for table in tables.values() for code in table["participant"].unique())
     short = without_separators(codes, path)
     if not short:
@@ -56,7 +56,7 @@ def with_codes(tables: Mapping[Path, pd.DataFrame], path: Path, notes: list[str]
 
 
 def _alike(words: Iterable[str], plain: Callable[[str], str]) -> list[str]:
-    """Return the groups of words that are one word in plain form."""
+    """Return the groups of words that share a plain form."""
     groups: dict[str, list[str]] = {}
     for word in words:
         groups.setdefault(plain(word), []).append(word)
@@ -64,7 +64,7 @@ def _alike(words: Iterable[str], plain: Callable[[str], str]) -> list[str]:
 
 
 def alike_values(rows: pd.DataFrame, factors: Iterable[str]) -> Iterator[str]:
-    """Warn of values of a factor that differ by case or spaces alone."""
+    """Warn of values of a factor that differ only by case or spaces."""
     for name in factors:
         alike = _alike(map(repr, map(str, rows[name].unique())), lambda value: "".join(value.casefold().split()))
         if alike:
@@ -75,7 +75,7 @@ def alike_values(rows: pd.DataFrame, factors: Iterable[str]) -> Iterator[str]:
 
 
 def alike_notes(codes: Iterable[str]) -> Iterator[str]:
-    """Warn of codes that differ by case, separators or leading zeros alone.
+    """Warn of codes that differ only by case, separators or leading zeros.
 
     >>> list(alike_notes(["01", "1", "S2"]))[0][:75]
     'participants that may be the same, as their codes differ only by case, sepa'

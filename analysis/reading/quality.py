@@ -1,6 +1,4 @@
-"""Quality of the data, per participant: what was recorded and used, how catch trials were answered, what became of the
-frames; and what rules of exclusion, stated before the data are seen, leave out (without any rule nothing).
-"""
+"""Data quality per participant, and exclusion rules."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -24,13 +22,14 @@ SLOWEST = "frame_interval_max_s"
 
 
 def frames(path: Path) -> pd.DataFrame:
-    """Per participant `n_frames`, `n_dropped_frames` and the longest interval between frames, s; empty without events
-    of frames (no data set's folder, or nothing was shown on a screen).
+    """Return frames, dropped frames and longest interval (s) by participant.
+
+    Empty without events of frames: outside of a data set folder, or if nothing was shown on a screen.
 
     Raises
     ------
     InvalidFile
-        If a file of events has not the columns, or something else than counts in them.
+        If a file of events lacks a column, or a column contains other values than counts.
     """
     files = sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []
     tables = [table for file in files if len(table := _frames_of_session(file))]
@@ -51,14 +50,14 @@ def _frames_of_session(file: Path) -> pd.DataFrame:
 
 
 def with_frames(quality: pd.DataFrame, frames: pd.DataFrame) -> pd.DataFrame:
-    """The quality of the data with the frames of each participant."""
+    """Add the frames of each participant to the table of data quality."""
     if frames.empty:
         return quality
     return quality.merge(frames, on="participant", how="left").astype(dict.fromkeys(COUNTS, "Int64"))
 
 
 def quality(trials: Trials) -> pd.DataFrame:
-    """Per participant: what was recorded, what of it is used, and how the catch trials were answered."""
+    """Return recorded and used trials and catch-trial answers by participant."""
     rows = trials.rows
     practice, invalid, silent = holds(rows, "practice", 1), holds(rows, "valid", 0), rows["response"] == ""
     catch = is_catch(rows) & ~practice & ~invalid & ~silent
@@ -79,7 +78,7 @@ def quality(trials: Trials) -> pd.DataFrame:
 
 
 def tally_of(trials: Trials) -> Tally:
-    """Count trials, presentations and answers to questionnaires as a session counts them."""
+    """Count trials, presentations and questionnaire answers like a session."""
     rows = trials.rows
     is_form = (rows["task"] == FORM_TASK) & rows["level"].isna() if "level" in rows.columns else False
     first = rows[_is_first(rows) & ~pd.Series(is_form, rows.index)]
@@ -95,7 +94,7 @@ def _is_repeated(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def _is_first(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Return True for the first row of each presentation: a questionnaire has a row for each of its items."""
+    """Return True for the first row of each presentation."""
     if "item" not in rows.columns or "trial" not in rows.columns:
         return pd.Series(True, index=rows.index)
     keys = ["participant", *(name for name in ("source", "session", "block", "trial", "attempt") if name in rows)]
@@ -106,7 +105,7 @@ TARGET = "force_n"
 
 
 def missed_practice(trials: Trials) -> "pd.Series[bool]":
-    """Return, for each participant with practice, True if a session ended it without meeting the criterion.
+    """Return, by participant, True if practice ended below the criterion.
 
     Empty where the study of the data set has no practice.
     """
@@ -123,7 +122,7 @@ def missed_practice(trials: Trials) -> "pd.Series[bool]":
 
 
 def _criterion(table: Mapping[str, Any]) -> tuple[int, int] | None:
-    """Return how many of how many answers must be right; None without one."""
+    """Return how many of how many answers must be correct; None if unset."""
     if not table:
         return None
     stated = dict(zip(("n_correct", "n_of"), PRACTICE_CRITERION, strict=True)) | dict(table)
@@ -132,7 +131,7 @@ def _criterion(table: Mapping[str, Any]) -> tuple[int, int] | None:
 
 
 def _is_right(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Return True for answers that the rule counts; a task that judges nothing has no wrong ones."""
+    """Return True for correct answers, and for tasks without correct answers."""
     by_response = rows["task"].isin([name for name, task in TASKS.items() if task.response is YES_OR_NO])
     counted = (numbers_of(rows["response"]) == 1).where(by_response, correctness(rows) != 0)
     return counted.astype(bool)
@@ -140,24 +139,24 @@ def _is_right(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 @dataclass(frozen=True)
 class Exclusion:
-    """Which trials and participants are left out; None: no such rule.
+    """Rules that exclude trials and participants; None disables a rule.
 
     Parameters
     ----------
     force_in_band_share_min : float, optional
-        A trial with a smaller share of its stimulus in the target band is left out.
+        Excludes trials whose force was in the target band for a smaller share of the stimulus.
     force_deviation_ratio_max : float, optional
-        A trial whose mean force deviates from the target (the factor `force_n`) by more than this part of it.
+        Excludes trials whose mean force deviates from the target (factor `force_n`) by more than this fraction of it.
     latency_min_s : float, optional
-        Trials answered faster than this are left out.
+        Excludes trials answered faster than this.
     latency_max_s : float, optional
-        Trials answered slower than this are left out.
+        Excludes trials answered slower than this.
     false_alarm_share_max : float, optional
-        A participant with a larger rate of "yes" in catch trials.
+        Excludes participants with a larger false-alarm rate in catch trials.
     invalid_share_max : float, optional
-        A participant with a larger part of invalid trials.
+        Excludes participants with a larger share of invalid trials.
     practice : bool
-        A participant who did not meet the criterion of the practice.
+        Excludes participants who did not meet the practice criterion.
 
     Raises
     ------
@@ -182,7 +181,7 @@ class Exclusion:
         expect(is_ordered, "latency_max_s", self.latency_max_s, f"more than latency_min_s, {self.latency_min_s}")
 
     def stated(self) -> dict[str, float]:
-        """The rules that there are.
+        """Return the rules that are set.
 
         >>> Exclusion(force_in_band_share_min=0.8).stated()
         {'force_in_band_share_min': 0.8}
@@ -192,15 +191,15 @@ class Exclusion:
 
 
 def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Trials, pd.DataFrame]:
-    """The trials that the rules leave, under their index, and a table of what they left out: `participant, rule, bound,
-    n_trials`.
+    """Apply exclusion rules; return the remaining trials and the exclusions.
 
-    `quality` is that of the trials (`reading.quality`), whose shares the rules on participants ask for.
+    The rows keep their index. The table of exclusions has the columns `participant, rule, bound, n_trials`. `quality`
+    is that of the trials (`reading.quality`), whose shares the rules on participants use.
 
     Raises
     ------
     InvalidParameter
-        If a rule needs a column that the table does not have.
+        If the table lacks a column that a rule needs.
     """
     rows = trials.rows
     lost: list[tuple[object, ...]] = []
@@ -214,7 +213,7 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
 
 
 def _against_rule(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":
-    """Rows that break a rule; what was not measured breaks none: NaN compares as false."""
+    """Return True for rows that break a rule; missing values break none."""
     if name == "force_in_band_share_min":
         return _column(rows, "force_in_band", name) < bound
     if name == "force_deviation_ratio_max":

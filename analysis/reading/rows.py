@@ -1,4 +1,4 @@
-"""Rows of a table of trials: the numbers of their cells, what they say of a trial, and how a bad one is refused."""
+"""Rows of a table of trials: numbers, selection, errors and notes."""
 
 import json
 import re
@@ -16,22 +16,22 @@ from tactometry.trials.tasks import FORM_TASK
 from ..arrays import Array
 
 NOT_MEASURED = frozenset(("none", "null", "nan", "na", "n/a", "-", "--", "undefined", "#n/a", "timeout"))
-"""What other programs write where nothing was measured."""
+"""Texts that other programs write for missing values."""
 NAMED_VALUES = ("response", "target", "session", "correct", "catch", "valid", "practice")
-"""Columns whose values other programs write in words."""
+"""Columns whose values other programs write as words."""
 NEGATIVE = frozenset(("n", "no", "nein", "false", "f", "wrong", "incorrect", "miss", "not felt"))
 """Words that most likely mean 0."""
 _NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 
 
 def numbers_of(text: "pd.Series[str]") -> "pd.Series[float]":
-    """Numbers of text cells, NaN for what is none."""
+    """Convert text cells to numbers, with NaN for other text."""
     numbers = plain_numbers(text)
     return pd.Series(_numbers_of_words(text) if numbers is None else numbers, index=text.index)
 
 
 def plain_numbers(text: "pd.Series[str]") -> Array | None:
-    """Numbers of text cells, NaN for empty ones, if all are numbers.
+    """Convert text cells to numbers if all are numeric or empty, else None.
 
     >>> plain_numbers(pd.Series(["1.5", "", "-2e3"]))
     array([ 1.5e+00,      nan, -2.0e+03])
@@ -40,38 +40,38 @@ def plain_numbers(text: "pd.Series[str]") -> Array | None:
     """
     words = text.to_numpy(dtype=object)
     try:
-        # numpy reads "1_000" as a number, as Python does; a table means a word by it.
+        # numpy accepts "1_000" as a number, which is a word in a table.
         return None if "_" in "".join(words) else np.where(words == "", "nan", words).astype(np.float64)
     except (TypeError, ValueError):
         return None
 
 
 def _numbers_of_words(text: "pd.Series[str]") -> Array:
-    """Each different text is read once, and what is none is NaN."""
+    """Convert each distinct text once, with NaN for other text."""
     codes, different = pd.factorize(text)
     numbers = np.asarray(pd.to_numeric(pd.Series(different), errors="coerce"), dtype=np.float64)
     return numbers[codes]
 
 
 def holds(rows: pd.DataFrame, name: str, value: object) -> "pd.Series[bool]":
-    """Which rows hold a value in a column that a table may lack."""
+    """Return True for rows with a value in a column that may be missing."""
     return rows[name] == value if name in rows.columns else pd.Series(False, index=rows.index)
 
 
 def is_catch(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Which trials were catch trials."""
+    """Return True for catch trials."""
     return holds(rows, "catch", 1)
 
 
 def delivered_level(rows: pd.DataFrame) -> "pd.Series[float]":
-    """The level that was delivered where that is known, else the one that was asked for."""
+    """Return the delivered level if known, else the requested level."""
     if "level_delivered" not in rows.columns:
         return rows["level"]
     return rows["level_delivered"].fillna(rows["level"])
 
 
 def correctness(rows: pd.DataFrame) -> "pd.Series[float]":
-    """1 where the answer was right, 0 where it was wrong; NaN where the row says neither that nor what was right."""
+    """Return 1 for correct and 0 for wrong answers, NaN if unknown."""
     stated = rows["correct"] if "correct" in rows.columns else pd.Series(np.nan, index=rows.index)
     if "target" not in rows.columns:
         return stated
@@ -80,8 +80,8 @@ def correctness(rows: pd.DataFrame) -> "pd.Series[float]":
 
 
 def place_of(rows: pd.DataFrame) -> str:
-    """Where rows of a table of trials stand: the first of them, and how many more there are."""
-    numbers = rows["row"].drop_duplicates().tolist()  # a row of counts holds several trials
+    """Return the place of the first of some rows, and the number of others."""
+    numbers = rows["row"].drop_duplicates().tolist()  # a row of counts contains several trials
     return f"{rows['source'].iloc[0]}{rows_text(numbers[0], numbers[1:], len(numbers))}"
 
 
@@ -92,12 +92,12 @@ def first_place(rows: pd.DataFrame) -> str:
 
 
 def bad_cell(row: "pd.Series[Any]", column: str, found: str, expected: str) -> InvalidFile:
-    """Of a row of a table of trials, which says where it stands in which file."""
+    """Return the error about a cell, with its file and row."""
     return InvalidFile(f"{row['source']}, row {row['row']}, column {column!r}: found {found}, expected {expected}")
 
 
 def meaning(name: str, text: str) -> str:
-    """Return how a column map states what a word means.
+    """Return a hint for the column map on the meaning of a word.
 
     >>> meaning("response", "y")
     "; say what it means in a column map (--columns), below [values.response], for example: 'y' = 1"
@@ -122,7 +122,7 @@ def _toml_text(text: str) -> str:
     """
     if text.isprintable() and "'" not in text:
         return f"'{text}'"
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON may hold it as it is, TOML may not
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON allows this character, TOML does not
 
 
 def expect_column(table: pd.DataFrame, name: str, file: object, why: str) -> None:
@@ -140,32 +140,30 @@ def no_column(name: str, table: pd.DataFrame) -> str:
 
 
 def with_all_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
-    """With the columns of all of them: other programs write a column into a file only where it holds something."""
+    """Give each table all columns, as other programs omit empty ones."""
     header = list(dict.fromkeys(name for table in tables.values() for name in table.columns))
     missing = {file: [name for name in header if name not in table.columns] for file, table in tables.items()}
     return {file: with_empty(table, missing[file])[header] for file, table in tables.items()}
 
 
 def with_empty(table: pd.DataFrame, names: list[str]) -> pd.DataFrame:
-    """With columns that hold nothing."""
+    """Add empty columns."""
     return table.assign(**{name: np.nan if name in (*NUMBERS, *COUNTS, *FLAGS) else "" for name in names})
 
 
 def with_rows(tables: Mapping[Path, pd.DataFrame]) -> Mapping[Path, pd.DataFrame]:
-    """Those of the tables that have rows; all of them where none has."""
+    """Return the tables that have rows, or all tables if none has."""
     return {file: table for file, table in tables.items() if len(table)} or tables
 
 
 def begun_notes(tables: Mapping[Path, pd.DataFrame], used: Container[Path]) -> list[str]:
-    """What is said of sessions that are not `used`, as they have no row: so one ends in which nobody agrees to take
-    part.
-    """
+    """Return notes on sessions without rows, for example without consent."""
     names = [file.name for file in tables if file not in used]
     return [f"{count_of(len(names), 'session')} without a trial, left out: {', '.join(names)}"] if names else []
 
 
 def unanswered_notes(rows: pd.DataFrame) -> list[str]:
-    """What is said of trials without an answer."""
+    """Return notes on trials without an answer."""
     silent = rows[(rows["response"] == "") & (rows["task"] != FORM_TASK)]
     if silent.empty:
         return []
@@ -174,7 +172,7 @@ def unanswered_notes(rows: pd.DataFrame) -> list[str]:
 
 
 def routine_notes(left: Mapping[Path, pd.DataFrame]) -> list[str]:
-    """What is said of rows that hold no trial."""
+    """Return notes on rows that are not trials."""
     n = sum(map(len, left.values()))
     if not n:
         return []

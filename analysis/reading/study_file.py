@@ -1,4 +1,4 @@
-"""What the study of a data set states: a table of its `study.toml`, and the questionnaires that it may ask."""
+"""Tables and questionnaires in the `study.toml` of a data set."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class StudyText:
-    """The study's title and procedure in words, and the force (N) that was asked for where it is no factor."""
+    """Title and procedure of a study, and its force (N) if not a factor."""
 
     title: str = ""
     procedure: str = ""
@@ -31,7 +31,7 @@ class StudyText:
 
 
 def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -> T:
-    """What `read` makes of a table of the study in the folder `path`; of an empty one where there is none.
+    """Apply `read` to a table of the study in a folder, or to an empty table.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -
 
 
 def forms_of(path: Path) -> Mapping[str, Questionnaire]:
-    """The questionnaires that a data set may hold: the shipped ones, and those of its study's `[forms.NAME]`.
+    """Return the built-in questionnaires and those in the study's `[forms]`.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def forms_of(path: Path) -> Mapping[str, Questionnaire]:
 
 
 def choices_of(path: Path) -> Mapping[str, ChoiceForm]:
-    """The forms of choices that a data set may hold, as `forms_of` those on a scale.
+    """Return the built-in choice forms and those in the study's `[forms]`.
 
     Raises
     ------

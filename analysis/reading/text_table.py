@@ -1,6 +1,6 @@
-"""A table on disk as text: its cells under their names, nothing of them understood yet.
+"""Tables on disk as text cells, without interpretation.
 
-Every refusal is one sentence with the file and, where there is one, the row (the header is row 1).
+Every error names the file and, if there is one, the row (the header is row 1).
 """
 
 import csv
@@ -22,13 +22,13 @@ from tactometry.trials.row_rules import MOST_COLUMNS
 from .file_text import file_text, is_json_list, trimmed
 
 TEXT = pd.StringDtype("python", na_value=np.nan)
-"""Of a cell: the same whether pyarrow is installed or not, without which `str` is this."""
+"""Data type of a cell, independent of whether pyarrow is installed."""
 MOST_EMPTY = 10_000_000
-"""Cells without a value in a table of JSON, which a small file could otherwise fill the memory with."""
+"""Largest number of empty cells in a JSON table, as a small file could otherwise exhaust the memory."""
 LAST_LINE = "end"
-"""Put behind a table that may hold quotation marks."""
+"""Appended to a table that may contain quotation marks."""
 FEWEST_LOST = 12
-"""Cells in one line, of which fewer may be a header whose names repeat."""
+"""A line with fewer cells may be a header with repeated names."""
 _LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _SEP_LINE = re.compile(r'"?sep=([^\r\n"])"?[;,\t]*(?:\r\n|\r|\n)', re.IGNORECASE)
 
@@ -41,20 +41,19 @@ def text_cells(
     notes: list[str] | None = None,
     verbatim: bool = False,
 ) -> pd.DataFrame:
-    """All cells as text, with the number of their row in the column `row`; a list of objects in JSON, whatever the
-    file's name, is read by `json_cells`.
+    """Read all cells as text, with the row number in the column `row`.
 
-    The `separator` is by default that of a first line ``sep=;``, else a comma, in ``.tsv`` a tab. Columns without a
-    name that are empty throughout are left out: PsychoPy ends each row with a comma. So are, with a line in `notes`,
-    a first column without a name that counts the rows, and columns of one name that are not `needed` (None: all are).
-    Text is brought to one form of Unicode (`plain_text`) and spaces around cells are left out, unless it is to stay
+    A list of JSON objects is read by `json_cells`, whatever the file's name. The `separator` is by default that of a
+    first line ``sep=;``, else a comma, in ``.tsv`` a tab. Empty columns without a name are omitted, as PsychoPy ends
+    each row with a comma. An unnamed first column that counts the rows, and repeated columns that are not `needed`
+    (None: all are), are omitted with a line in `notes`. Text is normalised (`plain_text`) and trimmed, unless it is
     `verbatim`.
 
     Raises
     ------
     InvalidFile
-        If the file cannot be read, is no text in UTF-8 or no table, or has rows of different lengths, more than
-        `MOST_COLUMNS`, or a column without a name or with that of another.
+        If the file cannot be read, is not UTF-8 text or not a table, or has rows of different lengths, more than
+        `MOST_COLUMNS` columns, or an unnamed or repeated column.
     """
     text = file_text(file, verbatim=verbatim)
     notes = [] if notes is None else notes
@@ -75,7 +74,7 @@ def text_cells(
 
 
 def _trimmed_cells(table: pd.DataFrame, text: str, separator: str = ",") -> pd.DataFrame:
-    """Leave out spaces around cells, if the text of the file has any there."""
+    """Trim spaces around cells, if the text of the file has any there."""
     ends = (separator, "\n", "\r", '"')
     if not any(f"{space}{end}" in text or f"{end}{space}" in text for end in ends for space in (" ", "\u00a0")):
         return table
@@ -83,7 +82,7 @@ def _trimmed_cells(table: pd.DataFrame, text: str, separator: str = ",") -> pd.D
 
 
 def _without_sep_line(text: str) -> tuple[str, str, int]:
-    r"""Split off Excel's first line ``sep=,``: the other lines, the separator and how many lines were taken.
+    r"""Split off Excel's line ``sep=,``; return text, separator, lines removed.
 
     >>> _without_sep_line("sep=;\r\na;b"), _without_sep_line("a,b")
     (('a;b', ';', 1), ('a,b', '', 0))
@@ -93,7 +92,7 @@ def _without_sep_line(text: str) -> tuple[str, str, int]:
 
 
 def _expect_lines(text: str, separator: str, file: Path) -> None:
-    """Refuse a table whose line breaks are gone: one line that repeats cells, as no header does."""
+    """Refuse a table without line breaks: a single line with repeated cells."""
     if "\n" in text.strip() or "\r" in text.strip() or '"' in text:
         return
     cells = text.strip().split(separator)
@@ -104,18 +103,17 @@ def _expect_lines(text: str, separator: str, file: Path) -> None:
 
 
 def json_cells(text: str, file: Path) -> pd.DataFrame:
-    """Of a table of trials in JSON, as jsPsych saves it: a list with an object for each trial; or several such lists,
-    one after the other, as servers keep them (JATOS).
+    """Read trials from JSON as text, with the place in the list as `row`.
 
-    All values as text, a column for each key, and in the column `row` the place in the list, from 1.
-    Numbers stay as they were written, true and false are words, null and what an object has not are empty; a list or
-    an object within stays JSON.
+    The text is a list with an object for each trial, as jsPsych saves it, or several such lists in sequence, as JATOS
+    saves them. Each key has a column. Numbers are unchanged, true and false become words, null and missing keys become
+    empty. Nested lists and objects stay JSON.
 
     Raises
     ------
     InvalidFile
-        If it is no JSON, or another than a list of objects; or if it has more keys than `MOST_COLUMNS`, or more
-        than `MOST_EMPTY` trials and keys without a value.
+        If the text is not JSON or not a list of objects, or has more than `MOST_COLUMNS` keys or `MOST_EMPTY` empty
+        cells.
 
     >>> json_cells('[{"level": 0.10, "correct": true}, {"rt": null}]', Path("j.json")).values.tolist()
     [['0.10', 'true', '', 1], ['', '', '', 2]]
@@ -136,7 +134,7 @@ def json_cells(text: str, file: Path) -> pd.DataFrame:
 
 
 def _json_trials(text: str, file: Path) -> Iterator[dict[str, object]]:
-    """Parse the trials one by one, so that a table beyond the bounds is not read to its end."""
+    """Parse the trials one by one, to stop early beyond the bounds."""
     n = 0
     try:
         for n, trial in enumerate(json_items(text), 1):
@@ -174,8 +172,9 @@ def _expect_commas(header: str, separator: str, file: Path) -> None:
 
 
 def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
-    """All cells as text, the header too, read by pandas' parser in C; None if there is a quotation mark, blank line or
-    row of another length: the slower reader says then what is wrong.
+    """Read all cells and the header as text with pandas' C parser.
+
+    None if there is a quotation mark, blank line or row of another length, which the slower reader reports.
 
     >>> plain_cells("a,b" + chr(10) + "1,2", ",").values.tolist()
     [['a', 'b'], ['1', '2']]
@@ -187,7 +186,7 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
     if not whole or '"' in whole or has_blank_line or whole.count("\r") != whole.count("\r\n"):
         return None
     in_header, rows = whole.partition("\n")[0].count(separator), whole.count("\n") + 1
-    # The parser refuses a longer row and fills a shorter one: without the former there is none of the latter.
+    # The parser refuses longer rows but pads shorter ones, which remain to be checked.
     if in_header == 0 or whole.count(separator) != in_header * rows:
         return None
     try:
@@ -196,7 +195,7 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
             sep=separator,
             header=None,
             dtype=TEXT,
-            na_filter=False,  # "NA" is a word, whose meaning a column map says
+            na_filter=False,  # "NA" is a word, whose meaning the column map states
             quoting=csv.QUOTE_NONE,
             skip_blank_lines=False,
         )
@@ -207,7 +206,7 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
 def _any_cells(text: str, separator: str, file: Path, n_before: int = 0) -> pd.DataFrame:
     lines = text if text.endswith("\n") else f"{text}\n"
     try:
-        # An open quotation mark takes the last line, too, which is then no row of its own.
+        # An open quotation mark also absorbs the last line, which is then not a separate row.
         reader = csv.reader(io.StringIO(f"{lines}{LAST_LINE}", newline=""), delimiter=separator)
         *rows, end = reader
     except csv.Error as damage:
@@ -232,13 +231,13 @@ def _any_cells(text: str, separator: str, file: Path, n_before: int = 0) -> pd.D
 
 
 def _is_counted(rows: list[list[str]]) -> bool:
-    """Return True if each row but the header has one more cell, the first of which counts (R's ``write.table``)."""
+    """Return True if rows start with a number that the header lacks (R)."""
     body = [cells for cells in rows[1:] if cells]
     return bool(body) and {len(cells) for cells in body} == {len(rows[0]) + 1} and _counts([row[0] for row in body])
 
 
 def _holds_rows(place: int, cell: str, separator: str, n_columns: int) -> bool:
-    r"""Return True if a cell holds the end of its row and the beginning of a later one.
+    r"""Return True if a cell contains the end of its row and a later start.
 
     >>> _holds_rows(1, "fast,4,n\nS01,", ",", 4), _holds_rows(1, "fast, but\nnot too fast", ",", 4)
     (True, False)
@@ -263,13 +262,13 @@ def _with_header(cells: pd.DataFrame, file: Path, needed: Container[str] | None,
         notes.append(f"{file.name}: the column {word!r} appears {names.count(word)} times and was not read")
     body = cells.iloc[1:].set_axis(names, axis=1)[[name for name in names if name not in repeated]]
     if body.shape[1] > 1:  # in a table of one column an empty line is an empty cell
-        begun = body[body.iloc[:, 0] == ""]  # so that no more cells are compared than must be
+        begun = body[body.iloc[:, 0] == ""]  # limits the cells to compare
         body = body.drop(index=begun.index[(begun == "").all(axis=1)]) if len(begun) else body
     return body.assign(row=body.index + 1)
 
 
 def _without_nameless(cells: pd.DataFrame, file: Path, notes: list[str]) -> pd.DataFrame:
-    """Without the columns in which no cell holds anything, not even the first, and without a first one that counts."""
+    """Remove unnamed columns that are empty or contain row numbers."""
     nameless = [place for place in cells.columns if not str(cells[place].iloc[0]).strip()]
     unused = [place for place in nameless if (cells[place].str.strip() == "").all()]
     first = cells.columns[0]
@@ -280,7 +279,7 @@ def _without_nameless(cells: pd.DataFrame, file: Path, notes: list[str]) -> pd.D
 
 
 def _counts(words: Sequence[str]) -> bool:
-    """Return True if cells, the empty ones left out, are rising whole numbers, as R and pandas number rows.
+    """Return True if non-empty cells are rising integers, like row numbers.
 
     >>> _counts(["0", "1", "5", ""]), _counts(["2", "2"]), _counts(["S01"])
     (True, False, False)

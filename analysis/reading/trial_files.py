@@ -1,4 +1,4 @@
-"""The files that hold trials: in a data set of ours, in BIDS, in a folder of another program."""
+"""Search for trials files in data sets, BIDS and other folders."""
 
 import filecmp
 import re
@@ -12,25 +12,25 @@ from ..wording import first_named
 from .file_text import is_json_list
 
 OWN_FILES = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
-"""Where trials are in a data set: our own, then BIDS."""
+"""Patterns of trials files: in our data sets, then in BIDS."""
 TABLES = (".csv", ".tsv", ".json", ".txt")
-"""Endings of the tables that a column map reads; of several files of one name the first counts."""
+"""Extensions of readable tables, in order of preference among files with the same name."""
 OTHER_DATA = (".xlsx", ".xls", ".ods", ".psydat", ".mat", ".sav", ".rds", ".rda", ".parquet", ".pkl", ".h5", ".dat")
-"""Endings of files that may hold trials and are not read."""
+"""Extensions of files that may contain trials but are not read."""
 DESCRIPTIONS = ("participants", "dataset_description")
-"""Names of files that describe a data set of BIDS and hold no trial."""
+"""Names of BIDS files that describe the data set and contain no trials."""
 BEGINNING = 200
-"""Bytes that say whether a file is a list in JSON."""
+"""Number of bytes that show whether a file is a JSON list."""
 MOST_NAMED = 8
 
 EXPORTED_MAP = "columns.toml"
-"""The column map beside the tables of `tactometry export`."""
+"""Column map that `tactometry export` writes next to its tables."""
 
 
 def trial_files(path: Path, *, foreign: bool = False) -> list[Path]:
-    """The trials files of a data set (ours, or BIDS with behaviour), or the one file that `path` is.
+    """Return the trials files of a data set or BIDS folder, or the file.
 
-    With `foreign`, a folder may also hold tables of another program, in itself or in ``data``.
+    With `foreign`, a folder may also contain tables of another program, directly or in ``data``.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def trial_files(path: Path, *, foreign: bool = False) -> list[Path]:
 
 def _refuse_folder(path: Path, *, foreign: bool) -> list[Path]:
     for folder in (path, path / "data"):
-        files_in(folder)  # a glob keeps silent about one that may not be read
+        files_in(folder)  # a glob does not report unreadable folders
     column_map = path / EXPORTED_MAP
     if not foreign and column_map.is_file():
         raise InvalidFile(
@@ -84,7 +84,7 @@ def unread_notes(path: Path, used: Sequence[Path]) -> Iterator[str]:
     elif used[0].match(OWN_FILES[0]):
         unread = [file for file in _data_files(path / "data") if file not in used and not _is_sidecar(file, used)]
     else:
-        # A program saves one session in several forms, of which only one table is read.
+        # Programs save one session in several formats, of which only one is read.
         names = {file.stem for file in used}
         others = [file for file in _data_files(path) if file not in used]
         unread = [file for file in others if file.stem not in names or file.suffix.lower() in TABLES]
@@ -108,7 +108,7 @@ def copy_notes(files: Sequence[Path]) -> Iterator[str]:
 
 
 def _tables_in(folder: Path) -> list[Path]:
-    """Tables of another program: all CSV, TSV and lists in JSON, else all text files."""
+    """Return another program's CSV, TSV and JSON tables, else its text files."""
     held = (file for file in _visible_files(folder.glob("*")) if file.stem not in DESCRIPTIONS)
     files = [file for file in held if file.suffix.lower() in TABLES]
     sure = [file for file in files if file.suffix.lower() in (".csv", ".tsv") or _begins_list(file)]
@@ -123,13 +123,13 @@ def _begins_list(file: Path) -> bool:
 
 
 def _data_files(path: Path) -> list[Path]:
-    """Files that may hold trials: of the folder and of those within it."""
+    """Return files in a folder and its subfolders that may contain trials."""
     files = _visible_files([*path.glob("*"), *(file for file in path.glob("*/*") if not _is_report(file.parent))])
     return [file for file in files if file.suffix.lower() in (*TABLES, *OTHER_DATA) and file.stem not in DESCRIPTIONS]
 
 
 def _is_report(folder: Path) -> bool:
-    """Return True for folders in which `analyse` writes its tables and figures."""
+    """Return True for folders of tables and figures that `analyse` writes."""
     return folder.name.endswith("_tables") or folder.name == "figures"
 
 
@@ -143,7 +143,7 @@ def _unread_subjects(path: Path, used: Sequence[Path]) -> list[Path]:
 
 
 def _other_runs(path: Path, used: Sequence[Path]) -> list[Path]:
-    """Tables of BIDS whose run is not among those that are read: of one run events or answers count."""
+    """Return BIDS tables of runs that are not read."""
     runs = {_run(file) for file in used}
     files = (file for form in OWN_FILES[1:] for file in _visible_files(path.glob(form)))
     return [file for file in files if _run(file) not in runs and _in_read_subject(file, path, used)]
@@ -159,5 +159,5 @@ def _run(file: Path) -> Path:
 
 
 def _visible_files(files: Iterable[Path]) -> list[Path]:
-    """Return the files, sorted, without hidden ones (``._x_data.csv``) and Excel's lock files (``~$x.csv``)."""
+    """Return the files, sorted, without hidden files and Excel's lock files."""
     return sorted(file for file in files if file.is_file() and not file.name.startswith((".", "~$")))

@@ -1,6 +1,6 @@
-"""Trials tables: found, read and checked, so that all later steps may trust them.
+"""Reading and checking of trials tables.
 
-Every refusal is one sentence with the file, the row (the header is row 1) and the column.
+Every error names the file, the row (the header is row 1) and the column.
 """
 
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
@@ -48,23 +48,21 @@ from .unfolded import ALTERNATIVES, POSITIVE, TOTAL
 
 REQUIRED = ("participant", "level", "task", "response")
 READ = tuple(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL, *FOREIGN))
-"""Columns with a meaning, of which a table has each once."""
+"""Columns with a meaning, each allowed once in a table."""
 CURVED = tasks_with_level("curve")
 TRIAL_KEY = (
     *("participant", "study", "session", "block", "task", "procedure"),
     *("trial", "attempt", "item", "item_b", "track", "catch", "level"),
 )
-"""What no two rows share, with the factors: other programs count trials anew in each condition, or at each level. Of
-them, those columns that are there."""
+"""Columns that identify a row, with the factors: other programs restart their trial numbers in each condition."""
 
 
 @dataclass(frozen=True)
 class Trials:
     """A checked trials table.
 
-    `rows` has one row per trial, with numbers as float (NaN: not measured) and the columns `source` (file)
-    and `row`. `factors` are the names of the columns that hold conditions. `n_files` files were read from
-    `path`.
+    `rows` has one row per trial, with numbers as float (NaN: missing) and the columns `source` (file) and `row`.
+    `factors` are the names of the columns of conditions. `n_files` files were read from `path`.
     """
 
     rows: pd.DataFrame
@@ -74,7 +72,7 @@ class Trials:
     notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        """In one line: how much was read, and which conditions it holds."""
+        """Return the numbers of trials and files, and the conditions, in one line."""
         of_whom = count_of(self.rows["participant"].nunique(), "participant")
         factors = f"; {', '.join(self.factors)}" if self.factors else ""
         return f"Trials({count_of(len(self.rows), 'row')} of {of_whom}{factors})"
@@ -87,19 +85,19 @@ def read_trials(
     column_map: ColumnMap | None = None,
     level_scale: str | None = None,
 ) -> Trials:
-    """Read a data set's folder (its ``data/*_data.csv``) or one file (CSV, or tab-separated ``.tsv``).
+    """Read the trials of a data set folder or of one file.
 
-    With a `column_map` a folder may also hold another program's tables, one a participant or session.
-
-    Factors are the columns between ``trial`` and ``procedure`` that hold anything, or those named by `within`
-    (empty: none). Levels are put on the `level_scale` (`on_scale`), else on that of the map.
+    The files are ``data/*_data.csv``, or one CSV or tab-separated ``.tsv`` file. With a `column_map` a folder may also
+    contain another program's tables, one per participant or session. Factors are the non-empty columns between
+    ``trial`` and ``procedure``, or those named by `within` (empty: none). Levels are converted to the `level_scale`
+    (`on_scale`), else to that of the map.
 
     Raises
     ------
     InvalidFile
         If there is nothing to read, or a table is damaged: file, row, column, what was found and expected.
     InvalidParameter
-        If `within` names a column that is not there, or the levels cannot be put on the scale.
+        If `within` names a missing column, or the levels cannot be converted to the scale.
     """
     path, given, notes = Path(path), column_map or ColumnMap(), list[str]()
     named = [within] if within and isinstance(within, str) else within
@@ -135,7 +133,7 @@ def _translated(
 def _lost_notes(
     cells: Mapping[Path, pd.DataFrame], column_map: ColumnMap, rows: pd.DataFrame, path: Path
 ) -> Iterator[str]:
-    """Warn of participants of whom no row was read, and of those whose codes may be the same."""
+    """Warn of participants without rows, and of codes that may be the same."""
     stated = set().union(*(stated_codes(table, column_map) for table in cells.values()))
     short = without_separators(stated, path)
     lost = {short.get(code, code) for code in stated} - set(rows["participant"].unique())
@@ -148,7 +146,7 @@ def _lost_notes(
 
 
 def _between_notes(rows: pd.DataFrame, within: Sequence[str]) -> Iterator[str]:
-    """Warn of factors that `--within` names and of which each participant has one value."""
+    """Warn of factors in `--within` that only vary between participants."""
     for name in within:
         if rows[name].nunique() > 1 and rows.groupby("participant")[name].nunique().max() == 1:
             yield (
@@ -165,8 +163,10 @@ def trials_in(
     level_scale: str | None = None,
     named_by_us: bool = True,
 ) -> Trials:
-    """Tables of text by file, as `text_cells` reads them, as the trials of `path`; files that are `named_by_us` say by
-    their name whose trials they hold. Columns of numbers, counts and flags may also be floats, which are not checked.
+    """Return the trials of `path` from tables of text cells by file.
+
+    The names of files that are `named_by_us` contain the participant. Columns of numbers, counts and flags may also be
+    floats, which are not checked.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def trials_in(
     """
     same_columns = _with_same_columns if named_by_us else with_all_columns
     tables = same_columns({file: _checked_table(table, file) for file, table in texts.items()})
-    for file, table in tables.items() if named_by_us else ():  # the names of another program's files are its own
+    for file, table in tables.items() if named_by_us else ():  # other programs' file names have another form
         _refuse_other_code(table, file)
         if "rig" in table.columns:
             expect_column(table, "valid", file, "; every table of a session has it")
@@ -189,7 +189,7 @@ def trials_in(
 
 
 def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
-    """A warning with the number of rows that repeat a trial before them, and the first. None without numbers of trials.
+    """Warn of rows that repeat an earlier trial, if trials are numbered.
 
     >>> row = {"participant": "P1", "trial": 1.0, "response": "1", "source": "a.csv", "row": 2}
     >>> repetitions(pd.DataFrame([row, row | {"trial": 2.0, "row": 3}, row | {"response": "0", "row": 4}]))[0][:66]
@@ -212,8 +212,7 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
 
 
 def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
-    """With the same columns: tables that were recorded before there were the columns `ADDED` get them, empty, beside
-    later ones.
+    """Give all tables the same columns; tables without `ADDED` get empty ones.
 
     Raises
     ------
@@ -241,7 +240,7 @@ def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
 
 
 def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
-    """A copy under another participant's name would count one person twice."""
+    """Refuse a copy under another name, which would count one person twice."""
     code = keys_of(file.stem).get("participant")
     if code is not None:
         expected = f"{code!r} as in the file's name; remove the file if it is a copy"
@@ -253,7 +252,7 @@ def _text_of(
 ) -> pd.DataFrame:
     raw = translate(cells, column_map, file, elsewhere, notes.append)
     if "level" not in raw.columns and holds(raw, "task", FORM_TASK).all():
-        raw = raw.assign(level="")  # answers to a questionnaire are to no level
+        raw = raw.assign(level="")  # questionnaire answers have no level
     for name in REQUIRED:
         of_counts = f"; for counts name {POSITIVE} and {TOTAL} in [columns] of the map" if name == "response" else ""
         expect_column(raw, name, file, f"; name it with a column map (--columns){of_counts}")
@@ -287,26 +286,26 @@ def _expect_texts(table: pd.DataFrame, name: str, holds: Callable[[str], bool], 
 
 
 def _expect(table: pd.DataFrame, name: str, fine: "pd.Series[bool]", expected: str) -> None:
-    """Refuse a table with rows that are not, by the first of them."""
+    """Refuse a table with a row that is not `fine`, naming the first one."""
     if fine.all():
         return
     bad = table[~fine]
     cell = bad[name].iloc[0]
     text = "" if pd.isna(cell) else str(cell)
-    # A cell may hold a page of text, a sentence may not.
+    # A cell may contain a page of text, too long for a message.
     shown = "nothing" if not text else repr(text if len(text) <= 40 else text[:40] + "...")
     where = f"{place_of(bad)}, column {name!r}"
     raise InvalidFile(f"{where}: found {shown}, expected {expected}{meaning(name, text)}")
 
 
 OWN = ("row", "source")
-"""Columns that reading adds: where a row stands in which file."""
+"""Columns that reading adds: row number and file."""
 
 
 def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":
     values = numbers_of(table[name])
     fine = pd.Series(np.isfinite(values), table.index)
-    if not fine.all():  # texts are compared where they must be, as that takes longer than all the rest
+    if not fine.all():  # comparing texts is the slowest step
         fine |= table[name] == ""
         has_comma = table[name][~fine].head(1).str.fullmatch(r"-?\d+,\d+").any()
         _expect(table, name, fine, "a decimal point" if has_comma else "a finite number or nothing")
@@ -338,7 +337,7 @@ def _check_responses(table: pd.DataFrame, task: str) -> None:
 
 
 def _fits(rule: CellRule, text: str) -> bool:
-    """Other programs write a whole number as 1.0."""
+    """Return True if a text fits a rule; integers may be written as 1.0."""
     return "_" not in text and rule.holds(text.removesuffix(".0"))
 
 
@@ -366,14 +365,14 @@ def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) ->
 
 
 def _is_filled(column: "pd.Series[Any]") -> bool:
-    """Whether any cell holds a value; of a factor whose levels a trial compares none does."""
+    """Return True if any cell has a value, unlike in a compared factor."""
     if is_numeric_dtype(column):
         return column.empty or bool(column.notna().any())
     return column.empty or bool((column.notna() & (column.astype(str) != "")).any())
 
 
 def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
-    """Numbers where every cell is one, else text; an empty cell of a psychophysical trial is refused."""
+    """Parse a factor as numbers, or as text if any cell is not numeric."""
     text = rows[name].astype(str)
     lost = (text == "") & rows["task"].isin(CURVED)
     if lost.any():
@@ -381,18 +380,18 @@ def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
     numbers = numbers_of(text)
     if not np.isfinite(numbers[text != ""]).all():
         return text
-    # Beyond 2^53 floats leave whole numbers out: two levels could become one.
+    # Beyond 2^53 floats skip integers, so two levels could become equal.
     is_whole = bool((numbers == np.floor(numbers)).all() and (numbers.abs() < 2**53).all())
     return numbers.astype(np.int64) if is_whole else numbers
 
 
 def used_rows(trials: Trials) -> pd.DataFrame:
-    """The rows that enter a fit: valid, answered, and no practice."""
+    """Return the rows that enter a fit: valid, answered and not practice."""
     rows = asked_rows(trials)
     return rows[rows["response"] != ""]
 
 
 def asked_rows(trials: Trials) -> pd.DataFrame:
-    """The rows that are valid and no practice, answered or not."""
+    """Return the valid rows without practice, answered or not."""
     rows = trials.rows
     return rows[~holds(rows, "valid", 0) & ~holds(rows, "practice", 1)]

@@ -1,4 +1,4 @@
-"""Rows that hold several answers, as one row for each answer: counts, and surveys of jsPsych."""
+"""Conversion of counts and jsPsych surveys to one row per answer."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +16,7 @@ from .rows import expect_column, numbers_of
 POSITIVE, TOTAL = "n_positive", "n_trials"
 """Columns of a table of counts: answers that were yes or correct, and all answers."""
 COUNTED = "counts"
-"""The procedure of rows that were made of counts: their order says nothing."""
+"""Procedure of rows that were made from counts, whose order has no meaning."""
 CHOICE = "forced_choice"
 ALTERNATIVES = "n_alternatives"
 MOST_COUNTED = 10_000_000
@@ -24,7 +24,7 @@ MOST_COUNTED = 10_000_000
 
 
 def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
-    """Return a row for each trial of a table of counts; other tables as they are.
+    """Return a row for each trial of counts; other tables are unchanged.
 
     Positive answers are spread evenly over the trials of their row, as their order is not known.
 
@@ -59,7 +59,7 @@ def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
 
 def with_responses(table: pd.DataFrame, file: Path) -> pd.DataFrame:
-    """Return a table of forced choices that states only whether each was correct, with a response.
+    """Add responses to forced choices that only state if they are correct.
 
     The number of the interval is then not known: 1 stands for a correct answer, 2 for a wrong one.
 
@@ -77,7 +77,7 @@ def with_responses(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
 
 def survey_answers(table: pd.DataFrame, file: Path, warn: Callable[[str], None]) -> pd.DataFrame:
-    """Return a row for each item where the response is an object of JSON, as jsPsych writes answers to a survey."""
+    """Return a row for each item of a jsPsych survey, whose response is JSON."""
     if not {"task", "response"} <= set(table.columns):
         return table
     nested = table["response"].str.startswith("{")

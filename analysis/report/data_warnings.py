@@ -162,7 +162,7 @@ def _quality_warnings(quality: pd.DataFrame) -> Iterator[str]:
 
 
 def _practice_warnings(analysis: Analysis) -> Iterator[str]:
-    """Name who missed the criterion of the practice, and what the experimenter chose each time."""
+    """Name participants who missed the practice criterion, and each decision."""
     quality, events = analysis.tables["quality"], analysis.table("happenings")
     if "practice_missed" in quality.columns and quality["practice_missed"].any():
         missed = quality.loc[quality["practice_missed"] == 1, "participant"]

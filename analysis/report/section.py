@@ -71,7 +71,7 @@ class Sentences:
 
 @dataclass(frozen=True)
 class Folded:
-    """Sentences by their headings, of which the first `n_open` are unfolded."""
+    """Sentences by heading; the first `n_open` headings are unfolded."""
 
     kind: ClassVar = "folded"
     by_heading: Mapping[str, Sequence[str]]
@@ -83,9 +83,10 @@ Draw = Callable[[], Drawing]
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure with file name, caption, and table of its numbers, of which `of` (column, value) selects rows.
+    """A figure with file name, caption and table of its numbers.
 
-    It is drawn when written, as all figures of a report take 30 MiB for each participant.
+    `of` (column, value) selects rows of the table. The figure is drawn when written, as all figures
+    of a report take 30 MiB for each participant.
     """
 
     kind: ClassVar = "figure"

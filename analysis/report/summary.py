@@ -13,7 +13,7 @@ ORDER = (
     *("thresholds", "goodness", "outcomes", "hierarchical", "questionnaires", "questionnaire_statistics", "loss"),
     *("force", "same_different", "preference", "adjustment", "magnitude", "excluded"),
 )
-"""Order of earlier versions; new values follow."""
+"""Keys in the order of earlier versions; new keys are appended."""
 
 
 def summary(analysis: Analysis) -> dict[str, object]:

@@ -18,9 +18,10 @@ def has_force(rows: pd.DataFrame) -> bool:
 
 
 def force_of_participants(used: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return mean force, mean standard deviation within trials, share of time in band and number of trials.
+    """Return force, its SD, time in band and trials of each participant.
 
-    With the deviation from the target where the force is a factor.
+    The SD is the mean standard deviation within trials. The deviation from the target is added if the force is a
+    factor.
     """
     rows = used[used["force_mean_n"].notna()]
     keys = ["participant", *factors]

@@ -21,12 +21,12 @@ from .kinds import CURVES
 LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
 UNIT = "level_unit"
 CHOICES = tuple(name for name, curve in CURVES.items() if curve.scored_by == "correct")
-"""Forced choices, whose responses alone do not say what was right."""
+"""Forced choices, whose responses alone do not state the correct answer."""
 STATED = "n_alternatives"
 BY_CHANCE = 0.001
 """A condition has fewer alternatives than others if chance explains that with less than this (unverified default)."""
 COUNTING = frozenset(name for name, curve in CURVES.items() if curve.counts_catch)
-"""Tasks whose guess rate rests on catch trials."""
+"""Tasks whose guess rate is estimated from catch trials."""
 COLUMNS = (
     *("task", "threshold", "interval_low", "interval_high", "level_unit", "status", "width", "width_low", "width_high"),
     *("guess_rate", "lapse_rate", "n_trials", "n_levels", "n_catch", "n_false_alarms", "deviance", "threshold_mode"),

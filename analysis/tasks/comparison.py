@@ -13,11 +13,12 @@ FIT: Mapping[str, Any] = {
     "scale_free_width": True,
     "narrowest_spacings": 0.5,
 }
-"""Both asymptotes are free: where levels are not felt, a part of them is called "more" however low they are. A tighter
-prior than Beta(1, 3) draws the point of subjective equality of such answers down.
-The width, a scale, has a prior flat in its logarithm, from one spacing of the levels
-on: psignifit's, which falls below two, holds small differences up. The bias study
-compares both (`benchmarks/bias_study.py`); unverified defaults."""
+"""Options of the fit (unverified defaults).
+
+Both asymptotes are free, as levels that are not felt are sometimes called "more". A prior tighter than Beta(1, 3)
+biases the point of subjective equality of such answers downwards.
+The prior of the width is flat in its logarithm from one spacing of the levels. psignifit's prior, which falls below two
+spacings, biases small differences upwards. The bias study compares both (`benchmarks/bias_study.py`)."""
 
 ANALYSIS = TaskAnalysis(
     "Participants told which of a standard and a level was stronger",

@@ -1,4 +1,4 @@
-"""Forced choice: a threshold, whose guess rate is one over the number of intervals."""
+"""Forced choice: a threshold with guess rate 1 / number of intervals."""
 
 from .task_analysis import Curve, TaskAnalysis, detection
 

@@ -20,7 +20,7 @@ from .cell import Estimate, catch_counts, cell_keys, stacked_counts
 from .rule_estimate import FIXED
 
 SEED = 20010601
-"""Of the draws: the same data give the same bytes."""
+"""Seed of the draws, so that equal data give equal results."""
 STRETCH = 10
 """Trials in a stretch of time; there are 2 to `MOST_STRETCHES`."""
 MOST_STRETCHES = 20
@@ -35,7 +35,7 @@ TESTS = {
     "order": "its residuals rise or fall with time, as with learning, tiring or a new criterion",
     "overdispersion": "answers near in time are alike, as with lapses in a row, and intervals are too narrow",
 }
-"""The tests, in the order of `STATISTICS`, with what a small p says of the function."""
+"""The tests, in the order of `STATISTICS`, with the meaning of a small p."""
 OF_ORDER = slice(2, None)
 """The tests that compare the order of the answers."""
 P_COLUMNS = dict(zip(TESTS, ("deviance_p", "residual_level_p", "residual_order_p", "dispersion_p"), strict=True))
@@ -73,8 +73,10 @@ def goodness_columns(
 
 
 def _in_order(answers: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the answers to a level in their order, with the number of the `cell`, the `stretch` of time in it, and
-    whether its levels `follow` the answers.
+    """Return the answers to a level in their order.
+
+    Added columns: the number of the `cell`, the `stretch` of time in it, and `follow`, which is True if the levels
+    depend on the answers.
     """
     # Numbered before the catch trials go: a cell of these alone keeps its place among the estimates.
     rows = answers.assign(cell=answers.groupby(cell_keys(factors), sort=True, observed=True).ngroup())

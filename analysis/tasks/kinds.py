@@ -1,4 +1,4 @@
-"""The analysis of every task, by the task's name, which is that of its file."""
+"""Analyses of the tasks, by task name (the name of the file)."""
 
 from collections.abc import Mapping
 

@@ -24,7 +24,7 @@ DISTANCE, ERROR, RATE = "separation_m", "error_m", "rate_correct"
 SHAPE = "weibull"
 """Shape of the right answers against the distance, which is above 0."""
 FEW_LEVELS = 8
-"""At most so many levels are conditions; more are those of an adaptive procedure."""
+"""Largest number of levels that count as conditions; more come from an adaptive procedure."""
 
 
 def conditions_of(rows: pd.DataFrame, factors: Sequence[str]) -> list[str]:

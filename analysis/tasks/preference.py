@@ -33,7 +33,7 @@ Texts = NDArray[np.str_]
 TASK, SHARES, ORDER = "preference", "preference_shares", "first of the pair"
 ALWAYS_FIRST = "which of a pair came first decided what was preferred: no finite worths"
 ROBUST_FROM = 5
-"""With so many participants, standard errors account for answers of one person being alike."""
+"""From this number of participants, standard errors are clustered by participant."""
 MOST_LOG_ODDS = 16.0
 """Larger log odds mean that the predictors separate the answers (odds of 9e6)."""
 WORTH = ("worth", "standard_error", "low", "high")
@@ -169,7 +169,7 @@ def _fit_worths(
     is_robust = len(names) >= ROBUST_FROM
     errors: dict[str, Any] = {"cov_type": "cluster", "cov_kwds": {"groups": codes}} if is_robust else {}
     with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")  # of separated answers
+        warnings.simplefilter("ignore")  # warnings of separated answers
         fit = sm.GLM(prefers_first.astype(float), design, family=sm.families.Binomial()).fit(tol=1e-14, **errors)
     if not np.abs(design @ fit.params).max() <= MOST_LOG_ODDS:
         return None

@@ -33,13 +33,13 @@ class RuleEstimate:
 
 
 Replay = Callable[[pd.DataFrame], Mapping[str, RuleEstimate]]
-"""From the trials of a block in their order, with `yes` and the level `x`, to each track's estimate."""
+"""Function that maps the ordered trials of a block, with `yes` and the level `x`, to each track's estimate."""
 
 
 def rule_columns(
     answers: pd.DataFrame, factors: Sequence[str], estimates: Sequence[Estimate], replay: Replay | None = None
 ) -> pd.DataFrame:
-    """Return a row for each estimate, in their order; of several runs the means."""
+    """Return a row for each estimate, with the means over several runs."""
     runs = _runs(answers[~answers["is_catch"]], factors, replay)
     keys = ((one.cell.participant, *one.cell.condition, one.cell.task) for one in estimates)
     return pd.DataFrame([_mean_estimate(runs.get(key, [])) for key in keys]).add_prefix("rule_")

@@ -59,8 +59,10 @@ class Curve:
 
 
 def shape_of(unit: str) -> str:
-    """Return the function of detection: a Weibull of the amplitude, which is a Gumbel where levels are logarithms
-    (Watson 1979, Vision Res. 19, 515), else the cumulative normal.
+    """Return the shape of a detection function for a unit of the levels.
+
+    A Weibull of the amplitude, which is a Gumbel if levels are logarithms (Watson 1979, Vision Res. 19, 515), else the
+    cumulative normal.
     """
     return DETECTION_SHAPE_IN_DB if is_logarithm(unit) else SHAPE
 

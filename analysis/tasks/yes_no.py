@@ -1,4 +1,4 @@
-"""Yes/no detection: a threshold, whose guess rate the catch trials tell."""
+"""Yes/no detection: a threshold, with the guess rate from catch trials."""
 
 from .task_analysis import R_OF_LEVEL, Curve, TaskAnalysis, detection
 

@@ -1,4 +1,4 @@
-"""What the tests of rigs have in common."""
+"""Shared fixtures of the rig tests."""
 
 from experimenter_seat import bench_with, kept, terminal
 

@@ -1,5 +1,4 @@
-"""What ends unfinished is told at once, and by the closing summary and the exit status; questionnaires between blocks
-keep their condition, and are no trials."""
+"""Reports of aborted blocks, and questionnaires between blocks."""
 
 import json
 
@@ -19,7 +18,7 @@ STUDY = RECORDED / "inquiries" / "study.toml"
 
 
 def study_in(folder, **changes):
-    """Two blocks of six trials, each with a questionnaire, and one at the end."""
+    """Write a study of two blocks with three questionnaires."""
     text = STUDY.read_text(encoding="utf-8")
     path = folder / "study.toml"
     path.write_text(changed(text, {"n_attempts = 2": "n_attempts = 1", **changes}), encoding="utf-8")
@@ -38,13 +37,13 @@ def recording_of(root):
 STEADY, SHAKY = {"waver_cv = 0.12": "waver_cv = 0.0"}, {"waver_cv = 0.12": "waver_cv = 0.3"}
 
 
-def test_a_session_that_came_to_its_end_has_status_0(tmp_path, capsys):
+def test_completed_session_exits_with_status_0(tmp_path, capsys):
     status, _, out = run(capsys, tmp_path, **STEADY)
     assert status == 0
     assert ": 10 trials, and 14 answers to questionnaires; 2 procedures: 2 came to their last trial" in out
 
 
-def test_one_block_of_several_that_is_aborted_is_told_by_summary_status_and_events(tmp_path, capsys):
+def test_aborted_block_is_reported_in_summary_and_events(tmp_path, capsys):
     status, _, out = run(capsys, tmp_path)
     assert status == 1
     [abort] = [event for event in event_rows(tmp_path / "d") if event["trial_type"] == "abort"]
@@ -61,7 +60,7 @@ def test_one_block_of_several_that_is_aborted_is_told_by_summary_status_and_even
     assert validate(tmp_path / "d").defects == ()
 
 
-def test_where_no_block_came_to_its_end_the_advice_is_another(tmp_path, capsys):
+def test_advice_differs_when_every_block_aborts(tmp_path, capsys):
     status, _, out = run(capsys, tmp_path, **SHAKY)
     assert status == 1
     assert "2 procedures: 2 aborted; next: mend what made the touches invalid: no block came to its end" in out
@@ -71,7 +70,7 @@ def test_where_no_block_came_to_its_end_the_advice_is_another(tmp_path, capsys):
 
 @pytest.mark.parametrize(("waver", "asked"), [(0.9, {"sus"}), (0.0, {"sus", "pleasantness-vas"})])
 def test_block_without_valid_touch_has_no_questionnaire(tmp_path, capsys, waver, asked):
-    """The questionnaire at the end of the session is asked all the same."""
+    """The questionnaire at the end of the session is still asked."""
     run(capsys, tmp_path, **{"waver_cv = 0.12": f"waver_cv = {waver}"})
     rows = trial_rows(tmp_path / "d")
     assert {row["valid"] for row in rows if row["task"] == "yes_no"} == {str(int(waver == 0.0))}
@@ -79,7 +78,7 @@ def test_block_without_valid_touch_has_no_questionnaire(tmp_path, capsys, waver,
     assert validate(tmp_path / "d").defects == ()
 
 
-def test_the_summary_counts_trials_however_often_each_was_presented(tmp_path, capsys):
+def test_summary_counts_repeated_trials_once(tmp_path, capsys):
     patient = {"n_attempts = 2": "n_attempts = 9", **SHAKY}
     _, _, out = run(capsys, tmp_path, **patient)
     rows = [row for row in trial_rows(tmp_path / "d") if row["task"] == "yes_no"]
@@ -90,7 +89,7 @@ def test_the_summary_counts_trials_however_often_each_was_presented(tmp_path, ca
     assert (said["trials"], said["presentations"]) == (n_trials, len(rows))
 
 
-def test_what_a_resumed_session_lost_of_its_table_of_events_is_written_anew(tmp_path, capsys):
+def test_resume_restores_lost_events_table(tmp_path, capsys):
     run(capsys, tmp_path)
     events = event_rows(tmp_path / "d")
     next((tmp_path / "d" / "journals").glob("*_events.tsv")).unlink()
@@ -101,7 +100,7 @@ def test_what_a_resumed_session_lost_of_its_table_of_events_is_written_anew(tmp_
     assert event_rows(tmp_path / "d") == events
 
 
-def test_simulate_tells_what_was_aborted(tmp_path, capsys):
+def test_simulate_reports_aborted_procedures(tmp_path, capsys):
     words = ("simulate", study_in(tmp_path), "--participants", 2, "--seed", 2, "--out", tmp_path / "d")
     status, _, out = call(capsys, *words)
     n_aborted = sum(event["trial_type"] == "abort" for event in event_rows(tmp_path / "d"))
@@ -112,7 +111,7 @@ def test_simulate_tells_what_was_aborted(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("longest_s", [10, 0.5])
-def test_parts_for_which_there_was_no_time_are_told(tmp_path, capsys, longest_s):
+def test_blocks_not_begun_are_reported(tmp_path, capsys, longest_s):
     status, _, out = run(
         capsys, tmp_path, **STEADY, **{"[procedure]": f"[plan]\nlongest_s = {longest_s}\n\n[procedure]"}
     )
@@ -120,14 +119,14 @@ def test_parts_for_which_there_was_no_time_are_told(tmp_path, capsys, longest_s)
     assert "not begun" in out
 
 
-def test_a_block_that_lasts_too_long_says_so(tmp_path, capsys):
+def test_block_aborts_when_it_lasts_too_long(tmp_path, capsys):
     status, _, _ = run(capsys, tmp_path, **{**STEADY, "n_attempts = 2": "longest_s = 2.0"})
     assert status == 1
     texts = [event["text"] for event in event_rows(tmp_path / "d")]
     assert texts == [f"block {n} is aborted: it has lasted longer than 2 s" for n in (1, 3)]
 
 
-# --- questionnaires on their own
+# --- questionnaires between blocks
 
 
 @pytest.fixture(scope="module")
@@ -142,7 +141,7 @@ def asked(tmp_path_factory):
     return folder / "d"
 
 
-def test_a_questionnaire_after_a_block_has_its_condition_and_one_after_the_session_none(asked):
+def test_questionnaire_after_block_has_its_condition(asked):
     rows = trial_rows(asked)
     felt = {row["block"]: row["frequency_hz"] for row in rows if row["task"] == "yes_no"}
     after_blocks = [row for row in rows if row["procedure"] == "pleasantness-vas"]
@@ -151,7 +150,7 @@ def test_a_questionnaire_after_a_block_has_its_condition_and_one_after_the_sessi
     assert {row["frequency_hz"] for row in rows if row["procedure"] == "sus"} == {""}
 
 
-def test_a_questionnaire_by_condition_is_analysed_by_condition(asked, capsys):
+def test_questionnaire_after_block_is_analysed_by_condition(asked, capsys):
     status, _, out = call(capsys, "analyse", asked, "--json")
     assert status == 0
     forms = json.loads(out)["questionnaires"]
@@ -159,7 +158,7 @@ def test_a_questionnaire_by_condition_is_analysed_by_condition(asked, capsys):
     assert len(forms["sus"]) == 1
 
 
-def test_answers_to_questionnaires_are_no_trials(asked):
+def test_questionnaire_answers_do_not_count_as_trials(asked):
     recording = recording_of(asked)
     assert len(recording.trials) == 10 + 2 * 2 + 10
     assert (tally(recording.trials).n_presented, tally(recording.trials).n_answers) == (10, 14)

@@ -1,4 +1,4 @@
-"""A force is known of now: a sensor is silent by its last stamp, and nothing begins on what waited to be read."""
+"""Applied force: current samples open the gate, old stamps mean silence."""
 
 import time
 
@@ -22,7 +22,7 @@ def hold_that_ended(force, ago_s):
 
 
 def opens_now(force):
-    """A hold that is heard of for as long as it lasts."""
+    """Return True if the gate opens on samples that arrive as they are taken."""
     begin_s = last_s = time.perf_counter()
     hold_that_ended(force, 0.0)
     while time.perf_counter() < begin_s + 20.0:
@@ -35,26 +35,26 @@ def opens_now(force):
     return False
 
 
-def test_a_hold_that_is_known_of_now_is_open(force):
+def test_gate_opens_when_samples_are_current(force):
     assert opens_now(force)
 
 
-def test_a_hold_that_waited_to_be_read_is_not_open_until_the_samples_of_now_came(force):
+def test_gate_stays_closed_when_samples_are_old(force):
     hold_that_ended(force, SILENT_S + 1e-3)
     assert not force.open
     assert not force.silent
     assert opens_now(force)
 
 
-def test_silence_is_told_by_the_last_stamp_when_nothing_waits_to_be_read(force):
-    """Samples that came now but were taken 101 ms ago: the first look that finds nothing more says so."""
+def test_sensor_is_silent_when_last_stamp_is_old(force):
+    """The samples are 101 ms old; the next empty read detects the silence."""
     hold_that_ended(force, SILENT_S + 1e-3)
     assert not force.silent
     force.on_samples(NOTHING, NOTHING)
     assert force.silent
 
 
-def test_stamps_of_the_future_hide_no_silence(force):
+def test_future_stamps_do_not_hide_silence(force):
     hold_that_ended(force, -5.0)
     time.sleep(SILENT_S + 1e-3)
     force.on_samples(NOTHING, NOTHING)

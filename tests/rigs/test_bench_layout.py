@@ -1,4 +1,4 @@
-"""Pages as values: what they answer, and that nothing lies outside of the screen."""
+"""Page layouts: answers, and positions of items on the screen."""
 
 from itertools import combinations
 
@@ -31,7 +31,7 @@ def pages(aspect):
 
 
 def extent(item):
-    """Half width and half height of a shape."""
+    """Return half the width and half the height of a shape."""
     return (item.radius, item.radius) if isinstance(item, Disc) else (item.width / 2, item.height / 2)
 
 
@@ -46,7 +46,7 @@ def test_every_shape_lies_within_the_screen(aspect):
 
 
 @pytest.mark.parametrize("aspect", ASPECTS)
-def test_no_two_buttons_overlap(aspect):
+def test_buttons_do_not_overlap(aspect):
     for page in pages(aspect):
         boxes = [button for button in page.buttons if button.width]
         for k, one in enumerate(boxes):
@@ -61,11 +61,11 @@ US_KEY_OF = {
     "German": {"y": "z", "z": "y"},
     "French": {"a": "q", "q": "a", "w": "z", "z": "w", "m": "semicolon"},
 }
-"""Where a letter lies that is printed on another keyboard, by the name that the key has on a US one."""
+"""For each keyboard, the US name of the key on which a letter is printed."""
 
 
 @pytest.mark.parametrize("keyboard", US_KEY_OF)
-def test_the_key_with_the_letter_that_is_shown_gives_the_answer_on_every_keyboard(keyboard):
+def test_displayed_letter_selects_its_answer_on_every_keyboard(keyboard):
     for first, second in combinations("abcdefghijklmnopqrstuvwxyz", 2):
         page = layout.question_page("?", (0, 1), (first * 2, second * 2), "hint", 1.6)
         for button in page.buttons:
@@ -73,14 +73,14 @@ def test_the_key_with_the_letter_that_is_shown_gives_the_answer_on_every_keyboar
             assert page.answer(KeyDown(US_KEY_OF[keyboard].get(shown, shown), 0.0)) == button.answer
 
 
-def test_yes_and_no_are_shown_by_their_letters_in_every_language():
+def test_yes_and_no_use_first_letters():
     for language, shown in (("en", "ny"), ("fr", "no"), ("de", "nj")):
         labels = [texts_in(language, {}).label(word) for word in ("no", "yes")]
         assert [keys[0] for keys in layout.option_keys((0, 1), labels)] == list(shown)
 
 
 @pytest.mark.parametrize("aspect", ASPECTS)
-def test_every_button_is_pressed_by_its_keys_and_in_its_middle(aspect):
+def test_buttons_respond_to_keys_and_clicks(aspect):
     for page in pages(aspect):
         for button in page.buttons:
             assert all(page.answer(KeyDown(key, 0.0)) == button.answer for key in button.keys)
@@ -88,14 +88,14 @@ def test_every_button_is_pressed_by_its_keys_and_in_its_middle(aspect):
                 assert page.answer(Click(button.x, button.y, 0.0)) == button.answer
 
 
-def test_no_key_means_two_things():
+def test_each_key_has_one_meaning():
     for page in pages(1.6):
         keys = [key for button in page.buttons for key in button.keys]
         assert len(keys) == len(set(keys))
 
 
 @pytest.mark.parametrize("event", [KeyDown("q", 0.0), Click(0.0, 0.45, 0.0)])
-def test_other_events_answer_nothing(event):
+def test_question_ignores_other_events(event):
     assert layout.question_page("felt?", (0, 1), ("no", "yes"), "", 1.6).answer(event) is None
 
 
@@ -109,14 +109,14 @@ def test_other_events_answer_nothing(event):
         ((1, 2), ("second", "premier"), ["s", "p"]),
     ],
 )
-def test_the_key_that_is_shown_is_unmistakable(options, labels, shown):
+def test_displayed_keys_are_unambiguous(options, labels, shown):
     keys = layout.option_keys(options, labels)
     assert [key[0] for key in keys] == shown
     assert [key[-1] for key in keys] == [f"num_{option}" for option in options]
 
 
 @pytest.mark.parametrize(("force_n", "held"), [(None, False), (0.79, False), (0.8, True), (1.2, True), (1.3, False)])
-def test_the_band_is_told_by_colour_and_by_shape(force_n, held):
+def test_force_band_is_shown_by_colour_and_shape(force_n, held):
     marker = layout.marker_page(1, playing=False)
     items = layout.force_page(marker, force_n, 1.0, 0.2).items[len(marker.items) :]
     assert any(isinstance(item, Box) and item.width == item.height for item in items) is held
@@ -124,7 +124,7 @@ def test_the_band_is_told_by_colour_and_by_shape(force_n, held):
 
 
 @given(st.lists(st.sampled_from([layout.LEFT, layout.RIGHT, 0, 3, 6]), max_size=20))
-def test_a_mark_stays_on_its_scale(answers):
+def test_scale_mark_stays_within_range(answers):
     mark = None
     for answer in answers:
         mark, settled = SEVEN.after(mark, answer)
@@ -133,20 +133,20 @@ def test_a_mark_stays_on_its_scale(answers):
     assert SEVEN.after(mark, layout.CONFIRM) == (mark, True)
 
 
-def test_a_scale_cannot_be_confirmed_without_a_mark():
+def test_scale_requires_a_mark_to_confirm():
     page = layout.scale_page(SEVEN, None, 1.6)
     assert page.answer(KeyDown("return", 0.0)) is None
     assert page.answer(Click(0, -0.27, 0.0)) is None
 
 
 @given(st.floats(-1e3, 1e3), st.floats(1e-3, 1e3))
-def test_the_ends_of_a_scale_have_its_end_values(low, span):
+def test_scale_ends_have_end_values(low, span):
     assert value_at(0, LINE.n_positions, low, low + span) == low
     assert value_at(100, LINE.n_positions, low, low + span) == low + span
 
 
 @given(st.lists(st.tuples(st.sampled_from("yn"), st.integers(0, 50)), unique=True), st.data())
-def test_each_press_is_let_through_once_and_in_order(presses, data):
+def test_fresh_presses_pass_each_press_once(presses, data):
     fresh = FreshPresses()
     seen = []
     for _ in range(3):
@@ -155,12 +155,12 @@ def test_each_press_is_let_through_once_and_in_order(presses, data):
     assert sorted(seen) == sorted(presses)
 
 
-def test_an_empty_page_answers_nothing():
+def test_empty_page_returns_no_answer():
     assert Page().answer(KeyDown("y", 0.0)) is None
 
 
 @pytest.mark.parametrize("length", [0.2, 1 / 3, 0.5, 0.51, 0.9])
-def test_the_track_lies_clear_of_the_bar_and_of_the_circle(length):
+def test_track_does_not_overlap_bar_or_circle(length):
     marker = layout.marker_page(1, playing=True)
     bar = layout.force_page(marker, 1.0, 1.0, 0.2).items[len(marker.items) :]
     track = [item for item in layout.track_page(marker, 1.0, length, 2.0).items if item not in marker.items]

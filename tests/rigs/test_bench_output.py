@@ -1,4 +1,4 @@
-"""What an output is given: ramps, limits, channels and rate."""
+"""Ramps and checks of a signal before an output plays it."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ samples = arrays(np.float64, st.tuples(st.integers(1, 3), st.integers(1, 60)), e
 
 
 @given(samples, st.just(0.0) | st.floats(1e-18, 0.05))
-def test_ramps_never_raise_a_sample_and_keep_rest_at_the_ends(values, ramp_s):
+def test_ramps_only_attenuate_and_end_at_zero(values, ramp_s):
     signal = Signal(values, RATE_HZ, "V")
     ramped = with_ramps(signal, ramp_s)
     assert ramped.samples.shape == signal.samples.shape
@@ -29,13 +29,13 @@ def test_ramps_never_raise_a_sample_and_keep_rest_at_the_ends(values, ramp_s):
 
 
 @given(samples)
-def test_a_signal_at_rest_at_both_ends_is_left_as_it_is(values):
+def test_ramps_leave_signals_with_zero_ends_unchanged(values):
     values[:, [0, -1]] = 0.0
     signal = Signal(values, RATE_HZ, "V")
     assert with_ramps(signal, 0.01) is signal
 
 
-def test_the_middle_is_untouched():
+def test_ramps_leave_the_middle_unchanged():
     ramped = with_ramps(Signal(np.ones((1, 100)), RATE_HZ, "V"), 0.01).samples[0]
     assert np.array_equal(ramped[10:-10], np.ones(80))
     assert np.allclose(ramped[:10], np.sin(np.pi / 2 * np.arange(10) / 10) ** 2)
@@ -43,7 +43,7 @@ def test_the_middle_is_untouched():
 
 
 @given(samples, st.floats(0.1, 100))
-def test_nothing_above_its_limit_is_playable(values, voltage_peak_v):
+def test_guard_refuses_signals_above_limit(values, voltage_peak_v):
     signal = Signal(values, RATE_HZ, "V")
     output = Guarded(NullOutput(), Limits(voltage_peak_v))
     if signal.peak > voltage_peak_v * (1 + 1e-9):
@@ -54,13 +54,13 @@ def test_nothing_above_its_limit_is_playable(values, voltage_peak_v):
 
 
 @pytest.mark.parametrize("values", [[[0, 1, 1, 1]], [[1, 1, 1, 0]], [[0, 1, 1, 0], [1, 1, 1, 1]], [[0, 1, 1, -0.02]]])
-def test_whatever_end_of_whatever_channel_is_not_at_rest_gets_ramps(values):
+def test_ramps_apply_when_any_channel_end_is_nonzero(values):
     ramped = with_ramps(Signal(np.array(values, float), RATE_HZ, "V"), 0.002)
     assert not ramped.samples[:, [0, -1]].any()
 
 
 @pytest.mark.parametrize("ramp_s", [-1.0, float("nan"), float("inf")])
-def test_a_ramp_has_a_finite_duration(ramp_s):
+def test_ramps_require_finite_duration(ramp_s):
     with pytest.raises(InvalidParameter, match=r"with_ramps\.ramp_s: found .*expected"):
         with_ramps(ONE_VOLT, ramp_s)
 
@@ -79,12 +79,12 @@ ONE_VOLT = Signal(np.ones((2, 10)), RATE_HZ, "V")
         (NullOutput(rate_hz=2000.0), Limits(2.0), DeviceFailed, "with rate_hz 1000, expected 2000; .*nothing was"),
     ],
 )
-def test_what_an_output_cannot_or_must_not_emit_is_refused(driver, limits, error, message):
+def test_guard_refuses_signals_the_output_cannot_play(driver, limits, error, message):
     with pytest.raises(error, match=message):
         Guarded(driver, limits).check(ONE_VOLT)
 
 
-def test_the_null_output_takes_any_channels_and_rate():
+def test_null_output_accepts_any_channels_and_rate():
     output = Guarded(NullOutput(), Limits(2.0))
     output.check(ONE_VOLT)
     output.open()
@@ -95,7 +95,7 @@ def test_the_null_output_takes_any_channels_and_rate():
 
 
 class Steps:
-    """A stimulus that neither begins nor ends at rest."""
+    """A stimulus that neither begins nor ends at zero."""
 
     unit = "V"
 
@@ -103,7 +103,7 @@ class Steps:
         return Signal(np.full((1, 100), level), RATE_HZ, "V")
 
 
-def test_what_a_bench_emits_has_its_ramps(tmp_path):
+def test_emitter_applies_ramps(tmp_path):
     output = Guarded(FileSettings(str(tmp_path)).driver(Gain(1.0, 1.0)), Limits(2.0))
     emitter = Emitter({"steps": Steps()}, output, None, ramp_s=0.01)
     output.open()

@@ -1,4 +1,4 @@
-"""The words of the participant's pages."""
+"""Texts of the participant's pages."""
 
 import re
 import string
@@ -15,8 +15,8 @@ def places(text):
 
 
 @pytest.mark.parametrize("language", languages())
-def test_every_language_has_the_same_messages_with_the_same_places(language):
-    """What a file lacks, or has too much, is named."""
+def test_every_language_has_the_same_messages(language):
+    """A failure lists the missing and the superfluous messages."""
     english, other = texts_in("en", {}), texts_in(language, {})
     assert sorted(english.labels.keys() ^ other.labels.keys()) == [], f"labels in messages_{language}.toml"
     assert sorted(english.messages.keys() ^ other.messages.keys()) == [], f"messages in messages_{language}.toml"
@@ -29,18 +29,18 @@ def test_every_language_has_the_same_messages_with_the_same_places(language):
 
 
 @pytest.mark.parametrize("language", languages())
-def test_every_reason_for_which_a_touch_does_not_count_is_told(language):
+def test_every_invalid_reason_has_a_message(language):
     told = [texts_in(language, {}).message(f"lost_{reason}") for reason in REASONS]
     assert len(set(told)) == len(REASONS)
     assert not set(told) & {f"lost_{reason}" for reason in REASONS}
 
 
-def test_the_reasons_that_a_terminal_tells_are_those_of_the_report():
+def test_terminal_reasons_match_report_reasons():
     assert {reason: phrases_in("en").of(reason) for reason in REASONS} == REASON_WORDS
 
 
 @pytest.mark.parametrize(("one", "other", "same"), [("en", "fr", ["right"]), ("en", "de", []), ("de", "fr", [])])
-def test_a_language_is_a_translation(one, other, same):
+def test_languages_do_not_share_texts(one, other, same):
     first, second = texts_in(one, {}).messages, texts_in(other, {}).messages
     assert [name for name in first if first[name] == second[name]] == same
 
@@ -52,7 +52,7 @@ def test_a_language_is_a_translation(one, other, same):
         ("de", "du|dir|dich|dein|deine|deinen|Teilnehmer|Proband"),
     ],
 )
-def test_everybody_is_addressed_formally_and_whatever_their_gender(language, words):
+def test_texts_are_formal_and_gender_neutral(language, words):
     texts = texts_in(language, {})
     found = {name: re.findall(rf"\b(?:{words})\b", text) for name, text in texts.messages.items()}
     assert {name: told for name, told in found.items() if told} == {}
@@ -60,20 +60,22 @@ def test_everybody_is_addressed_formally_and_whatever_their_gender(language, wor
 
 @pytest.mark.parametrize("language", languages())
 def test_every_line_fits_on_a_narrow_screen(language):
-    """The pictures at 1280 x 800 hold 70 letters of a text, and the more that a hint has; what is said on the page of a
-    touch is in one line at 1024 x 768."""
+    """A line fits 70 letters of text or 90 of a hint at 1280 x 800.
+
+    A touch page at 1024 x 768 fits 62.
+    """
     for name, text in texts_in(language, {}).messages.items():
         longest = max(map(len, text.splitlines()))
         most = 62 if name.startswith("lost_") else 90 if name.startswith(("hint", "meaning")) else 70
         assert longest <= most, name
 
 
-def test_the_study_s_text_stands_above_the_shipped_one():
+def test_study_texts_override_built_in_texts():
     texts = texts_in("fr", {"felt": "Alors ?", "yes": "si"})
     assert (texts.message("felt"), texts.label("yes"), texts.label("no")) == ("Alors ?", "si", "non")
 
 
-def test_a_label_that_nobody_translates_stays_as_it_is():
+def test_untranslated_label_is_unchanged():
     assert texts_in("fr", {}).label("rugueux") == "rugueux"
 
 
@@ -87,7 +89,7 @@ def test_a_label_that_nobody_translates_stays_as_it_is():
         ("mine", {"mine": "{a.b}"}, {"a": 1}, "message 'mine': found a place that cannot be filled"),
     ],
 )
-def test_a_message_that_cannot_be_shown_is_refused(name, texts, values, message):
+def test_invalid_messages_are_rejected(name, texts, values, message):
     with pytest.raises(InvalidParameter, match=message):
         texts_in("en", texts).message(name, values)
 

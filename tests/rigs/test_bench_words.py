@@ -1,4 +1,4 @@
-"""What the texts say, in every language: words that each must hold, written down beside the files of messages."""
+"""Words that each participant text must contain, in every language."""
 
 from itertools import combinations
 
@@ -139,7 +139,7 @@ console.goes_on     | goes on                        | geht weiter              
 ROWS = [[cell.strip() for cell in line.split("|")] for line in TABLE.strip().splitlines()]
 HELD = {language: {name: words[n].split() for name, *words in ROWS} for n, language in enumerate(COLUMNS)}
 ALONE = ("no", "yes", "right", "wrong", "same", "different")
-"""Texts that are their word and nothing else."""
+"""Texts that consist of exactly their word."""
 
 
 def said_in(language):
@@ -149,28 +149,28 @@ def said_in(language):
 
 
 def lacks(language, name, text):
-    """The words of a text that it does not hold."""
+    """Return the required words that are missing from a text."""
     told = text.casefold()
     if name in ALONE:
         return [] if [told] == HELD[language][name] else HELD[language][name]
     return [word for word in HELD[language][name] if word not in told]
 
 
-def test_each_language_and_each_text_has_its_words():
+def test_word_table_covers_every_language_and_text():
     assert sorted(COLUMNS) == sorted(languages()), "add a column of words for each language"
     for language in COLUMNS:
         assert sorted(HELD[language].keys() ^ said_in(language).keys()) == [], "add a row of words for each text"
 
 
 @pytest.mark.parametrize("language", COLUMNS)
-def test_each_text_holds_its_words(language):
+def test_each_text_contains_its_words(language):
     missing = {name: lacks(language, name, text) for name, text in said_in(language).items()}
     assert {name: words for name, words in missing.items() if words} == {}
 
 
 @pytest.mark.parametrize("language", COLUMNS)
-def test_two_texts_that_are_exchanged_are_noticed(language):
-    """As yes for no: the table must tell every text from every other."""
+def test_word_table_distinguishes_all_texts(language):
+    """Swapped texts, such as yes and no, must violate the table."""
     said = said_in(language)
     alike = [
         (one, other)

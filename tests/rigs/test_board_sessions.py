@@ -1,4 +1,4 @@
-"""The studies of the thesis on a one-bit board of 100 V: what leaves is decoded, and is what was asked for."""
+"""Sessions of the thesis studies on an emulated one-bit board of 100 V."""
 
 import io
 import os
@@ -39,11 +39,11 @@ SOON = ('"500 ms"', '"100 ms"')
 WHOLE = {"time-reversal-threshold": 450, "time-reversal-patterns": 7, "hybrid-button": 12}
 """Trials of a session of the built-in study."""
 LOOPED = tuple(WHOLE) if SOAK else ("time-reversal-threshold",)
-"""A terminal device takes 4 kB at a time: on a busy machine not each stream of the others in its time."""
+"""Studies that run through a terminal device, which is slow: it accepts 4 kB at a time."""
 FIXED = [*((name, way, "") for name in WHOLE for way in ("file", "pipe")), *((name, "loopback", "") for name in LOOPED)]
 WAYS = {"time-reversal-threshold": "loopback", "time-reversal-patterns": "file", "hybrid-button": "pipe"}
 SESSIONS = FIXED + [(name, way, COMMANDED) for name, way, _ in FIXED if SOAK or WAYS[name] == way]
-"""With one supply each way; with one that is commanded each way at full size."""
+"""Sessions with a fixed and with a commanded supply."""
 PATIENCE_S = 1000.0 if SOAK else 20.0
 
 
@@ -54,14 +54,17 @@ def short(name, folder):
 
 
 def on_the_console(capsys, monkeypatch, folder, study, *more):
-    """A session with the bench in a folder; where 1 is no answer, as of a load in steps of 5, the next line is."""
+    """Run a console session with the bench in a folder.
+
+    The typed answers alternate between 1 and 5, as some questions do not accept 1.
+    """
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n5\n" * 5000))
     words = ("run", study, "--participant", "P01", "--rig", "console", "--bench", folder / "bench.toml")
     return call(capsys, *words, "--out", folder / "d", *more)
 
 
 def streams(content):
-    """Every stream that a board read, decoded one by one; those that stop are left out."""
+    """Decode each stream that a board read, except empty stop streams."""
     at = 0
     while at < len(content):
         version, n_samples = int.from_bytes(content[at + 8 : at + 10], "little"), content[at + 32 : at + 40]
@@ -73,7 +76,7 @@ def streams(content):
 
 
 def read_all(file):
-    """What comes until nobody writes any more, which a terminal tells by an error."""
+    """Read until the last writer closes; terminal devices then raise OSError."""
     read: list[bytes] = []
     with suppress(OSError):
         while got := os.read(file, 2**20):
@@ -84,7 +87,7 @@ def read_all(file):
 
 @pytest.fixture
 def emitted(request, tmp_path, in_background):
-    """Where a board reads, and what it read when the session is over; the bytes of a device node come back."""
+    """Path of a board, and a function that returns the bytes it read."""
     path = tmp_path / "board"
     if request.param == "file":
         path.touch()
@@ -103,7 +106,7 @@ def emitted(request, tmp_path, in_background):
     in_background(lambda: listen(lambda: board))
 
     def content():
-        os.close(node)  # without another end that is open, the driver's closing would be the end of the file
+        os.close(node)  # kept open so that the driver can close and reopen the device
         return read_board[0] if done.wait(PATIENCE_S) else b""
 
     return os.ttyname(node), content
@@ -115,10 +118,8 @@ def emitted(request, tmp_path, in_background):
     indirect=["emitted"],
     ids=lambda value: "commanded" if value == COMMANDED else None,
 )
-def test_a_session_is_complete_and_the_board_decodes_what_was_asked_for(
-    name, emitted, more, tmp_path, capsys, monkeypatch
-):
-    """At full size the studies as they are built in, each trial of them."""
+def test_board_receives_requested_signals_in_full_session(name, emitted, more, tmp_path, capsys, monkeypatch):
+    """With SOAK, the complete built-in studies run."""
     path, content = emitted
     bench, study = board_in(tmp_path, path, more=more), name if SOAK else short(name, tmp_path)
     status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study)
@@ -134,12 +135,12 @@ def test_a_session_is_complete_and_the_board_decodes_what_was_asked_for(
     felt = [(asked, answer) for asked, answer in read(journal).entries if isinstance(asked, Press | Slide)]
     blank = [answer.digest for asked, answer in felt if asked.level is None]
     felt = [(asked, answer) for asked, answer in felt if asked.level is not None]
-    assert blank == [None] * len(blank)  # of a trial without a stimulus the board reads nothing
+    assert blank == [None] * len(blank)  # the board receives nothing in a trial without a stimulus
     experiment = wire(load(str(study))[0], name)
     checked = set()
     for (asked, answer), signal in zip(felt, streams(content()), strict=True):
         assert answer.digest == signal.digest()
-        if (what := (asked.stimulus, asked.level, answer.digest)) not in checked:  # of equal ones one is enough
+        if (what := (asked.stimulus, asked.level, answer.digest)) not in checked:  # equal signals are checked once
             checked.add(what)
             supply_v = commanded_v(experiment, asked) if more else SUPPLY_V
             check_decoded(experiment.bank[asked.stimulus], asked.level, signal, supply_v)
@@ -147,13 +148,16 @@ def test_a_session_is_complete_and_the_board_decodes_what_was_asked_for(
 
 
 def commanded_v(experiment, asked):
-    """In proportion to the level, from the highest of the stimulus down to the lowest supply."""
+    """Return the supply voltage, proportional to the level above a minimum."""
     highest = experiment.bounds(asked.stimulus)[1]
     return max(SUPPLY_V * 10 ** ((asked.level - highest) / 20), LOWEST_V)
 
 
 def checked(capsys, monkeypatch, folder, study):
-    """As `on_the_console`; without a display, whose keys would be waited for."""
+    """Run `check` with the arguments of `on_the_console`, without a display.
+
+    With a display the command would wait for keys.
+    """
     monkeypatch.delenv("DISPLAY", raising=False)
     status, _, found = call(capsys, "check", study, "--bench", folder / "bench.toml", "--out", folder / "d")
     return status, found, ""
@@ -164,7 +168,7 @@ TRIED = pytest.mark.parametrize("tried", [checked, on_the_console], ids=["check"
 
 @TRIED
 @pytest.mark.parametrize("more", ["", "lowest_supply_v = 20.0"], ids=["fixed", "commanded"])
-def test_a_level_above_the_board_is_refused_before_anything_plays(tried, more, tmp_path, capsys, monkeypatch):
+def test_level_above_board_range_is_refused_before_playback(tried, more, tmp_path, capsys, monkeypatch):
     (tmp_path / "board").touch()
     board_in(tmp_path, tmp_path / "board", supply_v=50.0, more=more)
     status, said, _ = tried(capsys, monkeypatch, tmp_path, short("time-reversal-threshold", tmp_path))
@@ -176,7 +180,7 @@ def test_a_level_above_the_board_is_refused_before_anything_plays(tried, more, t
 
 
 @TRIED
-def test_electrovibration_below_a_fixed_supply_is_refused_with_the_cure(tried, tmp_path, capsys, monkeypatch):
+def test_level_below_fixed_supply_is_refused_with_fix(tried, tmp_path, capsys, monkeypatch):
     (tmp_path / "board").touch()
     board_in(tmp_path, tmp_path / "board")
     status, said, _ = tried(capsys, monkeypatch, tmp_path, "electrovibration-threshold")
@@ -190,8 +194,10 @@ def test_electrovibration_below_a_fixed_supply_is_refused_with_the_cure(tried, t
 
 
 class Supplying:
-    """A board at the end of a pipe, which plays until it is to set a supply below one that it reaches; then it closes
-    its line, or waits for its supply with no eye on the line."""
+    """A board on a pipe that cannot lower its supply below a given voltage.
+
+    When a stream requests less, the board closes the pipe or stops reading from it.
+    """
 
     def __init__(self, pipe, lowest_v, *, closes):
         self.pipe, self.lowest_v, self.closes = pipe, lowest_v, closes
@@ -217,10 +223,8 @@ class Supplying:
     ],
     ids=["a supply that is refused", "a supply that does not come"],
 )
-def test_a_supply_that_fails_ends_the_session_and_loses_nothing(
-    closes, words, tmp_path, capsys, monkeypatch, in_background
-):
-    """A board whose supply does not come was taken to have played: its trials were valid, with nothing on the plate."""
+def test_session_ends_without_data_loss_when_supply_fails(closes, words, tmp_path, capsys, monkeypatch, in_background):
+    """Regression: trials were valid although the board had no supply."""
     pipe, study = tmp_path / "board", short("time-reversal-threshold", tmp_path)
     os.mkfifo(pipe)
     board_in(tmp_path, pipe, more=COMMANDED)

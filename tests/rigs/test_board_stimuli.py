@@ -1,4 +1,4 @@
-"""The stimuli of the thesis's studies on a one-bit board: each is made as asked for, or refused with the cure."""
+"""Stimuli of the thesis studies on a one-bit board."""
 
 from datetime import date
 
@@ -18,7 +18,7 @@ from tactometry.signal import Signal
 
 
 @pytest.mark.parametrize("name", ["time-reversal-threshold", "time-reversal-patterns", "hybrid-button", "force-loss"])
-def test_every_strongest_stimulus_of_a_built_in_study_passes_the_guard_of_a_board_of_100_v(name, tmp_path):
+def test_strongest_built_in_stimuli_pass_board_guard(name, tmp_path):
     bench, experiment = board_in(tmp_path, "board"), wire(load(name)[0], name)
     output = bench.devices(experiment.study.limits, date.today()).output
     for strongest in experiment.strongest(bank_on(experiment, bench)):
@@ -27,8 +27,8 @@ def test_every_strongest_stimulus_of_a_built_in_study_passes_the_guard_of_a_boar
         assert final.digest() == strongest.signal.digest()
 
 
-def test_electrovibration_runs_on_a_board_whose_supply_is_commanded(tmp_path):
-    """From -10 to 46 dB re 1 V: what the driver would emit is decoded."""
+def test_electrovibration_runs_with_commanded_supply(tmp_path):
+    """The encoded signal is decoded at levels from -10 to 46 dB re 1 V."""
     text = builtin()["electrovibration-threshold"].read_text("utf-8")
     changes = {"[30, 60, 120, 180, 240, 320, 480]": "[30, 480]", 'duration_s = "1 s"': 'duration_s = "150 ms"'}
     (tmp_path / "study.toml").write_text(changed(text, changes), encoding="utf-8")
@@ -42,7 +42,7 @@ def test_electrovibration_runs_on_a_board_whose_supply_is_commanded(tmp_path):
             check_decoded(experiment.bank[name], level, decode(encode(final)), supply_v)
 
 
-def test_a_commanded_supply_makes_foci_of_every_level_by_the_same_bits(tmp_path):
+def test_commanded_supply_scales_foci_with_same_bits(tmp_path):
     experiment, bench = wire(load("time-reversal-threshold")[0], "s"), board_in(tmp_path, "board", 100.0, COMMANDED)
     [(name, made)] = bank_on(experiment, bench).items()
     signals = {level: made.at(level) for level in (10.0, 14.0, 22.0, 30.0)}
@@ -53,7 +53,7 @@ def test_a_commanded_supply_makes_foci_of_every_level_by_the_same_bits(tmp_path)
     assert np.count_nonzero(signals[10.0].samples) < np.count_nonzero(signals[14.0].samples)  # below it, bursts
 
 
-def test_a_board_that_says_no_supply_below_its_own_keeps_it(tmp_path):
+def test_commanded_supply_stays_above_its_lowest_voltage(tmp_path):
     limits = Limits(voltage_peak_v=100.0)
     output = board_in(tmp_path, "board", 100.0, COMMANDED).devices(limits, date.today(), touched=False).output
     bits = np.ones((33, 4))
@@ -63,7 +63,7 @@ def test_a_board_that_says_no_supply_below_its_own_keeps_it(tmp_path):
         output.driver.final(Signal(19.0 * bits, RATE_HZ, "V"))
 
 
-def test_a_supply_lower_than_the_lowest_is_refused(tmp_path):
+def test_lowest_supply_above_supply_is_refused(tmp_path):
     with pytest.raises(InvalidParameter, match=r"output.lowest_supply_v: found 101 V, expected at most the 100 V"):
         board_in(tmp_path, "board", 100.0, "lowest_supply_v = 101.0").devices(
             Limits(voltage_peak_v=100.0), date.today(), touched=False
@@ -73,7 +73,7 @@ def test_a_supply_lower_than_the_lowest_is_refused(tmp_path):
 PRACTICE = "[practice]\nlevels = [20.0]\n[procedure]"
 
 
-def test_the_lowest_level_of_practice_is_made_too(tmp_path):
+def test_practice_levels_are_checked_against_the_board(tmp_path):
     text = builtin()["electrovibration-threshold"].read_text("utf-8")
     changes = {"low = -10.0": "low = 30.0", "high = 46.0": "high = 42.0", "start = 46.0": "start = 40.0"}
     changes["[procedure]"] = PRACTICE
@@ -83,19 +83,19 @@ def test_the_lowest_level_of_practice_is_made_too(tmp_path):
         bank_on(wire(study, "s"), board_in(tmp_path, "board"))
 
 
-def test_a_level_below_the_board_is_refused_before_anything_plays(tmp_path):
+def test_level_below_board_range_is_refused_before_playback(tmp_path):
     study, _ = load("electrovibration-threshold")
     with pytest.raises(InvalidParameter, match="^output, amplitude_modulated.*: level: found .*; nothing was played$"):
         bank_on(wire(study, "s"), board_in(tmp_path, "board"))
 
 
-def test_without_a_board_the_stimuli_are_those_of_the_study(tmp_path):
+def test_stimuli_are_unchanged_without_a_board(tmp_path):
     experiment, bench = wire(load("hybrid-button")[0], "s"), load_bench(None)
     assert board_of(bench.output) is None
     assert bank_on(experiment, bench) == experiment.bank
 
 
-def test_an_electrode_is_a_channel_of_the_board(tmp_path):
+def test_electrode_must_be_a_board_channel(tmp_path):
     board_in(tmp_path, "board")
     text = (tmp_path / "bench.toml").read_text().replace("electrode = 4", "electrode = 33")
     (tmp_path / "bench.toml").write_text(text)

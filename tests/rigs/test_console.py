@@ -1,4 +1,4 @@
-"""The console: what counts as an answer, and when it gives up."""
+"""Console rig: valid answers, printed texts, and stopping."""
 
 import io
 from dataclasses import replace
@@ -31,13 +31,13 @@ def console(text, language="en", texts=None, source=None):
     ("typed", "language", "option"),
     [("1", "en", 1), ("0", "en", 0), ("YES", "en", 1), ("No", "en", 0), ("oui", "fr", 1), ("1", "fr", 1)],
 )
-def test_an_answer_is_the_number_or_the_word_that_is_shown(typed, language, option):
+def test_console_accepts_option_number_or_label(typed, language, option):
     rig, said = console(f"{typed}\n", language)
     assert rig.answer(FELT).option == option
     assert f"{option} = {typed.lower()}" in said.getvalue() or typed in "01"
 
 
-def test_what_is_no_answer_is_asked_again():
+def test_console_repeats_question_after_invalid_answer():
     rig, said = console("maybe\n\n7\nyes\n")
     assert rig.answer(FELT).option == 1
     assert said.getvalue().count("[trial 1] Did you feel something?") == 4
@@ -61,20 +61,20 @@ REFUSED = (
 
 
 @pytest.mark.parametrize(("request_", "typed", "language", "told"), REFUSED)
-def test_a_line_that_is_no_answer_is_told_with_what_was_expected(request_, typed, language, told):
+def test_console_states_expected_answer_after_invalid_line(request_, typed, language, told):
     rig, said = console(typed, language)
     rig.answer(request_)
     assert said.getvalue().count(told) == 1
 
 
 class Typed(io.StringIO):
-    """Lines of somebody at a terminal."""
+    """Lines typed at a terminal."""
 
     def isatty(self):
         return True
 
 
-def test_a_page_waits_for_somebody_at_a_terminal_alone():
+def test_page_waits_only_at_a_terminal():
     rig, said = console("1\n")
     rig.answer(Show("rest"))
     assert rig.answer(FELT).option == 1
@@ -87,7 +87,7 @@ def test_a_page_waits_for_somebody_at_a_terminal_alone():
     assert said.getvalue().count("Return goes on") == 1
 
 
-def test_whether_somebody_takes_part_is_asked_in_no_trial():
+def test_consent_question_has_no_trial_number():
     rig, said = console("yes\nyes\n")
     rig.answer(Choose("agree", (0, 1), ("no", "yes")))
     assert "[trial" not in said.getvalue()
@@ -101,7 +101,7 @@ def test_escape_on_a_page_stops_the_session():
         rig.answer(Show("rest"))
 
 
-def test_after_twenty_lines_that_are_none_the_session_stops():
+def test_session_stops_after_twenty_invalid_lines():
     rig, _ = console("x\n" * (N_TRIES - 1) + "1\n")
     assert rig.answer(FELT).option == 1
     rig, _ = console("x\n" * N_TRIES + "1\n")
@@ -146,7 +146,7 @@ TOLD = {
 
 
 @pytest.mark.parametrize("language", TOLD)
-def test_all_that_it_says_is_in_the_language_of_the_session(language):
+def test_console_prints_in_the_session_language(language):
     rig, said = console("x\n3,5\n0,25\n5\n", language)
     answers = [rig.answer(request) for request in ASKED]
     assert (answers[3].value, answers[4].values) == (3.5, (0.25,))
@@ -155,7 +155,7 @@ def test_all_that_it_says_is_in_the_language_of_the_session(language):
 
 
 @pytest.mark.parametrize(("language", "heading"), [("en", "Stopped"), ("de", "Angehalten"), ("fr", "Arrêt")])
-def test_who_stops_is_told_whom_to_call(language, heading):
+def test_stopped_page_names_the_experimenter(language, heading):
     rig, said = console("\x1b\n", language)
     with pytest.raises(Stopped):
         rig.answer(FELT)
@@ -163,13 +163,13 @@ def test_who_stops_is_told_whom_to_call(language, heading):
     assert said.getvalue().partition(f"{heading}\n\n")[2].count(experimenter) == 1
 
 
-def test_a_block_that_is_aborted_is_told_at_once():
+def test_aborted_block_is_reported_immediately():
     rig, said = console("")
     rig.answer(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1), aborted="block 1 is aborted: so"))
     assert said.getvalue().endswith("\n! block 1 is aborted: so\n")
 
 
-def test_trials_are_counted_and_rows_of_questionnaires_are_not():
+def test_trial_number_excludes_questionnaire_rows():
     rig, said = console("yes\n")
     item = Trial(1, 1, {}, "sus", None, "", "rating", 3.0, item="SUS1")
     rig.resume([item, replace(item, task="yes_no", level=5.0)], 10.0)

@@ -1,4 +1,4 @@
-"""The console with and without an output: what plays, what counts as delivered, and which key stops it."""
+"""Console rig with and without an output, and its stop keys."""
 
 import io
 import itertools
@@ -40,14 +40,14 @@ SHORT = {'"500 ms"': '"100 ms"', '"300 ms"': '"20 ms"', "catch_rate = 0.2": "cat
 
 
 def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0, changes=SHORT):
-    """A session whose stimuli are written into `played`."""
+    """Run a session whose stimuli are written into `played`."""
     monkeypatch.setattr("sys.stdin", io.StringIO(answers))
     file_bench(folder, duty)
     words = ("run", tutorial_in(folder, changes), "--participant", "P01", "--rig", "console", "--out", folder / "d")
     return call(capsys, *words, *more)
 
 
-def test_the_terminal_asks_for_the_place_of_foci_by_its_names(tmp_path, capsys, monkeypatch):
+def test_console_lists_focus_positions_by_name(tmp_path, capsys, monkeypatch):
     study = builtin()["time-reversal-localisation"].read_text("utf-8")
     short = {"repeats = 30": "repeats = 1", 'hold_s = "500 ms"': 'hold_s = "10 ms"', "n_trials = 20": "n_trials = 10"}
     (tmp_path / "s.toml").write_text(changed(study, short), encoding="utf-8")
@@ -68,9 +68,7 @@ def kinds(root):
     return [row["trial_type"] for row in event_rows(root)]
 
 
-def test_without_an_output_it_says_first_that_it_plays_nothing_and_nothing_counts_as_delivered(
-    tmp_path, capsys, monkeypatch
-):
+def test_console_states_that_nothing_plays_without_output(tmp_path, capsys, monkeypatch):
     status, _, out = run(capsys, monkeypatch, tmp_path)
     assert status == 0
     assert out.startswith("This terminal plays nothing: ")
@@ -83,7 +81,7 @@ def test_without_an_output_it_says_first_that_it_plays_nothing_and_nothing_count
     assert told in warnings
 
 
-def test_with_an_output_every_stimulus_plays_through_its_guard(tmp_path, capsys, monkeypatch):
+def test_console_plays_every_stimulus_through_guard(tmp_path, capsys, monkeypatch):
     status, _, out = run(capsys, monkeypatch, tmp_path, "--bench", tmp_path / "bench.toml")
     assert status == 0
     assert out.startswith(f"Stimuli play through file {tmp_path / 'played'}.")
@@ -95,7 +93,7 @@ def test_with_an_output_every_stimulus_plays_through_its_guard(tmp_path, capsys,
     assert min(b - a for a, b in itertools.pairwise(onsets_s)) >= 0.12
 
 
-def test_the_guard_refuses_in_every_sitting_what_is_too_much(tmp_path, capsys, monkeypatch):
+def test_guard_enforces_duty_limit_after_resume(tmp_path, capsys, monkeypatch):
     for sitting in range(3):
         more = ("--resume",) if sitting else ()
         words = ("--bench", tmp_path / "bench.toml", *more)
@@ -105,7 +103,7 @@ def test_the_guard_refuses_in_every_sitting_what_is_too_much(tmp_path, capsys, m
         assert len(list((tmp_path / "played").glob("*.npz"))) == 3
 
 
-def test_an_adjustment_with_an_output_is_refused_before_anything_is_written(tmp_path, capsys, monkeypatch):
+def test_adjustment_with_output_is_refused_before_writing(tmp_path, capsys, monkeypatch):
     set_by_hand = 'kind = "adjustment"\nstep = 2\nlow = 0\nhigh = 40'
     changes = {**SHORT, 'kind = "yes_no"\ncatch_rate = 0.0': set_by_hand}
     status, said, _ = run(capsys, monkeypatch, tmp_path, "--bench", tmp_path / "bench.toml", changes=changes)
@@ -127,7 +125,7 @@ def played(tmp_path):
     return len(list(tmp_path.glob("*.npz")))
 
 
-def test_a_stimulus_waits_for_the_held_force_as_in_the_window(tmp_path):
+def test_console_stimulus_waits_for_held_force(tmp_path):
     said = io.StringIO()
     rig = console(tmp_path, lambda time_s: 1.0 if time_s > 0.6 else 0.3, said=said)
     touched = rig.answer(PRESS)
@@ -139,7 +137,7 @@ def test_a_stimulus_waits_for_the_held_force_as_in_the_window(tmp_path):
     assert "played, 1.00 N" in said.getvalue()
 
 
-def test_a_force_that_is_never_held_plays_nothing(tmp_path):
+def test_console_plays_nothing_when_force_is_unheld(tmp_path):
     rig = console(tmp_path, lambda time_s: 0.3)
     touched = rig.answer(replace(PRESS, timeout_s=0.5))
     rig.close()
@@ -147,7 +145,7 @@ def test_a_force_that_is_never_held_plays_nothing(tmp_path):
     assert played(tmp_path) == 0
 
 
-def test_it_says_why_a_trial_is_not_valid_and_where_it_stands_in_the_table(tmp_path):
+def test_console_prints_invalid_reason_and_trial_row(tmp_path):
     said = io.StringIO()
     rig = console(tmp_path, said=said)
     trial = Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None, valid=False, invalid_reason="timeout")
@@ -167,7 +165,7 @@ def test_it_says_why_a_trial_is_not_valid_and_where_it_stands_in_the_table(tmp_p
         ("de", ("mit 1 N drücken (zuerst den Finger heben)", "Heben Sie den", "es geht weiter\nausgegeben, 1.00 N\n")),
     ],
 )
-def test_a_silent_sensor_pauses_the_session_in_its_language(tmp_path, language, told):
+def test_silent_sensor_pauses_session_in_its_language(tmp_path, language, told):
     def force_n(time_s):
         if time_s < 0.1:
             return 0.3
@@ -183,7 +181,7 @@ def test_a_silent_sensor_pauses_the_session_in_its_language(tmp_path, language, 
     assert said.getvalue().endswith(f": the force sensor is silent\n{goes_on}")
 
 
-def test_an_interval_that_only_plays_takes_its_time(tmp_path):
+def test_play_request_lasts_its_duration(tmp_path):
     rig = console(tmp_path)
     begin_s = time.perf_counter()
     told = rig.answer(Play("tone", 5.0, 0.3))
@@ -192,14 +190,14 @@ def test_an_interval_that_only_plays_takes_its_time(tmp_path):
     assert (told.level_delivered, played(tmp_path)) == (5.0, 1)
 
 
-def test_a_level_that_would_play_while_it_is_set_is_refused(tmp_path):
+def test_console_refuses_adjustment_with_output(tmp_path):
     rig = console(tmp_path, text="5\n")
     with pytest.raises(Exception, match="console: found an adjustment, whose level plays while it is set"):
         rig.answer(Adjust("tone", 5.0, 1.0, 0.0, 10.0))
     rig.close()
 
 
-def test_a_sensor_that_does_not_open_leaves_no_output_open(tmp_path):
+def test_output_stays_closed_when_sensor_fails_to_open(tmp_path):
     class Absent(Sampled):
         def open(self):
             raise DeviceFailed("hand: not there")
@@ -211,14 +209,14 @@ def test_a_sensor_that_does_not_open_leaves_no_output_open(tmp_path):
     assert not (tmp_path / "played").exists()
 
 
-# --- what stops it
+# --- stop keys
 
 
 AT_A_TERMINAL = """
 import fcntl, signal, sys, termios
 from tactometry.cli import main
 fcntl.ioctl(0, termios.TIOCSCTTY, 0)
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that runs the tests behind it has it ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in background jobs
 main(sys.argv[1:])
 """
 
@@ -226,7 +224,7 @@ main(sys.argv[1:])
 @pytest.mark.parametrize(
     ("language", "words"), [("en", "at any time with Ctrl-C."), ("fr", "tout moment avec Ctrl-C.")]
 )
-def test_its_pages_name_the_key_that_works(language, words):
+def test_console_pages_name_ctrl_c(language, words):
     said = io.StringIO()
     rig = Console(catalogue.silent({}, LIMITS), texts_in(language, {}), io.StringIO(), said)
     rig.answer(Show("welcome", {"n_blocks": 1}))
@@ -236,7 +234,7 @@ def test_its_pages_name_the_key_that_works(language, words):
     assert "chap" not in page
 
 
-def test_escape_and_return_stop_it_too():
+def test_escape_and_return_stop_the_console():
     rig = Console(catalogue.silent({}, LIMITS), texts_in("en", {}), io.StringIO("\x1b\n"), io.StringIO())
     with pytest.raises(Stopped, match="Escape was typed; what was recorded is safe: go on with --resume"):
         rig.answer(Choose("felt", (0, 1), ("no", "yes")))
@@ -245,7 +243,7 @@ def test_escape_and_return_stop_it_too():
 @pytest.mark.parametrize(
     ("key", "status"), [(b"\x03", 130), (b"\x04", 1), (b"\x1b\r", 1)], ids=["C-c", "C-d", "Escape"]
 )
-def test_a_session_at_a_real_terminal_stops_with_each_of_them(tmp_path, key, status):
+def test_terminal_session_stops_with_each_stop_key(tmp_path, key, status):
     master, slave = pty.openpty()
     words = ["run", "tutorial", "--participant", "P01", "--rig", "console", "--out", str(tmp_path / "d")]
     ends = {"stdin": slave, "stdout": slave, "stderr": slave}

@@ -1,4 +1,4 @@
-"""Every kind of request finds its one method on a rig, and that method gives the type that the request names."""
+"""Methods of the rigs for each request type, and their answer types."""
 
 from typing import get_type_hints
 
@@ -22,10 +22,10 @@ METHODS = {
 
 @pytest.mark.parametrize("rig", [Bench, Console, SimulatedRig])
 @pytest.mark.parametrize("name", METHODS)
-def test_method_takes_a_request_and_gives_its_answer(rig, name):
+def test_rig_method_maps_request_to_answer_type(rig, name):
     assert get_type_hints(getattr(rig, name)) == METHODS[name]
 
 
 @pytest.mark.parametrize("name", RIGS)
-def test_each_rig_of_the_table_is_made_by_the_function_of_its_name(name):
+def test_each_rig_kind_has_its_factory(name):
     assert get_type_hints(getattr(rig_kinds, name), vars(recording) | vars(bench_file))["return"] is recording.RigKind

@@ -1,4 +1,4 @@
-"""The experimenter's terminal, a real pseudo-terminal: what is typed there, and what comes of it in a window."""
+"""Orders typed at the experimenter's terminal during a window session."""
 
 import time
 from dataclasses import replace
@@ -14,7 +14,7 @@ from tactometry.session.intervention import Intervention
 from tactometry.session.request import Adjust, Enter, Fill, Intervene, Play, Press, Question, Rate, Record, Show, Wait
 
 
-def test_a_remark_is_kept_with_its_time_in_the_midst_of_a_page(bench_with, terminal, kept):
+def test_remark_is_recorded_with_time_during_a_page(bench_with, terminal, kept):
     terminal.types("n the participant coughed, twice")
     bench = bench_with()
     waits_until(bench, lambda: terminal.sees("noted"))
@@ -23,9 +23,7 @@ def test_a_remark_is_kept_with_its_time_in_the_midst_of_a_page(bench_with, termi
     assert kept.events[0].timestamp_utc.endswith("+00:00")
 
 
-def test_a_pause_holds_the_session_until_it_is_to_go_on_and_the_question_comes_again(
-    bench_with, terminal, kept, watched, hands, in_background
-):
+def test_pause_holds_session_and_repeats_question(bench_with, terminal, kept, watched, hands, in_background):
     def act():
         watched.shown.get(timeout=LONGEST_WAIT_S)
         terminal.types("p")
@@ -45,7 +43,7 @@ def test_a_pause_holds_the_session_until_it_is_to_go_on_and_the_question_comes_a
     assert kept.events[1].at_s - kept.events[0].at_s >= 0.2
 
 
-def test_a_pause_in_a_stimulus_silences_it_and_the_touch_does_not_count(bench_with, terminal, kept, log, in_background):
+def test_pause_during_stimulus_makes_touch_invalid(bench_with, terminal, kept, log, in_background):
     def act():
         while "play 5 V" not in log:
             time.sleep(0.005)
@@ -65,7 +63,7 @@ def test_a_pause_in_a_stimulus_silences_it_and_the_touch_does_not_count(bench_wi
     assert log[log.index("play 5 V") + 1] == "output.stop"
 
 
-def test_nothing_plays_in_a_pause_however_well_the_force_is_held(bench_with, terminal, kept, log, in_background):
+def test_no_stimulus_plays_during_pause(bench_with, terminal, kept, log, in_background):
     def act():
         while ("pause", "the experimenter") not in kept.told:
             time.sleep(0.005)
@@ -81,7 +79,7 @@ def test_nothing_plays_in_a_pause_however_well_the_force_is_held(bench_with, ter
     assert n_played == [0]
 
 
-def test_a_stimulus_without_a_touch_is_played_again_after_a_pause(bench_with, terminal, kept, log, in_background):
+def test_ungated_stimulus_replays_after_pause(bench_with, terminal, kept, log, in_background):
     def act():
         while "play 5 V" not in log:
             time.sleep(0.005)
@@ -93,9 +91,7 @@ def test_a_stimulus_without_a_touch_is_played_again_after_a_pause(bench_with, te
     assert log.count("play 5 V") == 1 + kept.told.count(("resume", "the experimenter"))
 
 
-def test_a_trial_that_is_to_be_repeated_is_not_valid_and_the_next_one_is(
-    bench_with, terminal, kept, participant, watched
-):
+def test_repeat_order_invalidates_current_trial_only(bench_with, terminal, kept, participant, watched):
     bench = bench_with()
     terminal.types("r")
     touched = bench.answer(PRESS)
@@ -111,7 +107,7 @@ def test_a_trial_that_is_to_be_repeated_is_not_valid_and_the_next_one_is(
     terminal.shows("trial 2: tone 5")
 
 
-def test_what_is_wanted_of_the_course_goes_with_the_next_row(bench_with, terminal, kept):
+def test_orders_are_returned_with_next_record(bench_with, terminal, kept):
     bench = bench_with()
     assert bench.answer(ROW).interventions == ()
     terminal.types("i")
@@ -125,7 +121,7 @@ def test_what_is_wanted_of_the_course_goes_with_the_next_row(bench_with, termina
     terminal.shows("trial 7: noted; it is done when this trial, or this page, has come to its end")
 
 
-def test_it_goes_with_a_page_too(bench_with, terminal, participant, watched):
+def test_orders_are_returned_with_a_page(bench_with, terminal, participant, watched):
     bench = bench_with()
     terminal.types("skip")
     waits_until(bench, lambda: terminal.sees("noted; it is done"))
@@ -134,7 +130,7 @@ def test_it_goes_with_a_page_too(bench_with, terminal, participant, watched):
     assert bench.answer(Show("rest")).interventions == (Intervention("skip"),)
 
 
-def test_what_came_of_it_is_told_and_a_trial_is_taken_back_once(bench_with, terminal, kept):
+def test_trial_can_be_invalidated_only_once(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("i")
     waits_until(bench, lambda: terminal.sees("no trial is recorded yet that could be invalidated"))
@@ -146,7 +142,7 @@ def test_what_came_of_it_is_told_and_a_trial_is_taken_back_once(bench_with, term
     assert [event.kind for event in kept.events if event.kind == "order"] == ["order"]
 
 
-def test_what_an_earlier_sitting_did_not_come_to_is_still_wanted(bench_with, terminal, kept):
+def test_pending_orders_continue_after_resume(bench_with, terminal, kept):
     kept.wanted = (Intervention("invalidate", (2, 7, 1)), Intervention("rest"))
     bench = bench_with()
     bench.resume([ROW.trial], 60.0)
@@ -167,7 +163,7 @@ ITEM = Question("item", {"en": ("", "low", "high")})
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_every_answer_that_is_to_be_repeated_is_not_valid(bench_with, terminal, participant, watched, ask, keys):
+def test_repeat_order_invalidates_every_answer_type(bench_with, terminal, participant, watched, ask, keys):
     bench = bench_with()
     bench.answer(PRESS)
     watched.shown.queue.clear()
@@ -180,7 +176,7 @@ def test_every_answer_that_is_to_be_repeated_is_not_valid(bench_with, terminal, 
     assert bench.answer(ask).valid
 
 
-def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):
+def test_repeat_order_is_refused_between_trials(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("r")
     waits_until(bench, lambda: terminal.sees("no trial is under way that could be repeated"))
@@ -189,7 +185,7 @@ def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):
 
 
 @pytest.mark.parametrize("paused", [False, True], ids=["at once", "in a pause"])
-def test_stop_puts_the_output_to_zero_first(bench_with, terminal, kept, log, paused):
+def test_stop_order_zeroes_output_first(bench_with, terminal, kept, log, paused):
     bench = bench_with()
     terminal.types("p\nstop" if paused else "stop")
     with pytest.raises(Stopped, match="the experimenter stopped the session; what was recorded is safe: go on with"):
@@ -198,7 +194,7 @@ def test_stop_puts_the_output_to_zero_first(bench_with, terminal, kept, log, pau
     assert log.index("output.stop") < log.index("output.close") < log.index("screen.close")
 
 
-def test_a_window_that_is_closed_is_an_event_of_its_own(bench_with, kept, watched, screen, in_background):
+def test_closing_the_window_is_recorded_as_stop(bench_with, kept, watched, screen, in_background):
     def close():
         watched.shown.get(timeout=LONGEST_WAIT_S)
         screen._window.winHandle.dispatch_event("on_close")
@@ -210,7 +206,7 @@ def test_a_window_that_is_closed_is_an_event_of_its_own(bench_with, kept, watche
     assert kept.told == [("stop", "the window was closed")]
 
 
-def test_what_is_no_order_is_answered_with_those_that_are(bench_with, terminal, kept):
+def test_unknown_order_lists_valid_orders(bench_with, terminal, kept):
     for line in ("pasue", "n", "s now", "", "\x00\xff"):
         terminal.types(line)
     terminal.types("?")
@@ -221,6 +217,6 @@ def test_what_is_no_order_is_answered_with_those_that_are(bench_with, terminal, 
 
 
 @pytest.mark.parametrize("line", ["", "x", "pause now", "note", "n   "])
-def test_an_order_is_exact(line):
+def test_order_must_match_exactly(line):
     with pytest.raises(InvalidParameter, match="expected one of: p pause"):
         order_of(line)

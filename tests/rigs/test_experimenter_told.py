@@ -1,4 +1,4 @@
-"""What the experimenter's terminal, a real pseudo-terminal, tells of a session, and what the log keeps."""
+"""Output of the experimenter's terminal, and events in the log."""
 
 import threading
 from dataclasses import replace
@@ -12,14 +12,14 @@ from tactometry.session.request import (
 )
 
 
-def test_the_terminal_says_why_a_trial_is_not_valid(bench_with, terminal):
+def test_terminal_prints_invalid_reason(bench_with, terminal):
     bench = bench_with()
     bench.answer(PRESS)
     bench.answer(Record(replace(ROW.trial, response=None, valid=False, invalid_reason="too_light")))
     terminal.shows("no answer, not valid: too light")
 
 
-def test_what_is_asked_again_is_told_by_its_place_in_the_table(bench_with, terminal):
+def test_repeated_trial_is_shown_with_its_row(bench_with, terminal):
     bench = bench_with()
     bench.answer(PRESS)
     bench.answer(Record(replace(ROW.trial, valid=False, invalid_reason="too_light")))
@@ -29,7 +29,7 @@ def test_what_is_asked_again_is_told_by_its_place_in_the_table(bench_with, termi
     terminal.shows("1, valid (trial 7, attempt 2)")
 
 
-def test_what_the_terminal_shows_after_a_session_begins_a_line(bench_with, terminal):
+def test_output_after_session_starts_on_new_line(bench_with, terminal):
     bench = bench_with()
     bench.answer(PRESS)
     bench.close()
@@ -38,13 +38,13 @@ def test_what_the_terminal_shows_after_a_session_begins_a_line(bench_with, termi
     terminal.shows("\r\n$")
 
 
-def test_a_block_that_is_aborted_is_told_at_once(bench_with, terminal):
+def test_aborted_block_is_reported_immediately(bench_with, terminal):
     bench = bench_with()
     bench.answer(Record(replace(ROW.trial, valid=False, invalid_reason="timeout"), aborted="block 2 is aborted: so"))
     assert terminal.sees("the touch was not held as asked in time (trial 7)\r\n! block 2 is aborted: so\r\n")
 
 
-def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never(bench_with, terminal, kept):
+def test_multi_row_trial_is_one_event(bench_with, terminal, kept):
     def rows(level, n_trial):
         item = replace(ROW.trial, trial=n_trial, task="rating", procedure="vas", level=level, response=3.0)
         return [Record(replace(item, item=name)) for name in ("pleasant", "intense")]
@@ -56,24 +56,24 @@ def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never
     bench.answer(Wait(0.0))
     trials = [event.facts for event in kept.events if event.kind == "trial"]
     assert [facts["trial"] for facts in trials] == [7, 9]
-    assert trials[1]["n_frames"] <= 6  # those of its own wait, not of the questionnaire
+    assert trials[1]["n_frames"] <= 6  # frames of its own wait, without those of the questionnaire
     bench.answer(PRESS)
     terminal.shows("trial 3: tone 5")
     assert terminal._seen.count(b"valid (") == 2
 
 
-def test_a_silent_sensor_pauses_the_session_and_it_goes_on_by_itself(bench_with, kept, log, terminal):
+def test_silent_sensor_pauses_session_until_it_recovers(bench_with, kept, log, terminal):
     touched = bench_with(lambda time_s: None if time_s < 1.0 else 1.0).answer(PRESS)
     assert touched.valid
     silent = "the force sensor is silent"
     *pauses, began, ended = kept.told
-    # on a busy machine the sensor's thread may be held up, and it pauses once more
+    # on a busy machine a delayed sensor thread may cause further pauses
     assert pauses == [("pause", silent), ("resume", silent)] * max(1, len(pauses) // 2)
     assert (began[0], ended[0]) == ("stimulus", "stimulus_end")
     terminal.shows("paused: the force sensor is silent")
 
 
-def test_the_terminal_tells_trial_level_force_and_answer(bench_with, terminal, participant, watched):
+def test_terminal_prints_trial_level_force_and_answer(bench_with, terminal, participant, watched):
     bench = bench_with(lambda time_s: 0.5 if time_s < 2.5 else 1.0)
     bench.answer(PRESS)
     for words in ("trial 1: tone 5", "0.50 N", "played, 1.00 N"):
@@ -86,14 +86,14 @@ def test_the_terminal_tells_trial_level_force_and_answer(bench_with, terminal, p
     terminal.shows("1, valid")
 
 
-def test_a_terminal_that_goes_away_takes_no_session_with_it(bench_with, terminal, log):
+def test_session_continues_when_terminal_disappears(bench_with, terminal, log):
     bench = bench_with(lambda time_s: 1.0)
     terminal.goes_away()
     assert bench.answer(PRESS).valid
     assert log[-1] == "output.stop"
 
 
-def test_without_a_terminal_a_desk_is_silent(tmp_path, capsys):
+def test_desk_is_silent_without_terminal(tmp_path, capsys):
     path = tmp_path / "orders"
     path.write_text("stop\n")
     n_threads = threading.active_count()

@@ -1,4 +1,4 @@
-"""Why a trial does not count: one reason in the row of each that does not, and none in the others."""
+"""Reasons of invalid trials: one in each invalid row, none in valid rows."""
 
 from dataclasses import replace
 
@@ -32,7 +32,7 @@ def rows(task, touch, finger):
 
 
 @pytest.mark.parametrize("task", sorted(set(catalogue.TASKS) - {"adjustment"}))
-def test_a_row_has_a_reason_where_it_is_not_valid_and_nowhere_else(task):
+def test_only_invalid_rows_have_a_reason(task):
     trials = rows(task, GATED, FINGER)
     assert {trial.valid for trial in trials} == {False, True}
     assert all((trial.invalid_reason is None) == trial.valid for trial in trials)
@@ -40,7 +40,7 @@ def test_a_row_has_a_reason_where_it_is_not_valid_and_nowhere_else(task):
     assert all(0 <= trial.speed_in_band <= 1 for trial in trials)
 
 
-def test_the_reason_is_the_side_on_which_the_force_or_the_speed_was():
+def test_reason_matches_direction_of_force_or_speed_error():
     trials = rows("yes_no", GATED, FINGER)
     for trial in trials:
         if trial.invalid_reason in ("too_light", "too_heavy"):
@@ -52,7 +52,7 @@ def test_the_reason_is_the_side_on_which_the_force_or_the_speed_was():
     assert {trial.invalid_reason for trial in trials} >= {None, "too_slow", "too_fast"}
 
 
-def test_the_force_is_named_before_the_speed():
+def test_force_reason_precedes_speed_reason():
     slide = GATED.request("tone", 5.0, None)
     assert broken_condition(slide, Compliance(2.0, 0.0, 0.0), SpeedCompliance(0.1, 0.0)) == "too_heavy"
     assert broken_condition(slide, Compliance(1.0, 0.0, 0.8), SpeedCompliance(0.1, 0.8)) is None
@@ -62,7 +62,7 @@ TOUCHED = Touched(1.0, 5.0, "0")
 TORN = replace(TOUCHED, valid=False, invalid_reason="output_gap", n_gaps=2)
 
 
-def test_the_gaps_of_all_intervals_are_those_of_their_trial():
+def test_trial_sums_gaps_of_all_intervals():
     fine = replace(TOUCHED, n_gaps=0)
     answer = Reply(Chosen(1, 2.0, 0.5), 1.0)
     assert TrialOutcome((fine, fine), fine, (answer,)).n_gaps == 0
@@ -72,14 +72,14 @@ def test_the_gaps_of_all_intervals_are_those_of_their_trial():
 
 
 @pytest.mark.parametrize(("n_gaps", "reason"), [(None, "experimenter"), (0, "experimenter"), (1, "output_gap")])
-def test_a_level_that_was_set_is_not_valid_for_a_gap_or_as_the_experimenter_wanted(n_gaps, reason):
+def test_invalid_adjustment_names_gap_or_experimenter(n_gaps, reason):
     answer = Reply(Adjusted(5.0, 1.0, 2.0, valid=False, n_gaps=n_gaps), 5.0, correct=True)
     outcome = TrialOutcome((), None, (answer,))
     assert (outcome.valid, outcome.invalid_reason, outcome.n_gaps) == (False, reason, n_gaps)
     assert outcome.correct is None
 
 
-def test_what_has_no_reply_and_no_lost_touch_has_no_reason():
+def test_valid_trial_has_no_reason():
     assert TrialOutcome((), replies=(Reply(Chosen(1, 2.0, 0.5), 1.0),)).invalid_reason is None
 
 
@@ -90,7 +90,7 @@ def test_every_reason_has_words(reason):
     assert validity(replace(trial, valid=True, invalid_reason=None)) == "valid"
 
 
-def test_a_reason_in_a_valid_row_is_a_defect(whole):
+def test_reason_in_valid_row_is_a_defect(whole):
     file = next((whole / "data").glob("*.csv"))
     header, first, *rest = file.read_text().splitlines()
     cells = dict(zip(header.split(","), first.split(","), strict=True)) | {"invalid_reason": "lifted"}
@@ -110,7 +110,7 @@ def test_a_reason_in_a_valid_row_is_a_defect(whole):
         ("speed_in_band", "1.1", "a number from 0 to 1"),
     ],
 )
-def test_what_the_columns_cannot_hold_is_a_defect(whole, column, value, expected):
+def test_invalid_column_values_are_defects(whole, column, value, expected):
     file = next((whole / "data").glob("*.csv"))
     header, first, *_ = file.read_text().splitlines()
     cells = dict(zip(header.split(","), first.split(","), strict=True)) | {"valid": "0", column: value}

@@ -1,4 +1,4 @@
-"""A study on a bench whose impulse responses were learnt: its stimuli are made from them."""
+"""Stimuli generated from the measured impulse responses of a bench."""
 
 from pathlib import Path
 
@@ -27,11 +27,11 @@ def learnt(tmp_path):
     return Learnt(str(tmp_path / "learnt.npz"))
 
 
-def test_without_a_file_the_stimuli_are_those_of_the_model(experiment):
+def test_model_stimuli_are_used_without_learnt_responses(experiment):
     assert bank_of(experiment, parse_bench({}).time_reversal) == experiment.bank
 
 
-def test_true_responses_give_the_samples_of_the_model(experiment, learnt):
+def test_true_responses_reproduce_model_signals(experiment, learnt):
     write_responses(learnt.responses)
     bank = bank_of(experiment, parse_bench({"time_reversal": {"responses": learnt.responses}}).time_reversal)
     assert bank.keys() == experiment.bank.keys()
@@ -39,13 +39,13 @@ def test_true_responses_give_the_samples_of_the_model(experiment, learnt):
         assert np.allclose(stimulus.at(20.0).samples, experiment.bank[name].at(20.0).samples, rtol=1e-9)
 
 
-def test_the_responses_of_the_bench_and_not_of_the_model_say_what_a_level_needs(experiment, learnt):
+def test_learnt_responses_determine_drive_voltage(experiment, learnt):
     write_responses(learnt.responses, factor=2.0)
     for name, stimulus in bank_of(experiment, learnt).items():
         assert stimulus.at(20.0).peak == pytest.approx(experiment.bank[name].at(20.0).peak / 2, rel=1e-9)
 
 
-def test_responses_learnt_through_noise_at_40_db_deliver_the_level_within_5_percent(experiment, learnt):
+def test_noisy_responses_deliver_level_within_5_percent(experiment, learnt):
     write_responses(learnt.responses, noise_db=40.0)
     true = true_responses()
     [stimulus, *_] = bank_of(experiment, learnt).values()
@@ -53,8 +53,8 @@ def test_responses_learnt_through_noise_at_40_db_deliver_the_level_within_5_perc
     assert moved_m == pytest.approx(10e-6, rel=0.05)
 
 
-def test_of_a_hybrid_the_foci_are_learnt_and_the_friction_is_not(learnt):
-    """Through noise at 40 dB, at twice the amplitude of the model: the foci need half of the voltage."""
+def test_hybrid_uses_learnt_responses_for_foci_only(learnt):
+    """The responses have twice the amplitude, so foci need half the voltage."""
     hybrid = wire(load("hybrid-button")[0], "hybrid-button")
     write_responses(learnt.responses, noise_db=40.0, factor=2.0)
     name = "hybrid, feedback=both"
@@ -74,20 +74,18 @@ def test_of_a_hybrid_the_foci_are_learnt_and_the_friction_is_not(learnt):
         ({"factor": 1e-3}, "level: found 30.0 dB re 1 um, which needs .* above the 200 V of the amplifier"),
     ],
 )
-def test_responses_that_do_not_suit_the_study_are_refused_before_anything_is_played(
-    experiment, learnt, change, message
-):
+def test_unsuitable_responses_are_refused_before_playback(experiment, learnt, change, message):
     write_responses(learnt.responses, **change)
     with pytest.raises(InvalidParameter, match=rf"^time_reversal.responses, .*learnt.npz, focus: {message}"):
         bank_of(experiment, learnt)
 
 
-def test_a_file_that_is_not_there_is_named(experiment, learnt):
+def test_missing_responses_file_is_named(experiment, learnt):
     with pytest.raises(InvalidFile, match=r"learnt.npz"):
         bank_of(experiment, learnt)
 
 
-def test_the_journal_says_which_responses_they_were(learnt):
+def test_journal_identifies_the_learnt_responses(learnt):
     write_responses(learnt.responses)
     assert learnt_facts(learnt) == {
         "responses": "learnt.npz",

@@ -1,4 +1,4 @@
-"""A stimulus by its name is the same on every rig: the nearest name where there is none, the limits of the study."""
+"""Look-up and rendering of stimuli by name, which every rig does alike."""
 
 import io
 
@@ -39,16 +39,16 @@ def simulated(limits):
 
 
 @pytest.mark.parametrize("rig_with", [bench, console, simulated])
-def test_a_name_that_is_not_in_the_bank_is_refused_with_the_nearest_by_every_rig(rig_with):
+def test_every_rig_suggests_nearest_stimulus_name(rig_with):
     with pytest.raises(InvalidParameter, match="stimulus: found 'tome', expected one of tone; did you mean 'tone'?"):
         rig_with(Limits(1000.0)).answer(Play("tome", 20.0, 1.0))
 
 
 @pytest.mark.parametrize("rig_with", [bench, console, simulated])
-def test_every_rig_refuses_what_passes_a_limit_of_the_study(rig_with):
+def test_every_rig_enforces_study_limits(rig_with):
     with pytest.raises(LimitExceeded, match=r"limits\.voltage_peak_v: .*nothing was played"):
         rig_with(TIGHT).answer(Play("tone", 20.0, 1.0))
 
 
-def test_a_signal_is_that_of_the_stimulus_at_the_level():
+def test_render_returns_stimulus_signal_at_level():
     assert render(BANK, "tone", 20.0, None).digest() == BANK["tone"].at(20.0).digest()

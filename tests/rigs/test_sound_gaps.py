@@ -1,4 +1,4 @@
-"""Gaps in the sound belong to the stimulus that they tear: through PortAudio and a sound server that is held up."""
+"""Audio gaps of each stimulus, measured with a stalled sound server."""
 
 import os
 import signal
@@ -22,7 +22,7 @@ from tactometry.experiments.data_sets.validation import validate
 from tactometry.signal import Signal
 
 N_TRIES = 3
-"""A busy computer may be late to hold the server up, or tear a stimulus by itself."""
+"""A busy computer may stall the server late, or interrupt a stimulus by itself."""
 
 
 def held_up(process, for_s):
@@ -31,8 +31,8 @@ def held_up(process, for_s):
     process.send_signal(signal.SIGCONT)
 
 
-def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(needed, display, sink, tmp_path):
-    """A session in the window whose sound server is held up in the first stimulus."""
+def test_gap_during_stimulus_invalidates_its_trial(needed, display, sink, tmp_path):
+    """The sound server of a window session stalls during the first stimulus."""
     study, device = study_in(tmp_path, n_trials=1), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio pulse, int16", system_volume=1.0))
@@ -53,12 +53,15 @@ def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(neede
     finally:
         tearing.join()
         device.close()
-    assert status in (0, 1), errors  # 1: a busy computer tears all five attempts
+    assert status in (0, 1), errors  # 1: a busy computer interrupts all five attempts
     rows = trial_rows(tmp_path / "data")
     torn = [row for row in rows if row["n_gaps"] not in ("", "0")]
     assert torn
     assert {row["valid"] for row in torn} == {"0"}
-    assert {row["invalid_reason"] for row in torn} <= {"output_gap", "sensor_lost"}  # it may be too busy to hear too
+    assert {row["invalid_reason"] for row in torn} <= {
+        "output_gap",
+        "sensor_lost",
+    }  # a busy computer may also lose the sensor
     assert [row["attempt"] for row in rows] == [str(n + 1) for n in range(len(rows))]
     assert validate(tmp_path / "data").defects == ()
 
@@ -93,7 +96,7 @@ def played(output, duration_s):
     sleep_until(output.play(tone(duration_s)) + duration_s)
 
 
-def test_an_undisturbed_stimulus_has_no_gap(output):
+def test_undisturbed_stimulus_has_no_gap(output):
     def undisturbed():
         played(output, 0.3)
         return output.n_gaps() == 0
@@ -101,7 +104,7 @@ def test_an_undisturbed_stimulus_has_no_gap(output):
     assert any_of(undisturbed)
 
 
-def test_a_gap_before_or_after_a_stimulus_is_none_of_its(output, sink):
+def test_gaps_outside_a_stimulus_are_not_counted(output, sink):
     def beside():
         held_up(sink.server, 0.3)
         time.sleep(0.2)
@@ -119,7 +122,7 @@ def sleep_until(end_s):
     time.sleep(max(0.0, end_s - time.perf_counter()))
 
 
-def test_a_gap_that_the_device_tells_with_several_blocks_is_one(output, sink):
+def test_gap_reported_by_several_blocks_counts_once(output, sink):
     def torn():
         end_s = output.play(tone(1.0)) + 1.0
         held_up(sink.server, 0.3)
@@ -129,7 +132,7 @@ def test_a_gap_that_the_device_tells_with_several_blocks_is_one(output, sink):
     assert any_of(torn)
 
 
-def test_a_gap_that_lasts_when_the_stimulus_should_be_over_is_one(output, sink):
+def test_gap_lasting_past_stimulus_end_is_counted(output, sink):
     end_s = output.play(tone(0.6)) + 0.6
     sink.server.send_signal(signal.SIGSTOP)
     try:
@@ -140,7 +143,10 @@ def test_a_gap_that_lasts_when_the_stimulus_should_be_over_is_one(output, sink):
 
 
 def heard_while_held_up(output, sink, after_s, for_s):
-    """Whether the sink heard a noise sample by sample, and how many gaps the output tells, where it was held up."""
+    """Play noise while the server stalls once.
+
+    Return True if the sink recorded every sample, and the number of gaps that the output reports.
+    """
     signal_played = noise(1, 48e3, 0.6)
     sink.begin()
     end_s = output.play(signal_played) + 0.6
@@ -151,12 +157,14 @@ def heard_while_held_up(output, sink, after_s, for_s):
     samples = output.final(signal_played).samples[0] / 50.0
     heard = sink.end()[:, 0] / 32768
     heard = heard[int(np.argmax(heard != 0)) :][: len(samples)]
-    whole = len(heard) == len(samples) and np.abs(heard - samples).max() < 3 / 32768  # 32 bits became 16
+    whole = (
+        len(heard) == len(samples) and np.abs(heard - samples).max() < 3 / 32768
+    )  # tolerance for the conversion from 32 to 16 bits
     return whole, n_gaps
 
 
-def test_a_server_that_was_held_up_with_a_little_in_hand_is_not_told_to_be_whole(output, sink):
-    """It had 0.1 s in hand: what was heard may be whole, and nobody can tell."""
+def test_near_underrun_is_reported_as_gap(output, sink):
+    """The stall nearly empties the 0.1 s buffer; the signal may be intact."""
     end_s = output.play(tone(0.5)) + 0.5
     time.sleep(0.2)
     held_up(sink.server, 0.08)
@@ -167,8 +175,8 @@ def test_a_server_that_was_held_up_with_a_little_in_hand_is_not_told_to_be_whole
 HELD_UP_S = [(0.1, 0.3), (0.3, 0.12), (0.45, 0.4)]
 
 
-def test_what_is_heard_with_a_gap_is_not_told_to_be_whole(output, sink):
-    """Wherever the server is held up; what is told to be torn may have been heard whole."""
+def test_audible_gap_is_always_reported(output, sink):
+    """The server stalls at several times. Some reported gaps are inaudible."""
 
     def told():
         found = [heard_while_held_up(output, sink, *each) for each in HELD_UP_S]
@@ -178,7 +186,7 @@ def test_what_is_heard_with_a_gap_is_not_told_to_be_whole(output, sink):
 
 
 class Asking:
-    """A card that asks for blocks of 5 ms, with so much in hand."""
+    """A sound card that requests blocks of 5 ms, with a given buffer lead."""
 
     def __init__(self):
         self.output = AudioOutput(AudioSettings(48e3, "x", latency_s=0.1, shared=True), Gain(50.0, 1.0))
@@ -192,15 +200,15 @@ class Asking:
         self.ask(lead_s)
 
 
-def test_a_stimulus_that_begins_in_a_gap_is_torn():
-    """Its first frames were lost in the gap, which had begun before it."""
+def test_stimulus_starting_in_a_gap_counts_it():
+    """The gap began before the stimulus and lost its first frames."""
     card = Asking()
     card.ask(10.0)
     card.begin(0.003)
     assert card.output.n_gaps(0.0) == 1
 
 
-def test_a_card_with_nothing_in_hand_has_run_dry_though_it_does_not_tell():
+def test_empty_card_buffer_counts_as_a_gap():
     card = Asking()
     card.ask(10.0)
     card.begin(10.0)
@@ -210,14 +218,14 @@ def test_a_card_with_nothing_in_hand_has_run_dry_though_it_does_not_tell():
     assert card.output.n_gaps(0.0) == 1
 
 
-def test_a_card_that_never_had_anything_in_hand_takes_samples_as_fast_as_they_come():
+def test_card_without_buffer_reports_no_gap():
     card = Asking()
     card.begin(0.0)
     card.ask(0.0)
     assert card.output.n_gaps(0.0) == 0
 
 
-def test_frames_that_a_card_has_not_taken_by_their_end_were_held_up():
+def test_frames_are_late_when_not_taken_in_time():
     course = FrameFeed(np.zeros((1000, 1)), n_fade=1)
     course.begun.set()
     course.take(900)
@@ -226,11 +234,11 @@ def test_frames_that_a_card_has_not_taken_by_their_end_were_held_up():
     assert not course.is_late(1.05, rate_hz=1000.0)
 
 
-def test_a_stimulus_is_torn_from_its_onset_to_its_end():
+def test_stimulus_counts_gaps_from_onset_to_end():
     course = FrameFeed(np.zeros((1000, 1)), n_fade=1)
     assert not course.is_torn_by(0.0, rate_hz=1000.0)
     course.onset_s = 10.0
     course.begun.set()
     assert course.is_torn_by(10.9, rate_hz=1000.0)
-    assert course.is_torn_by(11.02, rate_hz=1000.0)  # it runs dry a little before what it says that it has
+    assert course.is_torn_by(11.02, rate_hz=1000.0)  # the card runs dry slightly before its reported lead ends
     assert not course.is_torn_by(11.1, rate_hz=1000.0)

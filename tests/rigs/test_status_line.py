@@ -1,5 +1,4 @@
-"""The experimenter's terminal as a person sees it, by an emulator of terminals: what stands at the bottom is whole,
-whatever libraries write and hands type."""
+"""Status line, messages and typed input on an emulated terminal."""
 
 import os
 import pty
@@ -34,7 +33,7 @@ HIGH = 60
 
 
 class Seen:
-    """What stands on a terminal whose other end is `master`."""
+    """The rendered screen of a terminal whose other end is `master`."""
 
     def __init__(self, master, width=100):
         self.screen = pyte.Screen(width, HIGH)
@@ -42,7 +41,7 @@ class Seen:
         self.data = b""
 
     def rows(self):
-        """The rows that are not empty."""
+        """Return the rows that are not empty."""
         while select.select([self.master], [], [], 0)[0]:
             try:
                 data = os.read(self.master, 4096)
@@ -62,7 +61,7 @@ class Seen:
 
 @pytest.fixture
 def desk(monkeypatch):
-    """A terminal on a real pseudo-terminal, what is seen there, and its file."""
+    """A live terminal, its rendered screen, and its file descriptor."""
     monkeypatch.setenv("TERM", "xterm")
     master, slave = pty.openpty()
     termios.tcsetwinsize(slave, (HIGH, 100))
@@ -76,7 +75,7 @@ def desk(monkeypatch):
     os.close(master)
 
 
-def test_the_status_stands_below_what_is_told_and_above_what_is_typed(desk):
+def test_status_line_is_between_messages_and_input(desk):
     terminal, seen, _ = desk
     terminal.status("trial 1 of 40")
     terminal.add("trial 1: tone 12")
@@ -99,7 +98,7 @@ def test_the_status_stands_below_what_is_told_and_above_what_is_typed(desk):
     assert seen.rows()[-3:] == ["trial 1: tone 12 | played, 1.00 N", "trial 2 of 40", ">"]
 
 
-def test_what_libraries_write_past_python_is_a_line_of_its_own(desk):
+def test_native_library_output_gets_separate_lines(desk):
     terminal, seen, slave = desk
     terminal.close()
     file = os.dup(slave)
@@ -125,7 +124,7 @@ def test_what_libraries_write_past_python_is_a_line_of_its_own(desk):
     os.close(file)
 
 
-def test_the_terminal_is_as_it_was_afterwards(desk):
+def test_terminal_settings_are_restored_on_close(desk):
     terminal, seen, slave = desk
     during = termios.tcgetattr(slave)[3]
     terminal.close()
@@ -135,7 +134,7 @@ def test_the_terminal_is_as_it_was_afterwards(desk):
     assert "nothing more" not in seen.rows()
 
 
-def test_a_narrow_terminal_shows_the_beginning_of_the_status_and_the_end_of_what_is_typed(desk):
+def test_narrow_terminal_truncates_status_and_input(desk):
     terminal, seen, slave = desk
     termios.tcsetwinsize(slave, (HIGH, 20))
     seen.screen.resize(HIGH, 20)
@@ -145,7 +144,7 @@ def test_a_narrow_terminal_shows_the_beginning_of_the_status_and_the_end_of_what
 
 
 @given(st.lists(st.sampled_from(["a", "é", "\x7f", "\x1b[A", "\t", "\x15", "n"])))
-def test_what_is_typed_is_what_stands_at_its_end(keys):
+def test_typed_line_follows_editing_keys(keys):
     typed, expected = Typed(), ""
     for key in keys:
         expected = {"\x7f": expected[:-1], "\x1b[A": expected, "\t": expected, "\x15": ""}.get(key, expected + key)
@@ -155,7 +154,7 @@ def test_what_is_typed_is_what_stands_at_its_end(keys):
     assert typed == Typed(expected)
 
 
-def test_the_status_says_where_the_session_is_and_what_went_wrong():
+def test_status_line_reports_progress_and_problems():
     progress = Progress()
     for number, trial in enumerate((TRIAL, replace(TRIAL, trial=2, level=None, catch=True)), 1):
         progress = progress.after(Record(trial), Done(5.0 * number))
@@ -169,7 +168,7 @@ def test_the_status_says_where_the_session_is_and_what_went_wrong():
     assert "1 aborted" in status_words(aborted, PARTS)
 
 
-def test_before_a_track_is_aborted_it_is_told_once_for_each_presentation(desk):
+def test_abort_warning_is_printed_once_per_presentation(desk):
     terminal, seen, _ = desk
     status = StatusLine(terminal, PARTS)
     for number in range(1, 5):
@@ -183,7 +182,7 @@ def test_before_a_track_is_aborted_it_is_told_once_for_each_presentation(desk):
     ]
 
 
-def test_a_terminal_that_cannot_be_written_to_by_place_tells_the_status_when_asked(monkeypatch, desk):
+def test_status_is_stored_when_terminal_is_dumb(monkeypatch, desk):
     _, _, slave = desk
     with open(slave, closefd=False) as source, open(slave, "w", closefd=False) as output:
         assert can_stand(source, output)
@@ -196,7 +195,7 @@ def test_a_terminal_that_cannot_be_written_to_by_place_tells_the_status_when_ask
 
 
 class Sitting:
-    """`tactometry run` of a short study in a window, on a terminal that is seen and typed on."""
+    """A `tactometry run` in a window, controlled from a pseudo-terminal."""
 
     def __init__(self, folder, hands):
         changes = {'duration_s = "500 ms"': 'duration_s = "100 ms"', "repeats = 4": "repeats = 1"}
@@ -216,7 +215,10 @@ class Sitting:
         os.write(self._master, words.encode())
 
     def answers_until(self, holds=lambda rows: False):
-        """Answer whatever is asked, until the rows of the terminal are so or the session is over; the rows."""
+        """Answer questions until the rows meet a condition or the session ends.
+
+        Return the rows of the terminal.
+        """
         end_s = time.monotonic() + LONGEST_PROGRAM_S
         while self.process.poll() is None and not holds(self.seen.rows()):
             assert time.monotonic() < end_s
@@ -238,8 +240,8 @@ def sitting(display, tmp_path):
     made.close()
 
 
-def test_a_whole_session_has_a_status_that_nothing_tears(sitting):
-    """The participant answers in the window; the experimenter types meanwhile."""
+def test_status_line_stays_whole_during_a_session(sitting):
+    """The experimenter types while the participant answers in the window."""
     statuses = set()
 
     def note(rows):
@@ -257,7 +259,7 @@ def test_a_whole_session_has_a_status_that_nothing_tears(sitting):
     assert b"dry run (slide) | trial 1" not in sitting.seen.data
 
 
-def test_a_slip_that_is_told_afterwards_and_an_end_in_good_order_by_the_hands_of_an_experimenter(sitting):
+def test_experimenter_can_invalidate_skip_and_end(sitting):
     sitting.answers_until(lambda rows: b"trial 2: " in sitting.seen.data)
     sitting.types("i\n")
     sitting.answers_until(lambda rows: b"does not count: it is asked again" in sitting.seen.data)

@@ -1,4 +1,4 @@
-"""A texture in a session: a UDP sensor tells where the finger is, and a sound server plays what the place asks for."""
+"""Texture sessions with a UDP position sensor and a sound server."""
 
 import importlib.util
 import io
@@ -49,11 +49,11 @@ def needed():
         pytest.skip("no sounddevice: extra audio")
 
 
-def test_what_the_sink_hears_is_what_the_measured_positions_ask_for(needed, sink, tmp_path, capsys):
+def test_sound_output_follows_measured_positions(needed, sink, tmp_path, capsys):
     study, device = texture_study(tmp_path), Emulator("udp", tmp_path, profile=RELEASED)
     sink.begin()
     try:
-        # on a busy computer positions come late: so long after them none is missing
+        # positions arrive late on a busy computer, hence the long latency
         bench = texture_bench(tmp_path, device.udp_port, more="position_latency_s = 0.2")
         bench.write_text(bench.read_text().replace("\nlatency_s = 0.02", "\nlatency_s = 0.1"))
         status, _, errors = console_session(study, bench, tmp_path / "d", sink.env)
@@ -124,9 +124,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("how", "changes", "status", "words"), REFUSED.values(), ids=REFUSED)
-def test_a_bench_that_cannot_follow_is_refused_before_anything_is_opened(
-    tmp_path, capsys, monkeypatch, how, changes, status, words
-):
+def test_unsuitable_texture_bench_is_refused_before_opening(tmp_path, capsys, monkeypatch, how, changes, status, words):
     study, bench = texture_study(tmp_path), texture_bench(tmp_path, 9, **how)
     text = bench.read_text()
     for old, new in changes.items():
@@ -145,7 +143,7 @@ def test_a_bench_that_cannot_follow_is_refused_before_anything_is_opened(
 
 
 @pytest.mark.slow
-def test_a_sound_server_that_goes_away_ends_the_session_and_loses_nothing(needed, tmp_path):
+def test_session_keeps_data_when_sound_server_dies(needed, tmp_path):
     own, device = Sink(tmp_path, alsa_in(tmp_path)), Emulator("udp", tmp_path, profile=RELEASED)
     study = texture_study(tmp_path, {"repeats = 4": "repeats = 200"})
     bench, data = texture_bench(tmp_path, device.udp_port), tmp_path / "d"
@@ -170,7 +168,7 @@ def test_a_sound_server_that_goes_away_ends_the_session_and_loses_nothing(needed
     assert validate(data).defects == ()
 
 
-def test_check_tells_of_a_bench_that_cannot_follow(tmp_path):
+def test_check_reports_missing_position_sensor(tmp_path):
     study, bench = texture_study(tmp_path), load_bench(texture_bench(tmp_path, 9, position=""))
     experiment = wire(parse(study.read_bytes(), "s.toml"), "s.toml")
     connected = Devices(Guarded(bench.output.settings.driver(bench.output.gain), bench.limits), None, None, {})
@@ -179,7 +177,7 @@ def test_check_tells_of_a_bench_that_cannot_follow(tmp_path):
 
 
 def feed(texture, positions, stamps_s, **keys):
-    """A feed of a constant voltage whose first frame leaves at 1 s; the finger was at these positions."""
+    """Return a constant-voltage feed from 1 s on that follows positions."""
     stimulus = FollowedTexture(texture, duration_s=0.1, ramp_s=0.0, **keys)
     path = FingerPath()
     path.on_samples(np.asarray(stamps_s), np.asarray(positions)[:, None])
@@ -189,19 +187,19 @@ def feed(texture, positions, stamps_s, **keys):
     return made
 
 
-def test_a_frame_follows_the_place_of_its_latency_before():
+def test_feed_uses_position_one_latency_earlier():
     made = feed(Region(0.01, 0.03), [0.0, 0.02], [0.9, 1.1], rise_s=5e-5)
     emitted = np.concatenate([made.take(n)[:, 0] for n in (7, 993, 500, 500)])
-    # 0.01 m at 1.0 s is heard 50 ms later: 1000 frames behind the onset
+    # 0.01 m at 1.0 s is played 50 ms later, 1000 frames after the onset
     assert emitted[:999].max() == 0.0
     assert emitted[1001:].min() == 1000.0
     assert (made.late, made.unknown) == (0.0, 0.0)
 
 
-def test_a_place_that_has_not_come_is_the_last_one_and_then_nobody_knows():
+def test_missing_position_is_held_then_unknown():
     made = feed(Region(-1.0, 1.0), [0.0, 0.0], [0.8, 0.86], rise_s=5e-5)
     emitted = made.take(2000)[:, 0]
-    # the first frame is that of 0.95 s; a place is held for 0.1 s, up to 0.96 s: 200 frames
+    # the first frame uses 0.95 s; a position is held for 0.1 s, until 0.96 s: 200 frames
     assert made.late == 1.0
     assert made.unknown == pytest.approx(0.9, abs=2e-3)
     assert emitted[:199].min() == 1000.0
@@ -237,7 +235,7 @@ def test_followed_signal_refuses_impossible_rise(rise_s):
         FollowedSignal(np.ones((1, 10)), 20e3, "V", stimulus, FingerPath())
 
 
-def test_no_path_drives_more_current_or_charge_than_the_guard_allows():
+def test_paths_never_exceed_current_and_charge_bounds():
     rng = np.random.default_rng(3)
     stimulus = FollowedTexture(Grating(1e-3), rate_hz=48e3, duration_s=0.2, carrier_hz=500.0, rise_s=5e-4)
     strongest, load = stimulus.at(40.0), Load("electrode", 1e-9, 1e7)
@@ -255,7 +253,7 @@ def test_no_path_drives_more_current_or_charge_than_the_guard_allows():
         limits.check_load(strongest, load, stimulus.rise_s)
 
 
-def test_the_guard_knows_a_signal_that_follows_from_its_strongest_samples(tmp_path):
+def test_guard_checks_followed_signal_at_its_strongest(tmp_path):
     bench = load_bench(texture_bench(tmp_path, 9))
     stimulus = FollowedTexture(Grating(1e-3), rate_hz=48e3)
     plain = stimulus.at(30.0)
@@ -268,7 +266,7 @@ def test_the_guard_knows_a_signal_that_follows_from_its_strongest_samples(tmp_pa
         guarded.check(followed)
 
 
-def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
+def test_finger_path_drops_backward_stamps():
     path = FingerPath()
     for n in range(N_KEPT + 10):
         path.on_samples(np.array([1e-3 * n, 1e-3 * n - 0.5]), np.array([[1.0 * n], [-1.0]]))
@@ -279,8 +277,8 @@ def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
     assert np.isnan(path.at(np.array([0.0, 1e3]))).all()
 
 
-def test_of_places_with_one_stamp_the_first_is_followed_and_kept():
-    """A touch screen whose kernel stamps nothing is read late on a busy computer: several places come at once."""
+def test_first_position_is_kept_when_stamps_repeat():
+    """Touch screens without kernel stamps may send several positions at once."""
     places, path, kept = Trace(), FingerPath(), []
     for on_samples in (places.on_samples, path.on_samples):
         on_samples(np.array([1.0, 1.0, 1.1]), np.array([[0.0], [5.0], [0.1]]))

@@ -1,6 +1,6 @@
-"""Whatever ends a stimulus: a real sound server hears that it falls silent within a block, in a real window.
+"""Silence within one audio block after anything that ends a stimulus.
 
-That a process which is ended or killed falls silent is heard in `tests/devices/test_session.py` and `test_audio.py`.
+Ended and killed processes are tested in `tests/devices/test_session.py` and `test_audio.py`.
 """
 
 import math
@@ -15,7 +15,7 @@ from tactometry.session.request import Press
 
 @pytest.fixture
 def driver(sink, monkeypatch):
-    """Sound to the sink from this process: its PortAudio begins anew in the sink's environment."""
+    """An audio driver for the sink; PortAudio restarts in its environment."""
     sounddevice = pytest.importorskip("sounddevice")
     for name in ("ALSA_CONFIG_PATH", "PULSE_SERVER"):
         monkeypatch.setenv(name, sink.env[name])
@@ -39,7 +39,7 @@ def scene(watched, driver, sink):
 @pytest.mark.parametrize(
     "force_n", [None, math.nan, 0.05], ids=["the sensor falls silent", "its samples are lost", "the finger leaves"]
 )
-def test_a_force_that_is_lost(scene, in_background, force_n):
+def test_sound_stops_when_force_is_lost(scene, in_background, force_n):
     in_background(scene.when_heard, setattr, scene, "force_n", force_n)
     touched = scene.bench.answer(PRESS)
     scene.ended.set()
@@ -50,7 +50,7 @@ def test_a_force_that_is_lost(scene, in_background, force_n):
 
 
 @pytest.mark.usefixtures("unhurried_sensors")
-def test_escape(scene, in_background, hands):
+def test_sound_stops_on_escape(scene, in_background, hands):
     in_background(scene.when_heard, hands.tap, "Escape")
     with pytest.raises(Stopped, match="Escape was pressed"):
         scene.bench.answer(PRESS)
@@ -58,7 +58,7 @@ def test_escape(scene, in_background, hands):
 
 
 @pytest.mark.usefixtures("unhurried_sensors")
-def test_an_error(scene, in_background):
+def test_sound_stops_on_error(scene, in_background):
     in_background(scene.when_heard, scene.screen.fails.set)
     with pytest.raises(BadError):
         scene.bench.answer(PRESS)
@@ -66,8 +66,8 @@ def test_an_error(scene, in_background):
 
 
 @pytest.mark.usefixtures("unhurried_sensors")
-def test_the_end_of_the_touch(scene):
-    """The time limit: a stimulus ends with its touch, at rest."""
+def test_sound_ends_with_the_touch(scene):
+    """The stimulus ends with its touch, at zero."""
     assert scene.bench.answer(Press("short", 1.0, 0.5, 1.0, 0.2, hold_s=0.1, timeout_s=30.0)).valid
     n_whole = round(0.5 * RATE_HZ)
     assert n_whole - 10 <= scene.heard("short") <= n_whole

@@ -1,4 +1,4 @@
-"""Force and position of each touch, kept: by a real session at a console, whose sensor counts its samples."""
+"""Recorded force and position traces of each touch."""
 
 import gzip
 import io
@@ -41,11 +41,11 @@ channels = [0]
 metres_per_count = {METRES_PER_COUNT}
 """
 PROFILE = "0.2:30,1:100"
-"""Released, then held at 1 N, again and again; the emulated finger moves on by one count a sample."""
+"""Alternates between released and held at 1 N; the emulated finger moves by one count per sample."""
 
 
 def words(folder, device, bench="", out="d", changes=None):
-    """A session at a console, before a file for an output and a sensor by UDP, as arguments of `run`."""
+    """Return `run` arguments for a console session with a UDP sensor."""
     text = FILE_BENCH.format(folder=folder / "played", duty=1.0, window_s=60)
     path = folder / "bench.toml"
     path.write_text(text + UDP_HAND.format(port=device.udp_port) + MOVING + bench, encoding="utf-8")
@@ -54,7 +54,7 @@ def words(folder, device, bench="", out="d", changes=None):
 
 
 def sit(folder, capsys, monkeypatch, **how):
-    """Such a session whose participant answers 1 each time: its status and errors."""
+    """Run such a session, answering 1 each time; return status and errors."""
     device = Emulator("udp", folder, profile=PROFILE)
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
     try:
@@ -65,7 +65,7 @@ def sit(folder, capsys, monkeypatch, **how):
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """A data set with traces, which no test changes."""
+    """A data set with traces; read-only."""
     folder = tmp_path_factory.mktemp("recorded")
     with pytest.MonkeyPatch.context() as patch:
         silent = SimpleNamespace(readouterr=lambda: SimpleNamespace(out="", err=""))
@@ -81,55 +81,55 @@ def copied(recorded, tmp_path):
 
 
 def valid_touches(root):
-    """The rows that count, each with its touch: a busy computer may hear nothing of a sensor for a while."""
+    """Return each valid row with its touch; other rows may lack the sensor."""
     rows = [row for row in trial_rows(root) if row["valid"] == "1"]
     assert rows
     return [(row, read_traces(root, int(row["trial"]))[int(row["attempt"]) - 1]) for row in rows]
 
 
-def test_the_samples_of_a_touch_are_those_that_the_sensor_sent(recorded):
+def test_trace_contains_every_sensor_sample_once(recorded):
     for _, touch in valid_touches(recorded):
         assert set(touch.force.values.tolist()) <= {0.3, 1.0}
         counts = touch.position.values[:, 0] / METRES_PER_COUNT
-        np.testing.assert_allclose(np.diff(counts), 1.0, atol=1e-6)  # none is lost, none stands twice
+        np.testing.assert_allclose(np.diff(counts), 1.0, atol=1e-6)  # no sample is lost or duplicated
         for times_s, values in (touch.force, touch.position):
             assert len(times_s) == len(values)
             assert np.all(np.diff(times_s) >= 0)
             assert times_s[0] < touch.answer.gate_s <= times_s[-1]
 
 
-def test_what_the_row_says_of_a_touch_follows_from_its_trace(recorded):
+def test_trial_row_matches_its_trace(recorded):
     for row, touch in valid_touches(recorded):
         begin_s, (times_s, forces_n) = float(row["onset_s"]), touch.force
         during = (times_s >= begin_s) & (times_s <= begin_s + touch.request.duration_s)
         assert forces_n[during].mean() == pytest.approx(float(row["force_mean_n"]), abs=1e-6)
-        # the gate opened on a sample, after the force had been held
+        # the gate opened on a sample after the force had been held
         held = (times_s <= touch.answer.gate_s) & (times_s >= touch.answer.gate_s - touch.request.hold_s)
-        assert np.min(np.abs(times_s - touch.answer.gate_s)) <= 1.5e-6  # both are told to a microsecond
+        assert np.min(np.abs(times_s - touch.answer.gate_s)) <= 1.5e-6  # both are recorded to a microsecond
         assert np.all(forces_n[held] == 1.0)
 
 
-def test_a_speed_that_was_not_gated_has_no_band(recorded):
+def test_ungated_speed_has_no_band(recorded):
     courses = touch_courses(recorded)
     speeds = courses[courses["quantity"] == "speed_m_per_s"]
     assert len(speeds) > 1
     assert speeds[["band_low", "band_high"]].isna().all(axis=None)
 
 
-def test_what_was_emitted_is_computed_from_the_study_and_known_by_its_digest(recorded, copied, capsys, tmp_path):
+def test_emitted_signal_is_recomputed_and_checked_by_digest(recorded, copied, capsys, tmp_path):
     shown = ("show", copied, "--trial", 1, "--figure", tmp_path / "t.svg")
     touch, *_ = read_traces(recorded, 1)
     assert touch.emitted.digest() == touch.answer.digest
     study = copied / "study.toml"
     study.write_text(study.read_text("utf-8").replace("frequency_hz = [60]", "frequency_hz = [61]"), "utf-8")
     other, *_ = read_traces(copied, 1)
-    assert other.emitted is None  # another signal than the one that was played is none
+    assert other.emitted is None  # a signal with another digest is not returned
     assert other.unknown.startswith(f"the study gives another signal than that of the digest {touch.answer.digest}; ")
     assert (touch.unknown, f"unknown: {other.unknown}" in output(capsys, *shown)) == (None, True)
     np.testing.assert_array_equal(other.force.values, touch.force.values)
 
 
-def test_the_files_of_traces_are_explained_beside_them_and_read_by_any_program(recorded):
+def test_trace_files_have_sidecars_and_load_in_pandas(recorded):
     import pandas as pd
 
     stems = sorted(path.name.removesuffix(".tsv.gz") for path in (recorded / "traces").glob("*.tsv.gz"))
@@ -144,7 +144,7 @@ def test_the_files_of_traces_are_explained_beside_them_and_read_by_any_program(r
         assert table["time_s"].is_monotonic_increasing
 
 
-def test_traces_are_kept_as_the_bench_file_says(tmp_path, capsys, monkeypatch):
+def test_bench_file_selects_recorded_traces(tmp_path, capsys, monkeypatch):
     status, errors = sit(tmp_path, capsys, monkeypatch, bench="[traces]\nposition = false\n")
     assert status == 0, errors
     touch, *_ = read_traces(tmp_path / "d", 1)
@@ -156,14 +156,14 @@ def test_traces_are_kept_as_the_bench_file_says(tmp_path, capsys, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_session_without_traces_has_no_folder_for_them(tmp_path, capsys, monkeypatch):
+def test_session_without_traces_has_no_traces_folder(tmp_path, capsys, monkeypatch):
     status, errors = sit(tmp_path, capsys, monkeypatch, bench="[traces]\nposition = false\nforce = false\n")
     assert status == 0, errors
     assert not (tmp_path / "d" / "traces").exists()
     assert validate(tmp_path / "d").defects == ()
 
 
-def test_validate_names_a_trace_that_is_not_what_was_kept(copied):
+def test_validate_names_changed_trace_files(copied):
     assert validate(copied).defects == ()
     force, position = sorted((copied / "traces").glob("*.tsv.gz"))
     kept = force.read_bytes()
@@ -180,13 +180,13 @@ def test_validate_names_a_trace_that_is_not_what_was_kept(copied):
     assert not any(position.name in said for said in words)
 
 
-def test_a_data_set_with_traces_is_replayed_analysed_and_rebuilt(copied, capsys):
+def test_data_set_with_traces_replays_analyses_and_rebuilds(copied, capsys):
     for words in (("replay",), ("analyse",), ("rebuild",), ("replay",)):
         assert call(capsys, *words, copied)[0] == 0
     assert validate(copied).defects == ()
 
 
-def test_a_journal_that_names_a_place_outside_of_the_traces_is_refused(copied, capsys):
+def test_validate_rejects_trace_path_outside_traces_folder(copied, capsys):
     (path,) = (copied / "journals").glob("*.jsonl")
     first, *rest = path.read_bytes().splitlines(keepends=True)
     forged = [first]
@@ -203,11 +203,11 @@ def test_a_journal_that_names_a_place_outside_of_the_traces_is_refused(copied, c
 
 
 def named(root):
-    """Up to where the first trial of a data set names the forces."""
+    """Return the size of the force traces of the first trial, in bytes."""
     return sum(part.n_bytes for part in read_traces(root, 1)[0].answer.trace if "force" in part.file)
 
 
-def test_a_session_that_was_killed_keeps_the_traces_of_all_its_trials(tmp_path, capsys, monkeypatch):
+def test_killed_session_keeps_traces_of_all_trials(tmp_path, capsys, monkeypatch):
     device = Emulator("udp", tmp_path, profile=PROFILE)
     command = [sys.executable, "-m", "tactometry", "run", *words(tmp_path, device)]
     try:
@@ -222,7 +222,7 @@ def test_a_session_that_was_killed_keeps_the_traces_of_all_its_trials(tmp_path, 
         process.kill()
         process.communicate()
         with force.open("ab") as file:
-            file.write(b"\x1f\x8b\x08\x00")  # a member that had only begun
+            file.write(b"\x1f\x8b\x08\x00")  # an incomplete gzip member
         monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
         status, errors, _ = call(capsys, "run", *words(tmp_path, device), "--resume")
     finally:
@@ -231,14 +231,14 @@ def test_a_session_that_was_killed_keeps_the_traces_of_all_its_trials(tmp_path, 
     assert validate(tmp_path / "d").defects == ()
     rows = trial_rows(tmp_path / "d")
     assert all(len(read_traces(tmp_path / "d", int(row["trial"]))[0].force.times_s) > 100 for row in rows)
-    for row in rows:  # the clock of the session goes on in the second sitting
+    for row in rows:  # the session clock continues after the resume
         times_s, onset_s = read_traces(tmp_path / "d", int(row["trial"]))[0].force.times_s, float(row["onset_s"])
         assert times_s[0] < onset_s < times_s[-1] + 1.0
     with gzip.open(force) as file:
-        assert file.read().count(b"\n") >= 100 * (len(rows) + 1)  # and the one that led to no trial
+        assert file.read().count(b"\n") >= 100 * (len(rows) + 1)  # including the touch of the interrupted trial
 
 
-def test_what_was_said_before_a_touch_does_not_belong_to_it():
+def test_samples_before_a_touch_are_excluded():
     log, blocks = Kept(), [(np.array([1.0]), np.array([5.0])), (np.array([2.0]), np.array([6.0]))]
     source = SimpleNamespace(rate_hz=1000.0)
     sensor = SimpleNamespace(read=lambda: blocks.pop(0), reader=SimpleNamespace(source=source))
@@ -264,8 +264,8 @@ shutil.copytree(f"{disk}/d", kept)
 
 
 @pytest.mark.slow
-def test_a_real_disk_that_fills_costs_no_trial_and_one_sentence(tmp_path, capsys, monkeypatch):
-    """A small disk in a mount namespace of its own, which goes with its process."""
+def test_full_disk_loses_no_trial(tmp_path, capsys, monkeypatch):
+    """The small disk is in a mount namespace, which ends with its process."""
     device, script, disk = Emulator("udp", tmp_path, profile=PROFILE), tmp_path / "fill.py", tmp_path / "disk"
     disk.mkdir()
     script.write_text(FILL_DISK)

@@ -1,4 +1,4 @@
-"""The window of a PsychoPy script with our pages in it: never closed, and given back as it was."""
+"""Adopted windows of PsychoPy scripts, restored after use."""
 
 import time
 
@@ -23,7 +23,7 @@ LOOKS = {
 
 @pytest.fixture(scope="module")
 def theirs(display):
-    """The window of a script, with a stimulus that it draws by itself."""
+    """The window of a PsychoPy script."""
     from tactometry.rigs.window import load_psychopy
 
     psychopy = load_psychopy()
@@ -35,7 +35,7 @@ def theirs(display):
 
 @pytest.fixture(params=LOOKS)
 def scene(theirs, request):
-    """Their window with a look, and the stimulus that is drawn with it at every flip."""
+    """The script's window with changed settings and a drawn stimulus."""
     from psychopy import visual
 
     for name, value in ({"viewScale": None, "viewPos": None, "viewOri": 0.0} | LOOKS[request.param]).items():
@@ -58,7 +58,7 @@ def window(scene):
 
 
 def seen(window):
-    """What a flip of the script shows."""
+    """Return the picture that a flip of the script shows."""
     for stimulus in window._toDraw:
         stimulus.draw()
     picture = np.asarray(window.getMovieFrame(buffer="back"))
@@ -78,7 +78,7 @@ def state(window):
     }
 
 
-def test_a_window_is_given_back_as_it_was(scene, window):
+def test_adopted_window_is_restored(scene, window):
     before, looked = state(scene), seen(scene)
     window.present(Page())
     assert state(scene) != before
@@ -89,14 +89,14 @@ def test_a_window_is_given_back_as_it_was(scene, window):
     assert np.array_equal(seen(scene), looked)
 
 
-def test_our_page_has_its_own_ground_and_nothing_of_the_script_on_it(scene, window, hands):
+def test_page_hides_everything_the_script_draws(scene, window, hands):
     window.present(Page())
     window.refresh(Page())
     rgb = [int(PAPER[n : n + 2], 16) for n in (1, 3, 5)]
     assert np.abs(hands.sees()[..., :3].astype(int) - rgb).max() <= 1
 
 
-def test_a_page_fills_the_screen_whatever_part_of_it_the_script_draws_in(scene, window, hands):
+def test_page_fills_screen_despite_script_viewport(scene, window, hands):
     part = (0, 0, 300, 200)
     scene.viewport = scene.scissor = part
     window.present(Page())
@@ -106,7 +106,7 @@ def test_a_page_fills_the_screen_whatever_part_of_it_the_script_draws_in(scene, 
     scene.resetViewport()
 
 
-def test_it_is_not_closed_with_our_pages(scene, window):
+def test_closing_does_not_close_the_script_window(scene, window):
     window.present(Page())
     window.close()
     window.close()
@@ -115,7 +115,7 @@ def test_it_is_not_closed_with_our_pages(scene, window):
     scene.flip()
 
 
-def test_what_waits_for_the_flip_of_the_script_waits_on(scene, window):
+def test_script_flip_callbacks_wait_for_script_flip(scene, window):
     called, scene.recordFrameIntervals = [], True
     scene.flip()
     scene.flip()
@@ -127,7 +127,7 @@ def test_what_waits_for_the_flip_of_the_script_waits_on(scene, window):
     assert called == []
     scene.flip()
     assert called == [1]
-    assert len(scene.frameIntervals) == n_intervals  # the one over our page is none of theirs
+    assert len(scene.frameIntervals) == n_intervals  # the interval that spans our page is not counted
     scene.recordFrameIntervals = False
 
 
@@ -139,7 +139,7 @@ def wait_for(found):
     raise AssertionError("nothing was heard")
 
 
-def test_keys_are_heard_by_whose_page_is_up(scene, window, hands):
+def test_keys_go_to_owner_of_current_page(scene, window, hands):
     from psychopy import event
     from psychopy.hardware.keyboard import Keyboard
 
@@ -148,7 +148,7 @@ def test_keys_are_heard_by_whose_page_is_up(scene, window, hands):
 
     def taps(key):
         hands.tap(key)
-        time.sleep(0.4)  # until PsychoPy's thread has it, whoever's it is
+        time.sleep(0.4)  # until PsychoPy's thread has read it
 
     taps("a")
     window.present(Page())
@@ -164,8 +164,8 @@ def test_keys_are_heard_by_whose_page_is_up(scene, window, hands):
     assert {"b", "c"} & set(event.getKeys()) == set()
 
 
-def test_a_press_has_its_time_though_the_script_takes_another_clock(scene, window, hands):
-    """As what Builder writes does, after its components are made."""
+def test_press_time_is_correct_with_another_clock(scene, window, hands):
+    """Builder scripts set another clock after creating their components."""
     from psychopy import clock, logging
 
     window.present(Page())
@@ -176,10 +176,10 @@ def test_a_press_has_its_time_though_the_script_takes_another_clock(scene, windo
         [press] = wait_for(window.events)
     finally:
         logging.setDefaultClock(usual)
-    assert press.at_s == pytest.approx(down_s, abs=1.0)  # the clocks are further apart
+    assert press.at_s == pytest.approx(down_s, abs=1.0)  # the clocks differ by more than this
 
 
-def test_a_key_that_is_held_over_our_last_page_is_no_press_of_the_script(scene, window, hands, in_background):
+def test_key_held_past_last_page_is_ignored(scene, window, hands, in_background):
     from psychopy.hardware.keyboard import Keyboard
 
     keyboard = Keyboard(backend="ptb")
@@ -191,7 +191,7 @@ def test_a_key_that_is_held_over_our_last_page_is_no_press_of_the_script(scene, 
     assert keyboard.getKeys(waitRelease=False) + keyboard.getKeys(waitRelease=True) == []
 
 
-def test_a_rig_gives_the_window_back_after_each_answer(scene, output, hands, in_background):
+def test_rig_restores_window_after_each_answer(scene, output, hands, in_background):
     from tactometry.rigs.window import Window
 
     before, looked = state(scene), seen(scene)
@@ -208,7 +208,7 @@ def test_a_rig_gives_the_window_back_after_each_answer(scene, output, hands, in_
     assert np.array_equal(seen(scene), looked)
 
 
-def test_no_window_is_refused(display):
+def test_adopt_rejects_other_types(display):
     from tactometry.rigs.window import Window
 
     with pytest.raises(InvalidParameter, match=r"Window\.adopt: found str, expected an open psychopy\.visual\.Window"):

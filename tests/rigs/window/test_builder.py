@@ -1,4 +1,4 @@
-"""An experiment of Builder with our components and loop: saved, compiled and run by PsychoPy, answered by hands."""
+"""A Builder experiment with our components, compiled and run by PsychoPy."""
 
 import json
 import os
@@ -49,7 +49,7 @@ print(json.dumps({name: list(each["params"]) for name, each in told.items() if e
 """
 
 
-def test_builder_is_told_of_each_part_with_its_fields(display, tmp_path):
+def test_builder_lists_components_with_their_fields(display, tmp_path):
     told = json.loads(python(tmp_path, "-c", TOLD).splitlines()[0])
     components = {"GatedTouchComponent", "TactileStimulusComponent", "QuestionnaireComponent"}
     assert told.keys() == components | {"TactometryLoop"}
@@ -73,7 +73,7 @@ def sitting(compiled, display):
     return rows_of(compiled / "data.csv")
 
 
-def test_the_loop_asks_for_the_levels_of_the_procedure_until_it_has_finished(sitting):
+def test_loop_runs_procedure_levels_until_it_finishes(sitting):
     trials = [row for row in sitting if row["quest.response"]]
     answers = [(row["quest.response"], row["quest.valid"], row["quest.force_mean_n"]) for row in trials]
     assert answers == [("1", "1", "1.0")] * 4
@@ -81,21 +81,21 @@ def test_the_loop_asks_for_the_levels_of_the_procedure_until_it_has_finished(sit
     assert [row["quest.ending"] for row in sitting if row["quest.ending"]] == ["censored_below"]
 
 
-def test_a_stimulus_beside_a_text_and_a_touch_without_a_question_have_their_rows(sitting):
+def test_stimulus_and_touch_components_write_rows(sitting):
     [row] = [row for row in sitting if row["buzz.digest"]]
-    # a busy machine may silence the hand's sensor, which cuts what plays
+    # a busy machine may lose the sensor, which stops the stimulus
     assert (row["buzz.cut"], row.get("buzz.level_delivered", "")) in (("0", "36"), ("1", ""))
     [felt] = [row for row in sitting if row["felt.valid"]]
     assert felt["felt.level_delivered"] == "30"
     assert felt["felt.valid"] == "1" or felt["felt.invalid_reason"] == "sensor_lost"
 
 
-def test_a_questionnaire_has_a_row_for_each_item(sitting):
+def test_questionnaire_component_writes_one_row_per_item(sitting):
     answers = {row["attrakdiff.item"]: row["attrakdiff.response"] for row in sitting if row["attrakdiff.item"]}
     assert answers == {item.id: "4.0" for item in load("attrakdiff").items}
 
 
-def test_escape_on_a_page_of_ours_ends_the_experiment_and_keeps_its_rows(compiled, display):
+def test_escape_ends_experiment_and_keeps_rows(compiled, display):
     def keys():
         while not heard():
             yield from ("y", "Return")

@@ -1,4 +1,4 @@
-"""The bar by which a display is measured, as the X server shows it."""
+"""The calibration bar of a display, as the X server shows it."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from tactometry.experiments.bench.calibration import show_bar
 
 
 class Ruler:
-    """Someone at the screen: measures the bar as the X server shows it, goes on with a key, and types its length."""
+    """A simulated user who measures the bar and types its length."""
 
     def __init__(self, hands):
         self._hands, self._root = hands, hands._display.screen().root
@@ -42,9 +42,11 @@ class Ruler:
         return f"{self.length_px * 2.5e-4}\n"
 
 
-def test_the_bar_that_is_shown_is_half_of_the_picture(display, screen, monkeypatch, capsys, in_background):
-    """The window of the command opens in front of that of the other tests, full screen, and is closed before the
-    terminal asks; the keyboard of both is one, and ends with it."""
+def test_calibration_bar_is_half_the_screen_height(display, screen, monkeypatch, capsys, in_background):
+    """The window of the command closes before the terminal asks for a length.
+
+    It shares its keyboard with the window of the other tests, so the keyboard is restarted afterwards.
+    """
     ruler = Ruler(display)
     monkeypatch.setattr("sys.stdin", ruler)
     in_background(ruler.measure)
@@ -57,7 +59,7 @@ def test_the_bar_that_is_shown_is_half_of_the_picture(display, screen, monkeypat
     assert capsys.readouterr().out.startswith(f"[screen]\nheight_m = {2 * ruler.length_px * 2.5e-4!r}")
 
 
-def test_escape_leaves_the_bar_and_measures_nothing(watched, participant):
+def test_escape_leaves_the_bar_without_measurement(watched, participant):
     participant.answers("Escape")
     with pytest.raises(Stopped, match="Escape was pressed; nothing was measured"):
         show_bar(watched)

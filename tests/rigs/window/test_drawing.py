@@ -1,4 +1,4 @@
-"""How pages are drawn: within the screen, in high contrast, and as PsychoPy draws them."""
+"""Drawing of pages: margins, contrast, and equality with PsychoPy."""
 
 import subprocess
 import sys
@@ -16,8 +16,8 @@ from tactometry.rigs.texts import languages
 
 
 @pytest.mark.parametrize("language", languages())
-def test_every_page_is_drawn_within_the_screen_and_in_high_contrast(screen, artefacts, language):
-    """The pictures are kept: look at them."""
+def test_pages_fit_the_screen_with_high_contrast(screen, artefacts, language):
+    """The pictures are saved for inspection."""
     for name, page in all_pages(language, screen.aspect).items():
         image = screen.picture(page)
         image.save(artefacts / f"window_{language}_{name}.png")
@@ -29,8 +29,8 @@ def test_every_page_is_drawn_within_the_screen_and_in_high_contrast(screen, arte
 
 @pytest.mark.soak  # the other pages and sizes are slow to draw in software
 @pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080), (3840, 2160)], ids=str)
-def test_every_page_is_drawn_on_screens_of_other_sizes(display, artefacts, width, height):
-    """Each on a display of its own; the pictures are kept: look at them. What is drawn scales with the screen."""
+def test_pages_fit_screens_of_other_sizes(display, artefacts, width, height):
+    """Each size has a separate display; the pictures are saved for inspection."""
     command = ["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24", sys.executable, screens.__file__]
     folder = artefacts / f"{width}x{height}"
     subprocess.run([*command, str(width), str(height), str(folder)], check=True, timeout=LONGEST_PROGRAM_S)
@@ -46,7 +46,7 @@ def pixels(screen, page):
 
 
 def plainly(canvas, item):
-    """PsychoPy's own stimulus of an item, in its place."""
+    """Return the PsychoPy stimulus of an item at its position."""
     if isinstance(item, Text):
         return canvas._text(item)
     look, size = canvas._look(item)
@@ -56,8 +56,8 @@ def plainly(canvas, item):
 
 
 @pytest.mark.parametrize("name", ["en_force_held", "form_nasa-tlx_en", "form_pleasantness-vas_en", "entry"])
-def test_what_is_drawn_from_lists_is_what_psychopy_draws(screen, name):
-    """To the last bit but one of each pixel, as a list is placed in single precision; the texts to the last."""
+def test_display_lists_match_psychopy_drawing(screen, name):
+    """Pixels may differ by one, as display lists use single precision."""
     page = screens.every_page(screen.aspect)[name]
     recorded = pixels(screen, page).astype(int)
     for item in page.items:
@@ -67,8 +67,8 @@ def test_what_is_drawn_from_lists_is_what_psychopy_draws(screen, name):
     assert np.abs(recorded - drawn).max() <= 1
 
 
-def test_a_frame_in_which_something_moves_asks_psychopy_for_nothing(screen, monkeypatch):
-    """Each attribute of a shape costs more than its drawing: forms took 110 ms a frame, and dropped five of six."""
+def test_moving_frames_do_not_call_psychopy(screen, monkeypatch):
+    """PsychoPy's shape attributes are slow: forms took 110 ms per frame."""
     marker = layout.marker_page(1, playing=True, words="Press")
     forces = [layout.force_page(marker, force_n, 1.0, 0.2) for force_n in (0.9, 1.1)]
     frames = [layout.track_page(page, at, 0.5, 0.0) for page, at in zip(forces, (-0.1, 0.1), strict=True)]
@@ -81,7 +81,7 @@ def test_a_frame_in_which_something_moves_asks_psychopy_for_nothing(screen, monk
     assert np.array_equal(pixels(screen, frames[0]), first)
 
 
-def test_a_page_looks_the_same_whatever_was_drawn_before(screen):
+def test_page_is_independent_of_earlier_pages(screen):
     shown = screens.every_page(screen.aspect)
     names = ["en_force_low", "form_nasa-tlx_en", "en_force_held", "en_scale_marked", "entry", "form_attrakdiff_en"]
     first = {name: pixels(screen, shown[name]) for name in names}

@@ -1,4 +1,4 @@
-"""Before the first touch of a kind its page is explained by a picture and tried without a stimulus."""
+"""Dry run before the first touch of each kind."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ ENGLISH = texts_in("en", {}).messages
 
 
 class Leaving:
-    """A participant who leaves a page with a hint."""
+    """A screen whose participant leaves each page that has buttons."""
 
     def __init__(self, watched, hands, in_background):
         self._watched, self._hands, self._in_background = watched, hands, in_background
@@ -61,7 +61,7 @@ def told(page):
 
 
 def shown(watched, name):
-    """On how many of the pages a message is."""
+    """Return the number of pages that show a message."""
     words = ENGLISH[name].strip().partition("\n\n")[0]
     return sum(words in told(page) for page in watched.pages)
 
@@ -70,7 +70,7 @@ def of_dry_runs(kept):
     return [event.facts["text"] for event in kept.events if event.kind == "dry_run"]
 
 
-def test_a_touch_is_shown_and_tried_without_a_stimulus_once(bench_with, watched, log):
+def test_dry_run_runs_once_without_stimulus(bench_with, watched, log):
     bench, kept = bench_with(lambda time_s: 1.0)
     assert bench.answer(PRESS).valid
     assert log == ["output.open", "output.stop", "play 5 V", "output.stop"]
@@ -83,7 +83,7 @@ def test_a_touch_is_shown_and_tried_without_a_stimulus_once(bench_with, watched,
     assert len(watched.pages) == n_pages + 2, "the next touch comes at once"
 
 
-def test_a_dry_run_that_is_not_held_is_tried_again_with_the_reason_and_ends(bench_with, watched, log):
+def test_failed_dry_run_repeats_with_reason(bench_with, watched, log):
     bench, kept = bench_with(lambda time_s: 0.1)
     assert not bench.answer(replace(PRESS, timeout_s=0.3)).valid
     assert "play 5 V" not in log
@@ -92,8 +92,8 @@ def test_a_dry_run_that_is_not_held_is_tried_again_with_the_reason_and_ends(benc
     assert of_dry_runs(kept) == ["press: not held, the touch was not held as asked in time"]
 
 
-def test_each_kind_of_touch_has_its_dry_run_and_the_picture_holds_what_is_measured(bench_with, watched):
-    """Without sensors there is no bar and no ring."""
+def test_each_touch_kind_has_a_dry_run(bench_with, watched):
+    """The picture explains no bar or ring when there are no sensors."""
     bench, kept = bench_with()
     for request in (PRESS, SLIDE, PRESS, SLIDE):
         assert bench.answer(request).valid

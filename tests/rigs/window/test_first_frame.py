@@ -1,4 +1,4 @@
-"""What is pressed as soon as a page can be seen is an answer, however late the program knows that it stands there."""
+"""Answers given at page onset, before the program has its onset time."""
 
 import os
 import subprocess
@@ -17,9 +17,9 @@ from tactometry.session.request import Choose, Enter, Wait
 N_PAGES, PATIENCE_S = 50, 5.0
 HOW_MUCH, FELT, BETWEEN = Enter("force", 0.0), Choose("felt", (0, 1), ("no", "yes")), Wait(0.01)
 OF_NUMBER_PX = (640, 164)
-"""On the line of the box in which a number stands; nothing is there on the page between."""
+"""A point on the border of the number box, blank on the page in between."""
 OF_NO = (-0.23, -0.06)
-"""In the box of an answer, heights of the screen from its middle."""
+"""A point in the box of the answer "no", in screen heights from the centre."""
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def bench(watched, output):
 
 @pytest.fixture(autouse=True, params=["quiet", pytest.param("busy", marks=pytest.mark.slow)])
 def machine(request):
-    """As it is, or with more to do than it has cores."""
+    """Run each test on the machine as it is, and with every core busy."""
     n_busy = (os.cpu_count() or 1) + 1 if request.param == "busy" else 0
     busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(n_busy)]
     yield
@@ -41,7 +41,7 @@ def machine(request):
 
 
 def stands(hands, *, within_s=LONGEST_WAIT_S, wanted=True):
-    """Whether the page of a number is there within some time; or is not, if that is wanted."""
+    """Return True if the number page is visible (as `wanted`) in time."""
     deadline_s = time.perf_counter() + within_s
     paper = tuple(bytes.fromhex(PAPER[1:]))
     while (hands.sees_at(*OF_NUMBER_PX) != paper) != wanted:
@@ -51,7 +51,7 @@ def stands(hands, *, within_s=LONGEST_WAIT_S, wanted=True):
 
 
 def type_number(hands, number):
-    """At the first sight of the page; where that stays, which loses keys, 0 follows."""
+    """Type a number at page onset, then 0 if lost keys keep the page open."""
     assert stands(hands)
     for key in (*str(number), "Return"):
         hands.tap(key, hold_s=0.0)
@@ -60,7 +60,7 @@ def type_number(hands, number):
         hands.tap("Return")
 
 
-def test_a_number_that_is_typed_as_its_page_appears_is_whole(bench, hands, in_background):
+def test_number_typed_at_page_onset_is_complete(bench, hands, in_background):
     said = [12 + n for n in range(N_PAGES)]
 
     def type_all():
@@ -77,8 +77,8 @@ def test_a_number_that_is_typed_as_its_page_appears_is_whole(bench, hands, in_ba
     assert min(each.latency_s for each in entered) >= 0.0
 
 
-def test_a_touch_before_the_question_is_no_answer_to_it(bench, hands, participant):
-    """It waits in the queue of the window until the next page comes."""
+def test_touch_before_question_is_ignored(bench, hands, participant):
+    """The touch waits in the window's queue until the next page."""
     bench.answer(BETWEEN)
     hands.touch(*OF_NO)
     participant.answers(0.3, "y")

@@ -1,4 +1,4 @@
-"""Touches with a force that is sampled in real time: held, late, lost, and left."""
+"""Touches gated by a force that is sampled in real time."""
 
 import math
 import threading
@@ -47,7 +47,7 @@ def bench_with(watched, output, log):
 
 
 class Slow:
-    """An output that takes its time to begin."""
+    """An output that starts late."""
 
     def __init__(self, output, takes_s):
         self._output, self._takes_s = output, takes_s
@@ -66,7 +66,7 @@ def held_from(start_s, force_n):
     return lambda time_s: force_n if time_s >= start_s else 0.3
 
 
-def test_the_stimulus_waits_for_the_held_force(bench_with, log):
+def test_stimulus_waits_for_held_force(bench_with, log):
     touched = bench_with(held_from(0.5, 1.1)).answer(PRESS)
     assert touched.valid
     assert touched.onset_s >= 0.5 + 0.2
@@ -76,7 +76,7 @@ def test_the_stimulus_waits_for_the_held_force(bench_with, log):
     assert log == ["output.open", "play 5 V", "output.stop"]
 
 
-def test_a_force_that_is_never_held_times_out_and_plays_nothing(bench_with, log):
+def test_unheld_force_times_out_without_playback(bench_with, log):
     request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.2, timeout_s=0.6)
     touched = bench_with(lambda time_s: 1.0 + 0.5 * math.sin(40 * time_s)).answer(request)
     assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
@@ -89,7 +89,7 @@ def test_a_force_that_is_never_held_times_out_and_plays_nothing(bench_with, log)
     [(None, "sensor_lost"), (math.nan, "sensor_lost"), (0.02, "lifted")],
     ids=["the sensor is silent", "samples are lost", "the finger leaves"],
 )
-def test_the_output_stops_when_the_force_is_lost(bench_with, log, afterwards, reason):
+def test_output_stops_when_force_is_lost(bench_with, log, afterwards, reason):
     request = Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0)
     felt = iter([1.0] * 300)
     touched = bench_with(lambda time_s: next(felt, afterwards) if "play 5 V" in log else 1.0).answer(request)
@@ -98,7 +98,7 @@ def test_the_output_stops_when_the_force_is_lost(bench_with, log, afterwards, re
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
 
 
-def test_the_output_stops_when_the_thread_of_the_sensor_hangs(bench_with, log):
+def test_output_stops_when_sensor_thread_hangs(bench_with, log):
     def hangs(time_s):
         if "play 5 V" in log:
             hung.wait(LONGEST_WAIT_S)
@@ -112,7 +112,7 @@ def test_the_output_stops_when_the_thread_of_the_sensor_hangs(bench_with, log):
 
 
 class Held:
-    """A screen whose frames last until the output has stopped, once it plays."""
+    """A screen whose frame lasts until the playing output has stopped."""
 
     def __init__(self, screen, log):
         self._screen, self._log = screen, log
@@ -127,7 +127,7 @@ class Held:
         return self._screen.refresh(page)
 
 
-def test_a_stimulus_that_was_stopped_behind_a_held_up_screen_does_not_count(bench_with, watched, log):
+def test_stimulus_stopped_during_slow_frame_is_invalid(bench_with, watched, log):
     felt = iter([1.0] * 100)
     held = Held(watched, log)
     touched = bench_with(lambda time_s: next(felt, None) if "play 5 V" in log else 1.0, screen=held).answer(PRESS)
@@ -135,7 +135,7 @@ def test_a_stimulus_that_was_stopped_behind_a_held_up_screen_does_not_count(benc
     assert not touched.valid
 
 
-def test_a_force_above_its_limit_stops_the_output(bench_with, log):
+def test_force_above_limit_stops_output(bench_with, log):
     request = Press("tone", 5.0, 20.0, 1.0, 0.2, hold_s=0.2, timeout_s=5.0)
     bench = bench_with(lambda time_s: 3.1 if "play 5 V" in log else 1.0, limits=Limits(50.0, force_peak_n=3.0))
     touched = bench.answer(request)
@@ -143,14 +143,14 @@ def test_a_force_above_its_limit_stops_the_output(bench_with, log):
     assert list(dict.fromkeys(log)) == ["output.open", "play 5 V", "output.stop"]
 
 
-def test_a_touch_of_more_force_than_its_limit_is_refused(bench_with, log):
+def test_touch_with_target_force_above_limit_is_refused(bench_with, log):
     bench = bench_with(lambda time_s: 1.0, limits=Limits(50.0, force_peak_n=1.1))
     with pytest.raises(LimitExceeded, match=r"limits\.force_peak_n: found a force of up to 1\.2 N, the limit is 1\.1"):
         bench.answer(PRESS)
     assert "play 5 V" not in log
 
 
-def test_what_plays_without_a_gate_stops_at_a_force_above_its_limit_and_begins_anew(bench_with, log, watched):
+def test_ungated_stimulus_restarts_after_excess_force(bench_with, log, watched):
     heavy = iter([11.0] * 300)
     bench = bench_with(lambda time_s: next(heavy, 1.0) if "play 5 V" in log else 1.0)
     bench.answer(Play("tone", 5.0, 1.0))
@@ -159,7 +159,7 @@ def test_what_plays_without_a_gate_stops_at_a_force_above_its_limit_and_begins_a
 
 
 class Fast:
-    """A sensor whose stamps run at a rate that is not ours; it holds its force from the first sample on."""
+    """A sensor whose time stamps run faster than the session clock."""
 
     name, n_channels, rate_hz = "fast", 1, 1000.0
 
@@ -184,7 +184,7 @@ class Fast:
 
 
 class Timed:
-    """An output that notes when it plays."""
+    """An output that records its playback times."""
 
     def __init__(self, output):
         self._output, self.played_s = output, []
@@ -198,8 +198,8 @@ class Timed:
 
 
 @pytest.mark.parametrize("rate", [1.01, 1.1, 1.3, 10.0])
-def test_stamps_that_run_fast_open_no_gate_early(watched, output, participant, rate):
-    """By our clock: those that ran 1.3 times as fast opened it after 0.23 of 0.3 s."""
+def test_fast_stamps_do_not_open_gate_early(watched, output, participant, rate):
+    """Regression: stamps 1.3 times too fast opened a 0.3 s gate after 0.23 s."""
     sensor, timed = streamed_force(Reader(Fast(rate)), 0, ForceCalibration(newtons_per_count=1.0)), Timed(output)
     bench = Bench(watched, Equipment(timed, {"tone": TONE}, sensor=sensor, release=False), texts_in("en", {}))
     participant.answers(1.0, "Escape")
@@ -214,8 +214,8 @@ def test_stamps_that_run_fast_open_no_gate_early(watched, output, participant, r
 STUCK = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=0.8)
 
 
-def test_a_force_that_never_left_its_band_lets_nothing_through(bench_with, log, watched):
-    """A sensor that is stuck from the beginning: the page says to lift the finger."""
+def test_stuck_force_plays_nothing(bench_with, log, watched):
+    """The sensor is stuck from the start, so the page asks to lift the finger."""
     touched = bench_with(lambda time_s: 1.0, release=True).answer(STUCK)
     assert (touched.valid, touched.invalid_reason) == (False, "timeout")
     assert log == ["output.open"]
@@ -225,8 +225,8 @@ def test_a_force_that_never_left_its_band_lets_nothing_through(bench_with, log, 
 @pytest.mark.parametrize(
     ("between_n", "plays"), [(1.0, False), (0.9, False), (1.3, True), (0.1, True), (math.nan, False)]
 )
-def test_between_two_touches_the_force_leaves_its_band(bench_with, log, watched, between_n, plays):
-    """It was 0.3 N before the first; after the first stimulus it is so much for a while, then held."""
+def test_force_must_leave_band_between_touches(bench_with, log, watched, between_n, plays):
+    """The force is `between_n` for a while after the first stimulus."""
     ended = []
 
     def force_n(time_s):
@@ -236,7 +236,7 @@ def test_between_two_touches_the_force_leaves_its_band(bench_with, log, watched,
         return between_n if len(ended) < 100 else 1.0
 
     bench = bench_with(force_n, release=True)
-    in_time = replace(STUCK, timeout_s=20.0)  # of a busy machine too
+    in_time = replace(STUCK, timeout_s=20.0)  # enough for a busy machine
     assert bench.answer(in_time).valid
     time.sleep(0.2)
     touched = bench.answer(in_time if plays else STUCK)
@@ -250,15 +250,15 @@ def words_of(page):
 
 
 @pytest.mark.parametrize(("drifted_n", "reason"), [(1.6, "too_heavy"), (0.5, "too_light")])
-def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with, log, drifted_n, reason):
+def test_force_drift_out_of_band_invalidates_trial(bench_with, log, drifted_n, reason):
     touched = bench_with(lambda time_s: drifted_n if "play 5 V" in log else 1.0).answer(PRESS)
     assert (touched.valid, touched.invalid_reason) == (False, reason)
     assert touched.force_in_band < 0.8
 
 
 @pytest.mark.usefixtures("unhurried_sensors")
-def test_the_delay_of_the_gate_is_that_of_the_stimulus_whatever_the_force_does_later(watched, output, log):
-    """It is out of its band, and back, while the stimulus plays: the gate opens once more."""
+def test_gate_delay_is_unaffected_by_later_force(watched, output, log):
+    """The force re-enters its band during the stimulus and reopens the gate."""
     left = iter([0.7] * 50)
     reader = Reader(Sampled(lambda time_s: next(left, 1.0) if "play 5 V" in log else 1.0, log))
     sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
@@ -275,20 +275,20 @@ def test_the_delay_of_the_gate_is_that_of_the_stimulus_whatever_the_force_does_l
     assert 0 <= told.facts["gate_delay_s"] < touched.onset_s - begin_s
 
 
-def test_a_gap_in_the_samples_restarts_the_hold(bench_with):
+def test_sample_gap_restarts_the_hold(bench_with):
     touched = bench_with(lambda time_s: None if 0.15 <= time_s < 0.18 else 1.0).answer(PRESS)
     assert touched.onset_s >= 0.18 + 0.2
     exact_case("a gap in the samples of a held force", against="a hold anew")
 
 
-def test_escape_closes_output_sensor_and_screen_in_this_order(bench_with, participant, log):
+def test_escape_closes_output_then_sensor_then_screen(bench_with, participant, log):
     participant.answers("Escape")
     with pytest.raises(Exception, match="Escape was pressed"):
         bench_with(held_from(60.0, 1.0)).answer(PRESS)
     assert list(dict.fromkeys(log)) == ["output.open", "output.stop", "output.close", "sensor.close", "screen.close"]
 
 
-def test_what_begins_as_the_time_is_over_is_a_stimulus_like_any_other(bench_with, output, log):
+def test_stimulus_starting_at_timeout_is_valid(bench_with, output, log):
     request = Press("tone", 5.0, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=0.4)
     touched = bench_with(held_from(0.0, 1.0), Slow(output, 1.0)).answer(request)
     assert touched.digest == TONE.at(5.0).digest()
@@ -297,7 +297,7 @@ def test_what_begins_as_the_time_is_over_is_a_stimulus_like_any_other(bench_with
 
 
 class Failing:
-    """A screen that fails while an output begins."""
+    """A screen that fails while an output starts."""
 
     def __init__(self, screen, output):
         self._screen, self._output = screen, output
@@ -311,7 +311,7 @@ class Failing:
         return self._screen.refresh(page)
 
 
-def test_nothing_is_closed_while_an_output_begins_in_another_thread(bench_with, watched, output, log):
+def test_devices_stay_open_while_output_starts(bench_with, watched, output, log):
     slow = Slow(output, 0.5)
     bench = bench_with(held_from(0.0, 1.0), slow, Failing(watched, slow))
     with pytest.raises(OSError, match="no screen"):
@@ -319,7 +319,7 @@ def test_nothing_is_closed_while_an_output_begins_in_another_thread(bench_with, 
     assert log == ["output.open", "play 5 V", "output.stop", "output.close", "sensor.close", "screen.close"]
 
 
-def test_a_slide_is_held_like_a_press(bench_with, log):
+def test_slide_requires_held_force(bench_with, log):
     request = Slide("tone", None, 0.3, 1.0, 0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05)
     touched = bench_with(held_from(0.0, 1.0)).answer(request)
     assert (touched.valid, touched.digest, touched.speed_mean_m_per_s) == (True, None, None)
@@ -327,7 +327,7 @@ def test_a_slide_is_held_like_a_press(bench_with, log):
 
 
 @pytest.mark.parametrize("lost", [None, math.nan], ids=["silent", "lost samples"])
-def test_an_interval_without_a_gate_stops_with_the_sensor_and_begins_anew(bench_with, log, lost):
+def test_ungated_interval_restarts_after_sensor_loss(bench_with, log, lost):
     said = iter([lost] * 300)
     bench = bench_with(lambda time_s: next(said, 1.0) if "play 5 V" in log else 1.0)
     played = bench.answer(Play("tone", 5.0, 1.0))
@@ -337,12 +337,12 @@ def test_an_interval_without_a_gate_stops_with_the_sensor_and_begins_anew(bench_
     assert played.digest == TONE.at(5.0).digest()
 
 
-def test_an_interval_under_a_sensor_that_speaks_plays_once(bench_with, log):
+def test_ungated_interval_plays_once_with_working_sensor(bench_with, log):
     bench_with(lambda time_s: 1.0).answer(Play("tone", 5.0, 0.3))
     assert log == ["output.open", "play 5 V"]
 
 
-def test_a_level_that_is_set_stops_with_the_sensor_and_begins_anew(bench_with, log, participant):
+def test_adjustment_restarts_after_sensor_loss(bench_with, log, participant):
     said, again = iter([None] * 300), threading.Event()
 
     def force_n(time_s):
@@ -359,8 +359,8 @@ def test_a_level_that_is_set_stops_with_the_sensor_and_begins_anew(bench_with, l
     assert log[-1] == "output.stop"
 
 
-def test_after_a_touch_that_does_not_count_the_next_says_why_until_it_plays(bench_with, watched):
-    """And no more after a page, or after one that counts."""
+def test_next_touch_shows_why_last_was_invalid(bench_with, watched):
+    """The reason is not shown after another page or after a valid touch."""
     told = "Too light: press more, until the bar stays between the lines"
     bench = bench_with(lambda time_s: 1.0)
 

@@ -1,4 +1,4 @@
-"""Questionnaires and typed numbers in a real window, and every study there from start to end, by real key events."""
+"""Questionnaires, typed numbers and complete studies in a real window."""
 
 import threading
 from dataclasses import replace
@@ -41,7 +41,7 @@ def drawn(request=PAGE):
 
 
 def place(row, k, request=PAGE):
-    """Where place `k` of a row lies."""
+    """Return the screen coordinates of position `k` of a row."""
     page = drawn(request)
     pitch = (form.TOP - form.BOTTOM) / len(page.rows)
     y = form.scale_y(page, row, form.TOP - (row + 0.5) * pitch, pitch)
@@ -56,7 +56,7 @@ def bench(watched, output):
 
 
 @pytest.mark.parametrize(("pressed", "code"), [("3", 3), ("0", 0), ((0.0, 0.24), 1)])
-def test_a_question_about_a_person_is_answered_by_its_digit_or_a_touch(watched, output, participant, pressed, code):
+def test_demographics_accept_digit_or_touch(watched, output, participant, pressed, code):
     form = load_choices("demographics")
     bench = Bench(watched, Equipment(output, {}), texts_in("fr", words_of(form, "fr")))
     participant.answers(pressed)
@@ -64,7 +64,7 @@ def test_a_question_about_a_person_is_answered_by_its_digit_or_a_touch(watched, 
     bench.close()
 
 
-def test_a_page_is_filled_by_digits_row_after_row(bench, participant):
+def test_digits_fill_form_row_by_row(bench, participant):
     participant.answers(*"1234567", "Return")
     filled = bench.answer(PAGE)
     assert filled.values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
@@ -72,28 +72,28 @@ def test_a_page_is_filled_by_digits_row_after_row(bench, participant):
     assert filled.timestamp_utc.endswith("+00:00")
 
 
-def test_a_page_is_filled_by_touch_in_any_order_and_answers_can_be_changed(bench, participant):
+def test_touch_fills_and_changes_form_in_any_order(bench, participant):
     touches = [place(row, row) for row in (6, 2, 0, 1, 5, 4, 3)]
     participant.answers(*touches, place(6, 0), 0.05, OK)
     assert bench.answer(PAGE).values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1.0)
 
 
-def test_arrows_move_between_rows_and_home_and_end_along_them(bench, participant):
+def test_arrow_home_and_end_keys_navigate_form(bench, participant):
     participant.answers(*"1111111", "Up", "Right", "Right", "Up", "End", "Up", "End", "Home", "Right", "Return")
     assert bench.answer(PAGE).values == (1.0, 1.0, 1.0, 2.0, 7.0, 3.0, 1.0)
 
 
-def test_an_arrow_enters_an_open_row_from_its_own_end_and_proposes_no_middle(bench, participant):
+def test_arrow_enters_empty_row_from_matching_end(bench, participant):
     participant.answers("Right", "Down", "Left", "Down", *"11111", "Return")
     assert bench.answer(PAGE).values == (1.0, 7.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 
 
-def test_return_upon_return_does_not_leave_an_open_page(bench, participant):
+def test_repeated_return_does_not_leave_incomplete_page(bench, participant):
     participant.answers(*["Return"] * 4, *"2222222", "Return")
     assert bench.answer(PAGE).values == (2.0,) * 7
 
 
-def test_leaving_with_gaps_takes_a_key_of_its_own(bench, participant, watched):
+def test_leaving_incomplete_page_requires_separate_key(bench, participant, watched):
     hint, asked = texts_in("en", {}).message("hint_gaps"), threading.Event()
 
     def refresh(page):
@@ -106,37 +106,37 @@ def test_leaving_with_gaps_takes_a_key_of_its_own(bench, participant, watched):
     assert bench.answer(PAGE).values == (4.0, *(None,) * 6)
 
 
-def test_nothing_is_marked_before_an_answer(bench):
+def test_form_is_unmarked_before_an_answer(bench):
     blank = form.Marks((None,) * 7)
     page = form.form_page(drawn(), blank, ASPECT)
     assert not [item for item in page.items if getattr(item, "fill", None) == form.GOOD]
 
 
-def test_a_continuous_line_is_answered_where_it_is_touched(bench, participant):
+def test_touch_sets_value_on_continuous_line(bench, participant):
     participant.answers(place(0, 75, VAS), place(1, 50, VAS), 0.05, OK)
     assert bench.answer(VAS).values == pytest.approx((75, 50), abs=1)
 
 
-def test_a_drag_along_a_line_ends_where_it_is_let_go_and_answers_its_own_row_alone(bench, participant, hands):
+def test_drag_sets_its_row_at_release_point(bench, participant, hands):
     (x, _), (far, low) = place(0, 20, VAS), place(1, 90, VAS)
-    participant.answers(  # a click has the time at which it is heard of: the keys wait for it
+    participant.answers(  # a click is stamped when it is read, so the keys wait for it
         lambda: hands.drag(place(0, 20, VAS), (0.5 * (x + far), low), (far, low)), 0.3, *TO_THE_END, "Return"
     )
     assert bench.answer(VAS).values == pytest.approx((90, 100), abs=1)
 
 
-def test_a_key_that_is_held_moves_on(bench, participant, hands):
+def test_held_arrow_key_keeps_moving(bench, participant, hands):
     participant.answers("Home", lambda: hands.tap("Right", hold_s=1.0), *TO_THE_END, "Return")
     moved, _ = bench.answer(VAS).values
     assert 5 <= moved < 100
 
 
-def test_a_held_key_answers_a_choice_once(bench, participant, hands):
+def test_held_key_answers_once(bench, participant, hands):
     participant.answers(lambda: hands.tap("Return", hold_s=0.8), *"1111111", "Return")
     assert bench.answer(PAGE).values == (1.0,) * 7
 
 
-def test_a_page_goes_back_to_the_one_before_with_its_marks(bench, participant):
+def test_going_back_restores_previous_page_marks(bench, participant):
     participant.answers("3", "BackSpace")
     left = bench.answer(SECOND)
     assert (left.back, left.values[:2]) == (True, (3.0, None))
@@ -145,7 +145,7 @@ def test_a_page_goes_back_to_the_one_before_with_its_marks(bench, participant):
     assert (again.back, again.values) == (False, (1.0, 2.0, 4.0, 5.0, 5.0))
 
 
-def test_a_page_says_what_it_is_about_and_which_it_is():
+def test_form_page_shows_prompt_and_page_number():
     page = form.form_page(drawn(SECOND), form.Marks((None,) * 5), ASPECT)
     words = {getattr(item, "words", "") for item in page.items}
     assert {"The surface that you felt was …", "Page 2 of 2", *"1234567"} <= words
@@ -161,55 +161,57 @@ def test_a_page_says_what_it_is_about_and_which_it_is():
     ],
     ids=["keys", "corrected", "not empty", "touch"],
 )
-def test_a_number_is_typed_or_touched(bench, participant, acts, value):
+def test_number_accepts_keys_or_touch(bench, participant, acts, value):
     participant.answers(*acts)
     assert bench.answer(Enter("how_strong", 0.0)).value == value
 
 
-def test_a_number_beside_its_bounds_is_not_taken(bench, participant):
+def test_number_out_of_bounds_is_ignored(bench, participant):
     participant.answers("5", "0", "Return", 0.1, "BackSpace", "Return")
     assert bench.answer(Enter("how_strong", 0.0, 10.0)).value == 5.0
 
 
-def test_a_timed_page_passes_by_itself(bench):
+def test_timed_page_closes_itself(bench):
     before_s = bench.answer(Show("right", duration_s=0.1)).at_s
     assert bench.answer(Show("wrong", duration_s=0.3)).at_s - before_s >= 0.3
 
 
-def test_a_questionnaire_without_the_language_is_refused(bench, watched, output):
+def test_questionnaire_without_session_language_is_refused(bench, watched, output):
     italian = Bench(watched, Equipment(output, {}), replace(texts_in("en", {}), language="it"))
     with pytest.raises(InvalidParameter, match="item 'ATT1': found no words in 'it', expected one of"):
         italian.answer(PAGE)
 
 
 @pytest.mark.parametrize(("name", "language"), [("attrakdiff", "fr"), ("sus", "en"), ("nasa-tlx", "en")])
-def test_pages_are_drawn_for_a_look(screen, artefacts, name, language):
+def test_form_pages_are_saved_as_pictures(screen, artefacts, name, language):
     image = screen.picture(form_pages(name, language, screen.aspect)[0])
     image.save(artefacts / f"form_{name}.png")
     assert len(set(image.convert("L").getdata())) > 20
 
 
-def test_the_entry_page_is_drawn_for_a_look(screen, artefacts):
+def test_entry_page_is_saved_as_picture(screen, artefacts):
     screen.picture(entry_page(screen.aspect)).save(artefacts / "entry.png")
 
 
-# --- studies from start to end
+# --- complete studies
 
 LEARNT = "time-reversal-threshold"
 OTHERS = ("time-reversal-patterns", "time-reversal-localisation", "hybrid-button", "electrovibration-threshold")
 BLINDLY = (LEARNT, *OTHERS)
-"""Studies that keys alone lead through."""
+"""Studies that can be completed by keys alone."""
 
 
 @pytest.fixture
 def in_the_window(display, screen, capsys):
-    """Runs a command line whose window opens in front of that of the other tests; keys that lead through every page are
-    tapped, over and over, until it ends. The keyboard of both windows is one, and ends with the command's."""
+    """A function that runs a command and taps keys that pass every page.
+
+    The command shares its keyboard with the window of the other tests, so the keyboard is restarted afterwards.
+    """
     ended = threading.Event()
 
     def tap_all():
         while not ended.wait(0.02):
-            for key in ("space", "y", "4", "2", "0"):  # 0 leaves the places of a line open
+            for key in ("space", "y", "4", "2", "0"):  # 0 leaves a continuous line unanswered
                 display.tap(key, 0.01)
 
     def run(*arguments):
@@ -226,7 +228,7 @@ def in_the_window(display, screen, capsys):
 
 
 def learnt(name, folder):
-    """What a bench file says of the responses that were learnt on it."""
+    """Return the bench tables for learnt responses, if the study uses them."""
     if name != LEARNT:
         return ""
     write_responses(folder / "learnt.npz", noise_db=40.0, factor=1.5)
@@ -235,7 +237,7 @@ def learnt(name, folder):
 
 
 def check_played(folder):
-    """What was played came from the learnt responses."""
+    """Check that the played signals were computed from the learnt responses."""
     [journal] = (folder / "d" / "journals").glob("*.jsonl")
     recording = read(journal)
     assert recording.head.facts["responses_measured"] == "2026-11-20 ZG"
@@ -247,7 +249,7 @@ def check_played(folder):
 
 
 @pytest.mark.parametrize("name", BLINDLY)
-def test_a_shortened_study_is_completed_in_the_window_and_replays(in_the_window, tmp_path, name):
+def test_shortened_study_completes_in_window_and_replays(in_the_window, tmp_path, name):
     (tmp_path / "s.toml").write_text(shortened(name), "utf-8")
     (tmp_path / "bench.toml").write_text(f"[screen]\nfullscreen = false\n{learnt(name, tmp_path)}", "utf-8")
     run = ("run", tmp_path / "s.toml", "--participant", "P01", "--seed", 3, "--bench", tmp_path / "bench.toml")

@@ -1,4 +1,4 @@
-"""The frame period: measured, held against the mode of the screen, and believed where it can be one."""
+"""Frame period: measurement, comparison with the screen mode, and pacing."""
 
 import time
 from types import SimpleNamespace
@@ -15,7 +15,7 @@ rates_hz = st.sampled_from([30.0, 50.0, 59.94, 60.0, 75.0, 120.0, 144.0, 240.0])
 
 
 @given(rates_hz, st.booleans(), st.floats(0.0, 0.03), st.integers(0, 3))
-def test_the_period_of_a_blank_is_believed_though_some_frames_were_dropped(rate_hz, told, jitter, n_dropped):
+def test_frame_period_is_trusted_despite_dropped_frames(rate_hz, told, jitter, n_dropped):
     rng = np.random.default_rng(0)
     intervals_s = (1 + jitter * rng.uniform(-1, 1, 20)) / rate_hz
     intervals_s[:n_dropped] *= 2
@@ -25,14 +25,14 @@ def test_the_period_of_a_blank_is_believed_though_some_frames_were_dropped(rate_
 
 
 @given(st.lists(st.floats(4.4e-3, 95e-3), min_size=20, max_size=20), rates_hz)
-def test_frames_under_load_are_no_period_of_a_screen_unless_they_are_its(intervals_s, rate_hz):
-    """The medians of what was measured under load were 4.4 to 95 ms."""
+def test_loaded_frame_intervals_are_not_trusted(intervals_s, rate_hz):
+    """Medians measured under load were 4.4 to 95 ms."""
     rhythm = rhythm_of(intervals_s, rate_hz)
     assert abs(rhythm.period_s * rate_hz - 1) <= 0.1 + 1e-9
     assert rhythm.trusted or rhythm.period_s == 1 / rate_hz
 
 
-def test_what_is_not_believed_is_said_with_what_is_expected():
+def test_untrusted_period_warning_states_expected_period():
     loaded = rhythm_of([0.02, 0.06, 0.09, 0.03] * 5, 60.0)
     assert loaded.caution.startswith("screen: found frames of 45.0 ms, expected 16.7 ms by the mode of the screen")
     assert "expected 16.7 ms by assumption" in rhythm_of([0.02, 0.06, 0.09, 0.03] * 5, None).caution
@@ -41,13 +41,13 @@ def test_what_is_not_believed_is_said_with_what_is_expected():
 
 @pytest.mark.parametrize(("nominal_hz", "period_s"), [(None, PERIOD_WITHOUT_BLANK_S), (120.0, 1 / 120)])
 @pytest.mark.parametrize("fast_s", [0.0007, 0.003])
-def test_frames_that_wait_for_no_blank_are_paced_at_the_period_of_the_mode(nominal_hz, period_s, fast_s):
+def test_unsynchronised_frames_are_paced_at_mode_period(nominal_hz, period_s, fast_s):
     rhythm = rhythm_of([fast_s, *[2 * fast_s] * 3] * 5, nominal_hz)
     assert (rhythm.trusted, rhythm.in_software, rhythm.period_s) == (False, True, period_s)
     assert rhythm.caution is None
 
 
-def test_a_screen_whose_mode_is_another_than_it_shows_is_not_believed():
+def test_period_differing_from_mode_is_not_trusted():
     assert not rhythm_of([1 / 60] * 20, 144.0).trusted
     assert rhythm_of([1 / 60] * 20, 144.0).period_s == 1 / 144
 
@@ -63,11 +63,11 @@ def test_a_screen_whose_mode_is_another_than_it_shows_is_not_believed():
         (None, None),
     ],
 )
-def test_the_mode_of_a_screen_tells_its_rate_where_it_does(mode, rate_hz):
+def test_nominal_rate_is_read_from_screen_mode(mode, rate_hz):
     assert nominal_rate_hz(mode) == (None if rate_hz is None else pytest.approx(rate_hz))
 
 
-def test_a_pacer_keeps_the_period_once_frames_come_too_fast():
+def test_pacer_waits_after_frames_are_too_fast():
     pacer = Pacer(Rhythm(0.05, 0.01, trusted=False, in_software=False))
     for _ in range(9):
         pacer.after(0.001)
@@ -82,11 +82,11 @@ def test_a_pacer_keeps_the_period_once_frames_come_too_fast():
     assert time.perf_counter() - begin_s >= 0.1
 
 
-# --- the window itself
+# --- window
 
 
-def test_a_window_whose_first_frames_were_slow_counts_by_what_is_expected(screen, monkeypatch):
-    """Three measurements under load; a mode of 60 Hz, which a virtual screen does not tell."""
+def test_window_uses_nominal_period_after_slow_start(screen, monkeypatch):
+    """Three measurements under load, with a simulated mode of 60 Hz."""
     late_s = iter(np.random.default_rng(0).uniform(0.014, 0.06, 63).tolist())
     monkeypatch.setattr(type(screen), "_flip", lambda self: time.sleep(next(late_s)) or time.perf_counter())
     monkeypatch.setattr("tactometry.rigs.window.nominal_rate_hz", lambda mode: 60.0)
@@ -107,7 +107,7 @@ def test_a_window_whose_first_frames_were_slow_counts_by_what_is_expected(screen
     assert (finding.expected, finding.fine) == ("16.67 ms", False)
 
 
-def test_a_virtual_screen_is_paced(watched):
+def test_virtual_screen_is_paced_in_software(watched):
     facts = watched.facts()
     assert (facts["frame_period_nominal_s"], facts["frame_period_trusted"]) == (None, False)
     assert (facts["frame_period_s"], facts["frames_paced_in_software"]) == (0.016667, True)

@@ -1,4 +1,4 @@
-"""A PsychoPy script with our touches in it: the one of the docs, run in a real window by hands, with a real force."""
+"""The documented PsychoPy script, run in a real window."""
 
 import json
 import os
@@ -20,12 +20,12 @@ from tactometry.questionnaire import load
 
 N_TRIALS = 4
 OURS = 9
-"""Lines that a script gains, as the page says."""
+"""Number of lines that the how-to page adds to the script."""
 
 
 @pytest.fixture(scope="module")
 def sitting(display, tmp_path_factory):
-    """The script of the docs, and the bench with a hand that presses 1 N."""
+    """Result of the documented script with an emulated hand that presses 1 N."""
     folder = tmp_path_factory.mktemp("script")
     hand = hand_and_bench(folder)
     [script] = texts_of("how_to/psychopy.md", "python")
@@ -39,7 +39,7 @@ def sitting(display, tmp_path_factory):
     return folder, status, output, errors
 
 
-def test_a_script_of_psychopys_gains_a_touch_a_stimulus_a_procedure_and_a_questionnaire(sitting):
+def test_psychopy_script_records_trials_and_questionnaire(sitting):
     folder, status, output, errors = sitting
     assert status == 0, errors
     assert output.splitlines()[-1] == "threshold None censored_below"  # everything was felt
@@ -53,13 +53,13 @@ def test_a_script_of_psychopys_gains_a_touch_a_stimulus_a_procedure_and_a_questi
     assert len(list((folder / "played").glob("*.npz"))) == N_TRIALS + 1
 
 
-def test_what_the_page_calls_nine_lines_are_nine():
+def test_documented_script_has_nine_numbered_lines():
     [script] = texts_of("how_to/psychopy.md", "python")
     numbered = [line for line in script.splitlines() if "  # " in line]
     assert [int(line.split("  # ")[1].split(":")[0]) for line in numbered] == list(range(1, OURS + 1))
 
 
-def test_its_data_are_read_with_the_map_of_the_page(sitting):
+def test_script_data_load_with_documented_column_map(sitting):
     folder, *_ = sitting
     trials = read_trials(folder / "P01.csv", within=[], column_map=read_column_map(folder / "columns.toml"))
     used = used_rows(trials)
@@ -70,36 +70,36 @@ def test_its_data_are_read_with_the_map_of_the_page(sitting):
 
 @pytest.fixture
 def guest(screen):
-    """In a window of this process, where nothing is played."""
+    """A guest in a window of this process, without an output."""
     with Guest(screen._window, "tutorial") as made:
         yield made
 
 
-def test_a_cell_that_a_study_does_not_have_is_named(guest):
+def test_unknown_cell_is_named(guest):
     for factors, found in ({}, "none"), ({"frequency_hz": 61}, "frequency_hz = 61"):
         with pytest.raises(InvalidParameter, match=f"found {found}, expected those of a cell: frequency_hz = 60; "):
             guest.procedure(**factors)
 
 
-def test_a_stimulus_that_plays_beside_ends_with_its_time(guest):
+def test_background_stimulus_ends_after_its_duration(guest):
     beside, n_looks = guest.begin(34.0, frequency_hz=60), 0
     while beside.look():
         n_looks += 1
     assert n_looks > 1
     assert not beside.cut
-    assert beside.end().level_delivered is None  # nothing plays there
+    assert beside.end().level_delivered is None  # there is no output
 
 
-def test_a_questionnaire_that_is_none_is_refused(guest):
+def test_unknown_questionnaire_is_refused(guest):
     with pytest.raises(InvalidParameter, match="found 'attrackdiff', expected one of .*; did you mean 'attrakdiff'"):
         guest.questionnaire("attrackdiff")
 
 
-def test_its_answers_to_the_questionnaire_are_scored_with_the_map_of_the_page(sitting, capsys):
+def test_questionnaire_scores_with_documented_column_map(sitting, capsys):
     folder, *_ = sitting
     words = ("--columns", folder / "attrakdiff.toml", "--within", "", "--json")
     status, _, told = call(capsys, "analyse", folder / "P01.csv", *words)
     assert status == 0
     [scores] = json.loads(told)["questionnaires"].values()
     means = {row["dimension"]: row["mean"] for row in scores}
-    assert means == dict.fromkeys(("ATT", "HQ", "HQI", "HQS", "PQ"), 0.0)  # all in the middle of their scales
+    assert means == dict.fromkeys(("ATT", "HQ", "HQI", "HQS", "PQ"), 0.0)  # every answer was the scale midpoint

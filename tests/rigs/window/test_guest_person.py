@@ -1,4 +1,4 @@
-"""Questions about a person, and a study's own words, in the window of a PsychoPy script."""
+"""Demographic questions and study texts in a PsychoPy script's window."""
 
 import queue
 
@@ -35,7 +35,7 @@ TOLD = 'kind = "yes_no"\nprompt = { en = "Was there a buzz?", fr = "Y avait-il u
 
 @pytest.fixture
 def pages(monkeypatch):
-    """What is shown, as it is shown."""
+    """A queue of the texts of each page, filled as the pages are shown."""
     shown, present = queue.Queue(), Window.present
 
     def noted(window, page):
@@ -49,7 +49,7 @@ def pages(monkeypatch):
 
 @pytest.fixture
 def presses(pages, hands, in_background):
-    """Presses some keys, one on each page; what the pages said is in the list that is returned."""
+    """A function that presses keys on each page and returns the page texts."""
 
     def start(*keys):
         seen = []
@@ -83,7 +83,7 @@ def guest_with(screen, tmp_path):
 
 @pytest.fixture
 def experiment(screen):
-    """The handler of PsychoPy's that a script has; it is imported once there is a display."""
+    """A PsychoPy experiment handler; its import requires a display."""
     del screen
     from psychopy import data
 
@@ -94,7 +94,7 @@ def rows_of(experiment, form):
     return [tuple(row.get(f"{form}.{name}") for name in ("item", "response", "category")) for row in experiment.entries]
 
 
-def test_questions_about_a_person_have_rows_with_the_words_of_their_codes(guest_with, presses, experiment):
+def test_demographics_rows_include_category_labels(guest_with, presses, experiment):
     guest = guest_with(TUTORIAL, FRENCH)
     seen = presses("3", "1", "0")
     assert guest.questionnaire("demographics", experiment) == {"age_band": 3.0, "handedness": 1.0, "gender": 0.0}
@@ -103,7 +103,7 @@ def test_questions_about_a_person_have_rows_with_the_words_of_their_codes(guest_
     assert "De quelle main" in seen[1]
 
 
-def test_what_was_answered_before_escape_is_in_the_data(guest_with, presses, experiment, monkeypatch):
+def test_answers_before_escape_are_kept(guest_with, presses, experiment, monkeypatch):
     monkeypatch.setattr("tactometry.rigs.experimenter.supervisor.STOPPED_S", 0.05)
     guest = guest_with(TUTORIAL)
     presses("1", ["Escape"])
@@ -112,26 +112,26 @@ def test_what_was_answered_before_escape_is_in_the_data(guest_with, presses, exp
     assert [item for item, *_ in rows_of(experiment, "demographics")] == ["age_band"]
 
 
-def test_a_number_is_asked_where_the_study_says_that_it_may(guest_with, presses, experiment):
+def test_identifying_number_is_asked_when_study_permits(guest_with, presses, experiment):
     guest = guest_with(TUTORIAL + HABITS + ASKED)
     presses("2", "1", ["4", "2", "Return"])
     assert guest.questionnaire("habits", experiment) == {"screens": 2.0, "age_years": 42.0}
     assert rows_of(experiment, "habits") == [("screens", 2.0, "less often"), ("age_years", 42.0, "")]
 
 
-def test_a_number_that_could_tell_who_somebody_is_is_refused_otherwise(guest_with):
+def test_identifying_number_is_refused_by_default(guest_with):
     guest = guest_with(TUTORIAL + HABITS)
     with pytest.raises(InvalidParameter, match="questionnaire habits: found age_years, which could tell who somebody"):
         guest.questionnaire("habits")
 
 
-def test_a_form_without_words_in_the_language_of_the_bench_is_refused(guest_with):
+def test_form_without_bench_language_is_refused(guest_with):
     guest = guest_with(TUTORIAL + HABITS + ASKED, FRENCH)
     with pytest.raises(InvalidParameter, match="questionnaire habits: found no words in 'fr', expected one of en; "):
         guest.questionnaire("habits")
 
 
-def test_a_trial_asks_in_the_words_of_the_study(guest_with, pages, hands, in_background):
+def test_trial_shows_the_study_prompt(guest_with, pages, hands, in_background):
     guest = guest_with(changed(TUTORIAL, {'kind = "yes_no"': TOLD}), FRENCH)
     asked = "Y avait-il un bourdonnement ?"
 

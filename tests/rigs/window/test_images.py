@@ -1,4 +1,4 @@
-"""Images on pages of text: shown in the window, and refused before a session begins where they cannot be."""
+"""Images on text pages, and errors before a session begins."""
 
 from dataclasses import replace
 
@@ -30,13 +30,13 @@ def stated(file):
     return ImageTable(str(file), sha256(file.read_bytes()))
 
 
-def test_an_image_stands_upright_between_heading_and_text_of_its_page_alone(watched, output, file, artefacts):
+def test_image_is_drawn_upright_on_its_page_only(watched, output, file, artefacts):
     texts = replace(texts_in("en", {}), images={"welcome": image_of(stated(file), "images.welcome")})
     rig = Bench(watched, Equipment(output, {}), texts)
     page = rig._message(Show("welcome", {}), "hint_continue")
     [drawn] = [item for item in page.items if isinstance(item, Picture)]
     assert drawn.width / drawn.height == pytest.approx(2.0)
-    for _ in range(2):  # it is drawn again as it was
+    for _ in range(2):  # redrawing gives the same picture
         shown = watched.picture(page).convert("RGB")
     shown.save(artefacts / "image.png")
     width, height = shown.size
@@ -47,7 +47,7 @@ def test_an_image_stands_upright_between_heading_and_text_of_its_page_alone(watc
     rig.close()
 
 
-def test_what_is_no_such_image_is_refused_in_one_sentence(file):
+def test_invalid_images_are_refused(file):
     (file.parent / "words.png").write_text("no image")
     for table, message in (
         (ImageTable("absent.png"), "absent.png: cannot be read"),
@@ -68,7 +68,7 @@ def test_what_is_no_such_image_is_refused_in_one_sentence(file):
     ],
     ids=["page", "file", "dry run"],
 )
-def test_a_session_does_not_begin_without_its_image(tmp_path, capsys, words, table, message):
+def test_session_does_not_start_without_its_image(tmp_path, capsys, words, table, message):
     (tmp_path / "s.toml").write_text(f"{TUTORIAL}{table}", "utf-8")
     run = ("run", tmp_path / "s.toml", "--participant", "P01", *words, "--out", tmp_path / "d")
     status, said, _ = call(capsys, *run)

@@ -1,4 +1,4 @@
-"""A session that is killed while a questionnaire stands on the screen goes on with that page and its marks."""
+"""Resuming a session that was killed during a questionnaire."""
 
 import time
 from contextlib import contextmanager
@@ -22,7 +22,7 @@ RATED = {
 
 
 def until(holds, act=lambda: None):
-    """Act, again and again, until something holds."""
+    """Repeat an action until a condition is true."""
     deadline_s = time.perf_counter() + LONGEST_WAIT_S
     while not holds():
         assert time.perf_counter() < deadline_s
@@ -32,7 +32,7 @@ def until(holds, act=lambda: None):
 
 @contextmanager
 def sitting(*arguments):
-    """The session in a process, killed where it is left."""
+    """Run a session in a process that is killed when the context ends."""
     process = tactometry(*arguments)
     try:
         yield process
@@ -41,7 +41,7 @@ def sitting(*arguments):
         process.communicate()
 
 
-def test_a_kill_on_page_two_goes_on_there_with_what_was_marked(display, tmp_path):
+def test_killed_form_resumes_on_its_page_with_marks(display, tmp_path):
     (tmp_path / "s.toml").write_text(changed(TUTORIAL, RATED), "utf-8")
     run = ("run", tmp_path / "s.toml", "--participant", "P01", "--rig", "bench", "--seed", "7", "--out", tmp_path / "d")
 
@@ -53,7 +53,7 @@ def test_a_kill_on_page_two_goes_on_there_with_what_was_marked(display, tmp_path
         until(lambda: kept('"values":[2.0,2.0,2.0,2.0,2.0]'), lambda: display.tap("2"))
         until(lambda: kept('"Fill"'), lambda: display.tap("Return"))
         until(lambda: kept('"values":[7.0,null,null,null,null]'), lambda: kept("[7") or display.tap("7"))
-    with sitting(*run, "--resume") as second:  # one of five stands there
+    with sitting(*run, "--resume") as second:  # one of five items is already marked
         until(lambda: kept('"values":[7.0,3.0,3.0,3.0,3.0]'), lambda: display.tap("3"))
         until(lambda: second.poll() is not None, lambda: display.tap("Return"))
     rows = [row for row in trial_rows(tmp_path / "d") if row["item"]]

@@ -1,4 +1,4 @@
-"""A session is killed on each kind of page: it goes on there, and nothing is asked twice that was answered."""
+"""Resuming sessions that were killed on each kind of page."""
 
 import re
 import signal
@@ -28,7 +28,7 @@ RESTING = {
     "n_of = 5": "n_of = 1",
     "n_trials = 20": "n_trials = 3",
     "catch_rate = 0.2": "catch_rate = 0.0",
-    "repeats = 1": "repeats = 2",  # the pause behind a page of feedback that was killed passes before the finger looks
+    "repeats = 1": "repeats = 2",  # the pause after a killed feedback page ends before the finger looks
 }
 PRESSED = """[touch]
 kind = "press"
@@ -48,7 +48,7 @@ def with_rests():
 
 
 def of_two_pages():
-    """A slide with a form, and a questionnaire of two pages at the end."""
+    """Return a study with slides, a form and a final two-page questionnaire."""
     study = shortened("hybrid-button")
     study = re.sub(r"\[variants\.feedback\.(time_reversal|both)[\s\S]*?(?=\n\n)", "", study)
     return changed(study, {'["time_reversal", "electrovibration", "both"]': '["electrovibration"]', **ONE})
@@ -69,9 +69,9 @@ def with_consent():
 
 
 N_BEFORE_CONSENT = 2
-"""Welcome, and what taking part means."""
+"""Requests before the consent question: the welcome and consent pages."""
 TRIED = "tried"
-"""The study whose touch is explained and tried before its first one, in each sitting."""
+"""Name of the study with a dry run, which repeats after each resume."""
 STUDIES = {
     "rests": (with_rests, {"welcome", "instructions", "practice", "feedback", "block", "resting", "rest", "end"}),
     "forms": (of_two_pages, {"Slide", "questions", "Fill 1", "Fill 2"}),
@@ -81,7 +81,7 @@ STUDIES = {
     "choices": (lambda: shortened("tutorial"), {"Choose"}),
     TRIED: (lambda: shortened("tutorial"), {"Slide"}),
 }
-"""Studies and the pages on which each is killed."""
+"""Study functions, each with the pages on which the session is killed."""
 NO_REQUEST = {
     "key_test": "belongs to check",
     "pause": "the experimenter's",
@@ -92,8 +92,8 @@ NO_REQUEST = {
 }
 
 
-def test_every_page_that_a_session_shows_is_one_that_is_killed():
-    """Requests that protocols put, by their names; a page of words by that of its message, instructions by one name."""
+def test_kill_test_covers_every_session_page():
+    """Pages are named by request type or message; instructions share a name."""
     protocols = "".join(path.read_text("utf-8") for path in (ROOT / "protocols").rglob("*.py"))
     put = {name for name in REQUESTS if re.search(rf"\b{name}\(", protocols)}
     asked = put - {"Record", "Show", "Fill", "Intervene"} | {"agree", "feedback", "Fill 1", "Fill 2"}
@@ -107,7 +107,7 @@ def one_name(message):
 
 
 class Turns:
-    """Draws that take turns, so that answers are right and wrong."""
+    """A generator of alternating draws for correct and incorrect answers."""
 
     def __init__(self):
         self._numbers, self._ways = count(1), cycle([0.0, 0.5])
@@ -122,23 +122,25 @@ class Turns:
 
 @dataclass(frozen=True)
 class Killed:
-    """A page on which the session was killed: what was seen, the picture, and how many requests were answered then."""
+    """A page on which the session was killed."""
 
     seen: Seen
     picture: np.ndarray
     n_answered: int
     is_explained: bool
-    """Whether a touch is explained anew in each sitting."""
+    """True if the dry run repeats after each resume."""
 
     def tells(self, finger):
-        """Whether what is seen tells where a session goes on: what passes by itself, as a pause until the sensor is
-        there, does not."""
+        """Return True if the current page shows where a session resumed.
+
+        Pages that close themselves do not, such as a pause until the sensor is available.
+        """
         if finger.seen.kind == "words":
             return finger.steady and finger.seen.asks
         return finger.seen.kind == "touch" or (finger.steady and finger.seen.kind != "nothing")
 
     def is_where(self, finger):
-        """Whether a session that goes on is there: within a trial, at its touch."""
+        """Return True if a session resumed on this page or its trial's touch."""
         seen = finger.seen
         match self.seen.kind:
             case "words":
@@ -157,12 +159,12 @@ def journal_of(data):
 
 
 def n_answered(data):
-    """By the lines of the journal of a session that was killed."""
+    """Count the answered requests in the journal of a killed session."""
     return sum(line.startswith(b'{"request"') for line in journal_of(data).read_bytes().splitlines())
 
 
 def page_of(requests, n):
-    """The name of the page that shows a request, of some in their order."""
+    """Return the page name of request `n` in a sequence of requests."""
     request = requests[n]
     if isinstance(request, Show) and request.message in ("right", "wrong"):
         return "feedback"
@@ -177,7 +179,7 @@ def page_of(requests, n):
 
 
 def killed_on_each_page(seat, turns):
-    """A session that is killed on each page that was not seen before, and goes on until it has ended."""
+    """Kill a session on each new page and resume it until it completes."""
     known, killed, said = set(), [], []
 
     def is_new(finger):
@@ -204,7 +206,7 @@ def killed_on_each_page(seat, turns):
 
 @contextmanager
 def stopping(process):
-    """A process that is killed behind this, if it has not ended."""
+    """Kill a process when the context ends."""
     try:
         yield process
     finally:
@@ -213,7 +215,10 @@ def stopping(process):
 
 
 def is_whole(finger):
-    """Whether it is a page, as it stays, and of a form with a mark; what passes by itself may be seen once only."""
+    """Return True if a steady page is visible, with a mark if it is a form.
+
+    Pages that close themselves need not be steady.
+    """
     seen = finger.seen
     passes = seen.kind == "touch" or (seen.kind == "words" and not seen.asks)
     is_page = seen.kind != "nothing" and (seen.kind != "form" or any_marked(seen))
@@ -221,7 +226,10 @@ def is_whole(finger):
 
 
 def told_px(seen):
-    """How much of a picture tells the page, from above: all words, of a form what it is about and which page it is."""
+    """Return how many pixel rows from the top identify the page.
+
+    A text page needs all rows, a form only those with its prompt and page number.
+    """
     parts = {"words": 1.0, "form": 0.08}
     return round(parts.get(seen.kind, 0.0) * seen.height_px)
 
@@ -235,7 +243,7 @@ AT_LENGTH = ("agreed", "rests")
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in STUDIES if SOAK or name not in AT_LENGTH])
-def test_a_session_that_is_killed_goes_on_with_the_page_that_it_was_on(display, tmp_path, name):
+def test_killed_session_resumes_on_the_same_page(display, tmp_path, name):
     make, pages = STUDIES[name]
     study = make()
     with sitting(tmp_path, study, "en", display, dry_run=name == TRIED) as seat:

@@ -1,5 +1,4 @@
-"""A session is killed where it asks about the person, where nobody agrees, and in a rest that time brings: it goes on
-with that page, what was said is on the disk, and nothing is asked twice."""
+"""Resuming sessions killed during demographics, consent or rests."""
 
 import os
 import time
@@ -25,7 +24,7 @@ pytestmark = pytest.mark.slow  # ten starts of a window
 RESTING = {
     'kind = "yes_no"\ncatch_rate = 0.2': 'kind = "yes_no"\nrest_every_s = "100 ms"\nrest_s = "4 s"',
     "levels = [22, 40]": "levels = [40]",
-    "repeats = 1": "repeats = 3",  # a rest is due behind the second, and none behind the last
+    "repeats = 1": "repeats = 3",  # a rest is due after the second trial, but not after the last
     'duration_s = "500 ms"': 'duration_s = "100 ms"',
 }
 PERSON = '[inquiries.person]\nform = "demographics"\nafter = "start"\n'
@@ -33,7 +32,7 @@ BENCH = "[screen]\nfullscreen = false\ndry_run = false\n"
 
 
 class Killed:
-    """A session whose process is killed wherever it is left; `hands` answer, `eye` sees what stands on the screen."""
+    """A session that can be killed and resumed."""
 
     def __init__(self, folder, study, hands, eye):
         self._hands, self._eye, self._process = hands, eye, None
@@ -43,16 +42,16 @@ class Killed:
         bench = ("--bench", folder / "bench.toml")
         self._command = ("run", folder / "s.toml", "--participant", "P01", "--seed", "7", *bench, "--out", self.data)
         self.page = np.zeros(0)
-        """What stands on the screen, or stood there when it was killed."""
+        """The current page, or the page at the time of the kill."""
 
     def begin(self):
-        """The first page of a session; one that goes on shows the page that it was killed on."""
+        """Start the session, or resume it on the page it was killed on."""
         self._run()
         before, self.page = self.page, self.new_page()
         assert not before.size or np.array_equal(before, self.page)
 
     def begin_anywhere(self):
-        """Go on where a page changes by itself."""
+        """Resume where the page may have changed by itself."""
         self._run()
         self.page = self.new_page()
 
@@ -66,24 +65,24 @@ class Killed:
         self._process.communicate()
 
     def answer(self, key):
-        """Press a key once: its answer is on the disk, and the next page stands there."""
+        """Press a key; wait until its answer is saved and the next page appears."""
         n_before = len(self.requests())
         self._hands.tap(key)
         self.until(lambda: len(self.requests()) > n_before)
         self.page = self.new_page(unlike=self.page)
 
     def answer_until(self, holds, answer="y"):
-        """Leave pages of words and give one answer to questions until something holds."""
+        """Leave text pages and answer questions until a condition is true."""
         keys = cycle(("space", answer))
         self.until(holds, lambda: self._hands.tap(next(keys)))
 
     def ended(self):
-        """So, until it ends: status and errors."""
+        """Answer until the session ends; return its exit status and error output."""
         self.answer_until(lambda: self._process.poll() is not None)
         return self._process.returncode, self._process.communicate()[1]
 
     def requests(self):
-        """What was asked and answered."""
+        """Return the answered requests in the journal."""
         files = [path for path in self.data.glob("journals/*.jsonl") if "interruptions" not in path.name]
         return [request for request, _ in read(files[0]).entries] if files else []
 
@@ -96,7 +95,7 @@ class Killed:
             time.sleep(0.1)
 
     def new_page(self, unlike=None):
-        """The next picture that has something on it, and stays."""
+        """Wait for the next picture that is steady and not blank."""
         paper, seen = np.array(tuple(bytes.fromhex(PAPER[1:]))), []
 
         def stands():
@@ -136,20 +135,20 @@ def is_sound(data):
 
 
 def on_each_page(killed, *keys):
-    """Answer one page in each sitting, which is killed on the next one."""
+    """For each key, resume, answer one page, and kill on the next page."""
     for key in keys:
         killed.begin()
         killed.answer(key)
         killed.kill()
 
 
-def test_each_question_about_a_person_and_each_rest_that_time_brings_is_put_once(session):
+def test_demographics_and_timed_rests_are_shown_once(session):
     killed = session(f"{changed(shortened('tutorial'), RESTING)}\n{PERSON}")
     on_each_page(killed, "space", "space", "3", "2", "1")  # welcome, the page before the questions, the questions
     killed.begin()
     killed.answer_until(lambda: n_trials(killed) == 2)
     killed.kill()
-    assert "resting" not in messages(killed)  # in the middle of its seconds
+    assert "resting" not in messages(killed)  # the rest page was interrupted
     killed.begin_anywhere()
     killed.until(lambda: "resting" in messages(killed))
     killed.page = killed.new_page()
@@ -168,15 +167,15 @@ def test_each_question_about_a_person_and_each_rest_that_time_brings_is_put_once
     assert is_sound(killed.data)
 
 
-def test_who_does_not_agree_is_not_asked_again(session):
-    """Killed on the page of thanks, which comes again."""
+def test_declined_consent_is_not_asked_again(session):
+    """The session is killed on the closing page, which is shown again."""
     killed = session(f"consent = true\n{shortened('tutorial')}")
     killed.begin()
     for key in ("space", "space", "0"):
         killed.answer(key)
     killed.kill()
     killed.begin()
-    assert killed.ended() == (1, "")  # no block came to its end
+    assert killed.ended() == (1, "")  # no block was completed
     told = [request.question if isinstance(request, Choose) else request.message for request in killed.requests()]
     assert told == ["welcome", "consent", CONSENT, "declined"]
     assert is_sound(killed.data)

@@ -1,4 +1,4 @@
-"""What is said where a display, PsychoPy or its keyboard is missing; each in a process of its own."""
+"""Errors for a missing display, PsychoPy or keyboard."""
 
 import os
 import subprocess
@@ -39,33 +39,33 @@ def home(tmp_path):
 
 @pytest.mark.skipif(find_spec("psychopy") is None, reason="no psychopy: pip install 'tactometry[window]'")
 @pytest.mark.parametrize("display_name", [{}, {"DISPLAY": ":987"}], ids=["unset", "nobody there"])
-def test_without_a_display_one_sentence_says_so(home, display_name):
+def test_window_reports_missing_display(home, display_name):
     line = said(OPEN, HOME=home, **display_name)
     assert line.startswith("window: found no display (")
     assert line.endswith("expected a screen; start it from a desktop session, or set DISPLAY 3")
 
 
 @pytest.mark.skipif(find_spec("psychopy") is None, reason="no psychopy: pip install 'tactometry[window]'")
-def test_beside_sphinx_one_sentence_says_so(display, home):
-    """The process ended there by a fault of memory: pyglet had made no context."""
+def test_window_reports_sphinx_in_process(display, home):
+    """Regression: pyglet creates no context when sphinx is loaded."""
     line = said("import sys; sys.modules['sphinx'] = sys" + OPEN, HOME=home, DISPLAY=os.environ["DISPLAY"])
     assert line.startswith("window: found sphinx in this process")
     assert line.endswith("3")
 
 
-def test_without_psychopy_one_sentence_says_what_to_install(home):
+def test_window_reports_missing_psychopy(home):
     line = said("import sys; sys.modules['psychopy'] = None" + OPEN, HOME=home)
     assert line.startswith("window: found no module 'psychopy', expected PsychoPy; install it with pip install")
     assert line.endswith("3")
 
 
-def test_the_keyboard_that_loses_answers_is_refused(display, home):
+def test_window_refuses_event_keyboard_backend(display, home):
     script = "from psychopy.hardware.keyboard import KeyboardDevice\nKeyboardDevice.setBackend('event')\n" + OPEN
     line = said(script, HOME=home, DISPLAY=os.environ["DISPLAY"])
     assert line.startswith("keyboard: found PsychoPy's back end 'event', which loses answers, expected 'ptb'")
 
 
-def test_a_script_whose_keyboard_loses_answers_is_told_how_to_make_one(display, home):
+def test_adopt_explains_how_to_change_keyboard_backend(display, home):
     adopt = """
 from psychopy import visual
 from psychopy.hardware.keyboard import Keyboard
@@ -84,12 +84,12 @@ except DeviceFailed as error:
 
 
 @pytest.mark.parametrize(("status", "told"), [(143, "SystemExit 143"), (0, "window: PsychoPy could not open one (S")])
-def test_a_signal_while_the_window_opens_ends_the_process_and_psychopy_does_not(display, home, status, told):
+def test_only_signals_end_process_while_window_opens(display, home, status, told):
     quits = f"import sys\nfrom psychopy import visual\nvisual.Window = lambda **more: sys.exit({status})\n"
     ends = OPEN + "except SystemExit as end:\n    print('SystemExit', end.code)\n"
     assert said(quits + ends, HOME=home, DISPLAY=os.environ["DISPLAY"]).startswith(told)
 
 
-def test_the_bench_is_imported_without_psychopy(home):
+def test_bench_imports_without_psychopy(home):
     script = "import sys, tactometry.rigs.bench; print([name for name in sys.modules if name.startswith('psychopy')])"
     assert said(script, HOME=home) == "[]"

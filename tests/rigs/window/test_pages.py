@@ -35,12 +35,12 @@ def bench(watched, output):
 
 
 @pytest.mark.parametrize("leave", ["space", "Return", "KP_Enter", (0.4, -0.3)], ids=str)
-def test_a_message_is_left_by_a_key_or_a_touch(bench, participant, leave):
+def test_message_closes_on_key_or_touch(bench, participant, leave):
     participant.answers("y", leave)
     assert bench.answer(Show("block", {"part": 1, "n_parts": 3})).at_s > 0
 
 
-def test_a_rest_counts_its_seconds_down(bench, watched, log):
+def test_rest_page_counts_down(bench, watched, log):
     begin_s = time.perf_counter()
     bench.answer(Show("resting", duration_s=1.3))
     assert time.perf_counter() - begin_s >= 1.3
@@ -62,7 +62,7 @@ def test_a_rest_counts_its_seconds_down(bench, watched, log):
         (WHICH, (0.23, -0.06), 2),
     ],
 )
-def test_a_question_is_answered_by_letter_digit_and_touch(bench, participant, question, act, option):
+def test_question_accepts_letter_digit_or_touch(bench, participant, question, act, option):
     participant.answers(act)
     chosen = bench.answer(question)
     assert (chosen.option, chosen.valid) == (option, True)
@@ -70,12 +70,12 @@ def test_a_question_is_answered_by_letter_digit_and_touch(bench, participant, qu
     assert chosen.timestamp_utc.endswith("+00:00")
 
 
-def test_a_touch_beside_the_boxes_and_another_key_answer_nothing(bench, participant):
+def test_touch_outside_boxes_is_ignored(bench, participant):
     participant.answers((0.0, 0.4), "q", "n")
     assert bench.answer(FELT).option == 0
 
 
-def test_the_latency_is_that_of_the_key_going_down(bench, watched, hands, in_background):
+def test_latency_is_measured_to_key_press(bench, watched, hands, in_background):
     press, onset = {}, []
 
     def work():
@@ -92,14 +92,14 @@ def test_the_latency_is_that_of_the_key_going_down(bench, watched, hands, in_bac
     assert chosen.latency_s >= 0.1
 
 
-def test_no_tap_is_lost_however_short(bench, participant):
+def test_shortest_taps_are_recorded(bench, participant):
     participant.answers_each_page("y", "n", "n", "y", "y", "n", hold_s=0.0)
     assert [bench.answer(FELT).option for _ in range(6)] == [1, 0, 0, 1, 1, 0]
     exact_case("taps of no duration in the window", against="every answer")
 
 
-def test_a_key_that_went_down_before_the_question_is_no_answer(bench, participant, hands, in_background):
-    """PsychoPy gives an old press again when its key is released."""
+def test_key_pressed_before_question_is_ignored(bench, participant, hands, in_background):
+    """PsychoPy returns an earlier press again when its key is released."""
     in_background(hands.tap, "y", 0.6)
     time.sleep(0.2)
     participant.answers(0.8, "n")
@@ -117,19 +117,19 @@ def test_a_key_that_went_down_before_the_question_is_no_answer(bench, participan
     ],
     ids=["digit", "corrected", "entered from its end", "bounded", "touch"],
 )
-def test_a_scale_is_answered_by_keys_and_touch(bench, participant, acts, value):
+def test_scale_accepts_keys_and_touch(bench, participant, acts, value):
     participant.answers(*acts)
     rated = bench.answer(SEVEN)
     assert rated.value == value
     assert rated.latency_s > 0
 
 
-def test_a_continuous_scale_is_answered_by_touch_and_arrows(bench, participant):
+def test_continuous_scale_accepts_touch_and_arrows(bench, participant):
     participant.answers((1.1 * 0.25, 0), 0.1, "Right", "Return")
     assert bench.answer(LINE).value == 76
 
 
-def test_the_participant_sets_a_level_within_its_bounds(bench, participant, log):
+def test_adjustment_stays_within_bounds(bench, participant, log):
     participant.answers(*["Up", 0.1] * 3, "Down", 0.1, "Return")
     adjusted = bench.answer(Adjust("tone", start=10.0, step=5.0, low=0.0, high=20.0))
     assert adjusted.level == 15.0
@@ -139,7 +139,7 @@ def test_the_participant_sets_a_level_within_its_bounds(bench, participant, log)
     assert log[-1] == "output.stop"
 
 
-def test_a_stimulus_plays_in_its_interval(bench, log):
+def test_stimulus_plays_in_its_interval(bench, log):
     played = bench.answer(Play("tone", 5.0, duration_s=0.2, interval=2))
     after = bench.answer(Wait(0.05))
     assert (played.level_delivered, played.digest) == (5.0, TONE.at(5.0).digest())
@@ -147,7 +147,7 @@ def test_a_stimulus_plays_in_its_interval(bench, log):
     assert log == ["output.open", "play 5 V"]
 
 
-def test_a_blank_takes_the_same_course_and_plays_nothing(bench, log):
+def test_blank_interval_lasts_equally_long_without_playback(bench, log):
     before_s = bench.answer(Record(TRIAL)).at_s
     played = bench.answer(Play("tone", None, duration_s=0.2))
     assert (played.level_delivered, played.digest) == (None, "")
@@ -162,7 +162,7 @@ def test_a_blank_takes_the_same_course_and_plays_nothing(bench, log):
         Slide("tone", 5.0, 0.1, 1.0, 0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05),
     ],
 )
-def test_without_a_sensor_a_touch_is_trusted(bench, log, request_):
+def test_touch_is_valid_without_sensor(bench, log, request_):
     touched = bench.answer(request_)
     assert (touched.valid, touched.digest, touched.level_delivered) == (True, TONE.at(5.0).digest(), 5.0)
     assert touched.force_mean_n is touched.force_sd_n is touched.force_in_band is touched.speed_mean_m_per_s is None
@@ -184,7 +184,7 @@ REQUESTS = [
 
 
 @pytest.mark.parametrize("request_", REQUESTS, ids=lambda request: type(request).__name__)
-def test_escape_stops_everything_with_the_output_first(bench, participant, log, request_):
+def test_escape_stops_output_before_closing(bench, participant, log, request_):
     participant.answers("Escape")
     with pytest.raises(Stopped, match="Escape was pressed; what was recorded is safe"):
         bench.answer(request_)
@@ -193,8 +193,8 @@ def test_escape_stops_everything_with_the_output_first(bench, participant, log, 
         bench.answer(request_)
 
 
-def test_who_stops_is_told_whom_to_call_until_the_next_key(bench, watched, participant, log, monkeypatch):
-    """The output is at zero meanwhile."""
+def test_stopped_page_stays_until_next_key(bench, watched, participant, log, monkeypatch):
+    """The output is stopped while the page is shown."""
     monkeypatch.setattr("tactometry.rigs.experimenter.supervisor.STOPPED_S", 3600.0)
     participant.answers("Escape", 0.3, "q")
     with pytest.raises(Stopped):
@@ -204,7 +204,7 @@ def test_who_stops_is_told_whom_to_call_until_the_next_key(bench, watched, parti
     assert log[-3:] == ["output.stop", "output.close", "screen.close"]
 
 
-def test_closing_the_window_stops_too_and_is_no_escape(bench, watched, screen, in_background, log):
+def test_closing_the_window_stops_the_session(bench, watched, screen, in_background, log):
     def work():
         watched.shown.get(timeout=LONGEST_WAIT_S)
         screen._window.winHandle.dispatch_event("on_close")
@@ -235,7 +235,7 @@ def test_bad_requests_play_nothing_and_close(bench, log, request_, error, messag
     assert list(dict.fromkeys(log)) == ["output.open", "output.stop", "output.close", "screen.close"]
 
 
-def test_a_connected_output_without_limits_plays_nothing(watched, output, log):
+def test_output_without_limits_plays_nothing(watched, output, log):
     unlimited = Guarded(output.driver, None)
     with (
         pytest.raises(LimitExceeded, match=r"output 'list': found no limits, .*nothing was played"),
@@ -245,7 +245,7 @@ def test_a_connected_output_without_limits_plays_nothing(watched, output, log):
     assert "play 1 V" not in log
 
 
-def test_the_limits_of_the_study_hold_beside_those_of_the_output(watched, output, log):
+def test_study_limits_apply_with_output_limits(watched, output, log):
     with (
         pytest.raises(LimitExceeded, match="the limit is 2 V"),
         Closing(Bench(watched, Equipment(output, {"tone": TONE}, Limits(2.0)), texts_in("en", {}))) as bench,
@@ -274,7 +274,7 @@ class Closing:
     ],
     ids=["SystemExit", "Ctrl-C", "OSError"],
 )
-def test_any_failure_while_a_stimulus_plays_zeroes_the_output_first(bench, watched, log, failure, error):
+def test_failure_during_playback_zeroes_output_first(bench, watched, log, failure, error):
     def fail(page):
         raise failure
 
@@ -285,7 +285,7 @@ def test_any_failure_while_a_stimulus_plays_zeroes_the_output_first(bench, watch
     exact_case("any failure while a stimulus plays", against="the output is zeroed first")
 
 
-def test_an_output_that_fails_to_stop_does_not_keep_the_rest_open(bench, output, log):
+def test_close_continues_when_output_fails_to_stop(bench, output, log):
     def fail():
         raise OSError("unplugged")
 
@@ -295,12 +295,12 @@ def test_an_output_that_fails_to_stop_does_not_keep_the_rest_open(bench, output,
     assert log[-2:] == ["output.close", "screen.close"]
 
 
-def test_a_session_that_goes_on_keeps_its_time(bench):
+def test_resumed_session_continues_its_clock(bench):
     bench.resume([TRIAL], elapsed_s=100.0)
     assert 100.0 < bench.answer(Record(TRIAL)).at_s < 160.0
 
 
-def test_the_facts_name_display_keyboard_and_clock(bench):
+def test_facts_include_display_keyboard_and_clock(bench):
     facts = bench.facts()
     assert (facts["rig"], facts["keyboard"], facts["clock"]) == ("bench", "ptb", "time.perf_counter")
     assert (facts["display_width_px"], facts["display_height_px"]) == (1280, 800)
@@ -318,7 +318,7 @@ def test_frames_are_counted_and_paced(bench, screen):
     assert screen.frame_intervals_s() == []
 
 
-def test_events_are_given_once(screen, hands):
+def test_window_events_are_returned_once(screen, hands):
     screen.present(Page())
     hands.tap("q", hold_s=0.1)
     seen = []

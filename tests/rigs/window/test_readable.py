@@ -1,4 +1,4 @@
-"""What a participant can read, tell apart and answer: at two metres, without some cones, by keys or mouse."""
+"""Accessibility of pages: text size, colour blindness, and input devices."""
 
 import math
 
@@ -12,12 +12,12 @@ from tactometry.rigs.texts import languages, texts_in
 
 READ_AT_M, LEAST_ARCMIN = 2.0, 20.0
 SAID_ON_M, ALL_ON_M = 0.40, 0.52
-"""Heights of screens: of 32 inches, and of 42 (16:9)."""
+"""Heights of 32-inch and 42-inch screens (16:9)."""
 
 
 @pytest.fixture(scope="module")
 def capital(screen):
-    """The height of a capital letter, as it is drawn, in heights of its text."""
+    """Drawn height of a capital letter, in units of its text height."""
     drawn = np.asarray(screen.picture(Page((Text("H", 0, 0, 0.5),))).convert("L"))
     lit = np.flatnonzero((drawn > drawn[0, 0] + 50).any(axis=1))
     return (lit[-1] - lit[0] + 1) / drawn.shape[0] / 0.5
@@ -32,8 +32,8 @@ def texts_on(shown):
 
 
 @pytest.mark.parametrize("language", languages())
-def test_what_is_said_has_letters_of_20_arc_minutes_at_two_metres(capital, language):
-    """On a screen of 0.40 m; with hints and the words of questionnaires on one of 0.52 m."""
+def test_text_subtends_20_arcmin_at_two_metres(capital, language):
+    """The screen is 0.40 m high; hints and questionnaire words require 0.52 m."""
     said = [item.height for shown in screens.all_pages(language, 16 / 9).values() for item in texts_on(shown)]
     large = [height for height in said if height != layout.HINT]
     assert len(large) > 50
@@ -41,7 +41,7 @@ def test_what_is_said_has_letters_of_20_arc_minutes_at_two_metres(capital, langu
     assert arcmin(capital * min(*said, form.WORDS) * ALL_ON_M) >= LEAST_ARCMIN
 
 
-# From linear red, green, blue of sRGB to what is left without a kind of cone, by the method of Vienot, Brettel and
+# Linear sRGB as seen without one cone type, by the method of Vienot, Brettel and
 # Mollon (1999), Color Research and Application 24, 243-252
 WITHOUT = {
     "all cones": np.eye(3),
@@ -57,14 +57,14 @@ def linear(colour):
 
 
 def contrast(one, other, cones):
-    """The ratio of luminances of WCAG 2, from 1 to 21."""
+    """Return the WCAG 2 contrast ratio of two colours, from 1 to 21."""
     low, high = sorted(float(LUMINANCE @ (WITHOUT[cones] @ linear(colour))) for colour in (one, other))
     return (high + 0.05) / (low + 0.05)
 
 
 @pytest.mark.parametrize("cones", WITHOUT)
-def test_every_colour_stands_out_from_the_ground_whatever_cones_there_are(cones):
-    """Letters by 4.5, lines by 3: the least of WCAG 2.1, 1.4.3 and 1.4.11."""
+def test_colours_have_contrast_for_colour_blind_participants(cones):
+    """WCAG 2.1 requires 4.5 for letters (1.4.3) and 3 for lines (1.4.11)."""
     for colour in (page.INK, page.QUIET, page.ACCENT, page.GOOD):
         assert contrast(colour, page.PAPER, cones) >= 4.5, colour
     assert contrast(page.EDGE, page.PAPER, cones) >= 3
@@ -75,8 +75,8 @@ def shapes(shown):
     return sorted((type(item).__name__, item.fill is None) for item in shown.items if not isinstance(item, Text))
 
 
-def test_what_a_colour_tells_a_shape_tells_too():
-    """Playing or not, held or not, marked or not, held beside the band or not."""
+def test_states_differ_by_shape_and_colour():
+    """States: playing, held, and marked, each compared with its opposite."""
     ready, playing = (layout.marker_page(1, playing=on) for on in (False, True))
     assert shapes(ready) != shapes(playing)
     held, light = (layout.force_page(ready, force_n, 1.0, 0.2) for force_n in (1.0, 0.5))
@@ -101,7 +101,7 @@ BOTH_WAYS = {
 
 
 @pytest.mark.parametrize("name", BOTH_WAYS)
-def test_every_answer_is_given_by_keys_alone_and_by_the_mouse_alone(name):
+def test_every_answer_works_by_keys_or_mouse(name):
     shown = BOTH_WAYS[name]
     answers = {button.answer for button in shown.buttons}
     assert answers == by_mouse(shown)
@@ -109,8 +109,8 @@ def test_every_answer_is_given_by_keys_alone_and_by_the_mouse_alone(name):
 
 
 @pytest.mark.parametrize("place", range(7))
-def test_every_place_of_a_scale_is_reached_by_arrows_alone_and_by_the_mouse_alone(place):
-    """As a touch screen has no keys: its touches are presses of the mouse."""
+def test_every_scale_position_works_by_arrows_or_mouse(place):
+    """A touch screen has no keys; its touches are mouse presses."""
     mark = None
     for key in ["right"] * 8 + ["left"] * (6 - place):
         mark, _ = SEVEN.after(mark, layout.scale_page(SEVEN, mark, 1.6).answer(KeyDown(key, 0.0)))
@@ -122,12 +122,12 @@ def test_every_place_of_a_scale_is_reached_by_arrows_alone_and_by_the_mouse_alon
 
 
 def at(shown, answer):
-    """Where a press of the mouse gives this answer."""
+    """Return a point where a mouse press gives this answer."""
     places = ((x / 100, y / 100) for x in range(-80, 81) for y in range(-50, 51))
     return next(place for place in places if shown.answer(Click(*place, 0.0)) == answer)
 
 
-def test_a_form_is_filled_and_left_by_the_mouse_alone():
+def test_form_can_be_completed_by_mouse():
     asked = form.Form((("", "a", "b"), ("", "c", "d")), n_positions=7, rings=True, words=form.FormWords("", ""))
     marks = form.begun((None, None))
     for answer in ((0, 3), (1, 6), layout.CONFIRM):

@@ -1,4 +1,4 @@
-"""Which display: a real X server with two monitors, a window on either, and the refusal of a third."""
+"""Selection of the participant's screen on an X server with two monitors."""
 
 import os
 import shutil
@@ -19,7 +19,7 @@ from Xlib import display
 from Xlib.ext import randr
 from Xlib.protocol import rq
 
-class SetMonitor(rq.Request):  # that of python-xlib 0.33 cannot be packed: a list within an object
+class SetMonitor(rq.Request):  # python-xlib 0.33 cannot pack its own request, which nests a list
     _request = rq.Struct(
         rq.Card8("opcode"), rq.Opcode(43), rq.RequestLength(), rq.Window("window"), *randr.MonitorInfo.fields
     )
@@ -35,7 +35,7 @@ for name, x, width, outputs in (("left", 0, 640, [output]), ("right", 640, 800, 
     SetMonitor(display=server.display, opcode=opcode, window=root, **named, **place, **size, crtcs=outputs)
 server.sync()
 """
-"""One desktop on two monitors side by side, as a desktop of two displays is."""
+"""A script that splits the desktop into two monitors side by side."""
 LOOK = """
 import sys
 from tactometry.rigs.pages.layout import marker_page
@@ -56,7 +56,7 @@ window.close()
 
 @pytest.fixture(scope="module")
 def two_screens(tmp_path_factory):
-    """The environment of programs on a server with two monitors."""
+    """Environment variables for a server with two monitors."""
     if find_spec("psychopy") is None or shutil.which("Xvfb") is None:
         pytest.skip("no psychopy or no Xvfb")
     read_end, write_end = os.pipe()
@@ -82,7 +82,7 @@ def program(words, environment):
 
 
 @pytest.mark.parametrize("number", [pytest.param(0, marks=pytest.mark.slow), 1])
-def test_the_pages_are_on_the_screen_that_was_asked_for_and_the_other_is_dark(two_screens, number):
+def test_pages_appear_only_on_the_selected_screen(two_screens, number):
     done = program(["-c", LOOK, number], two_screens)
     assert done.stdout.splitlines() == [
         f"0 {number == 0}",
@@ -91,7 +91,7 @@ def test_the_pages_are_on_the_screen_that_was_asked_for_and_the_other_is_dark(tw
     ], done.stderr
 
 
-def test_a_screen_that_is_not_connected_is_refused_with_those_that_are_and_nothing_is_recorded(two_screens, tmp_path):
+def test_unconnected_screen_is_refused_before_recording(two_screens, tmp_path):
     bench = tmp_path / "bench.toml"
     bench.write_text(BENCH.format(2))
     words = ["-m", "tactometry", "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d"]
@@ -105,14 +105,14 @@ def test_a_screen_that_is_not_connected_is_refused_with_those_that_are_and_nothi
 
 
 @pytest.mark.slow
-def test_check_lists_the_screens_and_says_whose_each_is(two_screens, tmp_path):
+def test_check_lists_screens_and_marks_participant_screen(two_screens, tmp_path):
     bench = tmp_path / "bench.toml"
     bench.write_text(BENCH.format(1))
     done = program(["-m", "tactometry", "check", "--bench", bench], two_screens)
     assert "screen 0: 640 x 600 px; screen 1: 800 x 600 px, the participant's is screen 1" in done.stdout, done.stderr
 
 
-def test_a_screen_is_one_of_those_that_are_there():
+def test_check_screen_rejects_unconnected_screens():
     there = (ConnectedScreen(0, 640, 480),)
     check_screen(0, there)
     for number in (-1, 1):

@@ -1,4 +1,4 @@
-"""A whole session through the command line in a real window: stopped with Escape, resumed, validated, replayed."""
+"""A session in a real window: stopped, resumed, validated, replayed."""
 
 import json
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ SHORT = {
 
 
 def until_trials(journals, n_trials):
-    """Keys until that many trials are in the journal, then Escape."""
+    """Yield keys until the journal has a number of trials, then Escape."""
     for key in any_keys(1):
         if sum(path.read_text().count('"Record"') for path in journals.glob("*.jsonl")) >= n_trials:
             break
@@ -55,27 +55,27 @@ def sitting(display, tmp_path_factory):
     return Sitting(data, escaped, resumed)
 
 
-def test_escape_ends_the_session_with_status_1_and_one_sentence(sitting):
+def test_escape_ends_session_with_status_1(sitting):
     status, _, errors = sitting.escaped
     assert status == 1
     assert "Escape was pressed; what was recorded is safe" in errors
     assert "Traceback" not in errors
 
 
-def test_a_resumed_session_is_completed(sitting):
+def test_resumed_session_completes(sitting):
     status, output, errors = sitting.resumed
     assert (status, errors) == (0, "")
     assert f"{len(sitting.rows)} trials" in output
 
 
-def test_every_trial_of_the_tutorial_is_there_once(sitting):
+def test_resumed_session_records_every_trial_once(sitting):
     levels = [(row["frequency_hz"], row["level"]) for row in sitting.rows if row["level"]]
     assert sorted(levels) == sorted([(f, v) for f in ("60", "240") for v in ("22", "28", "34", "40")] * 2)
     assert [row["trial"] for row in sitting.rows] == [str(n + 1) for n in range(len(sitting.rows))]
     exact_case("a session in the window, stopped and resumed", against="every trial once")
 
 
-def test_answers_have_latencies_and_times_go_on(sitting):
+def test_answers_have_latencies_and_increasing_onsets(sitting):
     onsets_s = [float(row["onset_s"]) for row in sitting.rows]
     assert onsets_s == sorted(onsets_s)
     assert all(float(row["latency_s"]) > 0 for row in sitting.rows)
@@ -83,12 +83,12 @@ def test_answers_have_latencies_and_times_go_on(sitting):
     assert {row["force_mean_n"] for row in sitting.rows} == {""}
 
 
-def test_the_journal_names_display_keyboard_and_clock(sitting):
+def test_journal_records_display_keyboard_and_clock(sitting):
     [path] = (sitting.data / "journals").glob("*.jsonl")
     head = json.dumps(json.loads(path.read_text().splitlines()[0]))
     assert all(fact in head for fact in ('"ptb"', '"time.perf_counter"', '"display_width_px"', '"psychopy"'))
 
 
-def test_the_data_set_is_sound_and_replays(sitting):
+def test_data_set_validates_and_replays(sitting):
     assert validate(sitting.data).defects == ()
     assert [session.complete for session in replay_data_set(sitting.data)] == [True]

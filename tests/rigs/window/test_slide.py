@@ -1,4 +1,4 @@
-"""Slides in the window with force and position sampled in real time: nothing plays on a finger that does not move."""
+"""Slides in the window with force and position sampled in real time."""
 
 import time
 from dataclasses import replace
@@ -22,7 +22,7 @@ PATH_M = 0.02
 
 @pytest.fixture
 def slid(watched, output, log):
-    """A slide of a finger that holds its force, at these places."""
+    """A function that slides a finger of constant force along positions."""
 
     def slide(place_m, request=SLIDE):
         force, place = (Reader(Sampled(value, rate_hz=500.0)) for value in (lambda time_s: 1.0, place_m))
@@ -37,7 +37,7 @@ def slid(watched, output, log):
     return slide
 
 
-def test_a_finger_that_follows_the_cursor_out_and_back_feels_a_valid_stimulus(slid, log):
+def test_slide_following_the_cursor_is_valid(slid, log):
     touched = slid(lambda time_s: float(triangle(0.05 * time_s, PATH_M)))
     assert (touched.valid, touched.invalid_reason) == (True, None)
     assert touched.speed_mean_m_per_s == pytest.approx(0.05, rel=0.1)
@@ -45,13 +45,13 @@ def test_a_finger_that_follows_the_cursor_out_and_back_feels_a_valid_stimulus(sl
     assert "play 5 V" in log
 
 
-def test_nothing_plays_on_a_finger_at_rest(slid, log):
+def test_resting_finger_receives_no_stimulus(slid, log):
     touched = slid(lambda time_s: 0.01)
     assert (touched.valid, touched.digest, touched.level_delivered) == (False, None, None)
     assert "play 5 V" not in log
 
 
-def test_the_stimulus_stops_when_the_finger_stops(slid, log):
+def test_stimulus_stops_when_finger_stops(slid, log):
     begin_s = time.perf_counter()
     touched = slid(lambda time_s: 0.05 * min(time_s, 0.5))
     assert (touched.valid, touched.invalid_reason) == (False, "stopped")
@@ -61,7 +61,11 @@ def test_the_stimulus_stops_when_the_finger_stops(slid, log):
 
 
 def stop_and_go(log):
-    """Steady until the stimulus begins, then at rest for 0.1 s after each 0.12 s: never long enough to be a halt."""
+    """Return positions of a finger that pauses while the stimulus plays.
+
+    It moves steadily until the stimulus begins, then rests for 0.1 s after each 0.12 s, which is too short to count
+    as stopped.
+    """
     begun_s = []
 
     def place_m(time_s):
@@ -75,8 +79,8 @@ def stop_and_go(log):
     return place_m
 
 
-def test_a_finger_that_stops_and_goes_feels_a_whole_stimulus_that_does_not_count(slid, log):
-    """One stop is that at the end of the touch, one that of closing: none came before."""
+def test_stop_and_go_slide_is_too_slow(slid, log):
+    """The log has two stops: one ends the touch, one closes the output."""
     touched = slid(stop_and_go(log))
     assert (touched.valid, touched.invalid_reason) == (False, "too_slow")
     assert touched.force_in_band == 1.0
@@ -84,12 +88,12 @@ def test_a_finger_that_stops_and_goes_feels_a_whole_stimulus_that_does_not_count
     assert log == ["output.open", "play 5 V", "output.stop", "output.stop", "output.close", "screen.close"]
 
 
-def test_a_finger_at_twice_the_speed_never_starts(slid, log):
+def test_slide_at_double_speed_plays_nothing(slid, log):
     assert not slid(lambda time_s: float(triangle(0.1 * time_s, PATH_M))).valid
     assert "play 5 V" not in log
 
 
-def test_a_finger_that_runs_away_is_too_fast(slid, log):
+def test_accelerating_slide_is_too_fast(slid, log):
     begun_s = []
 
     def place_m(time_s):
@@ -101,20 +105,20 @@ def test_a_finger_that_runs_away_is_too_fast(slid, log):
     assert (touched.valid, touched.invalid_reason) == (False, "too_fast")
 
 
-def test_a_place_that_is_lost_in_a_slide_is_a_lost_sensor(slid, log):
+def test_position_loss_during_slide_is_sensor_lost(slid, log):
     touched = slid(lambda time_s: None if "play 5 V" in log else 0.05 * time_s)
     assert (touched.valid, touched.invalid_reason) == (False, "sensor_lost")
 
 
-def test_without_a_band_the_speed_is_measured_and_not_gated(slid):
+def test_speed_is_measured_but_ungated_without_tolerance(slid):
     touched = slid(lambda time_s: float(triangle(0.1 * time_s, PATH_M)), replace(SLIDE, speed_tolerance=None))
     assert touched.valid
     assert touched.speed_mean_m_per_s == pytest.approx(0.1, rel=0.2)
     assert touched.speed_in_band is None
 
 
-def test_the_page_shows_the_finger_beside_the_moving_dot(slid, watched):
-    """Both go out and back at the same speed, while a force that never comes is waited for."""
+def test_page_shows_finger_and_moving_dot(slid, watched):
+    """Finger and dot move at the same speed while the rig waits for a force."""
     waiting = replace(SLIDE, target_n=5.0, timeout_s=4.0)
     slid(lambda time_s: triangle(0.05 * max(0.0, time_s - 0.08), PATH_M), waiting)
     tracks = [[item for item in page.items if getattr(item, "y", 0) == -0.23] for page in watched.drawn]
@@ -125,8 +129,8 @@ def test_the_page_shows_the_finger_beside_the_moving_dot(slid, watched):
     assert max(map(abs, [*dots, *rings])) <= 1.1 * half
 
 
-def test_a_position_sensor_that_went_away_pauses_the_session_until_it_is_back(slid):
-    """Longer than the touch is waited for: that it was not held in time was no fault of the finger."""
+def test_session_pauses_until_position_sensor_returns(slid):
+    """The time limit of the touch does not run during the outage."""
     begin_s = time.perf_counter()
 
     def place_m(time_s):
@@ -137,7 +141,7 @@ def test_a_position_sensor_that_went_away_pauses_the_session_until_it_is_back(sl
     assert slid(place_m).valid
 
 
-def test_a_finger_without_a_place_is_a_lost_sensor_and_not_late(slid, log):
+def test_missing_position_is_sensor_lost(slid, log):
     touched = slid(lambda time_s: None)
     assert (touched.valid, touched.invalid_reason, touched.digest) == (False, "sensor_lost", None)
     assert "play 5 V" not in log

@@ -1,4 +1,4 @@
-"""A texture in the real window: its display's pointer is the finger, and the sink hears what its place asks for."""
+"""A texture that follows the pointer in a real window."""
 
 import importlib.util
 import os
@@ -30,12 +30,12 @@ channels = [0]
 metres_per_count = {METRES_PER_PX}
 zero_counts = [{SCREEN_PX[0] // 2 - PATH_M / METRES_PER_PX / 2 - 0.5}]
 """
-"""No pixel lies at an edge of the grating, where the last bit of a place says which side it is on."""
+"""The offset keeps pixels off the grating edges, where rounding would decide the side."""
 
 
 @contextmanager
 def sliding_pointer(path):
-    """The pointer goes to and fro; where the server says that it is stands in a pipe, as a kernel writes of a touch."""
+    """Move the pointer back and forth and write it to a pipe as touch events."""
     os.mkfifo(path)
     line, ended, pointer = os.open(path, os.O_RDWR), threading.Event(), Hands(os.environ["DISPLAY"])
     first_px = (SCREEN_PX[0] - round(PATH_M / METRES_PER_PX)) // 2
@@ -60,14 +60,14 @@ def sliding_pointer(path):
 
 
 def numbers():
-    """A one for each question that asks for a number; space goes on elsewhere."""
+    """Yield keys that answer 1 to number questions and leave other pages."""
     for _ in range(2000):
         yield from ("space", "1", "Return")
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
-def test_a_texture_in_the_window_sounds_as_the_places_of_the_pointer_ask_for(display, sink, tmp_path):
+def test_window_texture_follows_pointer_positions(display, sink, tmp_path):
     study, device = texture_study(tmp_path), Emulator("udp", tmp_path, profile=RELEASED)
     position = POSITION.format(path=tmp_path / "pointer")
     bench = texture_bench(tmp_path, device.udp_port, position, "position_latency_s = 0.2")

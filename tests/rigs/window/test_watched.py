@@ -1,4 +1,4 @@
-"""Who watches a session in a browser sees what a finger does at the real window."""
+"""The browser page that shows a running window session."""
 
 import re
 import threading
@@ -18,7 +18,7 @@ SHORT = {"frequency_hz = [60, 240]": "frequency_hz = [60]", "repeats = 4": "repe
 
 @pytest.mark.slow
 @pytest.mark.skipif(PROGRAM is None, reason="no Chromium is installed")
-def test_the_page_follows_a_finger_at_the_window(display, tmp_path):
+def test_watch_page_follows_finger_in_window(display, tmp_path):
     (tmp_path / "browser").mkdir()
     study = changed(TUTORIAL, SHORT)
     with sitting(tmp_path, study, "en", display) as seat, chromium(tmp_path / "browser") as tab:

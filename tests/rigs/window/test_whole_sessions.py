@@ -1,4 +1,4 @@
-"""Whole sessions of the built-in studies in the real window, in each language, by a finger that sees pixels alone."""
+"""Complete window sessions of the built-in studies in each language."""
 
 import tomllib
 
@@ -19,8 +19,10 @@ SOURCES = ("udp", "serial", "lsl")
 
 
 def sessions():
-    """Each study in each language of its questionnaires, with one of the sources of force; `make check` has each study
-    once, and `make test` those of `test_forms`, of which a script marks the answers."""
+    """Yield each study in each language, with one force source.
+
+    `make check` runs each study once. The studies of `test_forms` already run in `make test`.
+    """
     for n, name in enumerate(SHORT):
         spoken = [each for each in languages() if all(each in form.languages for form in forms_of(shortened(name)))]
         for k, language in enumerate(spoken):
@@ -28,14 +30,12 @@ def sessions():
             yield pytest.param(name, language, SOURCES[(n + k) % len(SOURCES)], marks=mark, id=f"{name}-{language}")
 
 
-def test_every_built_in_study_has_a_short_one():
+def test_every_built_in_study_has_short_version():
     assert sorted(SHORT) == sorted(builtin())
 
 
 @pytest.mark.parametrize(("name", "language", "source"), list(sessions()))
-def test_a_finger_that_sees_the_screen_takes_part_and_its_answers_are_recorded(
-    display, capsys, tmp_path, name, language, source
-):
+def test_simulated_finger_completes_session_from_pixels(display, capsys, tmp_path, name, language, source):
     if not available(source):
         pytest.skip(f"no library for {source}")
     study = shortened(name)
@@ -59,7 +59,7 @@ def test_a_finger_that_sees_the_screen_takes_part_and_its_answers_are_recorded(
 
 
 def shows_its_keys(finger, language, study):
-    """Choices show the first letters of their words, or digits where these are not distinct."""
+    """Check that choices show the first letters of their labels, or digits."""
     words = tomllib.loads((FOLDER / f"messages_{language}.toml").read_text("utf-8"))["labels"]
     letters = tuple(words[name][0].upper() for name in ("no", "yes")) if '"yes_no"' in study else ("1", "2", "3")
     assert {said.keys for said in finger.said if said.kind == "question"} <= {letters}
