@@ -23,7 +23,8 @@ def decimals_of(x: float) -> int:
 
 
 def number_text(x: float) -> str:
-    """
+    """Format a number with three significant digits.
+
     >>> number_text(-4.8125), number_text(0.21349), number_text(120.34), number_text(2.5e-6), number_text(0.0)
     ('-4.81', '0.213', '120.3', '2.5e-06', '0.0')
     """
@@ -100,7 +101,8 @@ def cell_text(value: Any) -> str:
 
 
 def p_text(p: float) -> str:
-    """
+    """Format a p value.
+
     >>> p_text(0.03141), p_text(1e-9), p_text(0.9999)
     ('p = .031', 'p < .001', 'p > .999')
     """
@@ -119,7 +121,8 @@ def share_text(x: float) -> str:
 
 
 def percent_text(share: float) -> str:
-    """
+    """Format a share in per cent.
+
     >>> percent_text(0.954)
     '95 %'
     """

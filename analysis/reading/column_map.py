@@ -198,7 +198,8 @@ def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
 
 def _text(value: str | float | bool) -> str:
-    """
+    """Format a value as a cell.
+
     >>> _text(True), _text(1.0), _text(1234567.125), _text("a")
     ('1', '1', '1234567.125', 'a')
     """

@@ -116,7 +116,8 @@ def meaning(name: str, text: str) -> str:
 
 
 def _toml_text(text: str) -> str:
-    r"""
+    r"""Quote a text for a TOML file.
+
     >>> print(_toml_text("y"), _toml_text("don't\n"))
     'y' "don't\n"
     """
@@ -132,7 +133,8 @@ def expect_column(table: pd.DataFrame, name: str, file: object, why: str) -> Non
 
 
 def no_column(name: str, table: pd.DataFrame) -> str:
-    """
+    """Name a missing column and the nearest one.
+
     >>> no_column("levl", pd.DataFrame({"level": [1.0]}))
     "found no column 'levl'; did you mean 'level'?"
     """

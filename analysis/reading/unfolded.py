@@ -104,7 +104,8 @@ def survey_answers(table: pd.DataFrame, file: Path, warn: Callable[[str], None])
 
 
 def _object(text: str) -> dict[str, str]:
-    """
+    """Read a JSON object of answers, empty if the text is none.
+
     >>> _object('{"Q0": 3, "Q1": "often"}'), _object("{left}")
     ({'Q0': '3', 'Q1': 'often'}, {})
     """

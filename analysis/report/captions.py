@@ -18,7 +18,8 @@ def _is_modelled(means: pd.DataFrame) -> bool:
 
 
 def means_of(means: pd.DataFrame) -> str:
-    """
+    """Describe what the intervals of means are.
+
     >>> means = pd.DataFrame({"mean": [1.0, 2.0], "n": [1, 2]})
     >>> means_of(means), means_of(means[:1]), means_of(means.assign(mean=None))
     ('means over participants', 'values of one participant', 'no mean is known')

@@ -113,7 +113,8 @@ def simple_sentences(effects: pd.DataFrame, by: str) -> list[str]:
 
 
 def permutation_sentences(tested: pd.DataFrame) -> list[str]:
-    """
+    """Return a sentence per effect of the permutation test.
+
     >>> table = pd.DataFrame({"Source": ["a * b"], "F": [1.2], "p_permutation": [0.25], "n_permutations": [512]})
     >>> permutation_sentences(table)
     ['a * b: permutation test of 512 changes of signs, F = 1.20, p = .250']

@@ -138,7 +138,8 @@ def _names(factors: Sequence[str]) -> str:
 
 
 def _enumeration(parts: Sequence[str]) -> str:
-    """
+    """Join parts with commas and "and".
+
     >>> _enumeration(["a"]), _enumeration(["a", "b", "c"])
     ('a', 'a, b and c')
     """
@@ -146,7 +147,8 @@ def _enumeration(parts: Sequence[str]) -> str:
 
 
 def _levels(name: str, stated: Any) -> str:
-    """
+    """Format the levels of a factor with their unit.
+
     >>> _levels("force_n", [0.5, 3.0]), _levels("speed_m_per_s", ["50 mm/s"]), _levels("pattern", ["P0", "P1"])
     ('0.5, 3 N', '50 mm/s', 'P0, P1')
     """
@@ -181,7 +183,8 @@ def _details(table: Table, unit: str) -> str:
 
 
 def _detail(key: str, value: Any, unit: str) -> str:
-    """
+    """Describe a key of a table and its value.
+
     >>> _detail("tolerance", 0.2, ""), _detail("levels", [12, 16], "dB re 1 um"), _detail("feedback", True, "")
     ('tolerance of the force 20 %', 'levels 12, 16 dB re 1 um', 'feedback')
     """

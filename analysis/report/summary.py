@@ -1,4 +1,4 @@
-"""The result as plain values for JSON."""
+"""Return the result as plain values for JSON."""
 
 from collections.abc import Mapping
 
@@ -17,7 +17,7 @@ ORDER = (
 
 
 def summary(analysis: Analysis) -> dict[str, object]:
-    """The result as plain values for JSON."""
+    """Return the result as plain values for JSON."""
     of_kinds = {name: plain(value) for kind in KINDS for name, value in kind.values(analysis)}
     places = {"report": analysis.report, "tables": analysis.tables_folder, "figures": analysis.figures_folder}
     places |= {"pdf": analysis.pdf}

@@ -62,7 +62,8 @@ def with_interval(value: float, low: float, high: float, unit: str, level: str =
 
 
 def bayes_text(bf10: float) -> str:
-    """
+    """Format a Bayes factor.
+
     >>> bayes_text(0.2312), bayes_text(143.4), bayes_text(4.3e5)
     ('BF10 = 0.23', 'BF10 = 143', 'BF10 > 10 000')
     """
@@ -82,7 +83,8 @@ def f_text(f: float, first: float, second: float, epsilon: float = 1.0) -> str:
 
 
 def df_text(df: float) -> str:
-    """
+    """Format degrees of freedom.
+
     >>> df_text(9.0), df_text(8.43)
     ('9', '8.4')
     """

@@ -34,7 +34,9 @@ SIDEBANDS: Mapping[str, tuple[tuple[float, float], ...]] = {
 
 @dataclass(frozen=True)
 class AmplitudeModulated(Ramped):
-    """``V0 m(t) sin(2 pi f_c t)``, ``c = cos(2 pi f t)``, f the programmed frequency, m by `modulation`:
+    """``V0 m(t) sin(2 pi f_c t)`` with a modulation m at the programmed frequency.
+
+    With ``c = cos(2 pi f t)`` and f the programmed frequency:
 
     ======================  ======================  ============================================
     modulation              m(t)                    low-passed force in units of V0^2 (lossless)

@@ -87,7 +87,9 @@ class NamedGlass:
 
 @checked
 def read_plate(path: str | Path) -> Plate:
-    """The plate of a file such as::
+    """Read the plate of a file.
+
+    Such a file is::
 
         glass = "Borofloat 33"
         length_m = 0.297
