@@ -33,7 +33,7 @@ def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class TracksTable:
-    """What a study says of the tracks of a procedure, alongside its own keys.
+    """Settings for the tracks of a procedure, alongside its own keys.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class ReadyProcedure:
     tracks: TracksTable = field(default_factory=TracksTable)
 
     def for_tracks(self, names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
-        """One procedure for each track of a block, with an order of its own where it has one."""
+        """Return a procedure for each track, with separate random orders."""
         begun = self.rule.begin_together(names) if self.tracks.shared else tuple(self.rule.begin(rng) for _ in names)
         share, level = self.tracks.easy_share, self.tracks.easy_level
         if not share:

@@ -1,4 +1,4 @@
-"""What participants are asked in words of the study: over the questions of a task, and over a questionnaire."""
+"""Custom prompts above task questions and questionnaires."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -65,7 +65,7 @@ def messages_of(kind: str, questions: Iterable[str]) -> tuple[str, ...]:
 
 
 def texts_of(prompt: Prompt, messages: Iterable[str], language: str) -> dict[str, str]:
-    """What a prompt says in the place of messages, whose braces are none to be filled.
+    """Return a prompt's text for each message, with its braces escaped.
 
     >>> texts_of("{Rough}?", ["felt"], "fr")
     {'felt': '{{Rough}}?'}

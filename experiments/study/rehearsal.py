@@ -48,7 +48,7 @@ def _rehearse(experiment: Experiment) -> None:
 def _rehearse_texts(
     experiment: Experiment, where: str, own: Mapping[str, str], words: Mapping[str, str], language: str
 ) -> None:
-    """Whether each of the `own` words, from one place of the file, has a page, and all `words` can be filled there."""
+    """Check that each custom text has a page and can be filled in there."""
     with rewording(lambda said: f"{where}: {said}"):
         texts = replace(texts_in(language, words), shipped={})  # with them to fall back on, no text would be refused
     known = texts_in(language, {})
@@ -68,14 +68,14 @@ def _rehearse_texts(
 
 
 def _rehearse_prompts(experiment: Experiment) -> None:
-    """A language that no page can have would leave the question of the task, or none, in place of the study's."""
+    """Refuse prompts in an unknown language, which no page would show."""
     for where, words in _prompts(experiment).items():
         for language in words:
             one_of(f"{where}: language", language, languages())
 
 
 def _prompts(experiment: Experiment) -> dict[str, dict[str, str]]:
-    """By the key that holds it, a prompt by language."""
+    """Return the prompts of each key by language."""
     inquiries = {f"inquiries.{name}.prompt": of.prompt for name, of in experiment.study.inquiries.items()}
     prompts = {"task.prompt": experiment.table.prompt} | inquiries
     return {where: by_language(prompt) for where, prompt in prompts.items() if prompt}
@@ -141,7 +141,9 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
 
 
 def flaw(experiment: Experiment, root: Path) -> str | None:
-    """What is wrong with the texts of a study whose sessions have begun in a folder: theirs can no longer be mended.
+    """Return the error in the texts of a study that already has sessions.
+
+    Their texts can no longer be corrected, so the error is raised only for a new data set.
 
     Raises
     ------

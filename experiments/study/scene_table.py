@@ -1,4 +1,4 @@
-"""The table `[scene]`: the physics between a stimulus and a simulated skin, in place of the default scene.
+"""The table `[scene]`, which replaces the default scene of a stimulus.
 
 A study states what is played in `[stimulus]` and who touches it in `[touch]`; the scene holds what is between them.
 """
@@ -34,7 +34,7 @@ Parts = tuple[dict[str, Any], tuple[Effect, ...]]
 
 @dataclass(frozen=True)
 class SceneTable:
-    """What lies between the stimulus and the skin.
+    """Physics between the stimulus and the skin.
 
     Parameters
     ----------

@@ -82,7 +82,7 @@ def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list
 
 @dataclass(frozen=True)
 class SessionPlan:
-    """What the sessions of a study are put together from, built once for all of them.
+    """Parts of a study's sessions, built once for all of them.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ class SessionPlan:
 
 
 def places_of(stimulus: Stimulus) -> tuple[Place, ...]:
-    """Where a stimulus is made, of those that are made at places."""
+    """Return the places where a stimulus is made, if it has any."""
     return getattr(stimulus, "places_made_m", ())
 
 

@@ -23,7 +23,7 @@ Levels = tuple[float | str, ...]
 
 @dataclass(frozen=True)
 class PlanTable:
-    """How the cells of the design become sessions and blocks, beside `counterbalance`.
+    """How cells become sessions and blocks, in addition to `counterbalance`.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ class Study:
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """What the study allows and a session should be told."""
+        """Warnings for a session about permissive settings of the study."""
         return tuple(f"study, {warning_of(f'limits.{name}')}" for name in self.limits.switched_off)
 
     def beside(self, path: str) -> str:
@@ -250,7 +250,7 @@ def _check_levels(path: str, levels: Levels) -> None:
 
 
 def _check_plan(study: Study) -> None:
-    """Whether plan, nested levels and variants speak of factors and levels that are there."""
+    """Refuse unknown factors and levels in plan, nested levels and variants."""
     for key, name in study.plan.named:
         _check_name(name, study.factors, f"plan.{key}", "a factor")
     _check_places(study.plan)
@@ -294,5 +294,5 @@ def _check_name(name: str, known: Collection[str], where: str, what: str) -> Non
 
 
 def no_such(where: str, name: str, what: str, known: Collection[str]) -> InvalidParameter:
-    """What is said of a name that is not `what` was expected, with those that are known and the nearest of them."""
+    """Return an error for an unknown name, with known and similar names."""
     return InvalidParameter(f"{where}: found {name!r}, expected {what} ({', '.join(known)}){nearest(name, known)}")

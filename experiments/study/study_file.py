@@ -94,12 +94,15 @@ def locate(study: str) -> Path:
 
 
 def folder_of(study: str) -> Path:
-    """Where the file of a study that is named, or given as a path, lies."""
+    """Return the folder of a study's file."""
     return locate(study).resolve().parent
 
 
 def load(study: str) -> tuple[Study, bytes]:
-    """A study, named or given as a path, with the bytes of its file, questionnaires of files beside it put in place."""
+    """Read a study by name or path, and the bytes of its file.
+
+    Questionnaires in files next to it are inserted.
+    """
     path = locate(study)
     content = with_forms(read_file(path, "a study file", LARGEST_FILE), path)
     return parse(content, str(path) if study not in shipped() else study), content

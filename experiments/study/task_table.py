@@ -65,7 +65,7 @@ def choices_named(study: Study, name: str) -> ChoiceForm | None:
 
 
 def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
-    """What an inquiry asks.
+    """Return the form of an inquiry.
 
     Raises
     ------
@@ -137,5 +137,5 @@ def _check(study: Study, table: TaskTable) -> None:
 
 
 def dimensions_of(forms: Iterable[Questionnaire]) -> dict[str, dict[str, str]]:
-    """By questionnaire, to which dimension an item belongs."""
+    """Return the dimension of each item by questionnaire."""
     return {form.name: {item.id: item.dimension for item in form.items} for form in forms}
