@@ -63,8 +63,10 @@ class TracedSession:
 
 
 def traces_as(form: str, path: Path, task: str, files: Mapping[str, bytes]) -> Files:
-    """The traces of a data set in this form, file by file, beside its other `files`; none of a single trials file, and
-    where a form has none."""
+    """Yield the traces of a data set in this form, file by file.
+
+    Nothing is yielded for a single trials file or for a form without traces. `files` are the other files of the export.
+    """
     write = _FORMS.get(form)
     if write is None or not path.is_dir():
         return
