@@ -1,5 +1,7 @@
-"""What a power analysis asks: the study, the effect, the numbers of participants and trials; a value that is shipped to
-workers, from which everything follows."""
+"""Design of a power analysis: study, effect, participants and trials.
+
+It is a value that is sent to workers and determines all results.
+"""
 
 import re
 from dataclasses import dataclass, field
@@ -32,7 +34,7 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Of its files.
+        """Stem of the names of the case's files.
 
         >>> Case(40, True).name, Case(None, False).name
         ('trials-40_effect', 'trials-study_none')
