@@ -66,7 +66,7 @@ def shorten(study):
 
 @pytest.fixture
 def own(tmp_path, monkeypatch):
-    """A study with the code of the docs beside it, in a folder that is not the one where the program runs."""
+    """Write a study and the docs' code into another than the current folder."""
     place = tmp_path / "studies"
     place.mkdir()
     (place / "mine.py").write_text(CODE)

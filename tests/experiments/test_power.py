@@ -110,7 +110,7 @@ class Mine(SignalDetectionObserver):
 
 @pytest.fixture
 def own(tmp_path):
-    """The tutorial with an observer from a file beside it."""
+    """Write the tutorial with a custom observer."""
     _, content = load("tutorial")
     (tmp_path / "mine.py").write_text(OWN)
     path = tmp_path / "own.toml"

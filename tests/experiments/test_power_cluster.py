@@ -1,4 +1,4 @@
-"""Power on a real Dask scheduler with two workers on the loopback, one of which is killed in the middle."""
+"""Power on a Dask scheduler with two workers, one of which is killed."""
 
 import os
 import re

@@ -97,7 +97,7 @@ def test_stated_thresholds_take_no_effect_of_sensation(capsys, stated):
 
 
 def test_a_person_says_yes_half_way_at_the_true_threshold():
-    """By the observer itself: an exact binomial of what it answers there."""
+    """Compare with an exact binomial test of the observer's answers."""
     experiment = experiment_of(asked := design(), asked.cases[1])
     observer = replace(experiment.simulated_participant("P001", 5), lapse_rate=0.0)
     criterion, rng, n = observer.criterion + observer.bias, np.random.default_rng(7), 20_000
@@ -115,7 +115,6 @@ def test_studies_have_seeds_of_their_own():
 
 
 def test_minutes_are_summed_in_the_order_of_participants():
-    """Of a set of codes each process summed in an order of its own."""
     minutes = pd.Series(np.random.default_rng().random(24), codes(24))
     found = [mean_minutes(minutes.drop("P002"), n) for n in range(3, 25)]
     assert found == [float(minutes.iloc[[0, *range(2, n)]].mean()) for n in range(3, 25)]

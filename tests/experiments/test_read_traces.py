@@ -1,4 +1,4 @@
-"""Which touches are read of which session, under which sitting, and what is told to have been emitted in them."""
+"""Touches read from sessions and sittings, with emitted signals."""
 
 import shutil
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What could fail on the last page is tried before the first: texts with their places, words of questionnaires."""
+"""Texts and questionnaires checked before the first page."""
 
 import io
 import re

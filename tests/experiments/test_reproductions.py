@@ -182,7 +182,7 @@ def test_contact_that_opens_loses_as_much_as_one_that_holds():
 
 
 def test_forces_of_table_6_2_are_those_in_the_band():
-    """A lognormal spread of 15 % of which what is outside of 20 % is drawn anew: mean and spread by quadrature."""
+    """Compare with a 15 % lognormal spread, truncated at 20 %, by quadrature."""
     finger, rng = SimulatedFinger(waver_cv=0.0), np.random.default_rng(6)
     request = Press("s", 1.0, target_n=1.0, tolerance=0.2, hold_s=0.5, duration_s=0.02, timeout_s=1.0)
     touched = np.array([finger.hold(request, rng).forces_n.mean() for _ in range(2000)])

@@ -61,7 +61,7 @@ UNFELT = {"movie": "focus_detection", "drive_energy": "focus_detection"}
 
 @pytest.fixture(scope="module")
 def loaded():
-    """What each scene states, and the modules behind a level through it, felt in a process of its own."""
+    """Return each scene's effects and loaded modules, in separate processes."""
     if not hasattr(os, "fork"):
         pytest.skip("needs os.fork for a process per effect")
     panels = {kind: with_company(kind) for kind in [*PANEL_KINDS, "plain"]}

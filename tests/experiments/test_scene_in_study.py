@@ -43,7 +43,7 @@ FORMULAS = {
 
 
 def model_of(cell, **numbers):
-    """What `[sensation]` states of a cell."""
+    """Build the sensation model of a cell from `[sensation]`."""
     kind = STIMULI[cell.condition.stimulus.partition(",")[0]]
     shared = {name: getattr(cell.stimulus, name) for name in kind.shared}
     return build(resolve(kind.sensation), numbers, "sensation", **shared)

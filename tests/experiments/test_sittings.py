@@ -1,4 +1,4 @@
-"""Each sitting of a session has a head of its own, and what changed from one to the next is told."""
+"""Heads of a session's sittings, and reported changes between them."""
 
 import json
 import shutil

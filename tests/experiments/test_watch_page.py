@@ -1,4 +1,4 @@
-"""The page in a real browser: what is seen, what a screen reader is told, and that it follows a session that runs."""
+"""The watch page in a real browser and for screen readers."""
 
 import pytest
 from chromium import PROGRAM, chromium

@@ -1,4 +1,4 @@
-"""What is drawn of a session that runs: its levels, its curve, and force and place of the last touch."""
+"""Plots of a running session: levels, curve, force and position."""
 
 from dataclasses import replace
 from functools import reduce

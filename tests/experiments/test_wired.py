@@ -1,4 +1,4 @@
-"""What a wired study asks at most of a stimulus and of a participant: limits rest on it, before anything plays."""
+"""Largest levels and forces of a wired study, checked against limits."""
 
 from dataclasses import replace
 
