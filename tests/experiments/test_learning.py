@@ -194,7 +194,7 @@ def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):
     refused = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
     assert (refused.returncode, "hands are off, expected it; nothing was played" in refused.stderr) == (2, True)
     arguments += ["--hands-off", "--write"]
-    for _ in range(5):  # a busy computer tears what it plays, which is then not learnt
+    for _ in range(5):  # a busy computer plays with gaps, and nothing is learned
         result = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
         if "in what was played" not in result.stderr:
             break

@@ -1,4 +1,4 @@
-"""An observer of one's own: its code runs where a person allowed it, on any worker, and nowhere else."""
+"""Custom observers, whose code runs only where a user allowed it."""
 
 import json
 import subprocess
@@ -148,7 +148,7 @@ WRONG = [
 
 
 def with_body(method, body):
-    """The code of the observer with another first line in one of its methods, and the numbers of the two lines."""
+    """Insert a first line in a method; return code and both line numbers."""
     lines = CODE.splitlines()
     begin = next(n for n, line in enumerate(lines) if f"def {method}(" in line)
     lines.insert(begin + 1, f"        {body}")

@@ -1,4 +1,4 @@
-"""Power of questionnaires: an effect on a score, what makes it, and the test that answers."""
+"""Power of questionnaires: effects on a score and their test."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Power by simulation: studies whose people differ by the effect and by nothing else, and how many are enough."""
+"""Simulated studies of a power analysis, and their required number."""
 
 from dataclasses import astuple, replace
 
@@ -67,7 +67,7 @@ conditions = [{ frequency_hz = 60, threshold = 25.0 }]
 
 @pytest.fixture
 def stated(tmp_path):
-    """The tutorial with people whose thresholds are stated, other ones at 60 Hz."""
+    """Return the tutorial with stated thresholds, which differ at 60 Hz."""
     _, content = load("tutorial")
     path = tmp_path / "stated.toml"
     path.write_bytes(content.partition(b"\n[observer")[0] + STATED)
@@ -129,7 +129,7 @@ def test_people_who_leave_take_their_later_trials_with_them():
 
 
 def drawn_rows(asked, chance):
-    """Rows of a batch whose tests are significant by chance alone."""
+    """Return a batch's rows with tests that are significant by chance."""
 
     def rows_of(batch):
         rng = np.random.default_rng((batch.first, batch.case.has_effect))
@@ -190,7 +190,7 @@ def test_participants_are_few_numbers_of_a_wide_range():
 @pytest.mark.slow
 @pytest.mark.parametrize("difference", [0.0, 1.0])
 def test_the_power_of_a_normal_case_is_that_of_its_closed_form(difference):
-    """Differences of unit variance, tested as a study is: noncentral t with n - 1 degrees of freedom."""
+    """Differences have unit variance: noncentral t with n - 1 degrees."""
     rng, n, n_studies = np.random.default_rng(17), 10, 20_000 if SOAK else 300
     significant = 0
     for _ in range(n_studies):

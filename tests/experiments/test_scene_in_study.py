@@ -1,4 +1,4 @@
-"""`[scene]` in a study of a panel: what simulated participants feel, what commands tell of it, what is refused."""
+"""`[scene]` in studies of a panel: sensation, output and refusals."""
 
 import json
 
