@@ -50,17 +50,17 @@ class BenchFile:
     output : OutputPart
         Device that plays the stimuli.
     limits : Limits, optional
-        What no signal may exceed; needed where an output is connected.
+        Limits of every signal. Required if an output is connected.
     sensors : mapping of str to SensorPart
-        What is read, each by a name of one's own.
+        Sensors by custom names.
     force : ForcePart, optional
-        Which sensor is the force, and what its counts are; needed where an output is connected, unless `ungated`.
+        Sensor of the force, and its calibration. Required if an output is connected, unless it is `ungated`.
     position : PositionPart, optional
-        Which sensor is the finger's place, and what its counts are.
+        Sensor of the finger's position, and its calibration.
     time_reversal : Learnt, optional
-        Impulse responses of this bench, in place of those of a model.
+        Measured impulse responses of this bench, which replace those of a model.
     traces : TracesTable
-        Which samples are kept.
+        Stored samples.
     """
 
     screen: DisplayTable = field(default_factory=DisplayTable)

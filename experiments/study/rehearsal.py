@@ -1,4 +1,4 @@
-"""Every page that the sessions of a study can show, put together before the first of them begins."""
+"""All pages of a study's sessions, composed before the first begins."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -21,7 +21,7 @@ WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "decl
 
 
 def rehearse(experiment: Experiment) -> None:
-    """Look for keys that do nothing, and fill the texts of a study with all that they will be filled with.
+    """Refuse keys without effect, and fill in all texts of a study.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def _prompts(experiment: Experiment) -> dict[str, dict[str, str]]:
 
 
 def _refuse_idle(experiment: Experiment) -> None:
-    """A key that does nothing promises what no session will hold."""
+    """Refuse keys that have no effect in any session."""
     options, study = experiment.table.options, experiment.study
     for name in ("title", "description"):
         is_text = bool(getattr(study, name).strip())
@@ -111,7 +111,7 @@ def _fill(texts: Texts, shown: Show | str, where: str) -> None:
 
 
 def page_images(experiment: Experiment) -> dict[str, PageImage]:
-    """The images of the pages of a window, each looked at, by message.
+    """Return the images of a window's pages by message, after checking them.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def page_images(experiment: Experiment) -> dict[str, PageImage]:
 
 
 def rehearse_forms(experiment: Experiment, language: str) -> None:
-    """Look for the words of every item, and of every prompt, in the language of a rig.
+    """Check the words of every item and prompt in the language of a rig.
 
     Raises
     ------
