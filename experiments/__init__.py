@@ -1,4 +1,4 @@
-"""Study files and their wiring: here stimuli, protocols and analysis meet, and nowhere else.
+"""Study files and their wiring to stimuli, protocols and analysis.
 
 `study` reads a study file, wires its cells and plans its sessions; `sessions` records or simulates them; `bench` reads
 and prepares a bench; `data_sets` replays, validates and exports what was recorded. The built-in studies lie here as

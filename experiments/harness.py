@@ -87,7 +87,10 @@ class MeasuredItem:
 
     @property
     def holds(self) -> bool | None:
-        """Whether the median is within the limits, or None without any. NaN is never within."""
+        """True if the median is within the limits, None without limits.
+
+        NaN is never within limits.
+        """
         if self.at_least is None and self.at_most is None:
             return None
         above = self.at_least is None or self.median >= self.at_least
@@ -158,10 +161,10 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def keep_chunks(paths: Sequence[Path], jobs: Sequence[J], make: Callable[[J], bytes], spread: Spread) -> Iterator[Path]:
-    """Write the content of each job to its path, whole or not at all, and yield the path.
+    """Write each job's result to its path as a whole and yield the path.
 
-    A path that exists is yielded and its job is not run, so that an interrupted run continues. The order of the paths
-    is kept, wherever `spread` runs the jobs.
+    An existing path is yielded without running its job, so an interrupted run continues. The order of the paths is
+    kept, wherever `spread` runs the jobs.
     """
     left = [job for path, job in zip(paths, jobs, strict=True) if not path.exists()]
     kept = {path for path in paths if path.exists()}
@@ -175,7 +178,9 @@ def _written(path: Path, content: bytes) -> Path:
 
 
 def share_interval(n_yes: int, n: int, coverage: float = 0.95) -> tuple[float, float]:
-    """Return Clopper and Pearson's exact interval of a share (1934, Biometrika 26, 404).
+    """Compute the exact Clopper-Pearson interval of a share.
+
+    Clopper and Pearson (1934), Biometrika 26, 404.
 
     >>> low, high = share_interval(8, 10)
     >>> round(low, 4), round(high, 4)
@@ -188,7 +193,9 @@ def share_interval(n_yes: int, n: int, coverage: float = 0.95) -> tuple[float, f
 
 
 def departure(n_yes: int, n: int, stated: float, alpha: float) -> int:
-    """Return -1 or 1 if fewer or more are yes than stated, by the exact two-sided binomial test, else 0.
+    """Return -1 or 1 if a share is below or above the stated one, else 0.
+
+    It applies the exact two-sided binomial test.
 
     >>> departure(80, 100, 0.95, 1e-4), departure(93, 100, 0.95, 1e-4), departure(30, 100, 0.05, 1e-4)
     (-1, 0, 1)

@@ -1,4 +1,4 @@
-"""Tables in Parquet files by pyarrow: an extra, as nothing else needs its 170 MB."""
+"""Parquet files by pyarrow, an optional extra of 170 MB."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from tactometry.errors import library_needed
 
 
 def arrow(where: str) -> Any:
-    """pyarrow, with `parquet`.
+    """Return pyarrow with its `parquet` module.
 
     Raises
     ------

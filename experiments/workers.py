@@ -1,4 +1,7 @@
-"""Where calls are computed: here, on processes of this computer, or on a Dask cluster; their results are the same."""
+"""Computation in this process, on local processes or a Dask cluster.
+
+The results are the same everywhere.
+"""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -12,18 +15,18 @@ R = TypeVar("R")
 
 
 class Spread(Protocol):
-    """Calls a function with each of the items; results come in the order of the items."""
+    """Function that calls another with each item and yields ordered results."""
 
     def __call__(self, function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]: ...
 
 
 def here(function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
-    """In this process, each as its result is asked for."""
+    """Compute each result in this process when it is requested."""
     return map(function, items)
 
 
 def check_workers(n_jobs: int, scheduler: str | None) -> None:
-    """Refuse a number of processes that is none, or one beside a cluster.
+    """Refuse an invalid number of processes, or one with a cluster.
 
     Raises
     ------
@@ -37,7 +40,9 @@ def check_workers(n_jobs: int, scheduler: str | None) -> None:
 
 @contextmanager
 def workers(n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Spread]:
-    """What spreads calls over `n_jobs` processes (-1: one for each core), or over the Dask cluster at `scheduler`.
+    """Return a function that spreads calls over processes or a cluster.
+
+    `n_jobs` is the number of local processes (-1: one for each core), `scheduler` the address of a Dask cluster.
 
     Raises
     ------

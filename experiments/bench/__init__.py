@@ -1,1 +1,1 @@
-"""A bench: its file, calibration, preflight, learnt responses."""
+"""Bench files, calibration, preflight and learned responses."""

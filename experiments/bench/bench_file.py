@@ -41,7 +41,7 @@ class Devices:
 
 @dataclass(frozen=True)
 class BenchFile:
-    """One bench. Its limits stand beside those of the study: the tighter one holds.
+    """One bench. The tighter of its limits and those of the study applies.
 
     Parameters
     ----------
@@ -50,17 +50,17 @@ class BenchFile:
     output : OutputPart
         Device that plays the stimuli.
     limits : Limits, optional
-        What no signal may exceed; needed where an output is connected.
+        Limits of every signal. Required if an output is connected.
     sensors : mapping of str to SensorPart
-        What is read, each by a name of one's own.
+        Sensors by custom names.
     force : ForcePart, optional
-        Which sensor is the force, and what its counts are; needed where an output is connected, unless `ungated`.
+        Sensor of the force, and its calibration. Required if an output is connected, unless it is `ungated`.
     position : PositionPart, optional
-        Which sensor is the finger's place, and what its counts are.
+        Sensor of the finger's position, and its calibration.
     time_reversal : Learnt, optional
-        Impulse responses of this bench, in place of those of a model.
+        Measured impulse responses of this bench, which replace those of a model.
     traces : TracesTable
-        Which samples are kept.
+        Stored samples.
     """
 
     screen: DisplayTable = field(default_factory=DisplayTable)
@@ -80,11 +80,11 @@ class BenchFile:
                 raise no_such(f"{name}.sensor", table.sensor, "one of the file's sensors", known)
 
     def limits_with(self, study: Limits) -> Limits:
-        """The tighter of both limits."""
+        """Return the tighter of both limits."""
         return study if self.limits is None else study.tighter(self.limits)
 
     def devices(self, study: Limits, today: date, *, touched: bool = True) -> Devices:
-        """The devices, to be opened by the bench; `touched` if a finger will be on it.
+        """Create the devices, still closed; `touched` if a finger will touch.
 
         Raises
         ------
@@ -147,7 +147,7 @@ class BenchFile:
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """What the file allows and a session should be told."""
+        """Warnings for a session about permissive settings of the bench file."""
         is_shared = getattr(self.output.settings, "shared", False)
         allowed = {
             "output.ungated = true: nothing stops the output when the finger leaves": self.output.ungated,
@@ -167,7 +167,7 @@ class BenchFile:
 
     @property
     def release(self) -> bool:
-        """Whether the force must leave its band between touches."""
+        """True if the force must leave its band between touches."""
         return self.force is None or self.force.release
 
     def _force(self, readers: Mapping[str, Reader], today: date) -> StreamedSensor | None:
@@ -188,7 +188,10 @@ class BenchFile:
 
 
 def device_facts(bench: BenchFile, devices: Devices) -> Facts:
-    """What a journal says of the devices: calibrations with date and author, load, counts, delays and drifts."""
+    """Return the journal's facts about devices.
+
+    They are calibrations with date and author, load, counts, delays and drifts.
+    """
     gain, load = bench.output.gain, bench.output.load
     facts: Facts = {
         "output_volts_per_unit": None if gain is None else gain.load_volts_per_unit,
@@ -209,8 +212,9 @@ def device_facts(bench: BenchFile, devices: Devices) -> Facts:
 
 
 def _stated(bench: BenchFile) -> Facts:
-    """What the file states of screen, sensors and their calibrations, each key on its own, so that a sitting with
-    another value can say which.
+    """Return the values of screen, sensors and calibrations by separate keys.
+
+    A later sitting can then report which value changed.
     """
     parts = {"screen": bench.screen, "force": bench.force, "position": bench.position, **bench.sensors}
     return {
@@ -238,7 +242,7 @@ def _provenance(measured: Measured) -> str | None:
 
 
 def load_bench(path: Path | None) -> BenchFile:
-    """A bench file, or the default bench without one.
+    """Read a bench file, or return the default bench without one.
 
     Raises
     ------
@@ -253,7 +257,7 @@ def load_bench(path: Path | None) -> BenchFile:
 
 
 def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
-    """A bench from the tables of its file.
+    """Build a bench from the tables of its file.
 
     Raises
     ------
@@ -283,7 +287,10 @@ def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, 
 
 
 def _part(kind: type[T], table: Mapping[str, Any], path: str, **inner: Callable[[], object]) -> T:
-    """Build a part of the bench and what it contains, of which all mistakes are raised together."""
+    """Build a part of the bench with its inner parts.
+
+    All mistakes in them are raised together.
+    """
     found, made = Gathered(), {}
     for name, build_inner in inner.items():
         with found.part():

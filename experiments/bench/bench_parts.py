@@ -32,19 +32,19 @@ class DisplayTable:
     Parameters
     ----------
     fullscreen : bool
-        All of the screen, or a window.
+        Use the whole screen instead of a window.
     width_px : int
         Width of the window.
     height_px : int
         Height of the window.
     height_m : float, optional
-        Of the screen, as `tactometry calibrate display` measures it.
+        Height of the screen, as `tactometry calibrate display` measures it.
     language : str
-        Of the participant's pages.
+        Language of the participant's pages.
     dry_run : bool
-        Whether each kind of touch is shown and tried without a stimulus, before its first.
+        Show each kind of touch, and let the participant try it without a stimulus before the first trial.
     screen : int
-        Its number, from 0, where several are connected.
+        Number of the screen, from 0, if several are connected.
     """
 
     fullscreen: bool = True
@@ -63,7 +63,7 @@ class DisplayTable:
             expect(0 < self.height_m < 10, "DisplayTable.height_m", f"{self.height_m:g}", "above 0 and below 10 m")
 
     def window(self) -> "Window":
-        """The window of a participant, open.
+        """Open the window of a participant.
 
         Raises
         ------
@@ -86,13 +86,13 @@ class OutputPart:
     settings : OutputSettings
         The device.
     gain : Gain, optional
-        What a sample of 1 becomes at the load; needed where an amplifier is connected.
+        Voltage at the load for a sample of 1. Required if an amplifier is connected.
     load : Load, optional
-        What the output drives.
+        Load of the output.
     ramp_s : float
-        Of the beginning and the end of each signal; 0 for a `packed` output, whose one bit has none.
+        Duration of the ramps at both ends of each signal. It is 0 for a one-bit `packed` output.
     ungated : bool
-        It may play under a finger whose force nobody measures.
+        Allow the output to play under a finger without a force sensor.
     """
 
     settings: OutputSettings = field(default_factory=NullSettings)
@@ -162,15 +162,15 @@ class PositionPart:
     sensor : str
         The name of one of `[sensors]`.
     channels : tuple of int
-        Of the sensor, from 0, one for each axis; a slide's path lies along the first.
+        Channels of the sensor, from 0, one for each axis. A slide's path lies along the first.
     metres_per_count : float
-        Not 0; below 0 where counts fall along the path.
+        Scale of the counts. It is negative if counts decrease along the path.
     zero_counts : tuple of float
-        What each channel counts at position 0, the beginning of a slide's path.
+        Counts of each channel at position 0, the beginning of a slide's path.
     count_low : float, optional
-        Lowest count that is a position; a sample with a lower one is lost.
+        Lowest count that is a position. Samples with a lower one are missing.
     count_high : float, optional
-        Highest count that is a position, such as 254 where 255 means overload; a sample with a higher one is lost.
+        Highest count that is a position, such as 254 if 255 means overload. Samples with a higher one are missing.
     """
 
     sensor: str
@@ -196,7 +196,7 @@ class Learnt:
     Parameters
     ----------
     responses : str
-        The file that `tactometry calibrate responses` wrote.
+        File written by `tactometry calibrate responses`.
     """
 
     responses: str
@@ -209,11 +209,11 @@ class TracesTable:
     Parameters
     ----------
     force : bool
-        Whether samples of the force sensor are stored.
+        Store samples of the force sensor.
     position : bool
-        Whether samples of the position sensor are stored.
+        Store samples of the position sensor.
     emitted : bool
-        Whether what an output emitted that followed the finger is kept.
+        Store the emitted signal of an output that followed the finger.
     """
 
     force: bool = True

@@ -1,4 +1,4 @@
-"""One table of a bench file, said as TOML, and written into the file, whose comments and other keys stay."""
+"""Reading and editing one table of a bench file, comments preserved."""
 
 import tomllib
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from .bench_file import parse_bench
 
 
 def table_toml(name: str, values: Mapping[str, object]) -> str:
-    """A table of a bench file, without what is None.
+    """Format a table of a bench file, without keys whose value is None.
 
     >>> print(table_toml("screen", {"height_m": 0.298, "language": None}), end="")
     [screen]
@@ -26,7 +26,7 @@ def table_toml(name: str, values: Mapping[str, object]) -> str:
 
 
 def stated_in(path: Path, name: str) -> dict[str, Any]:
-    """What a bench file states in a table, such as ``output.gain``; nothing where it has none.
+    """Return a table of a bench file, such as ``output.gain``, or {}.
 
     Raises
     ------
@@ -37,7 +37,9 @@ def stated_in(path: Path, name: str) -> dict[str, Any]:
 
 
 def with_values(text: str, name: str, values: Mapping[str, object]) -> str:
-    """The text of a bench file with some keys of a table set, and those removed that are None; all else stays.
+    """Return a bench file's text with keys of a table set, or removed if None.
+
+    Everything else stays as it was.
 
     >>> print(with_values("# ours\\n[screen]\\nheight_m = 0.3  # by ruler\\n", "screen", {"height_m": 0.298}), end="")
     # ours
@@ -62,7 +64,9 @@ def with_values(text: str, name: str, values: Mapping[str, object]) -> str:
 
 
 def write_values(path: Path, name: str, values: Mapping[str, object]) -> None:
-    """Set keys of a table of a bench file, as `with_values`; the file is the old one or the new one, whole.
+    """Set keys of a table of a bench file, as `with_values` does.
+
+    The file is replaced as a whole or not at all.
 
     Raises
     ------
@@ -80,7 +84,7 @@ def write_values(path: Path, name: str, values: Mapping[str, object]) -> None:
 
 
 def _edited(before: str, name: str, values: Mapping[str, object]) -> str:
-    """As `with_values`; what the editor of TOML cannot do to a file is told, and that it does no more is looked at."""
+    """Edit a bench file's text, and check the result."""
     from tomlkit.exceptions import TOMLKitError
 
     wanted = _without_none({**_within(tomllib.loads(before), name), **values})

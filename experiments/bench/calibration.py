@@ -1,4 +1,4 @@
-"""Calibrations of a bench: what was measured, fitted and said in the words of a bench file."""
+"""Calibrations of a bench as keys of its file."""
 
 import time
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ in metres, once this page is closed."""
 
 @dataclass(frozen=True, eq=False)
 class ForceFit:
-    """Forces of weights against counts: the polynomial (N, N per count, ...) and what it leaves, N."""
+    """Fitted force polynomial (N, N per count, ...) and its residual, N."""
 
     counts: FloatArray
     forces_n: FloatArray
@@ -62,7 +62,7 @@ def fit_force(
     gravity_m_per_s2: float = STANDARD_GRAVITY_M_PER_S2,
     residual_at_most: float = RESIDUAL_AT_MOST,
 ) -> ForceFit:
-    """Least squares of the weights' force on the sensor's counts.
+    """Fit the weights' force to the sensor's counts by least squares.
 
     Raises
     ------
@@ -103,14 +103,14 @@ def _expect_near(fit: ForceFit, masses_kg: FloatArray, residual_at_most: float) 
 
 
 class GainFit(NamedTuple):
-    """Peak volts at the load for each part of full scale, and what is left of the line through zero."""
+    """Peak voltage at the load per part of full scale, and the residual."""
 
     volts_per_unit: float
     residual_rms_v: float
 
 
 def fit_gain(units: Sequence[float], volts: Sequence[float], *, residual_at_most: float = RESIDUAL_AT_MOST) -> GainFit:
-    """Least squares through zero.
+    """Fit a line through zero by least squares.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def _give_up(events: tuple[Input, ...]) -> bool:
 
 
 def display_height_m(bar_m: float) -> float:
-    """The height of a display on which the bar of `BAR_PART` of it measures `bar_m`.
+    """Compute the display height from the measured length of the bar.
 
     >>> display_height_m(0.149)
     0.298
@@ -168,9 +168,11 @@ def display_height_m(bar_m: float) -> float:
 
 
 def force_values(fit: ForceFit, sensor: str, channel: int, on: date, by: str) -> dict[str, object]:
-    """The fit as keys of ``[force]`` of a bench file; beyond the weights' counts the force counts as unknown.
+    """Return the fit as keys of ``[force]`` of a bench file.
 
-    Of the forms that a calibration may have it is the polynomial: the others are None.
+    The force is unknown outside the range of the weights' counts.
+
+    The calibration is stated as a polynomial. The keys of its other forms are None.
     """
     span = float(np.ptp(fit.counts))
     low, high = float(fit.counts.min()) - 0.1 * span, float(fit.counts.max()) + 0.1 * span
@@ -180,7 +182,7 @@ def force_values(fit: ForceFit, sensor: str, channel: int, on: date, by: str) ->
 
 
 def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
-    """The mean of a channel of an open reader over a while, from its first sample on.
+    """Average a channel of an open reader from its first sample on.
 
     Raises
     ------
@@ -202,7 +204,7 @@ def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
 
 
 def tone(voltage_v: float, n_channels: int, rate_hz: float, duration_s: float, ramp_s: float) -> Signal:
-    """A sine of 100 Hz that tries or measures an output, with a ramp at each end, (n_channels, n_samples)."""
+    """Return a 100 Hz test sine with ramps, (n_channels, n_samples)."""
     times_s = np.arange(round(duration_s * rate_hz)) / rate_hz
     to_an_end_s = np.minimum(times_s, duration_s - times_s)
     ramp = np.sin(np.pi / 2 * np.clip(to_an_end_s / ramp_s, 0, 1)) ** 2

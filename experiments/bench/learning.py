@@ -1,4 +1,4 @@
-"""Impulse responses of a bench: one channel plays after the other, while a sensor and a reference record."""
+"""Measurement of a bench's impulse responses, one channel at a time."""
 
 import math
 import time
@@ -28,7 +28,7 @@ CLIPPED: Final = 0.999
 
 @dataclass(frozen=True)
 class Microphone:
-    """What records a calibration: a channel that measures the point, and one that records the drive itself.
+    """Sensor channels that record the point and the drive in a calibration.
 
     Parameters
     ----------
@@ -56,9 +56,11 @@ class Microphone:
 
 @dataclass(frozen=True)
 class Learning:
-    """How responses are learnt: the excitation at `voltage_v` on each of `channels` in turn, `duration_s` of response.
+    """Settings for learning responses.
 
-    `reference_output` is an output channel that carries the drive too, for a cable back to the reference; without it,
+    Each of `channels` plays the excitation at `voltage_v` in turn, and `duration_s` of the response is kept.
+
+    `reference_output` is an output channel that also carries the drive, for a cable back to the reference. Without it,
     the reference must record whichever channel plays. Each channel plays `n_repeats` times.
     """
 
@@ -76,13 +78,14 @@ class Learning:
 
     @property
     def recorded_s(self) -> float:
-        """How long a recording lasts: the excitation, the response, and a rest before and after."""
+        """Duration of a recording: excitation, response, and rests around them."""
         return len(self.excitation.samples) / self.excitation.rate_hz + self.duration_s + 2 * LEAD_S
 
 
 class Heard(NamedTuple):
-    """The responses to one channel, of shape (1, 1, n_samples): one of each time that it played, and what the quiet
-    before all of them would have been taken for.
+    """Responses to one channel, of shape (1, 1, n_samples).
+
+    There is one for each repetition, and one computed from the silence before all of them.
     """
 
     repeats: tuple[Responses, ...]
@@ -95,7 +98,7 @@ class Heard(NamedTuple):
 
 
 class Quality(NamedTuple):
-    """How well a channel was heard.
+    """Quality of the measured responses of a channel.
 
     `snr_db` is the energy of its response over that of the quiet, taken for a response; infinite where the quiet holds
     nothing. `repeatability` is the smallest normalised correlation of two of its responses: as a drive is a response
@@ -107,7 +110,9 @@ class Quality(NamedTuple):
 
 
 def quality(heard: Heard, band_hz: tuple[float, float]) -> Quality:
-    """How well a channel was heard at least twice, in displacement within a band.
+    """Compute the quality of a channel's displacement responses in a band.
+
+    The channel must have been measured at least twice.
 
     Examples
     --------
@@ -130,7 +135,7 @@ def quality(heard: Heard, band_hz: tuple[float, float]) -> Quality:
 def repeatable(
     heard: Iterable[tuple[int, Heard]], band_hz: tuple[float, float], at_least: float
 ) -> Iterator[tuple[Heard, Quality]]:
-    """How well each channel was heard, until one repeats itself less than `at_least`.
+    """Yield each channel's quality until one repeats worse than `at_least`.
 
     Raises
     ------
@@ -149,7 +154,9 @@ def repeatable(
 
 
 def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterator[Heard]:
-    """The responses to one channel after the other; both devices are open, and silent for the length of a recording.
+    """Measure the responses to each channel in turn.
+
+    Both devices are open, and silent for the length of a recording.
 
     Raises
     ------
@@ -177,7 +184,7 @@ def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterat
 def _played(
     learning: Learning, signal: Signal, output: Guarded, listener: Listener, microphone: Microphone
 ) -> FloatArray:
-    """What was recorded, (n_channels, n_samples), while a signal played once, whole."""
+    """Play a signal and return its recording, (n_channels, n_samples)."""
     listener.read()  # what came before is not of this recording
     time.sleep(LEAD_S)
     onset_s = output.play(signal)
@@ -187,7 +194,7 @@ def _played(
 
 
 def expect_whole(output: Guarded) -> None:
-    """Refuse what an output played with gaps.
+    """Refuse an output that played with gaps.
 
     Raises
     ------
@@ -202,7 +209,7 @@ def expect_whole(output: Guarded) -> None:
 
 
 def join(responses: Sequence[Responses]) -> Responses:
-    """One point's responses to several channels."""
+    """Join one point's responses to several channels."""
     samples = np.concatenate([response.samples for response in responses], axis=1)
     return Responses(samples, responses[0].rate_hz, responses[0].quantity)
 
@@ -217,7 +224,7 @@ def _signal(learning: Learning, channel: int, n_channels: int) -> Signal:
 
 
 def _record(listener: Listener, microphone: Microphone, end_s: float) -> FloatArray:
-    """(n_channels, n_samples) from the last reading of the listener to `end_s`, without a break."""
+    """Record (n_channels, n_samples) up to `end_s` without gaps."""
     source = microphone.reader.source
     values: list[FloatArray] = []
     for block in listener.blocks(end_s + 2.0):

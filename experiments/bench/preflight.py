@@ -1,4 +1,4 @@
-"""Preflight: what a session needs, tried before a participant comes; sensors and output."""
+"""Preflight: sensors and output tested before a participant comes."""
 
 import time
 from collections.abc import Iterator
@@ -41,7 +41,7 @@ TONE_S, TONE_RAMP_S = 0.5, 0.1
 def check(
     study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool, allow_code: bool = False
 ) -> list[Finding]:
-    """Everything in turn; what fails is a finding, and the rest is looked at all the same.
+    """Check everything in turn and report each failure as a finding.
 
     Parameters
     ----------
@@ -133,7 +133,10 @@ def _gate(bench: BenchFile) -> Iterator[Finding]:
 def _output_findings(
     output: Guarded, bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
 ) -> Iterator[Finding]:
-    """The tone and the strongest stimuli; limits that the load needs and nobody stated stop all of them, said once."""
+    """Check the tone and the strongest stimuli.
+
+    Missing limits that the load requires are reported once and end the checks.
+    """
     if output.limits is not None and output.driver.connected:
         yield duration("output", "worst-case stop, by the bench file", bench.stop_delay_s, output.limits.longest_stop_s)
     if output.limits is not None and output.load is not None:
@@ -145,7 +148,10 @@ def _output_findings(
 
 
 def _current_of_a_stop(output: Guarded, limits: Limits, load: Load) -> Finding:
-    """The largest current that the fall of a stop draws; it has no limit, because a stop must not be refused."""
+    """Report the largest current of a stop, which has no limit.
+
+    A stop must never be refused.
+    """
     what = "largest current of a stop, no limit holds"
     if output.driver.fall_s == 0:
         return Finding("output", what, "that of one step of the device, as fast as the amplifier follows")
@@ -180,7 +186,10 @@ def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Itera
 
 
 def tone_of(output: Guarded) -> Signal:
-    """A tone with ramps at a part of the voltage limit; for one bit, a thousand samples at the supply's voltage."""
+    """Return a tone with ramps at a part of the voltage limit.
+
+    For a one-bit output, it is a thousand samples at the supply voltage.
+    """
     n_channels, rate_hz = output.driver.n_channels or 1, output.driver.rate_hz or 48_000.0
     if output.driver.one_bit:
         bits = np.where(np.arange(1000) // 10 % 2, -1.0, 1.0)

@@ -32,7 +32,7 @@ from .stimuli import check_followed
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at; `fine` is None where there is nothing to judge."""
+    """Result of one check; `fine` is None if there is nothing to judge."""
 
     part: str
     what: str
@@ -93,7 +93,7 @@ def _longest_sync_s(folder: Path, n_records: int = 10) -> float:
 
 @contextmanager
 def recorder(folder: Path) -> Iterator[Callable[[], None]]:
-    """What puts a record of a trial's length on the disk."""
+    """Yield a function that writes a record of a trial's size to the disk."""
     import tempfile
 
     with tempfile.TemporaryFile(dir=folder) as file:
@@ -121,7 +121,7 @@ def display(screen: DisplayTable, folder: Path) -> Iterator[Finding]:
 
 
 def _screens(screen: DisplayTable, there: Sequence[ConnectedScreen]) -> Iterator[Finding]:
-    """Which screens there are, and which of them is the participant's."""
+    """List the connected screens and the participant's one."""
     words = "; ".join(map(str, there))
     taken = f", the participant's is screen {screen.screen}" if len(there) > 1 else ""
     yield Finding("display", "connected", f"{words}{taken}", fine=True)
@@ -130,7 +130,9 @@ def _screens(screen: DisplayTable, there: Sequence[ConnectedScreen]) -> Iterator
 def key_to_record_s(
     screen: Display, page: Page, record: Callable[[], None], n_keys: int, within_s: float
 ) -> list[float]:
-    """From each press of a key to its record's being on the disk, s, read and drawn as in a session.
+    """Measure the time from each key press to its record on the disk, s.
+
+    Keys are read and pages drawn as in a session.
 
     Parameters
     ----------
@@ -182,7 +184,7 @@ def _screen_findings(screen: DisplayTable, facts: Facts, timing: Mapping[str, in
 
 
 def _period(facts: Facts) -> Finding:
-    """The frame period: measured, and what it should be by the mode of the screen."""
+    """Compare the measured frame period with that of the screen's mode."""
     measured, expected = (f"{1e3 * float(facts[name] or 0):.2f} ms" for name in (f"{PERIOD}_measured_s", f"{PERIOD}_s"))
     if facts["frames_paced_in_software"]:
         return Finding("display", "frame period", f"{expected}, in software: there is no vertical blank")
@@ -191,13 +193,13 @@ def _period(facts: Facts) -> Finding:
 
 
 def duration(part: str, what: str, measured_s: float, longest_s: float) -> Finding:
-    """A time that must not be longer."""
+    """Check that a time is not longer than allowed."""
     words = f"{1e3 * measured_s:.1f} ms", f"at most {1e3 * longest_s:g} ms"
     return Finding(part, what, *words, fine=measured_s <= longest_s)
 
 
 def exit_status(findings: list[Finding]) -> int:
-    """3 if a device failed, 1 if something else is not fine, else 0.
+    """Return 3 if a device failed, 1 if something else is not fine, else 0.
 
     >>> exit_status([Finding("disk", "free", "1 GB", fine=True), Finding("display", "", "", fine=False, device=True)])
     3
@@ -208,7 +210,7 @@ def exit_status(findings: list[Finding]) -> int:
 
 
 def findings_of(part: str, findings: Iterator[Finding]) -> Iterator[Finding]:
-    """The findings of a part, as it is looked at; a failure is one more, and those before it stay."""
+    """Yield the findings of a part, and one more if its check fails."""
     try:
         yield from findings
     except TactometryError as error:
@@ -222,7 +224,7 @@ FEW_BITS = (8, 10, 12, 14, 16)
 
 
 def force(sensor: StreamedSensor) -> Iterator[Finding]:
-    """What a force sensor says at rest."""
+    """Check a force sensor at rest."""
     _, forces_n = _heard(sensor)
     yield from _known("force", forces_n, "samples in the calibrated range")
     known_n = forces_n[np.isfinite(forces_n)]
@@ -232,7 +234,7 @@ def force(sensor: StreamedSensor) -> Iterator[Finding]:
 
 
 def position(connected: Devices, bench: BenchFile, experiment: Experiment | None) -> Iterator[Finding]:
-    """What a position sensor says at rest, and whether a study can rely on it."""
+    """Check a position sensor at rest, and whether a study can use it."""
     if connected.position is not None and bench.position is not None:
         yield from _at_rest(connected.position, bench.position, _slides(experiment))
     elif _slides(experiment):
@@ -266,7 +268,7 @@ def _at_full_scale(counts: FloatArray) -> Iterator[Finding]:
 
 
 def _speed(found_m_per_s: float | None, slides: list[Sliding]) -> Finding:
-    """Of a finger at rest, as the gate of a slide hears it: it must be far from the band in which a finger moves."""
+    """Check that the measured speed at rest is below a slide's tolerance."""
     least = [_band_m_per_s(slide) for slide in slides if slide.speed_tolerance is not None]
     if found_m_per_s is None:
         return Finding("position", "speed, at rest", "not known", "a sensor without gaps", fine=False, device=True)
@@ -318,7 +320,7 @@ def _heard(sensor: StreamedSensor) -> tuple[FloatArray, FloatArray]:
 
 
 def _known(part: str, values: FloatArray, what: str) -> Iterator[Finding]:
-    """Whether a sensor sends, and how much of it is known."""
+    """Check that a sensor sends samples, and how many are known."""
     if not values.size:
         yield Finding(part, "samples", f"0 in {FIRST_WITHIN_S:g} s", "a sensor that sends", fine=False, device=True)
         return

@@ -34,7 +34,10 @@ class OnChannels:
         return self.stimulus.level_unit
 
     def at(self, level: float) -> Signal:
-        """As that of the stimulus; one of another number of channels stays as it is, and the output refuses it."""
+        """Return the stimulus's signal on the output's channels.
+
+        A signal with another number of channels is returned as it is, and the output refuses it.
+        """
         signal = self.stimulus.at(level)
         if signal.samples.shape[0] != len(self.channels):
             return signal
@@ -69,10 +72,12 @@ class CommandedSupply:
 
 @dataclass(frozen=True)
 class Board:
-    """What switches between `supply_v`, its negative and off; channels move plates, that of an `electrode` does not.
+    """Board that switches between `supply_v`, its negative and off.
 
-    Foci get their level by the length of bursts, the carrier of electrovibration by the width of pulses; both by the
-    supply first, where it can be commanded down to `lowest_supply_v`.
+    Its channels move plates, except that of an `electrode`.
+
+    The level of a focus is set by the length of bursts, that of an electrovibration carrier by the width of pulses. If
+    the supply can be commanded down to `lowest_supply_v`, it is lowered first.
     """
 
     supply_v: float
@@ -182,7 +187,10 @@ def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimu
 
 
 def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
-    """What a journal says of the responses: their file, its digest, when and by whom they were measured."""
+    """Return the journal's facts about the responses.
+
+    They are the file, its digest, and when and by whom it was measured.
+    """
     if learnt is None:
         return {}
     from tactometry.provenance import sha256

@@ -56,7 +56,7 @@ def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str
 
 
 def task_label(source: ExportedDataSet) -> str:
-    """What BIDS calls the task of the trials."""
+    """Return the BIDS task label of the trials."""
     return _label(source.text("study") or "trials")
 
 

@@ -66,7 +66,7 @@ class Erased:
 
 
 def find(root: Path, participant: str) -> Erased:
-    """What would be erased.
+    """List what an erasure would remove, without removing it.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def _there(journals: Iterable[Path]) -> set[Path]:
 
 
 def _refuse(root: Path, participant: str) -> None:
-    """Refuse what is no code or no data set."""
+    """Refuse an invalid participant code or a folder without a data set."""
     expect(PARTICIPANT.fullmatch(participant) is not None, "--participant", repr(participant), "a code such as P01")
     is_set = (root / NAME).is_file() and ((root / "journals").is_dir() or (root / "data").is_dir())
     expect(is_set, root, f"no {NAME} with data or journals", "the folder of a data set", InvalidFile)

@@ -1,4 +1,4 @@
-"""Data sets for other programs, one function per form: those of Psych-DS and PsychoPy here, BIDS, jsPsych and R beside.
+"""Exports for other programs: Psych-DS, PsychoPy, BIDS, jsPsych and R.
 
 A recorded data set is Psych-DS already; here also a single table becomes one, without journals, and names use the
 official keywords only. PsychoPy's experiment handler writes a row per trial, a file per session: for scripts and people

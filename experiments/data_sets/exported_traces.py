@@ -63,8 +63,9 @@ class TracedSession:
 
 
 def traces_as(form: str, path: Path, task: str, files: Mapping[str, bytes]) -> Files:
-    """The traces of a data set in this form, file by file, beside its other `files`; none of a single trials file, and
-    where a form has none.
+    """Yield the traces of a data set in this form, file by file.
+
+    Nothing is yielded for a single trials file or for a form without traces. `files` are the other files of the export.
     """
     write = _FORMS.get(form)
     if write is None or not path.is_dir():
@@ -112,8 +113,7 @@ def _bids(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Files
 
 def _physio(traced: TracedSession, folder: str, task: str) -> Files:
     """The force at an even rate, as `physio` has no stamps: each place holds the sample nearest to it with its own
-    stamp, or n/a, between touches and where one was lost.
-    """
+    stamp, or n/a, between touches and where one was lost."""
     texts = [text for _, text in traced.texts()]
     times_s = np.concatenate([decode_rows(text)[:, 0] for text in texts])
     begin_s, rate_hz = float(times_s[0]), traced.description.rate_hz

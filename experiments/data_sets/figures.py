@@ -1,4 +1,4 @@
-"""What happened in a touch, drawn: force with its band, place and speed of the finger, and what was emitted."""
+"""Figures of a touch: force, position, speed and emitted signal."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -63,13 +63,19 @@ def touch_figure(touches: Sequence[TouchTrace]) -> Drawing:
 
 
 def whose(touches: Sequence[TouchTrace]) -> str:
-    """Of whom the touches of a trial are, as the file of their figure says it: an erasure finds it by that."""
+    """Name the participant, session and trial of touches.
+
+    The figure's file contains this text, by which an erasure finds it.
+    """
     head, trial = touches[0].head, touches[0].trial
     return f"participant {head.participant}, session {head.session}, trial {trial.trial}"
 
 
 def heading(touch: TouchTrace) -> str:
-    """What a touch is called among those of its trial, and whether it counted, in two lines at most."""
+    """Title of a touch within its trial, with the reason if invalid.
+
+    At most two lines.
+    """
     answer, trial = touch.answer, touch.trial
     reason = answer.invalid_reason if isinstance(answer, Touched) else None
     if reason is None and trial.invalid_reason == "experimenter":  # the touch was right, and its trial taken back
@@ -100,7 +106,7 @@ def envelope(signal: Signal, n_bins: int = N_BINS) -> tuple[FloatArray, FloatArr
 
 
 def _span_s(touch: TouchTrace) -> tuple[float, float]:
-    """What is drawn, from the onset: all that there is, but no long wait before the hold."""
+    """Return the plotted time span from onset, without a long initial wait."""
     onset_s, request, gate_s = touch.answer.onset_s, touch.request, _gate_s(touch)
     stamps_s = [samples.times_s - onset_s for samples in (touch.force, touch.position) if samples is not None]
     first_s = min((float(times_s[0]) for times_s in stamps_s), default=0.0)

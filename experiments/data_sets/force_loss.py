@@ -1,4 +1,4 @@
-"""A data set of the study `force-loss` as rows of the thesis's figures 5.4 and 5.5, beside those of the model."""
+"""Study `force-loss` as rows of the thesis's figures 5.4 and 5.5."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The estimates of a study's own rule: its procedure is told the answers of a block again, as the table has them."""
+"""Estimates of a study's procedure, replayed from the answers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,7 +22,10 @@ from ..study.study_file import parse
 
 
 def replay_of(path: Path) -> Replay | None:
-    """What the rule of a data set's study makes of a block; None where no study that can be read stands there."""
+    """Return a function that replays blocks with the data set's study.
+
+    None if the data set has no readable study.
+    """
     study = (path if path.is_dir() else path.parent.parent) / "study.toml"
     if not study.is_file():
         return None
@@ -53,7 +56,7 @@ class _Replay:
         return {name: RuleEstimate(of.level, of.sd, of.n, of.note) for name, of in zip(names, estimates, strict=True)}
 
     def _rule(self, block: pd.DataFrame) -> ReadyProcedure | None:
-        """That of the first cell, which is the rule of the block; None if it is no block of this study."""
+        """Return the rule of a block's first cell, or None if not in the study."""
         study, first = self.wiring.study, block.iloc[0]
         factors: dict[str, float | str] = {}
         for name, levels in study.factors.items():

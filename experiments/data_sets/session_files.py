@@ -1,5 +1,6 @@
-"""The files of a session beside its journal: where they are, what they hold, whose they must be, and whether they still
-say what the journal holds: somebody may have edited them, or a crash cut them.
+"""Session files next to a journal, and checks that they agree with it.
+
+They differ if someone edited them or a crash truncated them.
 """
 
 import os
@@ -28,8 +29,9 @@ def session_of(head: Head) -> Session:
 
 
 def name_defect(journal: Path, head: Head) -> str | None:
-    """What is wrong with a journal that is not named after its session: a copy under another name is no other session;
-    None of one that is.
+    """Return an error for a journal not named after its session, else None.
+
+    A renamed copy would otherwise count as another session.
     """
     if session_of(head).stem == journal.stem:
         return None
@@ -38,7 +40,7 @@ def name_defect(journal: Path, head: Head) -> str | None:
 
 
 def header_of(content: bytes) -> list[str]:
-    """The names of the columns in the bytes of a trials file.
+    """Return the column names in the bytes of a trials file.
 
     >>> header_of(b"a,b\\n1,2\\n")
     ['a', 'b']
@@ -47,12 +49,12 @@ def header_of(content: bytes) -> list[str]:
 
 
 def trials_file(root: Path, journal: Path) -> Path:
-    """The trials file of a journal."""
+    """Return the trials file of a journal."""
     return root / "data" / f"{journal.stem}_data.csv"
 
 
 def n_rows(content: bytes) -> int:
-    """Rows of a trials file below its header.
+    """Count the rows of a trials file below its header.
 
     >>> n_rows(b"a,b\\n1,2\\n3,4"), n_rows(b"")
     (2, 0)
@@ -61,7 +63,7 @@ def n_rows(content: bytes) -> int:
 
 
 def json_table(path: Path) -> Mapping[str, Any]:
-    """A JSON file that holds an object; empty if it does not."""
+    """Read a JSON file with an object, or return an empty one."""
     try:
         return json_object(path, "a JSON object")
     except InvalidFile:
@@ -69,13 +71,13 @@ def json_table(path: Path) -> Mapping[str, Any]:
 
 
 def has_rows(root: Path, journal: Path) -> bool:
-    """Whether the trials file of a journal is there and holds rows."""
+    """Return True if the trials file of a journal exists and has rows."""
     path = trials_file(root, journal)
     return os.path.lexists(path) and n_rows(read_file(path, "a trials file")) > 0
 
 
 def derived_defects(file: Path, name: str, what: str, rows: str, expected: bytes) -> Iterator[Defect]:
-    """Whether a file, `what` with `rows`, is what its journal says."""
+    """Yield defects where a file differs from its journal."""
     if not os.path.lexists(file):
         yield Defect(name, None, f"found no such file, expected the {rows} of the journal; {REBUILD}")
         return
@@ -85,7 +87,7 @@ def derived_defects(file: Path, name: str, what: str, rows: str, expected: bytes
 
 
 def trials_defects(root: Path, journal: Path, recording: Recording, experiment: Experiment) -> Iterator[Defect]:
-    """Whether the trials file of a journal that has begun is what it says."""
+    """Yield defects where a trials file differs from its journal."""
     assert recording.head is not None
     file = trials_file(root, journal)
     columns = columns_in(experiment.design(b"").columns, recording.head.format)
@@ -94,9 +96,10 @@ def trials_defects(root: Path, journal: Path, recording: Recording, experiment: 
 
 
 def edit_warnings(path: Path) -> list[str]:
-    """A warning if trials files of a data set, or the one that `path` is, differ from the journals beside them.
+    """Return warnings for trials files that differ from their journals.
 
-    Empty where there is no journal. What cannot be compared is told too.
+    `path` is a data set's folder or one trials file. Files without a journal are skipped. A file that cannot be
+    compared gives a warning.
     """
     root = path if path.is_dir() else path.parent.parent
     files = sorted(path.glob("data/*_data.csv")) if path.is_dir() else [path]
@@ -113,7 +116,7 @@ def edit_warnings(path: Path) -> list[str]:
 
 
 def _difference(file: Path, journal: Path) -> str | None:
-    """How a trials file differs from its journal."""
+    """Describe how a trials file differs from its journal."""
     content = read_file(file, "a trials file")
     names = header_of(content)
     try:
@@ -139,7 +142,7 @@ WHAT = "the positions of a session"
 
 
 def paths_in(content: bytes) -> dict[str, bytes]:
-    """The lines of each path, time and place without the digest, by that.
+    """Return the rows of each path by digest, with time and position.
 
     >>> paths_in(b"positions_digest\\ttime_s\\tposition_m\\nab\\t0.001000\\t0.050000000\\n")
     {'ab': b'0.001000\\t0.050000000\\n'}
@@ -152,7 +155,7 @@ def paths_in(content: bytes) -> dict[str, bytes]:
 
 
 def positions_defects(journal: Path, trials: Iterable[Trial]) -> Iterator[Defect]:
-    """Whether the path of each trial that has one is there, and is the one that the texture followed."""
+    """Yield defects where the path of a texture trial is missing or differs."""
     wanted = dict.fromkeys(trial.positions_digest for trial in trials if trial.positions_digest is not None)
     file = journal.with_name(f"{journal.stem}_positions.tsv")
     name = f"journals/{file.name}"

@@ -63,7 +63,7 @@ class ExportedDataSet:
 
     @property
     def asked(self) -> tuple[str, ...]:
-        """The names of all forms that were answered."""
+        """Names of all forms that were answered."""
         return (*self.forms, *self.choices)
 
     def form(self, row: Row) -> str:
@@ -92,7 +92,7 @@ def _whose(row: Row) -> tuple[str, str]:
 
 
 def read_source(path: Path) -> ExportedDataSet:
-    """The rows of a data set's folder or of one trials file, after the checks of `read_trials`.
+    """Read the rows of a data set or one trials file, as checked trials.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def read_source(path: Path) -> ExportedDataSet:
 
 
 def _trace_columns(root: Path, names: Sequence[str]) -> tuple[Column, ...]:
-    """The columns of the files of traces of a data set, but for those that its rows have."""
+    """Return the trace columns of a data set that its rows lack."""
     explained = [read_sidecar(sidecar_of(file)) for file in files_in(root / FOLDER, "*.tsv.gz")]
     columns = {column.name: column for said in explained for column in said.columns}
     return tuple(column for name, column in columns.items() if name not in names)
@@ -151,7 +151,7 @@ def _check_study(table: pd.DataFrame, file: Path) -> None:
 
 
 def _asked_of(trials: Trials, known: Mapping[str, T]) -> dict[str, T]:
-    """Of the forms that are known those that were asked."""
+    """Return the known forms that the trials contain."""
     rows = trials.rows
     if not {"item", "procedure"} <= set(rows.columns):
         return {}
@@ -172,7 +172,9 @@ def _column(name: str, description: Mapping[str, object]) -> Column:
 
 
 def write_files(files: Iterable[tuple[str, bytes]], folder: Path) -> list[Path]:
-    """Write all files, by their paths, below a new or empty folder, each as it comes; where they are, sorted.
+    """Write files by path below a new or empty folder, one after another.
+
+    Return their sorted paths.
 
     Raises
     ------
@@ -202,7 +204,7 @@ def readme_heading(source: ExportedDataSet, *lines: str) -> str:
 
 
 def how_to_read(factors: Sequence[str]) -> str:
-    """The first line of a column map that reads an exported folder back.
+    """Return the first line of a column map that reads an exported folder.
 
     >>> how_to_read(["force_n", "frequency_hz"])
     '# tactometry analyse . --columns columns.toml --within force_n,frequency_hz'
@@ -213,5 +215,5 @@ def how_to_read(factors: Sequence[str]) -> str:
 
 
 def json_text(value: object) -> bytes:
-    """JSON for people, in the order as given."""
+    """Format indented JSON in the given order."""
     return (json.dumps(value, indent=2, ensure_ascii=False) + "\n").encode()

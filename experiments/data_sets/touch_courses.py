@@ -1,4 +1,4 @@
-"""How force and speed went around the onset, over the touches of each participant: what a report shows of traces."""
+"""Force and speed around stimulus onset, per participant, for reports."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -31,7 +31,7 @@ COLUMNS: Final = (
 
 
 class Wanted(NamedTuple):
-    """Whose course it is of which quantity, and how near to its target it was to be kept: relative; None: anywhere."""
+    """Participant, quantity, target and relative tolerance (None: any)."""
 
     participant: str
     quantity: str
@@ -40,7 +40,10 @@ class Wanted(NamedTuple):
 
 
 class MeasuredCourse(NamedTuple):
-    """Of a touch: stamps (n_samples,) in s from the onset, rising, with values, and how long the stimulus lasts."""
+    """Measured quantity of a touch around onset.
+
+    Time stamps (n_samples,) rise, in s from the onset. The last field is the stimulus duration.
+    """
 
     wanted: Wanted
     times_s: FloatArray
@@ -49,7 +52,9 @@ class MeasuredCourse(NamedTuple):
 
 
 def touch_courses(path: Path) -> pd.DataFrame:
-    """Percentiles over the touches of the valid trials of a data set, practice aside, at times from the onset.
+    """Compute percentiles of force and speed around onset over valid touches.
+
+    Practice is excluded.
 
     Parameters
     ----------
@@ -79,7 +84,7 @@ def _valid_touches(root: Path) -> Iterator[RecordedTouch]:
 
 
 def _courses(root: Path, touch: RecordedTouch) -> list[MeasuredCourse] | None:
-    """Those of a touch; None where its samples cannot be read."""
+    """Return the courses of a touch, or None if its samples are unreadable."""
     try:
         tables = {kind_of(part): read_part(root, part) for part in touch.answer.trace}
     except TactometryError:
@@ -118,7 +123,7 @@ def _rising(touch: RecordedTouch, table: FloatArray) -> tuple[FloatArray, FloatA
 
 
 def _table(wanted: Wanted, courses: list[MeasuredCourse], n_unread: int) -> pd.DataFrame:
-    """Percentiles at each time at which some touch has samples on both sides."""
+    """Compute percentiles at times that lie within the samples of a touch."""
     longest_s = max(course.duration_s for course in courses)
     times_s = STEP_S * np.arange(-round(BEFORE_S / STEP_S), round(longest_s / STEP_S) + 1)
     at = np.array([np.interp(times_s, *course[1:3], left=np.nan, right=np.nan) for course in courses])

@@ -1,4 +1,4 @@
-"""What happened in a touch: force, place and what was emitted, read back; and whether the files still hold it."""
+"""Recorded force, position and emitted signal of touches, with checks."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ class Samples(NamedTuple):
 
 @dataclass(frozen=True)
 class TouchTrace:
-    """One touch of a trial, as it was asked for and as it went.
+    """One touch of a trial: request, result and samples.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class TouchTrace:
 
     @property
     def played(self) -> bool:
-        """Whether the touch came to its stimulus, or to the blank in place of one."""
+        """True if the touch reached its stimulus or the blank."""
         return not isinstance(self.answer, Touched) or self.answer.played
 
 
@@ -83,10 +83,10 @@ def read_traces(
     session: int | None = None,
     bench: Path | None = None,
 ) -> list[TouchTrace]:
-    """The touches of a trial of a data set, in their order, those of all attempts.
+    """Read the touches of a trial in order, of all attempts.
 
-    What was emitted is read where it followed the finger, and else computed from the study: it is what was played, or
-    None, as the journal knows its digest.
+    The emitted signal is read from the file if it followed the finger, and else computed from the study. It is None if
+    its digest differs from that in the journal.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def read_traces(
 
 
 class RecordedTouch(NamedTuple):
-    """A touch in a journal: the head of its sitting, what was asked and answered, and the first row of its trial."""
+    """Touch in a journal, with its session head and first trial row."""
 
     head: Head
     request: Asked
@@ -144,12 +144,15 @@ class RecordedTouch(NamedTuple):
 
     @property
     def digest(self) -> str | None:
-        """Of what was emitted, where that is one signal."""
+        """Digest of the emitted signal, if there was a single one."""
         return None if isinstance(self.answer, Adjusted) else self.answer.digest or None
 
 
 def touches(recording: Recording) -> Iterator[RecordedTouch]:
-    """All touches of a session that led to a row, in order, with the row as it counts: it may be taken back later."""
+    """Return all touches of a session that led to a row, in order.
+
+    Each has the final row of its trial, which may have been taken back later.
+    """
     head, felt = recording.head, list[tuple[Asked, Felt]]()
     rows = {row.key: row for row in reversed(recording.trials)}  # the first of each trial
     for line in recording.lines:
@@ -164,7 +167,7 @@ def touches(recording: Recording) -> Iterator[RecordedTouch]:
 
 
 def _journal(path: Path, participant: str | None, session: int | None) -> Path:
-    """The journal that is meant.
+    """Find the journal of a participant's session.
 
     Raises
     ------
@@ -185,7 +188,7 @@ def _journal(path: Path, participant: str | None, session: int | None) -> Path:
 
 
 def _bank(root: Path, bench: Path | None) -> Mapping[str, Stimulus]:
-    """The stimuli of the study that ran, as this bench plays them."""
+    """Return the stimuli of the recorded study as this bench plays them."""
     path = root / "study.toml"
     study = parse(read_file(path, "the study that ran"), str(path))
     try:
@@ -218,7 +221,7 @@ def _stored(root: Path, part: TracePart) -> Signal:
 
 
 def _computed(touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> Signal | None:
-    """What was emitted of a stimulus that follows no finger, if it is still known: by its digest."""
+    """Compute the emitted signal of a fixed stimulus if its digest matches."""
     level = touch.request.level if isinstance(touch.request, Play | Press | Slide) else None
     if touch.digest is None or level is None or touch.request.stimulus not in bank:
         return None
@@ -228,7 +231,7 @@ def _computed(touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> Signal | No
 
 
 def _unknown(touch: RecordedTouch) -> str:
-    """Why what was emitted cannot be told."""
+    """Explain why the emitted signal is unknown."""
     here = versions()
     others = [
         f"{name} {version} (here {here.get(name, 'none')})"
@@ -244,7 +247,7 @@ def _unknown(touch: RecordedTouch) -> str:
 
 
 def trace_defects(root: Path, recording: Recording) -> Iterator[Defect]:
-    """Whether the traces that the journal of a data set names are there, and are what was kept."""
+    """Yield defects where traces in a journal are missing or changed."""
     parts: dict[str, list[TracePart]] = {}
     for line in recording.entries:
         for part in getattr(line.answer, "trace", ()):

@@ -1,4 +1,4 @@
-"""Whether a data set is sound: every defect, with file and row."""
+"""Validation of a data set: every defect with its file and row."""
 
 import csv
 import io
@@ -43,7 +43,7 @@ CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
 @dataclass(frozen=True)
 class Soundness:
-    """What was found: a data set is sound if it has no defect; notes are no defects."""
+    """Result of a validation: defects make a data set unsound, notes do not."""
 
     n_sessions: int
     n_trials: int
@@ -112,7 +112,7 @@ def _refusals(path: Path) -> Iterator[Defect]:
 
 
 def _with_unreadable(root: Path, name: str, unsound: Iterator[Defect]) -> Iterator[Defect]:
-    """Yield defects; an unreadable file ends them with one of its own."""
+    """Yield defects, and a last one if a file is unreadable."""
     try:
         yield from unsound
     except InvalidFile as error:
@@ -120,7 +120,7 @@ def _with_unreadable(root: Path, name: str, unsound: Iterator[Defect]) -> Iterat
 
 
 def _unreadable(root: Path, name: str, error: TactometryError) -> Defect:
-    """Return an error as a defect of the file below `root` that it begins with, or of `name`."""
+    """Return an error as a defect of its file, or of `name`."""
     path, _, what = str(error).partition(": ")
     within = Path(path).is_relative_to(root)
     return Defect(Path(path).relative_to(root).as_posix() if within else name, None, what if within else str(error))
@@ -143,7 +143,7 @@ def _codes_by_capitals(root: Path) -> Iterator[str]:
 
 
 def _mixture(journals: list[Path]) -> Iterator[Defect]:
-    """Whether people and simulated participants share the folder."""
+    """Yield a defect if people and simulated participants share the folder."""
     kinds: dict[bool, list[str]] = {}
     for journal in journals:
         with suppress(InvalidFile):  # a damaged journal is told where all of it is read
@@ -162,7 +162,7 @@ def _drafts(root: Path) -> Iterator[str]:
 
 
 def _erasures(root: Path, unsound: list[Defect], notes: list[str]) -> int:
-    """How many participants were erased; one whose erasure was interrupted is a defect."""
+    """Count erased participants, and add unfinished erasures as defects."""
     try:
         erasures = read_erasures(root)
     except InvalidFile as error:
@@ -225,7 +225,7 @@ def _trials_file(file: Path, content: bytes, stems: list[str]) -> Iterator[Defec
 
 
 def _strange_rows(file: Path, content: bytes) -> Iterator[Defect]:
-    """The first row of another participant, session or study than the name of its file says."""
+    """Yield the first row of another participant, session or study."""
     named = keys_of(file.stem)
     try:
         header, *rows = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))
@@ -296,7 +296,7 @@ def _not_begun(root: Path, journal: Path, notes: list[str]) -> Iterator[Defect]:
 
 
 def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
-    """Whether the events file is what the journal says."""
+    """Yield defects where the events file differs from its journal."""
     file = journal.with_name(f"{journal.stem}_events.tsv")
     name = f"journals/{file.name}"
     if os.path.lexists(file) or recording.event_rows:

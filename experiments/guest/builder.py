@@ -1,4 +1,4 @@
-"""What Builder knows of the parts of a guest: components and a loop, which write the code of an experiment.
+"""PsychoPy Builder components and a loop that generate experiment code.
 
 PsychoPy's plug-ins are entry points of a package: this one's are in pyproject.toml. Builder loads this module as it
 starts, so that it imports nothing else of Tactometry; what it writes runs in `tactometry.experiments.guest.parts`.
@@ -121,7 +121,7 @@ class GatedTouchComponent(_GuestComponent):
 
 
 class TactileStimulusComponent(_GuestComponent):
-    """A stimulus that plays beside what the routine draws, with no condition on the finger."""
+    """A stimulus that plays during a routine, without a finger condition."""
 
     tooltip = "Tactile stimulus: plays while the routine goes on, within the limits of study and bench"
     part = "StimulusPart"
@@ -204,7 +204,7 @@ class TactometryLoop(_BaseLoopHandler):  # type: ignore[misc]
         return name
 
     def getType(self) -> str:  # noqa: N802
-        """As a staircase: what Builder's flow knows."""
+        """Return the type that Builder's flow expects, that of a staircase."""
         return self.type
 
     def writeLoopStartCode(self, buff: Any) -> None:  # noqa: N802

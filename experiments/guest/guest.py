@@ -126,7 +126,7 @@ class Guest:
         return self._rig.begin(self._play_request(level, factors))
 
     def play(self, level: float | None, **factors: float | str) -> Played:
-        """As `begin`, to its end, on a page of ours."""
+        """Play a stimulus to its end on a page of Tactometry."""
         return self._rig.answer(self._play_request(level, factors))
 
     def questionnaire(self, name: str, experiment: Any = None) -> dict[str, float | None]:
@@ -155,7 +155,7 @@ class Guest:
         return answers
 
     def _words_in(self, language: str) -> dict[str, str]:
-        """What participants read, also in questions about a person that no inquiry of the study asks."""
+        """Return the participant texts, including those of unused choice forms."""
         study = self.experiment.study
         forms = (choices_named(study, name) for name in (*study.forms, *shipped_choices()))
         of_choices = {name: text for form in forms if form for name, text in words_of(form, language).items()}

@@ -61,7 +61,7 @@ class Loop:
 
     @property
     def threshold(self) -> float | None:
-        """What the rule makes of its answers."""
+        """Threshold that the rule estimates from its answers."""
         return self.procedure.threshold
 
     def __iter__(self) -> Iterator[float]:
@@ -96,7 +96,7 @@ class Loop:
         self.data.append(int(result))
 
     def hear(self, outcome: TrialOutcome) -> None:
-        """What came of a trial, and its row; one that is not valid leaves its level due."""
+        """Record a trial's result; an invalid trial leaves its level due."""
         for name, value in of_trial(outcome).items():
             self.addOtherData(name, value)
         if outcome.valid and outcome.success is not None:
@@ -140,7 +140,7 @@ def of_touch(touch: Touched) -> Values:
 
 
 def of_stimulus(played: Played) -> Values:
-    """The row of a stimulus that played beside.
+    """Return the row of a stimulus that played during a routine.
 
     >>> of_stimulus(Played(0.0, 40.0, "c0ffee"))
     {'level_delivered': 40.0, 'digest': 'c0ffee'}

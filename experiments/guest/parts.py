@@ -54,7 +54,7 @@ class TouchPart(GuestPart):
 
 
 class StimulusPart(GuestPart):
-    """A stimulus beside what the routine draws."""
+    """Stimulus that plays during a routine."""
 
     _beside: ConcurrentPlay | None = None
     stopped = False

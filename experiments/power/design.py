@@ -1,5 +1,6 @@
-"""What a power analysis asks: the study, the effect, the numbers of participants and trials; a value that is shipped to
-workers, from which everything follows.
+"""Design of a power analysis: study, effect, participants and trials.
+
+It is a value that is sent to workers and determines all results.
 """
 
 import re
@@ -26,15 +27,14 @@ _WHOLE = re.compile(r"\s*\d{1,9}\s*")
 @dataclass(frozen=True)
 class Case:
     """One kind of study that is simulated again and again: so many trials in each track (None: as the study says), with
-    the effect or without it.
-    """
+    the effect or without it."""
 
     n_trials: int | None
     has_effect: bool
 
     @property
     def name(self) -> str:
-        """Of its files.
+        """Stem of the names of the case's files.
 
         >>> Case(40, True).name, Case(None, False).name
         ('trials-40_effect', 'trials-study_none')

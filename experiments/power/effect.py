@@ -32,7 +32,7 @@ _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 
 @dataclass(frozen=True)
 class StatedEffect:
-    """What changes between the levels of a factor.
+    """Stated change between the levels of a factor.
 
     Parameters
     ----------
@@ -54,17 +54,17 @@ class StatedEffect:
 
     @property
     def is_felt(self) -> bool:
-        """Whether it is one of sensation, not of the levels."""
+        """True for an effect on sensation instead of levels."""
         return self.unit == OF_SENSATION
 
     @property
     def is_of_score(self) -> bool:
-        """Whether it is one of a questionnaire's score."""
+        """True for an effect on a questionnaire's score."""
         return self.unit == OF_SCORE
 
     @property
     def moves_levels(self) -> bool:
-        """Whether it is one on how answers follow the levels (`level_map`)."""
+        """True for an effect on how answers follow levels (`level_map`)."""
         return self.unit in (OF_JND, OF_EXPONENT) or self.unit.endswith(OF_PSE)
 
     def ratios(self, levels: Sequence[float | str]) -> dict[str, float]:
@@ -79,7 +79,7 @@ class StatedEffect:
         return {name: (1 + self.change / 100) ** (change / self.change) for name, change in changes.items()}
 
     def of_levels(self, levels: Sequence[float | str]) -> dict[str, float]:
-        """What changes at each level of the factor, in its unit.
+        """Return the change at each level of the factor, in the effect's unit.
 
         >>> StatedEffect("force_n", "dB", 2.0).of_levels((0.5, 1.5, 3.0))
         {'0.5': -1.0, '1.5': 0.0, '3': 1.0}
@@ -93,7 +93,7 @@ class StatedEffect:
         return dict(zip(names, steps.tolist(), strict=True))
 
     def words(self) -> str:
-        """As it is written.
+        """Format the effect as a user writes it.
 
         >>> StatedEffect("force_n", "dB", 2.0).words()
         'force_n: 2 dB'

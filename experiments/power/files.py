@@ -26,7 +26,7 @@ _TYPES: Final = {int: "int64", bool: "bool_", float: "float64", float | None: "f
 
 
 def asked(design: PowerDesign) -> dict[str, Any]:
-    """Everything that the results follow from, beside the bytes of the study and the versions."""
+    """Return all inputs of the results except study bytes and versions."""
     return {
         "study": design.where,
         "study_sha256": sha256(design.study_toml),

@@ -36,7 +36,7 @@ DECIMALS: Final = 9
 
 @dataclass(frozen=True)
 class LevelMap:
-    """From levels that are played to those that are stated.
+    """Map from played levels to stated levels.
 
     >>> float(LevelMap(40.0, shift=1.0, factor=2.0).stated(39.0)), LevelMap(40.0, shift=1.0, factor=2.0).played(39.0)
     (39.0, 39.0)
@@ -133,7 +133,7 @@ def _played(table: Mapping[str, Any], level_map: LevelMap) -> dict[str, Any]:
 
 
 def with_stated_levels(rows: pd.DataFrame, factor: str, maps: Mapping[str, LevelMap]) -> pd.DataFrame:
-    """Trials with the stated levels in place of those that were played, and no mark of what was correct."""
+    """Replace played levels by stated ones and clear `correct` in trials."""
     found = rows.assign(correct=None)
     texts = rows[factor].map(lambda level: level if isinstance(level, str) else cell_text(level))
     for level, level_map in maps.items():

@@ -22,7 +22,7 @@ from .summary import HEAD, PowerEstimate, Summary, cautions, cells_of, recommend
 
 @dataclass(frozen=True)
 class Power:
-    """What a power analysis found."""
+    """Results of a power analysis."""
 
     design: PowerDesign
     points: tuple[PowerEstimate, ...]
@@ -72,7 +72,7 @@ def page(found: Power, svg: str) -> str:
 
 @dataclass(frozen=True)
 class Applied:
-    """What everybody has at each level of a factor: in words, and as a table."""
+    """Simulated change at each level of a factor, as text and table."""
 
     words: str
     head: tuple[str, ...]
@@ -80,8 +80,9 @@ class Applied:
 
 
 def applied(design: PowerDesign) -> Applied:
-    """Of each level of the factor what is stated, and what everybody feels more, or thinks, with the effect and without
-    it.
+    """Describe the stated and simulated change at each level of the factor.
+
+    It lists the change in sensation or attitude with and without the effect.
     """
     studies = [experiment_of(design, case).study for case in design.cases[:2]]
     effect = applied_effect(design.effect, studies[0])

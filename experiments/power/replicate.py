@@ -30,7 +30,7 @@ from .truth import TRUTH, true_thresholds
 
 @dataclass(frozen=True)
 class Row:
-    """What one simulated study gave, with so many participants.
+    """Result of one simulated study with a number of participants.
 
     `n_trials` is 0 where the study's own number stands. `p` is missing where no test had an answer, which counts as not
     significant. `found` is the effect as the data have it, in the unit of the dependent value; `error` the mean
@@ -64,7 +64,7 @@ def replicate(design: PowerDesign, case: Case, number: int) -> tuple[Row, ...]:
 
 
 def studied(design: PowerDesign, case: Case, number: int) -> tuple[tuple[Row, ...], Trials]:
-    """As `replicate`, with the trials that the rows are of."""
+    """Simulate a study as `replicate` does, and return its trials too."""
     experiment = experiment_of(design, case)
     plan = plan_of_study(experiment.study)
     seed = seed_of(design.seed, number)
@@ -87,7 +87,7 @@ def seed_of(seed: int, number: int) -> int:
 
 
 def codes(n: int) -> list[str]:
-    """Of the participants, the same however many there are."""
+    """Return the codes of the first `n` participants."""
     return [f"P{number:03d}" for number in range(1, n + 1)]
 
 
@@ -147,7 +147,7 @@ class _Compared:
         return cells.estimate_table(cells.estimates(every, unit), factors, unit)
 
     def row(self, case: Case, number: int, n: int) -> Row:
-        """Of the first `n` participants."""
+        """Return the result for the first `n` participants."""
         these, dependent = codes(n), self.design.dependent
         values = self._values_of(these)
         known = values[dependent].notna() if len(values) else pd.Series(dtype=bool)
@@ -170,7 +170,7 @@ class _Compared:
         )
 
     def _n_conditions(self) -> int:
-        """Of one participant."""
+        """Number of conditions per participant."""
         study, over = self.experiment.study, self.experiment.table.over
         kept = [levels for name, levels in study.factors.items() if name != over and name not in study.plan.between]
         return int(np.prod([len(levels) for levels in kept]))
@@ -179,7 +179,7 @@ class _Compared:
         return self.values[self.values["participant"].isin(these)] if len(self.values) else self.values
 
     def _p(self, values: pd.DataFrame, these: list[str]) -> float | None:
-        """What the analysis of the study says of the factor; None where it has no answer."""
+        """Return the p value of the factor, or None without a result."""
         factor, dependent, primary = self.design.effect.factor, self.design.dependent, self.plan.primary
         if self.form is not None:
             return p_of_scores(values, self.experiment.study, dependent, factor, primary)
@@ -240,14 +240,15 @@ def _width(values: pd.DataFrame, dependent: str) -> float | None:
 
 
 def mean_minutes(minutes: "pd.Series[float]", n: int) -> float:
-    """Of the first `n` participants, of those who have any, in their order: each process has its own order of a set,
-    and sums with other last bits.
+    """Average the minutes of those of the first `n` participants with any.
+
+    They are summed in a fixed order, because the order of a set differs between processes and changes the last bits.
     """
     return float(minutes[[code for code in codes(n) if code in minutes]].mean())
 
 
 def _minutes(rows: pd.DataFrame, experiment: Experiment) -> "pd.Series[float]":
-    """What a participant sits: trials at the study's time, items of questionnaires at `dry_run.ITEM_S`."""
+    """Return each participant's minutes of trials and questionnaire items."""
     keys = ["participant", *(name for name in ("session", "block", "trial", "attempt") if name in rows)]
     is_item = rows["item"] != "" if "item" in rows else pd.Series(False, rows.index)
     trials = rows[rows["level"].notna() | ~is_item].drop_duplicates(keys).groupby("participant").size()

@@ -17,7 +17,9 @@ would leave it out by chance too often."""
 
 
 def is_settled(n_yes: int, n: int, precision: float, target: float | None) -> bool:
-    """Whether a share is known well enough: half of its interval is at most `precision`, or it leaves out the target.
+    """Return True if a share is precise enough or excludes the target.
+
+    It is precise if half of its interval is at most `precision`.
 
     >>> is_settled(40, 40, 0.05, 0.8), is_settled(32, 40, 0.05, 0.8), is_settled(10, 40, 0.05, 0.8)
     (True, False, True)
@@ -41,7 +43,7 @@ class Batch:
 
     @property
     def name(self) -> str:
-        """Of its file: the names of a case sort by their numbers."""
+        """Stem of the chunk's file name, which sorts by number within a case."""
         return f"{self.case.name}_{self.first:07d}"
 
 
@@ -61,7 +63,10 @@ class Significances:
 
     @property
     def are_settled(self) -> bool:
-        """Whether every number of people is; false positives have no target."""
+        """True if the share of every number of participants is settled.
+
+        False positives have no target.
+        """
         if self.n >= self._design.most:
             return True
         target = self._design.target if self._case.has_effect else None

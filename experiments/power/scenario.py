@@ -1,4 +1,4 @@
-"""From a design of a power analysis to the study of a case: its trials, and an effect of which nothing else is left."""
+"""Simulated study of a case: its trials, and only the stated effect."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -46,7 +46,7 @@ def experiment_of(design: PowerDesign, case: Case) -> Experiment:
 
 
 def maps_of(design: PowerDesign, case: Case) -> dict[str, LevelMap]:
-    """From the levels that a case plays to those that it states, by the levels of the effect's factor; or empty."""
+    """Return level maps by the levels of the effect's factor, or none."""
     return _wired(design, case)[1]
 
 
@@ -68,7 +68,10 @@ def _wired(design: PowerDesign, case: Case) -> tuple[Experiment, dict[str, Level
 
 
 def plan_of_study(study: Study) -> AnalysisPlan:
-    """What the study states in `[analysis]`, without the fit of all participants at once, which tests nothing here."""
+    """Return the study's analysis plan without the hierarchical fit.
+
+    The hierarchical fit tests nothing here.
+    """
     return replace(build(AnalysisPlan, study.analysis, "analysis"), hierarchical=False)
 
 
@@ -106,7 +109,7 @@ def _dependent(design: PowerDesign, study: Study) -> str:
 
 
 def _check_levels(design: PowerDesign, experiment: Experiment) -> tuple[str, ...]:
-    """What a task of levels compares; an effect is one in the unit of the levels, or of what is felt."""
+    """Check the effect's unit for a task of levels and list its dependents."""
     units = {cell.condition.level_unit.partition(" re ")[0] for cell in experiment.cells.values()}
     if experiment.table.kind in level_map.TASKS:
         return _check_moved_levels(design, experiment, units)
@@ -118,7 +121,10 @@ def _check_levels(design: PowerDesign, experiment: Experiment) -> tuple[str, ...
 
 
 def _check_moved_levels(design: PowerDesign, experiment: Experiment, units: set[str]) -> tuple[str, ...]:
-    """What a comparison or a magnitude compares."""
+    """Check the effect's unit for a comparison or magnitude task.
+
+    Return the dependent values.
+    """
     kind, (unit, *others) = experiment.table.kind, sorted(units)
     of_pse = () if others else (f"{unit}{OF_PSE}",)
     allowed = (*of_pse, OF_JND) if kind == "comparison" else (OF_EXPONENT,)
@@ -203,8 +209,10 @@ def _trials_keys(procedure: Mapping[str, Any], n_trials: int) -> dict[str, int]:
 
 
 def shifts(experiment: Experiment, effect: StatedEffect, *, has_effect: bool) -> dict[str, float]:
-    """What everybody feels more (dB) at each level of the factor than the skin model says: so much that all its levels
-    are felt alike in the middle of the levels that are played, or at the standard, and the effect on top.
+    """Return the change in sensation level (dB) at each level of the factor.
+
+    It makes all levels of the factor feel alike in the middle of the played levels (or at the standard), and adds the
+    effect.
     """
     middle_db, slopes = growths(experiment, effect.factor)
     for level, db in middle_db.items():
@@ -228,9 +236,10 @@ def growths(experiment: Experiment, factor: str) -> tuple[dict[str, float], dict
 
 
 def growth(experiment: Experiment, cell: WiredCell) -> tuple[float, float]:
-    """What is felt of a cell (dB) in the middle of its levels, or at the standard, touched as it is asked, and by how
-    much more per unit of the level; of people whose thresholds are stated how far that lies above them, in the unit of
-    the level.
+    """Return a cell's sensation level (dB) and its slope per level unit.
+
+    They are computed in the middle of the levels, or at the standard, for the requested touch. For stated thresholds,
+    the first is the distance above threshold in the unit of the level.
     """
     middle, people = float(getattr(experiment.task, "standard_level", middle_of(cell))), experiment.people.middle
     if isinstance(people, Stated):
@@ -242,19 +251,22 @@ def growth(experiment: Experiment, cell: WiredCell) -> tuple[float, float]:
 
 
 def middle_of(cell: WiredCell) -> float:
-    """Of the levels that a cell may ask for."""
+    """Return the middle of the levels of a cell."""
     low, high = cell.procedure.rule.bounds
     return (low + high) / 2
 
 
 def with_shifts(study: Study, factor: str, shifts_db: Mapping[str, float]) -> Study:
-    """The study whose people all feel so much more at the levels of a factor, in place of what they did."""
+    """Return a study whose participants feel shifts at a factor's levels.
+
+    Existing shifts of this factor are replaced.
+    """
     people = study.observer.get("people", {})
     effects_db = {**people.get("effects_db", {}), factor: dict(shifts_db)}
     return replace(study, observer={**study.observer, "people": {**people, "effects_db": effects_db}})
 
 
 def felt_more(study: Study, factor: str) -> dict[str, float]:
-    """What `with_shifts` put on each level, dB."""
+    """Return the shift of `with_shifts` at each level, dB."""
     of_level: dict[str, float] = study.observer["people"]["effects_db"][factor]
     return of_level

@@ -35,7 +35,10 @@ def factors_of(study: Study) -> dict[str, Levels]:
 
 
 def has_patterns(study: Study) -> bool:
-    """Whether the patterns of the thesis are rated, which are compared in a way of their own."""
+    """Return True if the study rates the thesis's patterns.
+
+    Their analysis differs from that of other scores.
+    """
     varied = {name: levels for name, levels in study.factors.items() if len(levels) > 1}
     return study.task.get("kind") == FORM_TASK and are_patterns(varied)
 
@@ -92,7 +95,7 @@ def with_attitudes(study: Study, effect: StatedEffect, experiment: Experiment, d
 
 
 def attitudes_of(study: Study, factor: str) -> dict[str, float]:
-    """What `with_attitudes` put on each level."""
+    """Return the attitude of `with_attitudes` at each level."""
     table: Mapping[str, Mapping[str, float]] = study.observer["raters"]["effects"][factor]
     return {cell_text(level): next(iter(of_level.values())) for level, of_level in table.items()}
 
@@ -105,8 +108,10 @@ def task_scores(trials: Trials, form: Questionnaire) -> pd.DataFrame:
 
 
 def p_of_scores(scored: pd.DataFrame, study: Study, dimension: str, factor: str, primary: str | None) -> float | None:
-    """What the analysis of ratings says of a factor: of the patterns of the thesis the analysis of variance by
-    frequency and envelope, or, of the factor `pattern`, the smallest of Holm's p against the single focus.
+    """Return the p value of a factor in the analysis of ratings.
+
+    For the thesis's patterns, it is that of the ANOVA by frequency and envelope, or, for the factor `pattern`, the
+    smallest Holm-corrected p against the single focus.
     """
     if not has_patterns(study):
         return p_of(score_outcome(scored, scored.attrs["within"], dimension, primary), factor)
@@ -116,7 +121,7 @@ def p_of_scores(scored: pd.DataFrame, study: Study, dimension: str, factor: str,
 
 
 def _least(table: pd.DataFrame, rows: Mapping[str, Any], column: str) -> float | None:
-    """Of the rows with these values; None where none has an answer."""
+    """Return the smallest value in rows with these values, None if missing."""
     if column not in table.columns:
         return None
     kept = np.logical_and.reduce([table[name] == value for name, value in rows.items()])
@@ -129,7 +134,7 @@ P_COLUMNS: Final = ("p_CM_corr", "p", "p_permutation")
 
 
 def p_of(tested: Outcome, factor: str) -> float | None:
-    """What the primary analysis says of a factor; None where it has no answer."""
+    """Return a factor's p value in the primary analysis, None if missing."""
     effects = tested.effects
     if effects is None:
         return None

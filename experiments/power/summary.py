@@ -1,4 +1,4 @@
-"""What the simulated studies say: power and false positives with their intervals, and a recommendation."""
+"""Power and false positives with intervals, and a recommendation."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -53,7 +53,7 @@ class PowerEstimate:
 
     @property
     def cost_minutes(self) -> float:
-        """Of all participants."""
+        """Duration for all participants, minutes."""
         return self.n_participants * self.minutes
 
 
@@ -99,7 +99,7 @@ class Summary:
             self._sums[row.n_trials, row.n_participants, row.has_effect].add(row)
 
     def points(self) -> tuple[PowerEstimate, ...]:
-        """By number of trials and participants; those with both cases."""
+        """Estimates by trials and participants that have both cases."""
         keys = sorted({key[:2] for key in self._sums})
         return tuple(self._point(*key) for key in keys if all((*key, yes) in self._sums for yes in (True, False)))
 
@@ -126,7 +126,10 @@ class Summary:
 
 
 def stated_effect(design: PowerDesign) -> float | None:
-    """What the means of the levels differ by at most, where the dependent value is in the unit of the effect."""
+    """Return the largest stated difference between means of levels.
+
+    None unless the dependent value has the unit of the effect.
+    """
     effect = design.effect
     in_levels = design.dependent == "pse" if effect.moves_levels else design.dependent in IN_LEVELS
     is_percentage = effect.unit in (OF_JND, OF_EXPONENT)
@@ -156,7 +159,7 @@ def recommendation(design: PowerDesign, points: Sequence[PowerEstimate]) -> str:
 
 
 def cautions(design: PowerDesign, points: Sequence[PowerEstimate]) -> list[str]:
-    """What a reader must know before he believes the powers."""
+    """Return warnings that limit the interpretation of the powers."""
     loose = [point for point in points if point.false_positives_low > design.alpha]
     told = []
     if loose:
@@ -205,7 +208,7 @@ HEAD: Final = (
 
 
 def table(points: Sequence[PowerEstimate]) -> str:
-    """As a person reads it in a terminal."""
+    """Format the estimates as a table for a terminal."""
     rows = [HEAD, *map(cells_of, points)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(HEAD))]
     return "\n".join("  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)) for row in rows)

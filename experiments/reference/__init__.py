@@ -1,1 +1,1 @@
-"""The keys of every file that users write, from the classes that read them: at the prompt and as pages of the docs."""
+"""Reference of all file keys, from the classes that read them."""

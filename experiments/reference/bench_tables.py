@@ -39,7 +39,7 @@ _PIEZO: Final[Values] = {"kind": "piezo", "capacitance_f": 5e-9, "displacement_m
 
 
 def bench_tables() -> Iterator[KeyTable]:
-    """The tables of a bench file, in the order of its parts."""
+    """Yield the tables of a bench file, in the order of its parts."""
     parts = "tactometry.experiments.bench.bench_parts"
     yield KeyTable("bench", "", "tactometry.experiments.bench.bench_file:BenchFile")
     yield KeyTable("bench.screen", "[screen]", f"{parts}:DisplayTable", samples={"height_m": 0.298})
@@ -62,7 +62,7 @@ def bench_tables() -> Iterator[KeyTable]:
 
 
 def _measurements(parts: str) -> Iterator[KeyTable]:
-    """What is made of the counts of sensors."""
+    """Yield the tables of force and position."""
     calibration = "tactometry.devices.sensors.streamed:ForceCalibration"
     yield KeyTable(
         "bench.force",

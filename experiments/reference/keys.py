@@ -76,7 +76,7 @@ class Key:
 
 
 def keys_of(table: KeyTable) -> tuple[Key, ...]:
-    """The keys that a file may set: its kind, those that must be there, the others.
+    """Return a table's keys: its kind, required keys, optional keys.
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> [(key.name, key.within, key.otherwise) for key in keys_of(tables()["task.forced_choice"])]
@@ -96,7 +96,7 @@ def _kind(table: KeyTable) -> Key:
 
 
 def _of_kinds(table: KeyTable, name: str) -> Key:
-    """A key that holds a table of one of several kinds."""
+    """Return a key that contains a table of one of several kinds."""
     kinds = f"its `kind` one of {', '.join(table.kinds[name])}"
     means = meanings(table.reader).get(name, "")
     return Key(name, "a table", "", kinds, "", means, toml_value(table.shown[name]), name)
@@ -116,7 +116,10 @@ def _key(table: KeyTable, one: dataclasses.Field[Any], hint: Any) -> Key:
 
 
 def _example(table: KeyTable, one: dataclasses.Field[Any]) -> str:
-    """A value of a key: of the example, of the samples, or its default; nothing for a table with keys of its own."""
+    """Return an example value of a key: example, sample or default.
+
+    Empty for a table with its own keys.
+    """
     for values in (table.shown, table.instead.get(one.name, {}), table.samples):
         if one.name in values:
             return toml_value(values[one.name])
@@ -150,7 +153,7 @@ def _expectations(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
 
 
 def _probes(part: Any) -> tuple[object, ...]:
-    """What is of the right type, and likely to be refused."""
+    """Return values of the right type that are likely to be refused."""
     origin, inner = typing.get_origin(part), typing.get_args(part)
     if origin is tuple:
         return ([], *([probe] for probe in PROBES.get(inner[0], ())))
@@ -183,7 +186,7 @@ def _default(one: dataclasses.Field[Any]) -> object:
 
 
 def _otherwise(one: dataclasses.Field[Any]) -> str:
-    """What is taken in place of a key, as a file would write it."""
+    """Return a key's default as a file would write it."""
     if is_required(one):
         return ""
     value = _default(one)
@@ -200,8 +203,9 @@ _AS_IN: Final = re.compile(r"^As in `(?:([\w.]+)\.)?(\w+)`")
 
 @cache
 def meanings(kind: type) -> Mapping[str, str]:
-    """What each key of a class means, where its docstring or that of a base says so. A class with one key says it in
-    its first paragraph.
+    """Return the meaning of each key of a class from its docstring or base.
+
+    A class with one key states it in its first paragraph.
 
     >>> from tactometry.observers.changes import SlowLearning
     >>> meanings(SlowLearning)["gain_db"]
@@ -217,7 +221,7 @@ def meanings(kind: type) -> Mapping[str, str]:
 
 
 def summary(kind: type) -> str:
-    """The first paragraph of its docstring, on one line.
+    """Return the first paragraph of a class's docstring on one line.
 
     >>> from tactometry.protocols.tasks.touch import Pressing
     >>> summary(Pressing)
@@ -234,7 +238,7 @@ def _parameters(kind: type) -> dict[str, str]:
 
 
 def _followed(kind: type, name: str, text: str) -> str:
-    """A text that says ``As in `Other```: what the other class says, and the rest of the text."""
+    """Replace ``As in `Other``` at the beginning by the other's text."""
     named = _AS_IN.match(text)
     other = _named_by(kind, named[1], named[2]) if named else None
     if named is None or other is None or name not in meanings(other):
@@ -249,7 +253,7 @@ def _named_by(kind: type, module: str | None, name: str) -> type | None:
 
 
 def heading(table: KeyTable) -> str:
-    """Where it stands, and what it is.
+    """Return a table's place in a file and its description.
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> heading(tables()["touch.press"])
@@ -261,7 +265,7 @@ def heading(table: KeyTable) -> str:
 
 
 def holds(key: Key) -> str:
-    """Type, unit and range of a key.
+    """Return type, unit and range of a key.
 
     >>> holds(Key("force_n", "a number", "N", "above 0", ""))
     'a number, N, above 0'

@@ -1,4 +1,4 @@
-"""The tables of keys as they stand in the docs, and the command that writes them there.
+"""Tables of keys in the docs, and the command that writes them.
 
 `python -m tactometry.experiments.reference.pages` (`make keys`) writes them.
 """
@@ -34,7 +34,7 @@ def with_tables(text: str, page: str) -> str:
 
 
 def path_of(page: str) -> Path:
-    """Where a page is."""
+    """Return the path of a page."""
     return FOLDER / f"{page}.md"
 
 
@@ -48,7 +48,7 @@ def _names(alike: Iterable[KeyTable]) -> str:
 
 
 def _slug(heading: str) -> str:
-    """The anchor of a heading, as the site and the hosts of repositories make it.
+    """Return the anchor of a heading, as the site and repository hosts do.
 
     >>> _slug("`touch.slide`, `touch.press`")
     'touchslide-touchpress'
@@ -68,7 +68,7 @@ def _places() -> Mapping[str, tuple[str, str]]:
 
 
 def _link(name: str, page: str) -> str:
-    """From a page to a table, or to the first below a name."""
+    """Return a link from a page to a table, or to the first below a name."""
     places = _places()
     other, anchor = places.get(name) or next(places[each] for each in places if each.startswith(f"{name}."))
     return f"[`{name}`]({'' if other == page else f'{other}.md'}#{anchor})"
@@ -101,7 +101,7 @@ def _shared(place: str, names: list[str], page: str) -> str:
 
 
 def _row(key: Key, alike: list[KeyTable], page: str) -> str:
-    """A key as a row; a kind of several tables with each of its values."""
+    """Return the row of a key, whose kinds are listed if there are several."""
     kinds = f"a text, one of {', '.join(table.kind for table in alike)}"
     held = kinds if key.name == "kind" and len(alike) > 1 else holds(key)
     means = "Which kind it is." if key.name == "kind" else key.means

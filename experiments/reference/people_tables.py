@@ -27,7 +27,7 @@ _OF_RATERS: Final[Values] = {"loadings": {"PQ1": 0.5}, "effects": {"wave": {"P1"
 
 
 def people_tables() -> Iterator[KeyTable]:
-    """The tables of sensation, observer and finger."""
+    """Yield the tables of sensation, observer and finger."""
     yield KeyTable("sensation", "[sensation]", ELECTROVIBRATION, samples=_SENSATION)
     layer = {"thickness_m": 5e-3}
     yield KeyTable("sensation.skin", "[sensation.skin]", f"{_SKIN}.skin.skin:Skin", samples={"tissue": layer})
@@ -106,7 +106,7 @@ _NUMBER: Final[Values] = {**_QUESTION, "low": 18.0, "high": 99.0}
 
 
 def form_tables() -> Iterator[KeyTable]:
-    """The tables of inquiries and of what they ask."""
+    """Yield the tables of inquiries and their forms."""
     inquiry, prompt = "tactometry.experiments.study.study:InquiryTable", {"prompt": "The sheet was ..."}
     yield KeyTable("inquiries", "[inquiries.NAME]", inquiry, example={"form": "sus"}, samples=prompt)
     read, named, forms = "tactometry.questionnaire", _named("own"), "forms.NAME"
@@ -146,5 +146,5 @@ _SAMPLES: Final[Values] = {
 
 
 def map_tables() -> Iterator[KeyTable]:
-    """The file itself: all of its tables are names that a lab chooses."""
+    """Yield the table of a column map, whose keys the lab chooses."""
     yield KeyTable("map", "", "tactometry.analysis.reading.column_map:ColumnMap", samples=_SAMPLES)

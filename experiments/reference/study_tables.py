@@ -93,7 +93,7 @@ _PLACED: Final = "tactometry.stimuli.time_reversal.stimulus"
 
 
 def study_tables() -> Iterator[KeyTable]:
-    """The tables of a study file but those of questionnaires and simulated participants."""
+    """Yield the tables of a study file except questionnaires and observers."""
     read = "tactometry.experiments.study"
     study = f"{read}.study:Study"
     yield KeyTable("study", "", study, example=STUDY, samples=_OF_STUDY, instead={"nested": _NESTED})
@@ -120,20 +120,20 @@ def study_tables() -> Iterator[KeyTable]:
 
 
 def procedure_tables() -> Iterator[KeyTable]:
-    """The table `[procedure]` of each kind."""
+    """Yield the table `[procedure]` of each kind."""
     yield from (_procedure(kind, known) for kind, known in PROCEDURES.items())
     shared = "tactometry.experiments.study.procedure_table:TracksTable"
     yield KeyTable("procedure", "[procedure]", shared, samples={"easy_level": 40.0})
 
 
 def limits(name: str, header: str) -> KeyTable:
-    """The limits of a study, or of a bench."""
+    """Yield the limits of a study or a bench."""
     example = {"voltage_peak_v": 200.0}
     return KeyTable(name, header, "tactometry.safety.limits:Limits", example=example, samples=_OF_LIMITS)
 
 
 def analysis_tables(name: str, header: str) -> Iterator[KeyTable]:
-    """A plan of analysis, in a study or in a file of its own."""
+    """Yield the tables of an analysis plan in a study or a separate file."""
     samples = {"equivalence": {"force_n": 1.0}, "primary": "anova"}
     yield KeyTable(name, header, "tactometry.analysis.plan:AnalysisPlan", samples=samples)
     inner = "[exclusion]" if not header else f"{header[:-1]}.exclusion]"
@@ -157,7 +157,7 @@ def _stimulus(kind: str, known: StimulusKind) -> KeyTable:
 
 
 def _surfaces() -> Iterator[KeyTable]:
-    """What a study says of the surface under a finger, beside `[stimulus]`; of an electrode as in a scene file."""
+    """Yield the tables of `[scene.surface]` in a study."""
     header, surfaces = "[scene.surface]", "tactometry.stimuli.scenes.surfaces"
     finger = {"finger_x_m": 0.1, "finger_y_m": 0.1}
     plate, fingers = f"{surfaces}.played_plates:PlayedTimeReversal", f"{surfaces}.played_plates:PlayedFingers"
@@ -170,7 +170,7 @@ def _surfaces() -> Iterator[KeyTable]:
 
 
 def stimulus_gives(*names: str) -> Callable[[], Values]:
-    """What of a stimulus on a screen is known where its sensation or its surface is read."""
+    """Return a function that supplies values known from the stimulus."""
 
     def made() -> Values:
         known: dict[str, Any] = {
@@ -262,7 +262,7 @@ _PLATE: Final[Values] = {
 
 
 def scene_tables() -> Iterator[KeyTable]:
-    """The file itself, its surface, the fingers on it and each effect."""
+    """Yield the tables of a scene file, its surface, fingers and effects."""
     composed = "tactometry.stimuli.composition.effect:FingerContact"
     place = {"x_m": 0.1, "y_m": 0.1}
     read = "tactometry.stimuli.scenes.file:SceneTables"
@@ -279,7 +279,7 @@ def _effect(kind: str, target: str) -> KeyTable:
 
 
 def plate_tables() -> Iterator[KeyTable]:
-    """The file of a plate."""
+    """Yield the tables of a plate file."""
     plate = "tactometry.stimuli.time_reversal.plate"
     yield KeyTable("plate", "", f"{plate}.plate:Plate", example=_PLATE, also=("plate.glass",))
     yield KeyTable("plate.glass", "", f"{plate}.glass:NamedGlass", example={"glass": "Borofloat 33"})

@@ -1,4 +1,4 @@
-"""Every table of every file that users write, by its name and by the page that holds it."""
+"""All tables of the files that users write, by name and docs page."""
 
 import json
 import re
@@ -19,7 +19,7 @@ Values = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class KeyTable:
-    """A table of a file. Nothing of its class is imported before it is asked for.
+    """Table of a file, whose class is imported only when needed.
 
     Parameters
     ----------
@@ -70,18 +70,18 @@ class KeyTable:
 
     @property
     def reader(self) -> type:
-        """The class that reads it."""
+        """The class that reads the table."""
         kind: type = resolve(self.reads)
         return kind
 
     @property
     def shown(self) -> Values:
-        """The example."""
+        """The values of the example."""
         found: Values = resolve(self.example) if isinstance(self.example, str) else self.example
         return found
 
     def read(self, values: Values, path: str) -> object:
-        """What a file that holds these values makes of them.
+        """Build the object of a file with these values.
 
         Raises
         ------
@@ -109,14 +109,14 @@ PAGES: Final[Mapping[str, tuple[str, ...]]] = {
 
 
 def tables_of_page(page: str) -> Iterator[KeyTable]:
-    """The tables of a page, in its order."""
+    """Return the tables of a page, in its order."""
     makers: list[Callable[[], Iterator[KeyTable]]] = [resolve(target) for target in PAGES[page]]
     return chain.from_iterable(make() for make in makers)
 
 
 @cache
 def tables() -> Mapping[str, KeyTable]:
-    """Every table, by its name.
+    """Return every table by its name.
 
     >>> tables()["touch.slide"].header
     '[touch]'
@@ -125,7 +125,7 @@ def tables() -> Mapping[str, KeyTable]:
 
 
 def find(name: str) -> tuple[KeyTable, ...]:
-    """The table of a name with those whose keys may stand in it too, or those below the name.
+    """Return a table and related ones, or all tables below a name.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def find(name: str) -> tuple[KeyTable, ...]:
 
 
 def inner_name(table: KeyTable, key: str, classes: Collection[type] = ()) -> str:
-    """The name of the table, or of those, that hold the keys of what a key holds; empty where there is none.
+    """Return the names of the tables within a key, empty if there is none.
 
     >>> inner_name(tables()["study"], "touch"), inner_name(tables()["bench"], "force")
     ('touch', 'bench.force')
@@ -161,7 +161,7 @@ def inner_name(table: KeyTable, key: str, classes: Collection[type] = ()) -> str
 
 
 def name_of(kind: type) -> str:
-    """The name of the table that a class reads; empty where it reads none, or only as one of several.
+    """Return the name of the table that a class reads alone, or empty.
 
     >>> from tactometry.safety.limits import Limits
     >>> name_of(Limits)
@@ -175,7 +175,7 @@ def name_of(kind: type) -> str:
 
 
 def name_at(kind: type | None, path: str) -> str:
-    """The name of the table that a class reads, else of those at the path of a key; empty where there is none.
+    """Return the table of a class, else of the path of a key, or empty.
 
     >>> name_at(None, "s.toml, task.over"), name_at(None, "s.toml, mood")
     ('task', '')
@@ -190,14 +190,14 @@ def _is_known(name: str) -> bool:
 
 
 def _nearest(name: str) -> list[str]:
-    """Names like this one, then those that hold its last word."""
+    """Return similar names, then names that contain its last word."""
     last = name.rpartition(".")[2]
     close = get_close_matches(name[:100], tables(), n=3)
     return list(dict.fromkeys([*close, *(each for each in tables() if last and last in each)]))[:6]
 
 
 def toml_value(value: object) -> str:
-    """A value on one line.
+    """Format a value on one line.
 
     >>> toml_value(True), toml_value(0.05), toml_value("a"), toml_value([1, 2])
     ('true', '0.05', '"a"', '[1, 2]')

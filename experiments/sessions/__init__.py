@@ -1,1 +1,1 @@
-"""A session from start to end on any rig, and many simulated ones."""
+"""Recorded sessions on any rig, and many simulated sessions."""

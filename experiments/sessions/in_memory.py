@@ -1,4 +1,4 @@
-"""A study with simulated participants that leaves no file: its trials as an analysis would read them."""
+"""Trials of simulated participants in memory, without files."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -31,7 +31,7 @@ NOWHERE: Final = Path("simulated in memory")
 
 
 class Collector:
-    """A keeper of a session's trials alone, in memory."""
+    """Keeper that collects a session's trials in memory only."""
 
     def __init__(self) -> None:
         self.trials: list[Trial] = []
@@ -47,7 +47,9 @@ class Collector:
 
 
 def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
-    """The trials of one session of one simulated participant, whose `who.seed` is given.
+    """Return the trials of one session of one simulated participant.
+
+    `who.seed` must be given.
 
     >>> from ..study.experiment import wire
     >>> from ..study.study_file import load
@@ -62,7 +64,9 @@ def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
 
 
 def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
-    """All sessions, as `analysis.pipeline.analyse_trials` takes them: cell by cell what their data set would hold.
+    """Simulate all sessions as input of `analysis.pipeline.analyse_trials`.
+
+    Each cell equals that of the data set that a recording would write.
 
     >>> from ..study.experiment import wire
     >>> from ..study.study_file import load
@@ -74,7 +78,9 @@ def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
 
 
 def trials_of(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Trials:
-    """As `simulated_trials` of all its sessions, here, on `n_jobs` processes, or on the Dask cluster at `scheduler`.
+    """Simulate all sessions here, on `n_jobs` processes or a Dask cluster.
+
+    `scheduler` is the cluster's address. The format is that of `simulated_trials`.
 
     The result does not depend on where it is computed.
 
@@ -92,7 +98,7 @@ def _table_of(simulation: Simulation, who: Who) -> tuple[Path, pd.DataFrame]:
 
 
 def _table(experiment: Experiment, who: Who) -> tuple[Path, pd.DataFrame]:
-    """The file that a session would have, and its cells."""
+    """Return the trials file of a session and its cells."""
     session = Session(who.participant, who.session, experiment.study.name)
     columns = experiment.design(b"").columns
     return session.trials(NOWHERE), _cells(simulated_session(experiment, who), session, columns)

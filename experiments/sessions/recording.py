@@ -1,4 +1,4 @@
-"""A session from start to end, or from where it stopped: one way for every rig."""
+"""One session recorded from start to end, or resumed, on any rig."""
 
 import secrets
 from collections.abc import Callable
@@ -26,7 +26,10 @@ from ..study.rehearsal import flaw
 
 @dataclass(frozen=True)
 class Who:
-    """The participant of a session; `number` serves counterbalancing, `seed` None means a new one (or the recorded)."""
+    """Participant of a session.
+
+    `number` serves counterbalancing. A `seed` of None means a new one, or the recorded one.
+    """
 
     participant: str
     session: int = 1
@@ -35,7 +38,7 @@ class Who:
 
     @property
     def counterbalancing_number(self) -> int:
-        """The given number, else the trailing digits of the code.
+        """Given number, else the trailing digits of the code.
 
         >>> Who("P017").counterbalancing_number
         17
@@ -53,8 +56,10 @@ class Who:
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a sitting left: where, how many trials in all and before it, however often each was presented, how each
-    procedure ended, and what was repaired.
+    """Result of a sitting.
+
+    It has the folder, the number of trials in all and before it (each repeated trial counted once), how each procedure
+    ended, and what was repaired.
     """
 
     trials: Path
@@ -69,19 +74,21 @@ class Recorded:
 
     @property
     def practice_missed(self) -> bool:
-        """Whether the practice ended without meeting its criterion."""
+        """True if the practice ended without meeting its criterion."""
         return any(track.missed_practice for track in self.tracks)
 
     @property
     def endings(self) -> dict[str, int]:
-        """How many procedures ended in which way."""
+        """Number of procedures by ending."""
         endings = [track.ending for track in self.tracks]
         return {ending: endings.count(ending) for ending in dict.fromkeys(endings) if ending}
 
 
 @dataclass(frozen=True)
 class RigKind:
-    """How a rig is made for a seed and a log, and what is known of the participant (a simulated one's truth).
+    """Factory of a rig for a seed and a log, and facts on the participant.
+
+    The facts are the ground truth of a simulated participant.
 
     `simulated_time` rigs leave no time stamp, so that the same seed gives the same bytes.
     """
@@ -93,7 +100,7 @@ class RigKind:
 
 
 def simulated(experiment: Experiment, who: Who) -> RigKind:
-    """The simulated rig of this participant."""
+    """Return the simulated rig of this participant."""
     return RigKind(
         "simulated",
         lambda seed, log: experiment.simulated_rig(who.participant, who.session, seed),
@@ -113,7 +120,9 @@ def record(
     allow_erased: bool = False,
     tell: Callable[[str], None] = lambda sentence: None,
 ) -> Recorded:
-    """Record a session, or the rest of it; `tell` says what a person should know before it begins.
+    """Record a session, or the rest of it.
+
+    `tell` receives messages for the experimenter before the session begins.
 
     Raises
     ------
@@ -159,7 +168,7 @@ def _made(kind: RigKind, seed: int, keeper: OpenSession, withdrawal: Withdrawal)
 
 
 def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None:
-    """Write the head of a sitting, and tell what is not as it was in the last one."""
+    """Write the head of a sitting, and report changes since the last one."""
     if keeper.journal.recording.complete:
         return  # a session that is over begins no sitting
     changed = [phrase for last in keeper.journal.recording.sittings[-1:] for phrase in differences(last, head)]
@@ -169,7 +178,7 @@ def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None
 
 
 def _session_seed(head: Head | None, who: Who, kind: RigKind) -> int:
-    """The seed of the session, which goes on as it began."""
+    """Return the seed of the session, the recorded one if it is resumed."""
     number = who.counterbalancing_number
     if head is None:
         return secrets.randbelow(2**32) if who.seed is None else who.seed

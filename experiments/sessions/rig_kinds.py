@@ -26,7 +26,7 @@ def rig_kind(name: str, experiment: "Experiment", who: "Who", bench_file: "Bench
 
 
 def check_needs(kind: "RigKind", experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> None:
-    """Check what a session on a rig needs, as the session does, without opening a device."""
+    """Check a session's needs on a rig without opening a device."""
     if kind.name == SIMULATED:
         kind.observer(who.seed or 0)
         experiment.simulated_rig(who.participant, who.session, who.seed or 0)
@@ -38,7 +38,10 @@ def check_needs(kind: "RigKind", experiment: "Experiment", who: "Who", bench_fil
 
 
 def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | None" = None) -> "Equipment":
-    """None of the devices is open; the output counts on from what the session passed before, as the log says."""
+    """Return the devices of a bench, still closed.
+
+    The output continues the count of what the session already played, as recorded in the log.
+    """
     from datetime import date
 
     from tactometry.devices.outputs.output import check_format

@@ -23,8 +23,9 @@ MOST_PARTICIPANTS = 100_000
 
 @dataclass(frozen=True)
 class Simulation:
-    """What to simulate: the bytes of a study, and for whom; `code_from` is the folder from which the code of an
-    observer of one's own may be taken.
+    """Simulated participants of a study, given as the bytes of its file.
+
+    `code_from` is the folder from which custom code of an observer is imported.
     """
 
     study_toml: bytes
@@ -44,7 +45,7 @@ class Simulation:
         expect(seed <= LARGEST_SEED, "--seed", seed, f"a whole number, at most {LARGEST_SEED}")
 
     def sessions(self) -> list[Who]:
-        """Every session of every participant, as the plan has them."""
+        """Return every planned session of every participant."""
         width = max(2, len(str(self.n_participants)))
         study = parse(self.study_toml, self.where)
         return [
@@ -58,7 +59,7 @@ class Simulation:
         return _wired(self.study_toml, self.where, self.code_from, state)
 
     def check(self) -> Experiment:
-        """The study, whose people may be simulated: one that is refused starts no process and no session.
+        """Check that the study can be simulated before a process starts.
 
         Raises
         ------
@@ -71,7 +72,7 @@ class Simulation:
         return experiment
 
     def record(self, who: Who) -> Recorded:
-        """One session of one simulated participant."""
+        """Record one session of one simulated participant."""
         experiment = self.experiment()
         kind, allowed = simulated(experiment, who), self.allow_erased
         return record(experiment, self.study_toml, self.root, who, kind, resume=self.resume, allow_erased=allowed)
@@ -85,7 +86,9 @@ def _wired(study_toml: bytes, where: str, code_from: Path | None, state: str) ->
 
 
 def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Recorded]:
-    """All sessions, as they are done: here, on `n_jobs` processes, or on the Dask cluster at `scheduler`.
+    """Yield each session as it is finished.
+
+    They run here, on `n_jobs` processes, or on the Dask cluster at `scheduler`.
 
     The result does not depend on where it is computed.
     """

@@ -1,1 +1,1 @@
-"""From a study file to an experiment: tables built, cells wired, sessions planned."""
+"""Study files and their wiring into cells, sessions and experiments."""

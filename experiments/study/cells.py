@@ -1,4 +1,4 @@
-"""From a cell of the design to a condition: the stimulus by its name, and how it is touched."""
+"""Wiring of the design's cells: named stimuli and touch conditions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,9 +27,7 @@ Factors = Mapping[str, float | str]
 
 @dataclass(frozen=True)
 class WiredCell:
-    """A cell that is wired: its condition, its stimulus, its procedure, the model of what is felt, and the surface on
-    which it is.
-    """
+    """Wired cell: condition, stimulus, procedure, sensation and surface."""
 
     condition: Condition
     stimulus: Stimulus
@@ -39,7 +37,7 @@ class WiredCell:
 
 
 def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-    """A table with some of its keys changed, tables within it likewise.
+    """Return a table with some keys changed, also within its inner tables.
 
     >>> merge({"a": 1, "b": {"c": 2, "d": 3}}, {"b": {"c": 4}})
     {'a': 1, 'b': {'c': 4, 'd': 3}}
@@ -52,7 +50,7 @@ def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]
 
 
 def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
-    """The tables of a cell: those of the study with what the variants of its levels change."""
+    """Return the study's tables with the variants of a cell's levels."""
     of_cell = {name: dict(getattr(study, name)) for name in VARIED}
     for factor, level in factors.items():
         for name, change in study.variants.get(factor, {}).get(cell_text(level), {}).items():
@@ -61,8 +59,10 @@ def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
 
 
 class Wiring:
-    """Wires the cells of a study; what several cells share is built once. Code of one's own is taken from a folder, or
-    is not allowed; without `plays` neither it nor files are asked for.
+    """Wirer of a study's cells, which builds shared parts once.
+
+    Custom code is imported from a folder, or refused without one. Without `plays`, neither custom code nor files are
+    needed.
     """
 
     def __init__(self, study: Study, code_from: Path | None = None, *, plays: bool = True) -> None:
@@ -71,7 +71,7 @@ class Wiring:
         self._procedures: dict[str, ReadyProcedure] = {}
 
     def cell(self, factors: Factors) -> WiredCell:
-        """A cell of the design.
+        """Wire a cell of the design.
 
         Raises
         ------
@@ -120,7 +120,7 @@ class Wiring:
         return condition, stimulus, kind, self._felt(kind, of, stimulus, touch)
 
     def _kind(self, table: Mapping[str, Any], factors: Factors, touch_class: type) -> tuple[StimulusKind, Any]:
-        """What is known of a kind of stimulus, and its class."""
+        """Return the kind of a stimulus and its class."""
         if not is_own(table.get("kind")):
             kind: StimulusKind = kind_of(table, "stimulus", STIMULI)
             return kind, resolve(kind.stimulus)
@@ -129,7 +129,7 @@ class Wiring:
         return OWN, own_stimulus_class(table, of_stimulus, of_touch, self._code_from, plays=self._plays)
 
     def _stimulus(self, kind: StimulusKind, stated: Mapping[str, Any], factors: Factors, stimulus_class: Any) -> Any:
-        """A stimulus, its parts first."""
+        """Build a stimulus after its parts."""
         table = self._located(_keys(stated, factors, stimulus_class))
         parts = {
             key: build_kind(self._located(as_table(table.get(key, {}), f"stimulus.{key}")), f"stimulus.{key}", kinds)
@@ -146,7 +146,10 @@ class Wiring:
         return {**table, "path": self.study.beside(path)} if self._plays and isinstance(path, str) else table
 
     def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
-        """Of a stimulus, by all factors that change it: journals hold it, and cells of one name share a stimulus."""
+        """Name a stimulus by all factors that change it.
+
+        Journals contain the name, and cells with the same name share a stimulus.
+        """
         of_stimulus = _fields(factors, stimulus_class)
         of_variants = {name: level for name, level in factors.items() if name in self.study.variants}
         return ", ".join(
@@ -154,15 +157,16 @@ class Wiring:
         )
 
     def procedure(self, table: Mapping[str, Any]) -> ReadyProcedure:
-        """Built once: the tables of QUEST+ take longer than all the rest of a study."""
+        """Build a procedure once: tables of QUEST+ take longer than the rest."""
         key = repr(table)  # a table holds lists, which have no hash
         if key not in self._procedures:
             self._procedures[key] = rule_of(table)
         return self._procedures[key]
 
     def _felt(self, kind: StimulusKind, of: Mapping[str, Mapping[str, Any]], stimulus: Any, touch: Touch) -> Sensation:
-        """What is felt: through the scene that the study states, else through that of the stimulus, whose effects
-        `[sensation]` holds numbers of.
+        """Return the sensation through the study's or the stimulus's scene.
+
+        `[sensation]` contains values for the effects of the stimulus's scene.
         """
         if is_own(of["sensation"].get("kind")):
             expect(not of["scene"], "scene", "a table beside a [sensation] of one's own", "one of the two; remove one")

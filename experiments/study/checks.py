@@ -24,7 +24,7 @@ MOST_SAMPLES = 100_000_000
 
 @dataclass(frozen=True)
 class Strongest:
-    """A stimulus at the highest level that a session may ask for, with the table that says so."""
+    """Stimulus at the highest level of a session, and the table that sets it."""
 
     name: str
     where: str
@@ -37,7 +37,7 @@ class Strongest:
 
 
 def check_forces(limits: Limits, conditions: Iterable[Condition]) -> None:
-    """Refuse a force that is asked for beyond its limit."""
+    """Refuse a requested force above its limit."""
     for condition in conditions:
         request = condition.touch.request(condition.stimulus, None, None)
         if isinstance(request, Play):
@@ -47,7 +47,10 @@ def check_forces(limits: Limits, conditions: Iterable[Condition]) -> None:
 
 
 def check_signal(limits: Limits, strongest: Strongest) -> None:
-    """Refuse a signal beyond the limits; its length before its samples, which may be too many to make."""
+    """Refuse a signal beyond the limits.
+
+    Its length is checked first, as it may have too many samples to compute.
+    """
     stimulus = strongest.stimulus
     duration_s = getattr(stimulus, "duration_s", 0.0)
     longest = f"at most limits.duration_s, {limits.longest_s:g} s; shorten the stimulus, or raise the limit"
@@ -69,7 +72,7 @@ def check_rules(study: Study, cells: Iterable[WiredCell]) -> None:
 
 
 def check_places(over: str | None, cells: Mapping[Key, WiredCell]) -> None:
-    """Refuse alternatives of a trial that share a place, if they are at places at all."""
+    """Refuse alternatives of a trial that share a place."""
     together: dict[Key, list[frozenset[Place]]] = defaultdict(list)
     for key, cell in cells.items():
         rest = tuple(item for item in key if item[0] != over)

@@ -1,4 +1,4 @@
-"""What of a study the plate throws off, fingers and tips: where a linear contact would pull by more than presses it."""
+"""Fingers and tips that lose contact because the plate pulls too hard."""
 
 import math
 from collections.abc import Iterator
@@ -22,11 +22,11 @@ CLOSE: Final = 1e-3
 
 @runtime_checkable
 class Pressed(Protocol):
-    """A model of what is felt that knows the force between plate and fingers."""
+    """Sensation model that computes the force between plate and fingers."""
 
     @property
     def pressers(self) -> tuple[str, ...]:
-        """What shares the force of a touch, in words."""
+        """Names of the fingers that share the force of a touch."""
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
         """(n_samples,), or (n_fingers, n_samples): on top of what presses each."""
@@ -34,7 +34,7 @@ class Pressed(Protocol):
 
 @dataclass(frozen=True)
 class FingerOfStudy:
-    """The finger (or tip) under a force that the strongest stimulus pulls most, for its force.
+    """Finger (or tip) that the strongest stimulus pulls most at a force.
 
     Parameters
     ----------
@@ -61,12 +61,12 @@ class FingerOfStudy:
 
     @property
     def lifts_off(self) -> bool:
-        """Whether contact is lost at the highest level of the study."""
+        """True if contact is lost at the highest level of the study."""
         return self.pull_n > self.force_n
 
     @property
     def line(self) -> str:
-        """In one sentence."""
+        """The prediction in one sentence."""
         at = f"at {self.level:g} {self.level_unit} ({self.stimulus})"
         pulled = f"the plate would pull a {self.presser} of {self.force_n:g} N by {self.pull_n:.2g} N"
         if not self.lifts_off:
@@ -77,7 +77,7 @@ class FingerOfStudy:
 
 @dataclass(frozen=True)
 class _Touch:
-    """One of the fingers (or a tip) under the force of a touch, which they share evenly."""
+    """Finger (or tip) with an even share of the force of a touch."""
 
     sensation: Pressed
     number: int
@@ -92,14 +92,15 @@ class _Touch:
         return self.contact.force_n / len(self.sensation.pressers)
 
     def pull_n(self, signal: Signal) -> float:
-        """By how much the plate would pull it at most."""
+        """Return the largest pull of the plate, N."""
         force_n = np.atleast_2d(self.sensation.contact_force_n(signal, self.contact))[self.number]
         return max(-float(force_n.min(initial=0.0)), 0.0)
 
 
 def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
-    """Of each finger (or tip) and force that presses it the case that is nearest to lifting off; none of a study
-    without a focus.
+    """Return the case nearest to lifting off per finger (or tip) and force.
+
+    Empty for a study without a focus.
     """
     nearest: dict[tuple[float, str], tuple[float, Strongest, _Touch]] = {}
     strongest = {one.name: one for one in experiment.strongest()}
@@ -111,7 +112,7 @@ def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
 
 
 def _touches(experiment: Experiment) -> Iterator[tuple[str, _Touch]]:
-    """Each stimulus with each finger of each model on a plate under each force, once."""
+    """Yield each stimulus once per finger, plate model and force."""
     touches = {}
     for cell in experiment.cells.values():
         force_n = getattr(cell.condition.touch, "force_n", 0.0)

@@ -1,4 +1,4 @@
-"""What a session would ask, and how long it takes, without asking it."""
+"""Content and duration of a session, planned without running it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,8 +21,10 @@ LONG_S, LONGEST_S = 3 * 3600.0, 24 * 3600.0
 
 @dataclass(frozen=True)
 class PlannedBlock:
-    """One part: its number, its factors, its procedure or questionnaire, how many tracks are interleaved, and at most
-    how many trials and items it takes, catch trials with them.
+    """Planned part of a session.
+
+    It has its number, factors, procedure or questionnaire, number of interleaved tracks, and the largest numbers of
+    trials (catch trials included) and items.
     """
 
     block: int
@@ -35,7 +37,7 @@ class PlannedBlock:
 
     @property
     def content(self) -> str:
-        """What it holds, in words.
+        """The content in words.
 
         >>> PlannedBlock(1, {}, "staircase", 80, n_tracks=2).content
         'staircase, 2 interleaved, at most 80 trials'
@@ -50,7 +52,7 @@ class PlannedBlock:
 
 
 def plan(experiment: Experiment, number: int, n_session: int = 1, seed: int = 0) -> list[PlannedBlock]:
-    """The parts of a session of the participant with this number."""
+    """Return the parts of the session of the participant with this number."""
     parts = experiment.parts(number, stream(seed, "plan"), n_session, seed)
     return [_planned_block(n, part) for n, part in enumerate(parts, 1)]
 
@@ -78,8 +80,9 @@ def _n_trials(block: Block) -> Iterator[int]:
 
 
 def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
-    """How long a session takes at most, at the study's time per trial, `ITEM_S` per item, and its rests; a plan and a
-    task that end what lasts too long have the last word.
+    """Return the longest duration of a session, s.
+
+    It adds the study's time per trial, `ITEM_S` per item, and rests. A plan or task that ends parts early shortens it.
     """
     most_s, parts_s = experiment.study.plan.longest_s, [_longest_block_s(experiment, block) for block in blocks]
     return min(sum(parts_s), inf if most_s is None else most_s + max(parts_s, default=0.0))
@@ -95,7 +98,7 @@ def _longest_block_s(experiment: Experiment, block: PlannedBlock) -> float:
 
 
 def parts_ahead(experiment: Experiment, number: int, n_session: int = 1, seed: int = 0) -> tuple[PartAhead, ...]:
-    """The parts of a session as who follows it needs them (`tactometry.session.progress`).
+    """Return a session's parts for `tactometry.session.progress`.
 
     >>> from .experiment import wire
     >>> from .study_file import load
@@ -115,7 +118,7 @@ def parts_ahead(experiment: Experiment, number: int, n_session: int = 1, seed: i
 
 
 def check_duration(experiment: Experiment, blocks: list[PlannedBlock]) -> str | None:
-    """What to say of a session that lasts more than `LONG_S`; None of a shorter one.
+    """Return a warning for a session longer than `LONG_S`, else None.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""From the numbers of a study to stimuli, sessions and simulated participants."""
+"""Wired studies with their stimuli, sessions and simulated participants."""
 
 import itertools
 from collections import defaultdict
@@ -49,7 +49,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Experiment(SessionPlan):
-    """A study (its name or file: `where`) that is wired: each table built, each stimulus named, each level allowed."""
+    """Wired study with built tables, named stimuli and checked levels.
+
+    `where` is its name or file.
+    """
 
     people: Population
     where: str
@@ -59,8 +62,9 @@ class Experiment(SessionPlan):
         return self.table.task
 
     def words_in(self, language: str) -> dict[str, str]:
-        """What participants read in a language in place of the shipped words: texts, above them the prompt; and the
-        words of questions about a person.
+        """Return the study's participant texts in a language.
+
+        They replace the shipped texts. The prompt overrides the study's texts, and questions about a person add theirs.
         """
         kind = self.table.kind
         asked = messages_of(kind, self.table.task_kind.questions)
@@ -79,25 +83,26 @@ class Experiment(SessionPlan):
 
     @property
     def questionnaires(self) -> tuple[Questionnaire, ...]:
-        """Those on a scale that the sessions ask."""
+        """Questionnaires with a scale in the sessions."""
         of_task = (self.task.form,) if isinstance(self.task, AsksForm) else ()
         return (*of_task, *(form for form in self.forms.values() if isinstance(form, Questionnaire)))
 
     @property
     def choices(self) -> tuple[ChoiceForm, ...]:
-        """The forms of choices that the sessions ask."""
+        """Choice forms in the sessions."""
         return tuple(form for form in self.forms.values() if isinstance(form, ChoiceForm))
 
     def strongest(self, bank: Mapping[str, Stimulus] | None = None) -> tuple[Strongest, ...]:
-        """Each stimulus, or that of its name in `bank`, where it is strongest: stimuli are ordered by their level, so
-        that a session within these is within all.
+        """Return each stimulus (from `bank` if given) at its highest level.
+
+        Stimuli are ordered by level, so a session whose highest levels are within the limits is within them throughout.
         """
         bank = self.bank if bank is None else bank
         return tuple(Strongest(name, where, level, bank[name]) for name, (where, level) in self._highest.items())
 
     @cached_property
     def _highest(self) -> dict[str, tuple[str, float]]:
-        """Of each stimulus what asks for its highest level, and that level."""
+        """Return each stimulus's highest level and the key that sets it."""
         highest: dict[str, tuple[str, float]] = {}
         for cell in self.cells.values():
             name = cell.condition.stimulus
@@ -107,13 +112,13 @@ class Experiment(SessionPlan):
         return highest
 
     def bounds(self, stimulus: str) -> tuple[float, float]:
-        """The lowest and the highest level at which a session may ask for a stimulus."""
+        """Return the lowest and the highest level of a stimulus in a session."""
         cells = (cell for cell in self.cells.values() if cell.condition.stimulus == stimulus)
         _, lowest, highest = zip(*(levels for cell in cells for levels in self._levels(cell)), strict=True)
         return min(lowest), max(highest)
 
     def _levels(self, cell: WiredCell) -> Iterator[tuple[str, float, float]]:
-        """What asks for levels, the lowest and the highest of it."""
+        """Yield the keys that set levels, with their lowest and highest level."""
         yield "procedure", *cell.procedure.rule.bounds
         if self.practice is not None:
             yield "practice", *self.practice.bounds
@@ -122,13 +127,13 @@ class Experiment(SessionPlan):
             yield f"task.{key}", level, level
 
     def course(self, participant: str, n_session: int, number: int, seed: int) -> Course[tuple[Track, ...]]:
-        """The protocol of one session: a pure function of its arguments."""
+        """Return the protocol of one session, a pure function of its arguments."""
         rng = stream(seed, participant, n_session, "protocol")
         parts = self.parts(number, rng, n_session, seed)
         return session(parts, rng, self.study.plan.longest_s, consent=self.study.consent)
 
     def sensation(self) -> Sensation:
-        """The model of what is felt of the first cell's stimulus."""
+        """Sensation model of the first cell's stimulus."""
         return next(iter(self.cells.values())).sensation
 
     @cached_property
@@ -141,7 +146,7 @@ class Experiment(SessionPlan):
         return " | ".join(words if alike else f"{name}: {words}" for words, name in reversed(firsts.items()))
 
     def check_allowed(self) -> None:
-        """Refuse to simulate by code of one's own that is not allowed.
+        """Refuse to simulate with custom code that is not allowed.
 
         Raises
         ------
@@ -160,7 +165,10 @@ class Experiment(SessionPlan):
         return self.people.person(stream(seed, participant, "traits"))
 
     def feelings(self, participant: str, seed: int) -> dict[Meeting, Feeling]:
-        """How a simulated participant feels each cell: of those that meet the finger alike, as the first."""
+        """Return how a simulated participant feels each cell.
+
+        Cells with the same contact are felt like the first of them.
+        """
 
         def draws(*words: str) -> np.random.Generator:
             return stream(seed, participant, *words)
@@ -193,7 +201,7 @@ class Experiment(SessionPlan):
         )
 
     def _rater(self, participant: str, seed: int) -> "Rater | None":
-        """The participant who fills in questionnaires, where the study says how."""
+        """Return the simulated questionnaire rater, if the study defines one."""
         if self.people.raters is None:
             return None
         from tactometry.observers.raters import Rater
@@ -205,7 +213,7 @@ class Experiment(SessionPlan):
 
     @cached_property
     def _met_factors(self) -> dict[object, Mapping[str, float | str]]:
-        """The first cell of those that meet the finger in one way."""
+        """Return the factors of the first cell with the same contact."""
         factors: dict[object, Mapping[str, float | str]] = {}
         for cell in self.cells.values():
             factors.setdefault(_meeting_of(cell), cell.condition.factors)
@@ -223,7 +231,7 @@ class Experiment(SessionPlan):
         return rendering(self.bank, self.study.limits)
 
     def design(self, study_toml: bytes) -> StudyDescription:
-        """What the files of a data set say of this study."""
+        """Describe the study for the files of a data set."""
         study = self.study
         factors = [_factor_column(name) for name in study.factors]
         return StudyDescription(
@@ -231,13 +239,13 @@ class Experiment(SessionPlan):
         )
 
     def _described(self) -> str:
-        """The study's description, with what could tell who a participant is."""
+        """Return the study's description without identifying answers."""
         numbers = ", ".join(name for form in self.choices for name in form.numbers)
         said = f"Answers could tell who a participant is: {numbers}." if numbers else ""
         return f"{self.study.description} {said}".strip() if said else self.study.description
 
     def _optional(self) -> list[str]:
-        """The columns that apply, of those that not every study has."""
+        """Return the optional columns that apply to the study."""
         study, kind = self.study, self.table.task_kind
         are_placed = any(map(places_of, self.bank.values()))
         slides = any(condition.speed_m_per_s is not None for condition in self.conditions)
@@ -271,8 +279,9 @@ def wire(
     plays: bool = True,
     begun: bool = False,
 ) -> Experiment:
-    """Build every table of a study, and hold its strongest stimuli against the limits. Code of one's own is imported
-    from the folder `code_from`, or not at all.
+    """Build every table of a study and check its strongest stimuli.
+
+    Custom code is imported from the folder `code_from`, or refused without it.
 
     Parameters
     ----------
@@ -327,7 +336,7 @@ def _meeting_of(cell: WiredCell) -> Meeting:
 
 
 def _levels_of(cells: Mapping[Key, WiredCell]) -> dict[str, list[float | str]]:
-    """The levels that the factors have in any cell."""
+    """Return the levels that the factors have in any cell."""
     levels: dict[str, list[float | str]] = defaultdict(list)
     for name, level in dict.fromkeys(itertools.chain.from_iterable(cells)):
         levels[name].append(level)
@@ -345,7 +354,10 @@ def _cells(wiring: Wiring, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
 
 
 def _tracks_per_cell(study: Study, table: TaskTable) -> float:
-    """How many tracks there are for each cell, whose alternatives share one, or one for each choice of some of them."""
+    """Return the number of tracks per cell.
+
+    Alternatives share a track, or have one for each choice of some of them.
+    """
     if table.over is None:
         return 1
     n_levels = len(study.factors[table.over])

@@ -31,7 +31,7 @@ LONGEST_S = 1.0
 
 @dataclass(frozen=True)
 class LeftOut:
-    """An effect that a scene does not have.
+    """Effect that a scene does not have.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class LeftOut:
 
     @property
     def words(self) -> str:
-        """In a few words.
+        """The effect and its change in a few words.
 
         >>> LeftOut("receptors", ("sensitivity",), 12.6).words
         'receptors (instead of sensitivity) +12.6 dB'
@@ -67,7 +67,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class FeltEffects:
-    """What is felt of a stimulus, at the highest level and the touch that the study asks for."""
+    """Predicted sensation of a stimulus at its highest level and touch."""
 
     stimulus: str
     level: str
@@ -82,7 +82,7 @@ class FeltEffects:
 
     @property
     def lines(self) -> list[str]:
-        """In words, no line longer than 100 columns."""
+        """The prediction as lines of at most 100 columns."""
         paragraphs = (
             f"predicted for {self.stimulus} at {self.level}: {self._sensation_words}, computed with the effects "
             f"{', '.join(self.felt)} (predicted error {self.predicted_error})",
@@ -101,7 +101,10 @@ class FeltEffects:
 
 
 def felt_effects(experiment: Experiment) -> list[FeltEffects]:
-    """Of each choice of effects in a study the first stimulus; none of a study without a scene."""
+    """Predict the first stimulus of each choice of effects.
+
+    Empty for a study without a scene.
+    """
     firsts: dict[object, tuple[WiredCell, Scene]] = {}
     for cell in experiment.cells.values():
         if isinstance(cell.sensation, FeltScene):
@@ -131,7 +134,7 @@ def _explanation(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
 
 
 def _is_felt_in_motion(cell: WiredCell, scene: Scene, level: float, contact: Contact) -> bool:
-    """Whether a finger that slides feels what one at rest does not."""
+    """Return True if the stimulus is felt only by a sliding finger."""
     if contact.speed_m_per_s:
         return False
     sliding = replace(contact, speed_m_per_s=SLIDING_M_PER_S)
@@ -144,7 +147,7 @@ def _in_words(contact: Contact) -> str:
 
 
 def _left_out(scene: Scene, signal: Signal, contact: Contact, felt_db: float) -> Iterator[LeftOut]:
-    """Effects of the surface that are not in the scene, those of what is played left out."""
+    """Return the surface's effects that the scene leaves out."""
     named = {effect.kind for effect in scene.effects}
     for kind in scene.surface.effects:
         effect_class = resolve(EFFECTS[kind])
@@ -153,7 +156,7 @@ def _left_out(scene: Scene, signal: Signal, contact: Contact, felt_db: float) ->
 
 
 def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: Contact, felt_db: float) -> LeftOut:
-    """What one more effect changes, at its defaults."""
+    """Return the change in sensation level with one more default effect."""
     kind = effect_class.kind
     needed = [name for name, field in fields_of(effect_class).items() if is_required(field)]
     if needed:

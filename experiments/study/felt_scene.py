@@ -20,7 +20,7 @@ STATED_BY_STIMULUS: Final = ("setup", "places", "duration_s")
 
 @dataclass(frozen=True, eq=False)
 class FeltScene:
-    """What a finger feels through a scene.
+    """Sensation through a scene.
 
     Parameters
     ----------
@@ -35,18 +35,19 @@ class FeltScene:
 
 
 class FeltOnPlate(FeltScene):
-    """The same on a plate that moves: it knows the force between finger and plate too."""
+    """Sensation on a moving plate, with the force between finger and plate."""
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """(n_fingers, n_samples): what a linear contact does to each finger on top of its force, as the scene loads the
-        plate, or as by default where it does not.
+        """Return the force of a linear contact on each finger.
+
+        (n_fingers, n_samples), in addition to the pressing force. The plate is loaded as in the scene, else by default.
         """
         force_n: FloatArray = self._pressed.run({"signal": signal, "contact": contact})[FORCE]
         return force_n
 
     @property
     def pressers(self) -> tuple[str, ...]:
-        """The fingers that share the force of a touch, in words."""
+        """Names of the fingers that share the force of a touch."""
         return tuple(f"finger at {name}" for name in self.scene.surface.names) or ("finger",)
 
     @cached_property
@@ -55,15 +56,15 @@ class FeltOnPlate(FeltScene):
 
 
 class FeltByFingers(FeltOnPlate):
-    """The same under fingers, which tell where they feel something."""
+    """Sensation at several fingers on a moving plate."""
 
     def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]:
-        """The level (dB) at each finger."""
+        """Return the sensation level (dB) at each finger."""
         return self.scene.fingers_db(signal, contact)
 
 
 def felt(scene: Scene) -> FeltScene:
-    """A scene as it is felt on its surface."""
+    """Return the sensation model of a scene on its surface."""
     if scene.surface.names:
         return FeltByFingers(scene)
     kind = FeltScene if scene.surface.kind == "electrovibration" else FeltOnPlate

@@ -13,9 +13,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ProcedureKind:
-    """Target string of the class of a table, a table that it takes (levels from 0 to 40), its method that makes the
-    rule, where it is none itself, whether tracks can learn from each other's answers, and whether levels follow the
-    answers, so that easy trials can be among them.
+    """Kind of procedure with the target string of its class.
+
+    It also has a valid table (levels from 0 to 40), the method that makes the rule if the class is none itself, and two
+    flags: tracks can share answers, and levels follow the answers (so easy trials can be added).
     """
 
     table: str
@@ -25,7 +26,7 @@ class ProcedureKind:
     takes_easy_trials: bool = True
 
     def rule_of(self, table: Any) -> "Rule[Any]":
-        """The rule of a table that is built: some make one that refuses more than they do themselves."""
+        """Return the rule of a built table, which may check more."""
         rule: Rule[Any] = getattr(table, self.rule)() if self.rule else table
         return rule
 
@@ -64,11 +65,12 @@ PROCEDURES: Mapping[str, ProcedureKind] = {
 
 @dataclass(frozen=True)
 class StimulusKind:
-    """Target strings of a stimulus and of the model of what is felt of it, and the fields that both share.
+    """Kind of stimulus with target strings of stimulus and sensation model.
 
-    `stands` says that it is at one place, which a finger that slides would leave; `follows`, that only one that slides
-    feels it; `reads`, that it reads a file, if it is to be played. `parts` names the kinds that a table within may
-    have, by its key. `surface` is the kind of surface that a scene may have under it; empty where none may.
+    `shared` lists the fields of both. `stands` marks stimuli at one place, which a sliding finger would leave.
+    `follows` marks stimuli that only a sliding finger feels. `reads` marks stimuli that read a file when played.
+    `parts` maps the keys of inner tables to their allowed kinds. `surface` is the kind of surface that a scene may have
+    under it, or empty if it may have none.
     """
 
     stimulus: str

@@ -1,4 +1,4 @@
-"""A stimulus, and a model of what is felt, of one's own: classes in a file beside the study."""
+"""Custom stimulus and sensation classes in a file next to the study."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, make_dataclass
@@ -35,7 +35,7 @@ CALLS: Final = {
 
 @dataclass(frozen=True)
 class OwnStimulus:
-    """A stimulus of one's own, each of whose signals is held against what the study states of it.
+    """Custom stimulus whose signals are checked against the study.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class OwnStimulus:
 
     @property
     def read(self) -> bool:
-        """Whether its code may run."""
+        """True if its code may run."""
         return not isinstance(self.made, Unseen)
 
     @property
@@ -62,7 +62,7 @@ class OwnStimulus:
         return str(self.made.level_unit)
 
     def at(self, level: float) -> Signal:
-        """The signal of a level, in V and as long as stated.
+        """Return the signal of a level, in V and of the stated duration.
 
         Raises
         ------
@@ -79,7 +79,10 @@ class OwnStimulus:
 
 
 class Unseen:
-    """In place of a class whose code is not to run: its data are read, but nothing is played and nothing is felt."""
+    """Placeholder for a class whose code must not run.
+
+    Its data can be read, but nothing can be played or felt.
+    """
 
     target: str
     where: str
@@ -108,7 +111,9 @@ def stimulus_class(
     *,
     plays: bool,
 ) -> Any:
-    """The class of a table `[stimulus]`; where nothing is to be played, one that holds the table alone.
+    """Return the class of `[stimulus]`, or a placeholder with its table.
+
+    The placeholder is used where nothing is to be played.
 
     Parameters
     ----------
@@ -140,7 +145,9 @@ def stimulus_class(
 
 
 def sensation_class(table: Mapping[str, Any], code_from: Path | None) -> Any:
-    """The class of a table `[sensation]`, or one that holds the table alone, where its code is not allowed.
+    """Return the class of `[sensation]`, or a placeholder with its table.
+
+    The placeholder is used where its code is not allowed.
 
     Raises
     ------

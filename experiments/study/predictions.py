@@ -1,4 +1,4 @@
-"""Predicted sensation levels of a study: by level, conditions that are too weak, and just noticeable differences."""
+"""Predicted sensation levels and JNDs of a study, and weak conditions."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -37,24 +37,29 @@ JND_PER_SD = NormalDist().inv_cdf(0.75)
 
 
 def contact_of(cell: WiredCell) -> Contact:
-    """Return the contact that a cell asks for, at rest and without force where it asks for nothing."""
+    """Return a cell's requested contact, by default at rest without force."""
     request = cell.condition.touch.request(cell.condition.stimulus, None, None)
     return Contact(getattr(request, "target_n", None) or 0.0, getattr(request, "speed_m_per_s", None) or 0.0)
 
 
 def played(cell: WiredCell, level: float, speed_m_per_s: float) -> Signal:
-    """Return the signal of a level, under a finger that slides straight on where the signal follows the finger."""
+    """Return the signal of a level.
+
+    If the signal follows the finger, the finger slides straight on.
+    """
     signal = cell.stimulus.at(level)
     return felt_under(cell.stimulus, signal, *straight_way(signal.duration_s, speed_m_per_s, TRAJECTORY_M))
 
 
 def felt_db(cell: WiredCell, level: float, contact: Contact) -> float:
-    """Return the sensation level (dB), -inf where nothing is felt."""
+    """Return the sensation level (dB), -inf if nothing is felt."""
     return cell.sensation.sensation_db(played(cell, level, contact.speed_m_per_s), contact)
 
 
 def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact: Contact | None = None) -> LevelTable:
-    """Return sensation levels (dB) through the scene of a cell, or through its stimulus's own model.
+    """Return sensation levels (dB) by level through a cell's scene.
+
+    Without a scene, the stimulus's own model is used.
 
     Parameters
     ----------
@@ -76,7 +81,10 @@ def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact:
 
 @dataclass(frozen=True)
 class Unfelt:
-    """Condition with an imperceptible strongest level, or a standard near threshold, and the sensation level there."""
+    """Condition with an imperceptible strongest level or a weak standard.
+
+    `felt_db` is the sensation level there.
+    """
 
     condition: str
     level: str
@@ -110,7 +118,7 @@ class Unfelt:
 
 
 def unfelt(experiment: Experiment, *, simulated: bool = False) -> Iterator[Unfelt]:
-    """Yield the conditions of a study whose strongest level, or whose standard, is too weak.
+    """Yield conditions whose strongest level or standard is too weak.
 
     The physics predicts it; of `simulated` participants the thresholds that their observer states.
     """
@@ -129,7 +137,10 @@ def unfelt(experiment: Experiment, *, simulated: bool = False) -> Iterator[Unfel
 
 
 def _levels(experiment: Experiment, cell: WiredCell) -> Iterator[tuple[float, float, bool]]:
-    """Yield the strongest level and the standard, each with the lowest sensation level that needs no warning."""
+    """Yield the strongest level and the standard.
+
+    Each comes with the lowest sensation level that needs no warning.
+    """
     yield cell.procedure.rule.bounds[1], -TOLERATED_DB, False
     if isinstance(experiment.task, AgainstStandard):
         yield experiment.task.standard_level, NEAR_DB, True
@@ -137,9 +148,11 @@ def _levels(experiment: Experiment, cell: WiredCell) -> Iterator[tuple[float, fl
 
 @dataclass(frozen=True)
 class PredictedJnd:
-    """The JND of one condition, in the unit of the level; None if it is larger than the levels allow.
+    """JND of one condition in the unit of the level.
 
-    Lapses are left out, and where the skin `feels_touch` the force and speed that vary from touch to touch.
+    It is None if it is larger than the levels allow.
+
+    Lapses are left out. If the skin model `feels_touch`, so are variations of force and speed between touches.
     """
 
     condition: str
@@ -149,7 +162,7 @@ class PredictedJnd:
 
     @property
     def line(self) -> str:
-        """State it in words.
+        """The prediction in words.
 
         >>> PredictedJnd("force_n 1", "40 dB re 1 V", 1.234).line
         'predicted JND at the standard of 40 dB re 1 V: 1.23 dB at force_n 1 (steady touch; varying ones add to it)'
@@ -162,7 +175,7 @@ class PredictedJnd:
 
 
 def predicted_jnds(experiment: Experiment) -> Iterator[PredictedJnd]:
-    """Yield the JND of each condition of a comparison, where the observer is one of ours."""
+    """Yield the JND of each comparison condition for built-in observers."""
     if not isinstance(experiment.task, Comparison):
         return
     standard, people = experiment.task.standard_level, experiment.people.middle
@@ -179,7 +192,10 @@ def predicted_jnds(experiment: Experiment) -> Iterator[PredictedJnd]:
 
 
 def _of_signal(cell: WiredCell, people: SignalDetectionObserver, standard: float) -> float | None:
-    """Return how far above the standard a level is called stronger in 75 % of comparisons, each with two noises."""
+    """Return the JND above the standard, called stronger in 75 % of trials.
+
+    Each of the two intervals has its own noise.
+    """
     from scipy.optimize import brentq  # slow to load
 
     def excess(level: float) -> float:

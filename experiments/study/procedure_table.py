@@ -1,4 +1,4 @@
-"""The procedure of a study: which ones there are, what their tables hold, what they make."""
+"""Procedures of a study: their kinds, tables and rules."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -27,18 +27,18 @@ SAYS_YES = {
 
 
 def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
-    """A table without some of its keys."""
+    """Return a table without some of its keys."""
     return {key: value for key, value in table.items() if key not in keys}
 
 
 @dataclass(frozen=True)
 class TracksTable:
-    """What a study says of the tracks of a procedure, alongside its own keys.
+    """Settings for the tracks of a procedure, alongside its own keys.
 
     Parameters
     ----------
     shared : bool
-        Whether interleaved tracks share all that they learn but the threshold (QUEST+ and psi).
+        Share everything but the threshold between interleaved tracks (QUEST+ and psi).
     easy_share : float
         Share of trials far above threshold, which show the lapse rate (adaptive procedures). Each group of
         round(1 / `easy_share`) trials has one; they are part of the trials of the track.
@@ -53,13 +53,13 @@ class TracksTable:
 
 @dataclass(frozen=True)
 class ReadyProcedure:
-    """A rule as a study states it, and how the tracks of a block use it."""
+    """Rule of a study and how the tracks of a block use it."""
 
     rule: Rule[Any]
     tracks: TracksTable = field(default_factory=TracksTable)
 
     def for_tracks(self, names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
-        """One procedure for each track of a block, with an order of its own where it has one."""
+        """Return a procedure for each track, with separate random orders."""
         begun = self.rule.begin_together(names) if self.tracks.shared else tuple(self.rule.begin(rng) for _ in names)
         share, level = self.tracks.easy_share, self.tracks.easy_level
         if not share:
@@ -69,7 +69,7 @@ class ReadyProcedure:
 
 
 def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
-    """The table `procedure`, built.
+    """Build the rule of the table `procedure`.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def _check_tracks(tracks: TracksTable, name: str, rule: Rule[Any]) -> None:
 
 
 def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> None:
-    """Refuse a rule that looks for its levels on a function with another guess rate than the task has.
+    """Refuse a rule whose guess rate contradicts that of the task.
 
     Raises
     ------
@@ -128,5 +128,5 @@ def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> 
 
 
 def practice_of(table: Mapping[str, Any]) -> Practice | None:
-    """The table `practice`, built; None without one."""
+    """Build the table `practice`, or return None without one."""
     return build(Practice, table, "practice") if table else None

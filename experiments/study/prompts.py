@@ -1,4 +1,4 @@
-"""What participants are asked in words of the study: over the questions of a task, and over a questionnaire."""
+"""Custom prompts above task questions and questionnaires."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ class PromptTable:
     Parameters
     ----------
     prompt : str or mapping of str to str
-        What participants are asked, in place of the shipped question: a text, or one for each language.
+        Question that replaces the shipped one: a text, or one for each language.
     """
 
     prompt: Prompt = ""
@@ -29,7 +29,7 @@ class PromptTable:
 
 
 def check_prompt(prompt: Prompt, where: str) -> None:
-    """Refuse a prompt that says nothing in a language.
+    """Refuse a prompt with an empty text.
 
     Raises
     ------
@@ -42,7 +42,9 @@ def check_prompt(prompt: Prompt, where: str) -> None:
 
 
 def by_language(prompt: Prompt) -> dict[str, str]:
-    """A prompt by language; that of English is shown where a language has none.
+    """Return a prompt by language.
+
+    The English prompt is shown in languages without one.
 
     >>> by_language("Rough?"), by_language({"fr": "Rugueux ?"}), by_language("")
     ({'en': 'Rough?'}, {'fr': 'Rugueux ?'}, {})
@@ -51,12 +53,12 @@ def by_language(prompt: Prompt) -> dict[str, str]:
 
 
 def prompted(form: Questionnaire, prompt: Prompt) -> Questionnaire:
-    """A questionnaire under a stem of the study."""
+    """Return a questionnaire with a stem of the study."""
     return replace(form, stem=by_language(prompt)) if prompt else form
 
 
 def messages_of(kind: str, questions: Iterable[str]) -> tuple[str, ...]:
-    """The messages that a task asks with.
+    """Return the messages of a task's questions.
 
     >>> messages_of("yes_no", ["felt"]), messages_of("magnitude", [])
     (('felt',), ('how_strong',))
@@ -65,7 +67,7 @@ def messages_of(kind: str, questions: Iterable[str]) -> tuple[str, ...]:
 
 
 def texts_of(prompt: Prompt, messages: Iterable[str], language: str) -> dict[str, str]:
-    """What a prompt says in the place of messages, whose braces are none to be filled.
+    """Return a prompt's text for each message, with its braces escaped.
 
     >>> texts_of("{Rough}?", ["felt"], "fr")
     {'felt': '{{Rough}}?'}

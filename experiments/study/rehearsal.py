@@ -1,4 +1,4 @@
-"""Every page that the sessions of a study can show, put together before the first of them begins."""
+"""All pages of a study's sessions, composed before the first begins."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -21,7 +21,7 @@ WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "decl
 
 
 def rehearse(experiment: Experiment) -> None:
-    """Look for keys that do nothing, and fill the texts of a study with all that they will be filled with.
+    """Refuse keys without effect, and fill in all texts of a study.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def _rehearse(experiment: Experiment) -> None:
 def _rehearse_texts(
     experiment: Experiment, where: str, own: Mapping[str, str], words: Mapping[str, str], language: str
 ) -> None:
-    """Whether each of the `own` words, from one place of the file, has a page, and all `words` can be filled there."""
+    """Check that each custom text has a page and can be filled in there."""
     with rewording(lambda said: f"{where}: {said}"):
         texts = replace(texts_in(language, words), shipped={})  # with them to fall back on, no text would be refused
     known = texts_in(language, {})
@@ -68,21 +68,21 @@ def _rehearse_texts(
 
 
 def _rehearse_prompts(experiment: Experiment) -> None:
-    """A language that no page can have would leave the question of the task, or none, in place of the study's."""
+    """Refuse prompts in an unknown language, which no page would show."""
     for where, words in _prompts(experiment).items():
         for language in words:
             one_of(f"{where}: language", language, languages())
 
 
 def _prompts(experiment: Experiment) -> dict[str, dict[str, str]]:
-    """By the key that holds it, a prompt by language."""
+    """Return the prompts of each key by language."""
     inquiries = {f"inquiries.{name}.prompt": of.prompt for name, of in experiment.study.inquiries.items()}
     prompts = {"task.prompt": experiment.table.prompt} | inquiries
     return {where: by_language(prompt) for where, prompt in prompts.items() if prompt}
 
 
 def _refuse_idle(experiment: Experiment) -> None:
-    """A key that does nothing promises what no session will hold."""
+    """Refuse keys that have no effect in any session."""
     options, study = experiment.table.options, experiment.study
     for name in ("title", "description"):
         is_text = bool(getattr(study, name).strip())
@@ -111,7 +111,7 @@ def _fill(texts: Texts, shown: Show | str, where: str) -> None:
 
 
 def page_images(experiment: Experiment) -> dict[str, PageImage]:
-    """The images of the pages of a window, each looked at, by message.
+    """Return the images of a window's pages by message, after checking them.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def page_images(experiment: Experiment) -> dict[str, PageImage]:
 
 
 def rehearse_forms(experiment: Experiment, language: str) -> None:
-    """Look for the words of every item, and of every prompt, in the language of a rig.
+    """Check the words of every item and prompt in the language of a rig.
 
     Raises
     ------
@@ -141,7 +141,9 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
 
 
 def flaw(experiment: Experiment, root: Path) -> str | None:
-    """What is wrong with the texts of a study whose sessions have begun in a folder: theirs can no longer be mended.
+    """Return the error in the texts of a study that already has sessions.
+
+    Their texts can no longer be corrected, so the error is raised only for a new data set.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The table `[scene]`: the physics between a stimulus and a simulated skin, in place of the default scene.
+"""The table `[scene]`, which replaces the default scene of a stimulus.
 
 A study states what is played in `[stimulus]` and who touches it in `[touch]`; the scene holds what is between them.
 """
@@ -34,16 +34,16 @@ Parts = tuple[dict[str, Any], tuple[Effect, ...]]
 
 @dataclass(frozen=True)
 class SceneTable:
-    """What lies between the stimulus and the skin.
+    """Physics between the stimulus and the skin.
 
     Parameters
     ----------
     name : str
-        A built-in scene or a scene file, whose surface and effects are taken.
+        Built-in scene or scene file that supplies surface and effects.
     surface : mapping
         ``kind`` and the keys of a scene's surface, without those of the tone.
     effects : tuple of mapping
-        Those of a scene file; a law of force, friction and a threshold at least.
+        Effects as in a scene file, with at least a force law, friction and a threshold.
     accuracy : float
         Relative error of the amplitude that is felt; 0.05 is 0.4 dB.
     """
@@ -60,7 +60,7 @@ class SceneTable:
 
 
 def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Touch) -> FeltScene:
-    """The scene of a table on a kind of surface, under the stimulus that is played there, and a touch.
+    """Build the scene of a table on a surface, under a stimulus and touch.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Tou
 
 
 def _panel(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
-    """An electrode, whose layers are stated as those of a scene."""
+    """Build an electrode with layers stated as in a scene file."""
     for name in TONE:
         expect(name not in stated, f"{where}.{name}", "what [stimulus] states", "it there alone; remove it")
     panel: Any = build_kind({**SILENT, **stated, "duration_s": stimulus.duration_s}, where, SURFACES)
@@ -90,7 +90,7 @@ def _panel(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
 
 
 def _plate(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
-    """A plate as the stimulus states it, and where the finger is, or which of its places have one."""
+    """Build a plate from the stimulus, with the places of the fingers."""
     shared = {name: getattr(stimulus, name) for name in ("setup", "places") if hasattr(stimulus, name)}
     touched = "played_plates:PlayedFingers" if "places" in shared else "played_plates:PlayedTimeReversal"
     played = resolve(f"tactometry.stimuli.scenes.surfaces.{touched}")
@@ -98,7 +98,7 @@ def _plate(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
 
 
 def _both(stated: Mapping[str, Any], stimulus: Any, where: str) -> Surface:
-    """A plate with an electrode."""
+    """Build a plate with an electrode."""
     check_keys(stated, ("kind", "electrovibration", "time_reversal"), where)
     panel = _panel(stated.get("electrovibration", {}), stimulus, f"{where}.electrovibration")
     from tactometry.stimuli.scenes.surfaces.played_plates import PlayedHybrid
@@ -115,7 +115,7 @@ PLAYED: Final[Mapping[str, Callable[[Mapping[str, Any], Any, str], Surface]]] = 
 
 
 def _parts_of_table(read: SceneTable, surface: str) -> Parts:
-    """Surface and effects of the table itself."""
+    """Return the surface and effects of the table itself."""
     kind = read.surface.get("kind", surface)
     where = "where levels of a factor are played on several, state each as [variants.FACTOR.LEVEL.scene]"
     expect(kind == surface, "scene.surface.kind", repr(kind), f"{surface!r}, which the stimulus is played on; {where}")
@@ -130,7 +130,10 @@ def _parts_of_table(read: SceneTable, surface: str) -> Parts:
 
 
 def _parts_of_scene(name: str, surface: str) -> Parts:
-    """Surface and effects of a built-in scene or of a file, but for what a stimulus states."""
+    """Return the surface and effects of a built-in scene or a scene file.
+
+    Parts that the stimulus states are left out.
+    """
     from tactometry.stimuli.scenes.file import load_scene  # imports what its effects need
 
     with rewording(lambda words: words.replace("FILE", "scene.name", 1)):

@@ -1,5 +1,6 @@
-"""The parts of a session: a pure function of the study, the participant's number, the session and the seed; random
-streams depend on who, when and what for, never on what was drawn before.
+"""Parts of a session, from study, participant number, session and seed.
+
+Random streams depend on their participant, session and purpose, but never on earlier draws.
 """
 
 import itertools
@@ -28,12 +29,12 @@ Key = tuple[tuple[str, float | str], ...]
 
 
 def key_of(factors: Factors) -> Key:
-    """A cell as a key."""
+    """Return a cell as a key."""
     return tuple(sorted(factors.items()))
 
 
 def nested_levels(study: Study) -> dict[str, dict[float | str, dict[str, Levels]]]:
-    """The nested levels of a study, by the levels themselves instead of their names in the file."""
+    """Return nested levels by the levels instead of their names in the file."""
     return {
         factor: {level: by_name[cell_text(level)] for level in study.factors[factor] if cell_text(level) in by_name}
         for factor, by_name in study.nested.items()
@@ -41,7 +42,10 @@ def nested_levels(study: Study) -> dict[str, dict[float | str, dict[str, Levels]
 
 
 def crossing_of(study: Study, over: str | None, factors: Mapping[str, Sequence[float | str]]) -> Crossing[float | str]:
-    """The order of a study's factors: sessions slowest, then the counterbalanced ones, the interleaved ones fastest."""
+    """Return the order of factors, from the slowest to the fastest.
+
+    Factors of sessions come first, then counterbalanced ones, then interleaved ones.
+    """
     plan = study.plan
     slow = [*plan.between, *plan.sessions, *study.counterbalance]
     rest = [name for name in factors if name not in plan.interleave]
@@ -53,7 +57,9 @@ def crossing_of(study: Study, over: str | None, factors: Mapping[str, Sequence[f
 def session_cells(
     study: Study, over: str | None, number: int, n_session: int, seed: int
 ) -> list[dict[str, float | str]]:
-    """The cells of one session of the participant with this number, in order; without the factor `over`.
+    """Return the ordered cells of a participant's session.
+
+    The factor `over` is left out.
 
     Raises
     ------
@@ -69,7 +75,10 @@ def session_cells(
 
 
 def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list[list[dict[str, float | str]]]:
-    """The cells of every session that the plan has for this participant; one session if all are the same."""
+    """Return the cells of every planned session of a participant.
+
+    There is one session if all are the same.
+    """
     plan = study.plan
     groups = combinations({name: study.factors[name] for name in plan.between})
     # Participants go through the groups in turn, and within each group through the rows of its orders.
@@ -83,7 +92,7 @@ def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list
 
 @dataclass(frozen=True)
 class SessionPlan:
-    """What the sessions of a study are put together from, built once for all of them.
+    """Parts of a study's sessions, built once for all of them.
 
     Parameters
     ----------
@@ -104,8 +113,10 @@ class SessionPlan:
     forms: Mapping[str, Questionnaire | ChoiceForm]
 
     def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
-        """The parts of a session of the participant with this number, in order: practice, the blocks, and the
-        questionnaires before, between and after them; `rng` shuffles within blocks.
+        """Return the ordered parts of a participant's session.
+
+        They are practice, the blocks, and the questionnaires before, between and after them. `rng` shuffles within
+        blocks.
         """
         factors = session_cells(self.study, self.table.over, number, n_session, seed)
         blocks = [self._block(list(group), rng) for _, group in itertools.groupby(factors, self._slow)]
@@ -125,7 +136,7 @@ class SessionPlan:
                 yield Inquiry(self.forms[name], table.shuffled, empty, condition, **order)
 
     def _practice(self, first: Block) -> list[Block]:
-        """One track of the first block, with feedback and without rests."""
+        """Return one track of the first block, with feedback, without rests."""
         if self.practice is None:
             return []
         track = replace(first.tracks[0], procedure=self.practice, name=None)
@@ -133,7 +144,10 @@ class SessionPlan:
         return [replace(first, tracks=(track,), options=options, practice=True)]
 
     def _block(self, group: Sequence[Factors], rng: np.random.Generator) -> Block:
-        """A block of cells that are interleaved; the first one's procedure is dealt out to all tracks."""
+        """Return a block of interleaved cells.
+
+        All tracks use the procedure of the first cell.
+        """
         conditions = dict(named for factors in group for named in self._conditions(factors))
         procedures = self._cell(group[0]).procedure.for_tracks(list(conditions), rng)
         tracks = [
@@ -148,8 +162,9 @@ class SessionPlan:
         return self.cells[key_of(full)]
 
     def _conditions(self, factors: Factors) -> Iterator[tuple[str, Condition]]:
-        """The conditions of a cell, each with the name of its track: one, or one for all alternatives, or for each
-        choice of some of them.
+        """Yield the conditions of a cell with the names of their tracks.
+
+        There is one track, or one for all alternatives, or one for each choice of some of them.
         """
         condition, over = self._cell(factors).condition, self.table.over
         name = ", ".join(f"{key}={cell_text(factors[key])}" for key in self.study.plan.interleave)
@@ -169,19 +184,21 @@ class SessionPlan:
 
 
 def places_of(stimulus: Stimulus) -> tuple[Place, ...]:
-    """Where a stimulus is made, of those that are made at places."""
+    """Return the places where a stimulus is made, if it has any."""
     return getattr(stimulus, "places_made_m", ())
 
 
 def all_cells(study: Study) -> list[dict[str, float | str]]:
-    """Every cell of the design, those of all groups and sessions."""
+    """Return every cell of the design, of all groups and sessions."""
     crossing = Crossing[float | str](study.factors, {}, nested_levels(study))
     cells = crossing.cells(0, np.random.default_rng(0))  # all orders are fixed: nothing is drawn
     return [{name: cell[name] for name in study.factors} for cell in cells]
 
 
 def stream(seed: int, *keys: str | int) -> np.random.Generator:
-    """The generator of `seed` for this use: equal keys give equal streams, other keys independent ones.
+    """Return the random generator of `seed` for a purpose.
+
+    Equal keys give equal streams, and other keys independent ones.
 
     >>> stream(1, "P01", 1, "protocol").integers(1000) == stream(1, "P01", 1, "protocol").integers(1000)
     np.True_

@@ -1,4 +1,4 @@
-"""The tables of a study: the numbers of one experiment."""
+"""Tables of a study file."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -23,21 +23,21 @@ Levels = tuple[float | str, ...]
 
 @dataclass(frozen=True)
 class PlanTable:
-    """How the cells of the design become sessions and blocks, beside `counterbalance`.
+    """How cells become sessions and blocks, in addition to `counterbalance`.
 
     Parameters
     ----------
     between : tuple of str
-        Factors of which a participant meets one level only, by the number.
+        Between-participant factors. The participant's number selects the level.
     sessions : tuple of str
-        Factors of which each session holds one level.
+        Factors with one level per session.
     interleave : tuple of str
         Factors whose levels are interleaved in one block, as tracks.
     orders : mapping of str to tuple of str
         Factors by the rule of their order: ``williams`` (as those in `counterbalance`), ``complete``, ``random``;
         others are fixed.
     longest_s : float or None
-        No block begins later in a session.
+        Latest start of a block within a session.
     """
 
     between: tuple[str, ...] = ()
@@ -51,12 +51,12 @@ class PlanTable:
 
     @property
     def rules(self) -> dict[str, str]:
-        """The rule of each factor that has one here."""
+        """Rule of each factor that has one here."""
         return {name: rule for rule, names in self.orders.items() for name in names}
 
     @property
     def named(self) -> tuple[tuple[str, str], ...]:
-        """Each factor that is named, with where."""
+        """Named factors with their keys."""
         lists = {"between": self.between, "sessions": self.sessions, "interleave": self.interleave}
         orders = {f"orders.{rule}": names for rule, names in self.orders.items()}
         return tuple((key, name) for key, names in (lists | orders).items() for name in names)
@@ -64,21 +64,20 @@ class PlanTable:
 
 @dataclass(frozen=True)
 class InquiryTable:
-    """A questionnaire on its own, after the start, each block or the session, under its stem or another `prompt`; with
-    `identifies` questions about a person may be answered by a number, which could tell who that is.
+    """Questionnaire apart from the task.
 
     Parameters
     ----------
     form : str
         The questionnaire: a shipped one, or one of `[forms]`.
     after : str
-        When it comes: after the ``start``, each ``block`` or the ``session``.
+        Time of the questionnaire: after the ``start``, each ``block`` or the ``session``.
     shuffled : bool
-        Whether its items come in an order drawn for each participant.
+        Draw the order of the items for each participant.
     prompt : str or mapping of str to str
-        What opens its pages in place of its stem: a text, or one for each language.
+        Text above its pages, which replaces its stem: a text, or one for each language.
     identifies : bool
-        Allow numbers about a person, which could tell who that is.
+        Allow numbers about a person, which could identify that person.
     """
 
     form: str
@@ -96,69 +95,63 @@ class InquiryTable:
 class Study:
     """One experiment.
 
-    Tables whose keys depend on their `kind` are kept as they stand and built in `cells`.
-
-    `scene` is the physics between stimulus and skin, in place of the default formula that `sensation` states. `nested`
-    gives the levels of a factor within a level of another; `variants` what a factor's level changes in the tables of
-    stimulus, touch, procedure, sensation and scene; `forms` are questionnaires of the study's own; `texts` are what
-    participants read in place of the shipped words, and `translations` the same by language, above them, `images`
-    stand beside those words; with `consent` nothing is asked of a participant who does not agree to take part;
-    `analysis` is a plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
+    Tables whose keys depend on their `kind` are kept unchanged and built in `cells`. `analysis` holds the keys of
+    `tactometry.analysis.plan.AnalysisPlan`.
 
     Parameters
     ----------
     name : str
-        Small letters and digits joined by hyphens: it stands in names of files and in the column `study`.
+        Lower-case letters and digits joined by hyphens. It is used in file names and in the column `study`.
     title : str
-        What reports and lists call it.
+        Title in reports and lists.
     description : str
-        A sentence or two for whoever meets the data.
+        One or two sentences for readers of the data.
     task : mapping
-        ``kind`` of task, and its keys: what a participant is asked.
+        ``kind`` of task, and its keys: the participant's question.
     factors : mapping of str to list
-        The conditions by name, each with its levels: all combinations are run.
+        Factors by name, each with its levels. All combinations are run.
     stimulus : mapping
-        ``kind`` of stimulus, and its keys: what is played.
+        ``kind`` of stimulus, and its keys: the played signal.
     touch : mapping
-        ``kind`` of touch, and its keys: how it is felt.
+        ``kind`` of touch, and its keys: the contact of the finger.
     procedure : mapping
-        ``kind`` of procedure, and its keys: which level comes next.
+        ``kind`` of procedure, and its keys: the choice of the next level.
     limits : Limits
-        What no signal may exceed.
+        Limits of every signal.
     counterbalance : tuple of str
         Factors whose order changes with the participant's number, the outer one first.
     trial_s : float
-        How long a trial is thought to last, for the estimate of `run --dry-run`.
+        Assumed duration of a trial, for the estimate of `run --dry-run`.
     consent : bool
-        Ask whether a participant agrees to take part; without a yes nothing is asked.
+        Ask for the participant's consent. Without it, the session asks nothing else.
     plan : PlanTable
         Table of the sessions, groups and orders of participants.
     nested : mapping
         Levels of a factor within a level of another.
     variants : mapping
-        What a level of a factor changes in the tables of stimulus, touch, procedure, sensation and scene.
+        Changes by a factor's level to the tables of stimulus, touch, procedure, sensation and scene.
     practice : mapping
         Easy trials before the first block.
     inquiries : mapping of str to InquiryTable
-        Questionnaires on their own, by name.
+        Questionnaires apart from the task, by name.
     forms : mapping
-        Questionnaires of the study's own, by name, or the `path` of the file of each.
+        Custom questionnaires by name, or the `path` of the file of each.
     scene : mapping
-        What lies between stimulus and skin of simulated participants, in place of `sensation`.
+        Physics between stimulus and skin of simulated participants. It replaces `sensation`.
     sensation : mapping
-        What simulated participants feel of the stimulus.
+        Sensation model of simulated participants.
     observer : mapping
-        How simulated participants decide.
+        Decision model of simulated participants.
     finger : SimulatedFinger
-        How simulated participants touch.
+        Touch of simulated participants.
     texts : mapping of str to str
-        What participants read in place of the shipped words, by message.
+        Texts for participants, which replace the shipped ones, by message.
     translations : mapping
-        The same by language, above `texts`.
+        Texts by language, which override `texts`.
     images : mapping of str to ImageTable
         Pictures on pages, by message.
     analysis : mapping
-        A plan of analysis, stated before the data.
+        Analysis plan, stated before data collection.
     """
 
     name: str
@@ -204,7 +197,7 @@ class Study:
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """What the study allows and a session should be told."""
+        """Warnings for a session about permissive settings of the study."""
         return tuple(f"study, {warning_of(f'limits.{name}')}" for name in self.limits.switched_off)
 
     def beside(self, path: str) -> str:
@@ -216,7 +209,10 @@ class Study:
         return path if Path(path).exists() and not located.exists() else str(located)
 
     def words_in(self, language: str) -> dict[str, str]:
-        """The texts of the study in a language of two letters: its translations above the rest."""
+        """Return the study's texts in a two-letter language.
+
+        Translations override `texts`.
+        """
         return self.texts | self.translations.get(language, {})
 
 
@@ -250,7 +246,7 @@ def _check_levels(path: str, levels: Levels) -> None:
 
 
 def _check_plan(study: Study) -> None:
-    """Whether plan, nested levels and variants speak of factors and levels that are there."""
+    """Refuse unknown factors and levels in plan, nested levels and variants."""
     for key, name in study.plan.named:
         _check_name(name, study.factors, f"plan.{key}", "a factor")
     _check_places(study.plan)
@@ -294,5 +290,5 @@ def _check_name(name: str, known: Collection[str], where: str, what: str) -> Non
 
 
 def no_such(where: str, name: str, what: str, known: Collection[str]) -> InvalidParameter:
-    """What is said of a name that is not `what` was expected, with those that are known and the nearest of them."""
+    """Return an error for an unknown name, with known and similar names."""
     return InvalidParameter(f"{where}: found {name!r}, expected {what} ({', '.join(known)}){nearest(name, known)}")

@@ -1,4 +1,4 @@
-"""Study files: read strictly, and wired where they hold mistakes, to find them all."""
+"""Study files: strict reading, with all mistakes reported at once."""
 
 import os
 import re
@@ -22,7 +22,9 @@ PATH: Final = "path"
 
 
 def parse(content: bytes, where: str) -> Study:
-    """A study from the bytes of its file; `where` opens every sentence.
+    """Parse a study from the bytes of its file.
+
+    Every error begins with `where`.
 
     Raises
     ------
@@ -67,17 +69,17 @@ def _first_key(error: TactometryError) -> str:
 
 
 def builtin() -> dict[str, Path]:
-    """The built-in studies by name."""
+    """Return the built-in studies by name."""
     return {path.stem: path for path in sorted(FOLDER.glob("*.toml"))}
 
 
 def shipped() -> dict[str, Path]:
-    """The built-in studies, and behind them those to copy, each of one method and as short as it can be, by name."""
+    """Return the built-in studies, then the short example studies, by name."""
     return builtin() | {path.stem: path for path in sorted((FOLDER / "to_copy").glob("*.toml"))}
 
 
 def locate(study: str) -> Path:
-    """The file of a study that is named, or given as a path.
+    """Find the file of a study by name or path.
 
     Raises
     ------
@@ -94,20 +96,24 @@ def locate(study: str) -> Path:
 
 
 def folder_of(study: str) -> Path:
-    """Where the file of a study that is named, or given as a path, lies."""
+    """Return the folder of a study's file."""
     return locate(study).resolve().parent
 
 
 def load(study: str) -> tuple[Study, bytes]:
-    """A study, named or given as a path, with the bytes of its file, questionnaires of files beside it put in place."""
+    """Read a study by name or path, and the bytes of its file.
+
+    Questionnaires in files next to it are inserted.
+    """
     path = locate(study)
     content = with_forms(read_file(path, "a study file", LARGEST_FILE), path)
     return parse(content, str(path) if study not in shipped() else study), content
 
 
 def with_forms(content: bytes, path: Path) -> bytes:
-    """The bytes of a study file with the tables of the files that its `[forms.NAME]` name by `path`; a study that names
-    none is as it was.
+    """Insert the tables of `[forms.NAME]` files into a study file's bytes.
+
+    A study without such files is unchanged.
 
     Raises
     ------
@@ -132,7 +138,7 @@ def with_forms(content: bytes, path: Path) -> bytes:
 
 
 def _check_path(folder: Path, named: object, where: str) -> None:
-    """Refuse what names no file: a folder, or nothing at all, which is the folder of the study."""
+    """Refuse a path that is a folder or empty."""
     expect(isinstance(named, str), where, repr(named), "a text, the name of a file")
     is_folder = not str(named).strip() or (folder / str(named)).is_dir()
     what = "a folder" if str(named).strip() else "no name"
@@ -141,7 +147,7 @@ def _check_path(folder: Path, named: object, where: str) -> None:
 
 
 def _table_of_file(path: Path, name: str) -> dict[str, Any]:
-    """The table of a questionnaire that a study calls `name`."""
+    """Return the table of a questionnaire that a study calls `name`."""
     what = "a questionnaire"
     table = table_of(read_file(path, what, LARGEST_FILE), str(path), what)
     with errors_in(path):

@@ -36,7 +36,7 @@ DECISIONS: Mapping[str, Decision] = {
 
 
 def form_of(study: Study, name: str, path: str) -> Questionnaire:
-    """A questionnaire of the study's own, or a shipped one.
+    """Return a custom or shipped questionnaire.
 
     Raises
     ------
@@ -52,7 +52,9 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
 
 
 def choices_named(study: Study, name: str) -> ChoiceForm | None:
-    """A form of choices of the study's own, or a shipped one; None where that name is of another, or of none.
+    """Return a custom or shipped form of choices.
+
+    None if the name is that of another kind of form, or unknown.
 
     Raises
     ------
@@ -65,7 +67,7 @@ def choices_named(study: Study, name: str) -> ChoiceForm | None:
 
 
 def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
-    """What an inquiry asks.
+    """Return the form of an inquiry.
 
     Raises
     ------
@@ -92,8 +94,9 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
 
 @dataclass(frozen=True)
 class TaskTable:
-    """The table `task`, built: the task, how blocks present it, the factor that it chooses or pairs over, and what it
-    asks in words of the study.
+    """Built table `task`.
+
+    It contains the task, how blocks present it, the factor of its alternatives, and custom prompts.
     """
 
     kind: str
@@ -108,7 +111,7 @@ class TaskTable:
 
 
 def task_of(study: Study) -> TaskTable:
-    """The table `task`, built.
+    """Build the table `task`.
 
     Raises
     ------
@@ -138,5 +141,5 @@ def _check(study: Study, table: TaskTable) -> None:
 
 
 def dimensions_of(forms: Iterable[Questionnaire]) -> dict[str, dict[str, str]]:
-    """By questionnaire, to which dimension an item belongs."""
+    """Return the dimension of each item by questionnaire."""
     return {form.name: {item.id: item.dimension for item in form.items} for form in forms}

@@ -48,7 +48,7 @@ FEWEST_ANSWERS = 6
 
 @dataclass(frozen=True)
 class Answers:
-    """What was answered in one `condition`: by level how many successes of how many answers, and the catch trials."""
+    """Answers in one `condition`: successes and trials by level, catch trials."""
 
     condition: str
     task: str
@@ -63,7 +63,10 @@ class Answers:
 
 
 def answers_of(progress: Progress) -> Answers | None:
-    """Those of the present condition, practice left out; None where no curve is fitted to its task, or too few."""
+    """Return the answers of the present condition without practice.
+
+    None if no curve is fitted to the task, or there are too few answers.
+    """
     last = last_presented(progress)
     if last is None or last.task not in CURVES:
         return None

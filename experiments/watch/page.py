@@ -51,7 +51,7 @@ def page(sight: Sight, drawn: Drawn) -> str:
 
 
 def sections(sight: Sight, drawn: Drawn) -> dict[str, str]:
-    """What stands in each section.
+    """Return the HTML of each section.
 
     >>> sections(Sight(), Drawn())["levels"].split()
     ['<h2>Levels</h2>', '<p>No', 'trial', 'yet.</p>']

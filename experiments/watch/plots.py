@@ -30,7 +30,7 @@ class Ruler:
     end: float
 
     def at(self, value: float) -> float:
-        """Where a value lies; the end of the axis for what is beyond it."""
+        """Return the position of a value, clipped to the ends of the axis."""
         share = (min(max(value, self.low), self.high) - self.low) / (self.high - self.low)
         return round(self.start + share * (self.end - self.start), 2)
 
@@ -44,7 +44,10 @@ class Ruler:
 
 
 def ruler_over(values: Iterable[float], start: float, end: float, margin: float = 0.06) -> Ruler:
-    """An axis that holds all values, with a margin; one value alone stands in its middle."""
+    """Return an axis over all values with a margin.
+
+    A single value is centered.
+    """
     known = list(values) or [0.0, 1.0]
     low, high = min(known), max(known)
     spread = high - low if high - low > 1e-9 * max(abs(low), abs(high)) else 2.0 * max(abs(high), 1.0)
@@ -158,8 +161,9 @@ def samples_plot(
     playing_s: tuple[float, float] | None = None,
     further: str = "",
 ) -> Plot | None:
-    """What a sensor said over time: a line for each of its axes, the band that was `wanted`, when the stimulus played,
-    and what is `further` to be said; None without samples.
+    """Plot a sensor over time with a line per axis, or return None if empty.
+
+    It marks the `wanted` band and the time of the stimulus, and adds `further` text.
     """
     values = [value for line in lines for _, value in line if math.isfinite(value)]
     times_s = [time_s for line in lines for time_s, _ in line]

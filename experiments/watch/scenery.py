@@ -1,4 +1,4 @@
-"""What is drawn of what is seen, no more often than it is worth."""
+"""Plots and sections of the page, redrawn only when something changed."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -44,7 +44,7 @@ class Scenery:
         return page(self._sight, self._drawn)
 
     def sections(self) -> Mapping[str, str]:
-        """What stands in each of its sections; drawn anew where anything is new."""
+        """Return the HTML of each section, redrawn if something changed."""
         from .page import sections
 
         self._look()
@@ -71,7 +71,7 @@ class Scenery:
         self._drawn = replace(self._drawn, touch=drawn)
 
     def _draw_curve(self, progress: Progress) -> bool:
-        """Whether the curve is another one."""
+        """Redraw the curve, and return True if it changed."""
         from .curve import answers_of, curve_plot
 
         answers = answers_of(progress)

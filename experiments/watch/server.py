@@ -114,7 +114,7 @@ async def news(scenery: Scenery) -> AsyncIterator[bytes]:
 
 
 def application(scenery: Scenery, port: int, token: str) -> "Starlette":
-    """What is served at a port, below the path of the token.
+    """Return the application served at a port below the token's path.
 
     Raises
     ------
@@ -145,7 +145,9 @@ def application(scenery: Scenery, port: int, token: str) -> "Starlette":
 
 
 def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: BinaryIO | None = None) -> None:
-    """Serve the page until Ctrl-C, or until a stream ends; `tell` is told its address, which holds the token.
+    """Serve the page until Ctrl-C or until a stream ends.
+
+    `tell` receives the address, which contains the token.
 
     Parameters
     ----------

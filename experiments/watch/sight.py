@@ -1,4 +1,7 @@
-"""What is seen of a session: a fold over the lines of its journal, with what its study says of the rest."""
+"""State of a session, folded over the lines of its journal.
+
+The study supplies what the journal does not contain.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
@@ -55,12 +58,12 @@ class Sight:
 
     @property
     def head(self) -> Head | None:
-        """That of the present sitting."""
+        """Head of the present sitting."""
         return self.heads[-1] if self.heads else None
 
     @property
     def state(self) -> str:
-        """How it stands, in words.
+        """State of the session in words.
 
         >>> Sight().state, Sight("a", complete=True).state, Sight("a", halted=True).state
         ('no session yet', 'over', 'stopped')
@@ -79,7 +82,7 @@ class Sight:
 
     @property
     def warning(self) -> str | None:
-        """What must not be overlooked."""
+        """Warning for the experimenter, None once the session is complete."""
         return None if self.complete else self.progress.warning(self.parts)
 
 

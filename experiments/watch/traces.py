@@ -33,7 +33,7 @@ def draw_touch(root: Path, touch: AnsweredTouch) -> TouchDrawn:
 
 
 def _plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | None:
-    """Of rows of a stamp (s of the session) and the values then, against the time since the onset."""
+    """Plot time stamps (s of the session) and values against onset time."""
     title, label = LABELS[kind]
     times_s, values = rows[:, 0] - touch.answer.onset_s, rows[:, 1:]
     played_s = (0.0, touch.request.duration_s) if touch.answer.played else None

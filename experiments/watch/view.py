@@ -1,4 +1,4 @@
-"""What a sight is called: the words, numbers and plots of the page, before any of it is HTML."""
+"""Words, numbers and plots of the page, before they become HTML."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -50,7 +50,7 @@ def title(sight: Sight) -> str:
 
 
 def alerts(sight: Sight) -> list[str]:
-    """What must be seen at once."""
+    """Return the alerts at the top of the page."""
     found = [sight.problem, f"Careful: {sight.warning}." if sight.warning else ""]
     if sight.state == "ended without closing":
         found.append("The session ended without closing: no process records it; run goes on with --resume.")
@@ -90,7 +90,7 @@ def _part(sight: Sight) -> PartAhead:
 
 
 def where(sight: Sight) -> Iterator[Named]:
-    """Where the session stands."""
+    """Yield the part, condition and time left of the session."""
     progress = sight.progress
     if progress.n_parts:
         yield Named("Part", f"{progress.part} of {progress.n_parts}" if progress.part else f"of {progress.n_parts}")
@@ -113,7 +113,7 @@ def where(sight: Sight) -> Iterator[Named]:
 
 
 def unit(progress: Progress) -> str:
-    """That of all levels; empty where they have several, or none."""
+    """Return the unit of all levels, empty if there are several or none."""
     units = {trial.level_unit for track in progress.tracks.values() for trial in track.presented[:1]}
     return units.pop() if len(units) == 1 else ""
 

@@ -1,4 +1,4 @@
-"""Who looks: finds the newest journal of a data set, reads what is new in it, and never writes."""
+"""Reader of a data set's newest journal, which never writes."""
 
 import time
 from collections.abc import Callable
@@ -24,7 +24,9 @@ TRY_AGAIN_S = 15.0
 
 
 class Watcher:
-    """Follows the newest journal of a data set, of this participant and session where they are given.
+    """Follower of the newest journal of a data set.
+
+    `participant` and `session` restrict it to theirs.
 
     Parameters
     ----------
@@ -51,7 +53,7 @@ class Watcher:
         self._around_s = self._again_s = self._alive_s = -float("inf")
 
     def look(self) -> Sight:
-        """What is seen now; the same object as long as nothing is new."""
+        """Return the present state, the same object while nothing changes."""
         now_s = self._clock()
         if now_s >= self._around_s:
             self._around_s = now_s + LOOK_AROUND_S
@@ -65,7 +67,7 @@ class Watcher:
 
     @property
     def finds(self) -> bool:
-        """Whether there is a session to follow."""
+        """Return True if there is a session to follow."""
         return any(map(self._is_wanted, _journals(self.root)))
 
     def _choose(self) -> None:
@@ -116,8 +118,9 @@ def _written_s(path: Path) -> float:
 
 
 def _parts(root: Path, head: Head | None) -> tuple[PartAhead, ...]:
-    """What the study plans for the session of this head; nothing where it can't be wired, which is no reason to see
-    nothing.
+    """Return the planned parts of a session.
+
+    Empty if the study cannot be wired, so that the rest is still shown.
     """
     if head is None:
         return ()

@@ -1,4 +1,4 @@
-"""Laws of every accuracy problem, and the output of `tactometry cost`."""
+"""Properties of every accuracy problem, and output of `tactometry cost`."""
 
 import csv
 import json
@@ -104,7 +104,7 @@ def test_point_states_what_it_took():
 
 
 def test_cold_time_is_that_of_a_new_process():
-    """Machine code is loaded for each, a hundred times as long as a call; in one process, for the first alone."""
+    """Each new process loads machine code; calls in one process load it once."""
     problem = problem_of("time-integration")
     short = replace(problem, settings=problem.settings[:2])
     here = [point.first_s for point in measure(short, n_rounds=1).points]

@@ -1,4 +1,4 @@
-"""Broken data sets and journals: one sentence that names the place, the right exit status, nothing changed."""
+"""Errors for broken data sets and journals, which stay unchanged."""
 
 import re
 

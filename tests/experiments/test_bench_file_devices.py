@@ -1,4 +1,4 @@
-"""What a bench file says of devices: read strictly, imported when named, refused when old."""
+"""Devices of bench files: strict reading, lazy imports, calibration age."""
 
 import math
 import subprocess
@@ -112,7 +112,7 @@ def test_its_devices_are_guarded_calibrated_and_share_a_reader(tmp_path):
 
 
 def test_head_facts_survive_a_round_trip(tmp_path):
-    """A count without a bound is not stated: JSON has no such number, and the next sitting was told to differ."""
+    """Facts are finite numbers, because JSON cannot represent infinity."""
     bench = read(tmp_path, WHOLE)
     told = device_facts(bench, bench.devices(STUDY, TODAY))
     assert msgspec.json.decode(msgspec.json.encode(told)) == told

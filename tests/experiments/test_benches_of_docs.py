@@ -1,4 +1,4 @@
-"""The benches of docs/reference/devices.md run the studies that the page says they run."""
+"""Run studies on the documented benches in docs/reference/devices.md."""
 
 import re
 import tomllib
@@ -47,7 +47,7 @@ def test_every_built_in_study_has_its_bench_in_the_docs():
 
 
 def each_study_at_once(claimed):
-    """The first bench of each study; its others in `make check`."""
+    """Return the first bench of each study; `make check` runs all of them."""
     seen = [study for study, _, _ in claimed]
     marks = [pytest.mark.slow if study in seen[:place] else () for place, study in enumerate(seen)]
     return [pytest.param(*case, marks=mark) for case, mark in zip(claimed, marks, strict=True)]
@@ -55,7 +55,7 @@ def each_study_at_once(claimed):
 
 @pytest.mark.parametrize(("study", "text", "line"), each_study_at_once(CLAIMED))
 def test_documented_bench_runs_its_studies(tmp_path, capsys, study, text, line):
-    """As a user goes: a copy of the study, the line that the page says, a dry run, and what check looks at."""
+    """Copy the study, add the documented line, then dry-run and check it."""
     (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
     assert call(capsys, "new", study, "--out", tmp_path / "mine.toml")[0] == 0
     mine = (tmp_path / "mine.toml").read_text(encoding="utf-8")

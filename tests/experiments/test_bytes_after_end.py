@@ -1,4 +1,4 @@
-"""Bytes after the end of a complete journal are reported, whatever they are."""
+"""Reports of any bytes after the end of a complete journal."""
 
 import shutil
 import tracemalloc

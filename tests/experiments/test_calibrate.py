@@ -1,4 +1,4 @@
-"""The commands that calibrate: what they ask, refuse and print."""
+"""Prompts, refusals and output of `tactometry calibrate`."""
 
 import importlib.util
 import json

@@ -1,4 +1,4 @@
-"""Fits of a calibration: they recover the truth, and their words are a bench file."""
+"""Calibration fits recover the true values as valid bench file keys."""
 
 import tomllib
 from datetime import date

@@ -1,4 +1,4 @@
-"""What a calibration writes into a bench file, and what it leaves as it was."""
+"""Calibration values written into bench files, other content preserved."""
 
 import json
 import tomllib

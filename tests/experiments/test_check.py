@@ -1,4 +1,4 @@
-"""`tactometry check`: what is fine and what is not, with real devices in other processes."""
+"""`tactometry check` with real devices in other processes."""
 
 import importlib.util
 import io
@@ -100,7 +100,7 @@ def test_check_tries_sensor_and_card_together(tmp_path, display, in_background, 
 
 
 def test_check_measures_a_real_key_press(watched, participant, hands, in_background):
-    """Of a key that was pressed before the page came, nothing is told; records take 50 ms here."""
+    """Keys pressed before page onset are ignored; each record takes 50 ms."""
 
     def record():
         time.sleep(0.05)
@@ -167,7 +167,7 @@ def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
 
 
 def test_too_strong_practice_stimulus_is_named(tmp_path):
-    """Only the levels of the procedure were held against the output."""
+    """Practice levels are checked as well as those of the procedure."""
     numbers = parse(TUTORIAL.encode(), "tutorial")
     study = wire(replace(numbers, practice={"levels": [40.0]}), "tutorial")
     bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 60.0\n')
@@ -178,7 +178,7 @@ def test_too_strong_practice_stimulus_is_named(tmp_path):
 
 @pytest.mark.parametrize("hands_off", [False, True])
 def test_limits_that_nobody_stated_are_said_once_whatever_plays(tmp_path, hands_off):
-    """They stood in a row for each condition, and nowhere where no study was given."""
+    """The message appears once for all conditions, also without a study."""
     bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS.replace("duration_s = 10.0", "").replace("session_s", "#"))
     for study in (None, wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")):
         told = [each for each in devices(bench, bench.limits, study, hands_off=hands_off) if "limits" in each.found]
@@ -237,7 +237,10 @@ GATED = {"touch": {"speed_tolerance": 0.2}}
 
 
 def slid(monkeypatch, tmp_path, metres_per_count, change):
-    """What is said of a place that moves by a count each millisecond, for the tutorial's slides at 50 mm/s."""
+    """Return findings for a position that changes by a count each ms.
+
+    The tutorial's slides move at 50 mm/s.
+    """
     monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.5)
     monkeypatch.setattr("tactometry.experiments.bench.preflight_checks.HEARD_S", 0.3)
     monkeypatch.setattr("tactometry.experiments.bench.preflight_checks.FIRST_WITHIN_S", LONGEST_WAIT_S)
@@ -257,7 +260,7 @@ def slid(monkeypatch, tmp_path, metres_per_count, change):
     ("metres_per_count", "change", "fine"), [(2e-6, GATED, True), (4e-5, GATED, False), (4e-5, {}, None)]
 )
 def test_check_reports_position_and_speed_of_the_gate(monkeypatch, tmp_path, metres_per_count, change, fine):
-    """A finger that should rest and moves at 2 and at 40 mm/s, where its speed may be off by 10."""
+    """A finger at rest moves at 2 or 40 mm/s with a tolerance of 10 mm/s."""
     said = slid(monkeypatch, tmp_path, metres_per_count, change)
     assert "speed, at rest" in said, said
     assert said["samples that tell a place"].fine

@@ -1,4 +1,4 @@
-"""Simulated tracks on the disk: the same bytes whatever dies, and nothing but what was asked."""
+"""Simulated tracks on the disk, identical after any interruption."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""An output that leads to an amplifier: its gain is measured, dated and its own, and a finger is known of."""
+"""Outputs with an amplifier: measured gain, its date, and the finger gate."""
 
 import json
 from datetime import date
@@ -38,7 +38,6 @@ per_kind = pytest.mark.parametrize("kind", OUTPUTS)
 
 @per_kind
 def test_amplified_output_needs_a_gain(tmp_path, capsys, kind):
-    """What reaches the load for a sample of 1 is never guessed."""
     with pytest.raises(
         InvalidParameter, match=r"^output\.gain: found none, expected .*tactometry calibrate gain; nothing"
     ):

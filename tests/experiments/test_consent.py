@@ -1,4 +1,4 @@
-"""Consent before anything is asked, and questions before anything is felt."""
+"""Consent before all questions, and questions before the first touch."""
 
 import io
 
@@ -42,7 +42,7 @@ def study(tmp_path):
 
 
 def asked(root):
-    """The pages and questions before the first touch, as the journal has them."""
+    """Return the journal's pages and questions before the first touch."""
     [journal] = (root / "journals").glob("*_study-tutorial.jsonl")
     names = {Show: "message", Choose: "question", Fill: "form"}
     return [

@@ -1,4 +1,4 @@
-"""Studies tell which fingers the plate throws off, and from which level on; beside a contact that can open."""
+"""Predicted loss of contact on a plate, compared with one-sided contacts."""
 
 import json
 
@@ -42,7 +42,7 @@ def study():
 
 
 def contact_course(study, level, force_n):
-    """The finger at the focus as one that can lift off, stepped in time."""
+    """Simulate the finger at the focus with a contact that can open."""
     cell = next(iter(study.cells.values()))
     setup, signal = cell.stimulus.setup, cell.stimulus.at(level)
     n_played = int(np.flatnonzero(signal.samples.any(axis=0))[-1]) + 1
@@ -53,12 +53,12 @@ def contact_course(study, level, force_n):
 
 
 def played(level):
-    """A focus of the small screen, in dB re 1 um."""
+    """Return a focus of the small screen, in dB re 1 um."""
     return FocusTrain(SCREEN, f_max_hz=20e3, voltage_max_v=2e4).at(level)
 
 
 def parts_of_a_tip(loads, signal):
-    """Parts that share the force, each of which can lift off, stepped in time."""
+    """Simulate parts that share a force and can each lift off."""
     n_played = int(np.flatnonzero(signal.samples.any(axis=0))[-1]) + 1
     free_m = emitted(signal, SCREEN.responses_at_each(tuple((load.x_m, load.y_m) for load in loads)))
     fine_m = resample(free_m, FEW * free_m.shape[1], axis=1)[:, : FEW * (n_played + 50)]
@@ -123,7 +123,7 @@ def test_study_without_a_plate_reports_no_contact_loss():
 
 @pytest.fixture(scope="module")
 def soft_tip():
-    """What it reads, and its parts."""
+    """Return a soft contactor's reading and loads."""
     loads = Contactor("soft", 0.02).loads(SCREEN.plate, SCREEN.focus_m, PRESSED.force_n)
     return FocusReading(SCREEN, contactor="soft", diameter_m=0.02), loads
 
@@ -178,7 +178,7 @@ TWO_FINGERS = "\n".join(line for line in TWO_FINGERS.splitlines() if not line.st
 
 
 def test_fingers_that_share_a_force_are_told_each_as_they_answer_together():
-    """Beside both contacts stepped in time, which move the plate under each other."""
+    """Compare with both contacts simulated together, coupled by the plate."""
     study = wired(TWO_FINGERS)
     cell = next(cell for cell in study.cells.values() if cell.condition.factors["place"] == "index")
     setup, signal = cell.stimulus.setup, cell.stimulus.at(-20.0)

@@ -1,4 +1,4 @@
-"""What was lost or exchanged in a data set is found: lines, files, rigs, values."""
+"""Lost or exchanged lines, files, rigs and values found in data sets."""
 
 import json
 
@@ -117,7 +117,7 @@ def test_the_trials_file_is_synced_at_the_end_of_a_sitting(tmp_path, synced):
 
 
 def plain(n):
-    """A table of another program: no number of a trial, answers in words."""
+    """Return a table of another program without trial numbers."""
     rows = [f"P1,{level},yes_no,{'y' if level % 2 else 'n'}" for level in range(n)]
     return "\n".join(["participant,level,task,response", *rows, ""])
 

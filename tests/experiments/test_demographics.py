@@ -1,4 +1,4 @@
-"""Questions about a person, with choices of their own: the docs' own examples go the whole way."""
+"""Questions about a person with custom choices, from the docs' examples."""
 
 import io
 import json

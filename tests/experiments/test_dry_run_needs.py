@@ -1,4 +1,4 @@
-"""A dry run refuses what the session would refuse, with the same status and sentence."""
+"""A dry run refuses what the session refuses, with the same error."""
 
 import pytest
 from command_line import call

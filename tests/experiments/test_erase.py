@@ -1,4 +1,4 @@
-"""One participant is erased from a data set: nothing of them is left, others' files stand, and a record says so."""
+"""Erasure of one participant from a data set, with a record of it."""
 
 import json
 import shutil
@@ -23,7 +23,7 @@ CODES = st.from_regex(r"[A-Za-z0-9]{1,8}", fullmatch=True)
 
 @pytest.fixture(scope="module")
 def studied(tmp_path_factory):
-    """Three participants with report and every export within the folder; a code that is nowhere by chance."""
+    """Return three participants' data with a report and every export."""
     root = tmp_path_factory.mktemp("studied") / "d"
     for code, seed in (("P01", 1), ("QX7", 2), ("P03", 3)):
         words = ("run", "tutorial", "--participant", code, "--number", seed, "--rig", "simulated", "--seed", seed)
@@ -49,7 +49,7 @@ def copied(studied, tmp_path):
 
 @pytest.fixture
 def two(studied, tmp_path):
-    """As `copied`, of what was recorded alone."""
+    """Copy the recorded data without reports and exports."""
     only = shutil.ignore_patterns("report*", "exports")
     return Path(shutil.copytree(studied, tmp_path / "d", ignore=only))
 
@@ -59,7 +59,7 @@ def tree(root):
 
 
 def recorded_of(files, code):
-    """What was recorded of a participant."""
+    """Return the recorded files of a participant."""
     parts = ("data/", "journals/", "traces/")
     return {name: content for name, content in files.items() if name.startswith(parts) and f"-{code}_" in name}
 
@@ -91,7 +91,7 @@ def test_erase_removes_derived_files(capsys, copied):
 
 
 def test_figures_that_name_nobody_hold_the_participant_too(two):
-    """A mean of all, the figure of one trial: none says whose it is."""
+    """Group means and single-trial figures do not name the participant."""
     figures, drawn = two / "figures", ("force.csv", "force.png", "force.svg")
     figures.mkdir()
     for name in drawn:
@@ -160,11 +160,11 @@ def test_running_session_is_not_erased(capsys, two):
 
 
 class Killed(BaseException):
-    """No handler of errors catches it, as none catches a kill."""
+    """Simulated kill, which no error handler catches."""
 
 
 def killed_at(monkeypatch, n):
-    """The n-th removal of a file from now on is never made."""
+    """Raise `Killed` at the n-th removal of a file from now on."""
     left = iter(range(n))
     unlink = Path.unlink
 
@@ -178,7 +178,7 @@ def killed_at(monkeypatch, n):
 
 @pytest.mark.parametrize("n", range(6))
 def test_killed_before_any_file_it_is_said_again_and_finishes(monkeypatch, two, n):
-    """The table of means alone does not name the participant: the plan on the disk knows it still."""
+    """The plan on the disk lists files that do not name the participant."""
     tables = two / "report_tables"
     tables.mkdir()
     (two / "report.html").write_text("QX7")
@@ -313,7 +313,7 @@ def test_a_damaged_record_is_a_defect_and_refused(capsys, two):
 
 @given(code=CODES, others=st.lists(CODES, max_size=3))
 def test_erase_keeps_similar_codes(tmp_path_factory, code, others):
-    """Of `1` and `11`, `P` and `P1`: whoever's name is the beginning of another's."""
+    """Codes that begin with another code, such as `1` and `11`, are kept."""
     root = tmp_path_factory.mktemp("codes")
     (root / "dataset_description.json").write_text("{}")
     whose = {each.casefold(): each for each in (*others, f"{code}1", code)}.values()

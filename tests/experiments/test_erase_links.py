@@ -1,4 +1,4 @@
-"""Links in a data set: what they lead to stays and is told; behind a folder that is one nothing would be erased."""
+"""Erasure in data sets with links, whose targets stay and are listed."""
 
 import shutil
 
@@ -25,7 +25,7 @@ def test_a_linked_folder_of_the_set_is_refused_and_nothing_goes(tmp_path, part):
 
 
 def with_link(tmp_path, data_set, part):
-    """A copy of a data set, one of whose folders is a link."""
+    """Copy a data set and replace one of its folders by a link."""
     root, elsewhere = shutil.copytree(data_set, tmp_path / "d"), tmp_path / "elsewhere"
     (root / part).mkdir(exist_ok=True)
     (root / part).rename(elsewhere)
@@ -69,7 +69,7 @@ def test_broken_link_in_place_of_folder_is_refused(tmp_path, capsys):
 @pytest.mark.parametrize("folder", ["data", "journals"])
 @pytest.mark.parametrize("end", ["missing", "absent/missing"])
 def test_a_link_to_what_is_not_there_now_goes_and_is_told(tmp_path, folder, end):
-    """It may lead to a disk that is put in again: nothing is made there."""
+    """The target may be on a disk that is not connected."""
     root = shutil.copytree(DATA_SET, tmp_path / "d")
     code = participants(root)[0]
     link = Session(code, 9, "link").journal(root) if folder == "journals" else Session(code, 9, "link").trials(root)

@@ -1,4 +1,4 @@
-"""What an erasure takes for a participant's own, for derived and for that of others, in data sets of a few lines."""
+"""Files classified by an erasure as own, derived or other."""
 
 import shutil
 
@@ -16,7 +16,7 @@ RECORD = "erasures.jsonl"
 
 @pytest.fixture
 def root(tmp_path):
-    """Two participants, one of whom has a code that begins as the other's does."""
+    """Return a data set with two participants whose codes begin alike."""
     root = tmp_path / "d"
     put(root, "dataset_description.json", "{}")
     for code in ("P1", "P10"):
@@ -154,7 +154,7 @@ def test_participant_with_only_a_table_is_known(root):
 
 
 def test_session_begun_meanwhile_is_not_erased(monkeypatch, root):
-    """Between the first look, which finds what to lock, and the second, by which files go."""
+    """The session begins between the lock and the search for files."""
     looks, begun = erasing._plan, []
 
     def begins(*asked):

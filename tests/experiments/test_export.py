@@ -1,4 +1,4 @@
-"""Data sets for other programs: BIDS as its validator takes it, PsychoPy's form and back, a table for R."""
+"""Exports to BIDS, PsychoPy, jsPsych and R."""
 
 import json
 import re
@@ -37,7 +37,7 @@ def data_set(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def answers(tmp_path_factory) -> Path:
-    """A trials file of a questionnaire, two patterns, two sessions."""
+    """Write a trials file of a questionnaire: two patterns, two sessions."""
     rng = np.random.default_rng()
     items = [item.id for item in load_questionnaire("attrakdiff").items]
     lines = ["participant,session,study,block,trial,pattern,procedure,level,task,item,response,valid"]
@@ -78,7 +78,6 @@ def test_every_trial_is_exported_once_and_the_data_set_stays(data_set, tmp_path,
 
 
 def test_an_export_of_simulated_participants_says_so(data_set, answers, tmp_path) -> None:
-    """That of BIDS said "recorded or simulated"."""
     for form in ("bids", "psych-ds"):
         described = []
         for name, source in (("simulated", data_set), ("people", answers)):
@@ -199,7 +198,7 @@ def test_a_trial_in_which_nothing_was_played_is_behaviour_and_no_event(data_set,
 
 
 def test_no_key_of_a_description_of_events_is_a_text(data_set, tmp_path) -> None:
-    """bids-validator 1 takes each for a column."""
+    """bids-validator 1 treats each such key as a column."""
     for path in export(data_set, "bids", tmp_path / "bids"):
         if path.name.endswith("_events.json"):
             assert {type(value) for value in json.loads(path.read_text()).values()} == {dict}

@@ -1,4 +1,4 @@
-"""The models that the script for R names are fitted by R, for each kind of task."""
+"""Models of the exported R script, fitted by R for each kind of task."""
 
 import re
 import shutil
@@ -33,7 +33,7 @@ def has_packages() -> bool:
 
 
 def cells(task: str, rng: np.random.Generator, side: str, shift: float) -> list[object]:
-    """From `level` on: one answer of a participant whose threshold is `shift`."""
+    """Return a row from `level` on for a participant with threshold `shift`."""
     level = int(rng.integers(1, 8))
     chance = 1 / (1 + np.exp(-(level - 4 - shift - (side == "left"))))
     yes = int(rng.random() < chance)

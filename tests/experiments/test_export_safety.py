@@ -1,4 +1,4 @@
-"""What a table says never becomes a path, a command or a formula in what is made of it."""
+"""Hostile table cells in paths, commands and formulas of exports."""
 
 import csv
 import io
@@ -36,7 +36,7 @@ def table(path: Path, *, factor: str = "colour", level: str = "a", study: str = 
 
 
 def answers(person: int) -> list[tuple[int, int]]:
-    """Levels with answers that rise with them, with odd ones between."""
+    """Return increasing levels with answers, and odd ones in between."""
     return [(x, int(x > 3 + n % 2 * (x > 4 - person) - (n == 3))) for x in range(1, 7) for n in range(12)]
 
 
@@ -67,7 +67,7 @@ def test_validate_names_a_study_that_is_a_path(tmp_path, capsys):
 
 @pytest.fixture(scope="module")
 def analysed(tmp_path_factory):
-    """A folder with a table of hostile cells, `trials.csv`, its report in `a/b` and its figures in `c/figures`."""
+    """Return a folder with a hostile table, its report and its figures."""
     folder = tmp_path_factory.mktemp("analysed")
     file = table(folder, factor="=../../../OUTSIDE", level="=cmd|'/c calc'!A1")
     (folder / "a/b").mkdir(parents=True)

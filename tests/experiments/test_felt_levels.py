@@ -1,4 +1,4 @@
-"""Tables of what is felt, through the scene of a study."""
+"""Tables of sensation levels through the scene of a study."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_between_its_levels_a_table_is_near_what_the_scene_tells(cells):
 
 
 def test_batch_finds_the_level_at_threshold(cells):
-    """Who feels all above 0 dB and nothing below: tracks end near the level of 0 dB."""
+    """The observer feels exactly the levels above 0 dB."""
     cell = cells[0]
     table = level_table(cell)
     made = tracks(cell.procedure.rule, np.zeros((1, 100)), table)

@@ -1,4 +1,4 @@
-"""Journals with right checksums and wrong content: one sentence with the line, whatever is done with them."""
+"""Errors for journals with valid checksums and wrong content."""
 
 import json
 import shutil
@@ -43,7 +43,7 @@ def write(path, tables):
 
 
 def leaves(value, place=()):
-    """Where the values of a table stand, those of tables and lists within it too."""
+    """Yield the place of each value, also in inner tables and lists."""
     inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, part in inner:
         yield (*place, key)
@@ -58,7 +58,7 @@ def change(table, place, value):
 
 
 def forged(name, tmp_path, *changes):
-    """A copy of a data set with some values of its journal changed: (line from 0, place, value)."""
+    """Copy a data set and change journal values: (line from 0, place, value)."""
     root = Path(shutil.copytree(RECORDED / name, tmp_path / name))
     path = journal_of(root)
     tables = lines_of(path)
@@ -118,7 +118,7 @@ def test_a_head_holds_what_a_head_can(tmp_path, key):
 
 
 def n_of(root, request):
-    """The first line, from 0, of such a request."""
+    """Return the index of the first line with such a request."""
     return next(n for n, table in enumerate(lines_of(journal_of(root))) if table.get("request") == request)
 
 

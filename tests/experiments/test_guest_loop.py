@@ -1,4 +1,4 @@
-"""A procedure as a loop of PsychoPy's kind, with what its experiment handler is told."""
+"""Procedures as PsychoPy loops, with data for its experiment handler."""
 
 import warnings
 
@@ -11,7 +11,7 @@ from tactometry.session.answer import Chosen, Touched
 
 
 def begun():
-    """A loop, and PsychoPy's handler, which knows it."""
+    """Return a loop and the PsychoPy handler that it was added to."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         data = pytest.importorskip("psychopy.data", reason="no psychopy: extra window")

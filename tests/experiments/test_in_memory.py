@@ -1,4 +1,4 @@
-"""A study that is simulated in memory: the rows that its data set on the disk reads back as, and its analysis."""
+"""Studies simulated in memory equal those on the disk."""
 
 from pathlib import Path
 

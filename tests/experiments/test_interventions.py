@@ -1,4 +1,4 @@
-"""What the experimenter wanted stands in journal, table, events and analysis, and survives a kill at any place."""
+"""Experimenter interventions in journals, tables, events and analysis."""
 
 import json
 import shutil
@@ -26,7 +26,7 @@ AT = {3: "back 2", 5: "rest", 7: "skip", 13: "back", 16: "end"}
 
 
 def sit(root, at=AT, *, resume=False, experiment=EXPERIMENT, toml=TOML, who=WHO, **stops):
-    """A sitting: what was said in it, and what was recorded (None: it was interrupted)."""
+    """Run a sitting; return its messages and the result (None: interrupted)."""
     rigs, make = [], simulated(experiment, who).make
     n_before = sum(event.kind == "order" for event in read(journal_of(root)).events) if resume else 0
 
@@ -128,7 +128,7 @@ def test_the_report_names_each_order_before_what_came_of_it(wanted):
 
 
 def told(root):
-    """All but the times of the rows."""
+    """Return the rows without their times."""
     timed = ("onset_s", "latency_s", "timestamp_utc")
     return [{name: cell for name, cell in row.items() if name not in timed} for row in trial_rows(root)]
 
@@ -148,7 +148,7 @@ def test_interrupted_session_keeps_all_orders(tmp_path, wanted, stops_late):
 
 
 def test_kill_between_journal_and_table_is_repaired(lived):
-    """The table as it was before trials were taken back."""
+    """The table is restored to the state before trials were taken back."""
     [path] = (lived / "data").glob("*.csv")
     whole = read_file(path, "a trials file")
     columns = EXPERIMENT.design(TOML).columns

@@ -1,4 +1,4 @@
-"""Responses that are learnt: of a simulated plate in real time, and of a real loopback as a wire."""
+"""Measured responses of a simulated plate and of a real loopback."""
 
 import importlib.util
 import threading
@@ -24,7 +24,10 @@ from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 
 class DeviceUnderTest:
-    """An output and a sensor in one: what is played comes back through responses, with noise, in real time.
+    """Simulated output and sensor that return the response in real time.
+
+    Noise is added. Channel 0 is the point on the plate. Channel 1 records the drive, whichever channel plays it, after
+    the delay of both converters.
 
     Channel 0 is the point on the plate; channel 1 hears the drive, whichever channel plays it, late by both converters.
     """
@@ -92,7 +95,7 @@ SHORT = Learning(sequence(8, rate_hz=10e3), 1.0, (0,), 0.01)
 
 
 def wire_of(gain):
-    """A plate that answers with what it hears, so much louder."""
+    """Return a plate that multiplies the drive by a factor."""
     return DeviceUnderTest(Responses(np.array([[[gain]]]), 10e3), np.random.default_rng(0), noise_db=80.0)
 
 
@@ -121,7 +124,7 @@ def test_a_simulated_plate_is_learnt_through_its_vibrometer_at_40_db(quantity):
 
 
 class OtherEachTime(DeviceUnderTest):
-    """A plate that answers as one row of its responses after the other, and a quiet that is white noise."""
+    """Plate that uses one response after the other, in white noise."""
 
     def play(self, signal):
         rows = self.responses.samples
@@ -130,7 +133,7 @@ class OtherEachTime(DeviceUnderTest):
 
 
 def test_learning_reports_the_remaining_focus():
-    """Of two responses at right angles for a half of their energy, it is their cosine."""
+    """Two responses that share half of their energy have the cosine 1/sqrt(2)."""
     rate_hz, shapes = 10e3, np.eye(2, 64, 20) + np.eye(2, 64, 20)[0]
     device = OtherEachTime(Responses(0.2 * shapes[None], rate_hz), np.random.default_rng(0), noise_db=200.0)
     learning = Learning(sequence(10, rate_hz=rate_hz), 1.0, (0,), 0.01)
@@ -144,7 +147,7 @@ def test_learning_reports_the_remaining_focus():
 
 
 def test_the_quiet_is_compared_with_the_response():
-    """Noise of a tenth of the amplitude is 20 dB below, whatever the band."""
+    """Noise at a tenth of the amplitude is 20 dB below in any band."""
     rng = np.random.default_rng(3)
     shape, noise = rng.standard_normal((2, 1, 1, 4096))
     heard = Heard((Responses(shape, 1e3),) * 2, Responses(0.1 * noise, 1e3))
@@ -180,7 +183,10 @@ def test_clipped_or_silent_recording_is_refused():
 
 
 def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):
-    """Output 0 to the sensor, output 1 to the reference, through PortAudio, PulseAudio's sink and its monitor."""
+    """Output 0 leads to the sensor, output 1 to the reference.
+
+    The signal passes PortAudio, PulseAudio's sink and its monitor.
+    """
     (tmp_path / "bench.toml").write_text(LOOPBACK, encoding="utf-8")
     arguments = ["--sensor", "card", "--reference-output", 1, "--units-per-count", 1e-6, "--volts-per-count", 20.0]
     arguments += ["--quantity", "displacement", "--voltage-v", 5.0, "--band-hz", 200, 20000, "--sequence-order", 14]
@@ -188,7 +194,7 @@ def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):
     refused = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
     assert (refused.returncode, "hands are off, expected it; nothing was played" in refused.stderr) == (2, True)
     arguments += ["--hands-off", "--write"]
-    for _ in range(5):  # a busy computer tears what it plays, which is then not learnt
+    for _ in range(5):  # a busy computer plays with gaps, and nothing is learned
         result = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
         if "in what was played" not in result.stderr:
             break

@@ -1,4 +1,4 @@
-"""A practice whose criterion was missed is reported, is a rule of exclusion, and may ask the experimenter."""
+"""Missed practice criteria in reports, exclusion and prompts."""
 
 import io
 import json

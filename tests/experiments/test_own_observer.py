@@ -1,4 +1,4 @@
-"""An observer of one's own: its code runs where a person allowed it, on any worker, and nowhere else."""
+"""Custom observers, whose code runs only where a user allowed it."""
 
 import json
 import subprocess
@@ -25,7 +25,7 @@ ALL = ("--participants", "3", "--seed", "4")
 
 @pytest.fixture
 def study(tmp_path):
-    """A study with an observer beside it, which imports what stands beside it."""
+    """Return a study with a custom observer that imports a module next to it."""
     place = tmp_path / "studies"
     place.mkdir()
     (place / "mine.py").write_text(CODE)
@@ -148,7 +148,7 @@ WRONG = [
 
 
 def with_body(method, body):
-    """The code of the observer with another first line in one of its methods, and the numbers of the two lines."""
+    """Insert a first line in a method; return code and both line numbers."""
     lines = CODE.splitlines()
     begin = next(n for n, line in enumerate(lines) if f"def {method}(" in line)
     lines.insert(begin + 1, f"        {body}")
@@ -173,7 +173,10 @@ def test_errors_of_own_observer_name_file_and_line(study, tmp_path, capsys, meth
     ],
 )
 def test_session_continues_after_own_observer_failed(study, tmp_path, capsys, body, sentence):
-    """Of three people the second fails in the middle: mended and resumed, all is as if nothing had happened."""
+    """The observer fails for the second of three participants.
+
+    Once it is corrected, the resumed data set equals an uninterrupted one.
+    """
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "whole", "--allow-code")
     (study.parent / "beside.py").write_text("BIAS, LEFT = 0.5, iter(range(70))\n")
     failing = with_body("detect", body)[0].replace("import BIAS", "import BIAS, LEFT")
@@ -200,7 +203,7 @@ def test_a_person_of_another_class_is_guarded_too(study, tmp_path, capsys):
 
 @pytest.mark.parametrize("form", ["bids", "jspsych", "psych-ds", "psychopy", "r"])
 def test_data_of_observers_say_that_they_are_simulated_wherever_they_go(study, tmp_path, capsys, form):
-    """Each table either holds the rig or has a description beside it that says so."""
+    """Each table contains the rig, or its description states it."""
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     out = tmp_path / form
     output(capsys, "export", tmp_path / "d", "--to", form, "--out", out)

@@ -1,4 +1,4 @@
-"""Questions in words of a study, and a questionnaire in a file beside it: the docs' own example goes the whole way."""
+"""Custom questions, and the docs' questionnaire file in all commands."""
 
 import io
 import re

@@ -1,4 +1,4 @@
-"""A stimulus from a file, and one of one's own with what is felt of it: the docs' own example goes the whole way."""
+"""Stimuli from files and custom stimuli, from the docs' examples."""
 
 import hashlib
 import io
@@ -37,7 +37,7 @@ ALL = ("--participants", "2", "--seed", "4")
 
 
 def with_stimulus(tables, factors="force_n = [0.5, 2.0]"):
-    """The tutorial with another stimulus."""
+    """Return the tutorial with another stimulus."""
     touch = AFTER if "force_n" not in factors else AFTER.replace("force_n = 1.0\n", "", 1)
     return f"{BEFORE}[factors]\n{factors}\n\n{tables}\n{touch}"
 
@@ -66,7 +66,7 @@ def shorten(study):
 
 @pytest.fixture
 def own(tmp_path, monkeypatch):
-    """A study with the code of the docs beside it, in a folder that is not the one where the program runs."""
+    """Write a study and the docs' code into another than the current folder."""
     place = tmp_path / "studies"
     place.mkdir()
     (place / "mine.py").write_text(CODE)
@@ -77,7 +77,7 @@ def own(tmp_path, monkeypatch):
 
 @pytest.fixture
 def filed(tmp_path, monkeypatch):
-    """A study with the table of the docs, and the file, from where the program runs."""
+    """Write a study with the docs' table and its file in the current folder."""
     monkeypatch.chdir(tmp_path)
     content = wav(as_int16(TONE))
     (tmp_path / "buzz.wav").write_bytes(content)
@@ -90,7 +90,7 @@ def filed(tmp_path, monkeypatch):
 
 
 def test_a_study_of_ones_own_goes_the_whole_way(own, tmp_path, capsys):
-    """Simulated with its code; validated and replayed without it."""
+    """It is simulated with its code, and validated and replayed without."""
     root = tmp_path / "d"
     output(capsys, "simulate", own, *ALL, "--out", root, "--allow-code")
     own.with_name("mine.py").unlink()
@@ -207,7 +207,7 @@ def test_code_that_is_no_stimulus_is_refused_in_one_sentence(own, tmp_path, caps
 
 
 def test_its_length_and_unit_stand_in_the_study(own, tmp_path, capsys):
-    """Its data are read without the code, which alone would know them."""
+    """The data can be read without the code of the stimulus."""
     own.write_text(own.read_text().replace('duration_s = "500 ms"\n', "", 1))
     said = refused(capsys, "simulate", own, *ALL, "--out", tmp_path / "d", "--allow-code")
     assert "stimulus.duration_s: found no such key, expected duration_s = ... in [stimulus]: data are read" in said
@@ -323,7 +323,7 @@ def test_a_level_above_a_limit_is_refused(filed, capsys):
 
 
 def test_re_the_file_a_sample_is_what_it_stands_for(tmp_path):
-    """At 0 dB those of a file in volts are as they were; 20 dB are ten times that."""
+    """At 0 dB, samples of a file in volts are unchanged; 20 dB multiply by 10."""
     content = wav(3.0 * TONE)
     (tmp_path / "x.wav").write_bytes(content)
     stated = {"path": str(tmp_path / "x.wav"), "rate_hz": RATE_HZ, "duration_s": 0.5, "sha256": digest(content)}
@@ -335,7 +335,7 @@ def test_re_the_file_a_sample_is_what_it_stands_for(tmp_path):
 
 @pytest.mark.parametrize("form", ["u1", "<i2", "<i4", "<f4", "<f8", "24 bits"])
 def test_each_form_is_the_same_voltage(tmp_path, form):
-    """To half of its last bit."""
+    """The tolerance is half of the last bit of each form."""
     if form == "24 bits":
         body = b"".join(struct.pack("<i", round(value * 2**23))[:3] for value in TONE)
         head = struct.pack("<4sI4s4sIHHIIHH4sI", b"RIFF", 36 + len(body), b"WAVE", b"fmt ", 16, 1, 1, RATE_HZ,

@@ -1,4 +1,4 @@
-"""`[scene]` in a study of foci, under fingers and beside friction: what is felt, and what is refused."""
+"""`[scene]` in studies of foci, on fingers and with friction."""
 
 import re
 
@@ -140,7 +140,7 @@ fingers = ["index", "middle"]                   # which places have a finger; ea
 
 
 def on_fingers(scene_table):
-    """The study of localisation at one distance, with a scene of its own."""
+    """Return the localisation study at one distance with a custom scene."""
     text = changed(load("time-reversal-localisation")[1].decode(), {TWO: f"\n{scene_table}\n"})
     text = text.replace("[0.010, 0.013, 0.017, 0.022, 0.028, 0.036, 0.050]", "[0.050]")
     return "\n".join(line for line in text.splitlines() if not line.startswith('"0.0') or '"0.05"' in line)

@@ -1,4 +1,4 @@
-"""The command power: what it refuses, what its folder holds, and that no process or interruption changes a byte."""
+"""The command `power`: refusals, its folder, and reproducible bytes."""
 
 import io
 import re
@@ -27,7 +27,7 @@ def files(root):
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
-    """The folder of a power analysis that one process made."""
+    """Return the folder of a power analysis by one process."""
     root = tmp_path_factory.mktemp("alone") / "p"
     assert status(*ASKED, "--out", root) == 0
     return files(root)
@@ -110,7 +110,7 @@ class Mine(SignalDetectionObserver):
 
 @pytest.fixture
 def own(tmp_path):
-    """The tutorial with an observer from a file beside it."""
+    """Write the tutorial with a custom observer."""
     _, content = load("tutorial")
     (tmp_path / "mine.py").write_text(OWN)
     path = tmp_path / "own.toml"
@@ -168,7 +168,7 @@ def test_an_interrupted_analysis_goes_on_to_the_same_bytes(capsys, tmp_path, alo
 
 
 def test_kept_trials_are_marked_as_simulated(capsys, tmp_path, alone):
-    """In an analysis that had not kept them, too: its rows come out the same."""
+    """The rows are the same if the first run did not keep trials."""
     for name, content in alone.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_bytes(content)

@@ -1,4 +1,4 @@
-"""Power on a real Dask scheduler with two workers on the loopback, one of which is killed in the middle."""
+"""Power on a Dask scheduler with two workers, one of which is killed."""
 
 import os
 import re
@@ -24,7 +24,7 @@ def files(root):
 
 
 def started(place, name, *words):
-    """A process of Dask, and the file of what it says."""
+    """Start a Dask process; return it with the file of its output."""
     log = place / f"{name}.log"
     command = [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]]
     with log.open("wb") as said:
@@ -42,7 +42,7 @@ def found_in(log, pattern, process):
 
 @pytest.fixture
 def cluster(tmp_path):
-    """The address of a scheduler, and its two workers."""
+    """Start a scheduler with two workers; yield its address and the workers."""
     place = tmp_path / "dask"
     place.mkdir()
     scheduler, log = started(

@@ -1,4 +1,4 @@
-"""Effects on points of equality, just noticeable differences and exponents."""
+"""Power of effects on the PSE, the JND and exponents."""
 
 from dataclasses import replace
 

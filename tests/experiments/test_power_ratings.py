@@ -1,4 +1,4 @@
-"""Power of questionnaires: an effect on a score, what makes it, and the test that answers."""
+"""Power of questionnaires: effects on a score and their test."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ def design(effect, study="hybrid-button", dependent="", content=None, **changes)
 
 
 def changed(study, *lines):
-    """A study with each of some lines in place of another."""
+    """Return a study with lines replaced."""
     content = load(study)[1].decode()
     for old, new in lines:
         assert old in content
@@ -53,7 +53,7 @@ NONE = "liking = 0\nattitude_sd = 0\ndimension_sd = 0\nstimulus_sd = 0\nacquiesc
 
 
 def test_scores_differ_by_the_effect():
-    """By people who differ in the noise of their items alone: its standard error is known."""
+    """Participants differ only in item noise, so the standard error is known."""
     asked = design("frequency: 1 points", PATTERNS, "HQ", changed(PATTERNS, (SPREAD, NONE)), participants=(12,))
     for case, stated in zip(asked.cases, (1.0, 0.0), strict=True):
         (row,) = replicate(asked, case, 0)

@@ -1,4 +1,4 @@
-"""Power by simulation: studies whose people differ by the effect and by nothing else, and how many are enough."""
+"""Simulated studies of a power analysis, and their required number."""
 
 from dataclasses import astuple, replace
 
@@ -67,7 +67,7 @@ conditions = [{ frequency_hz = 60, threshold = 25.0 }]
 
 @pytest.fixture
 def stated(tmp_path):
-    """The tutorial with people whose thresholds are stated, other ones at 60 Hz."""
+    """Return the tutorial with stated thresholds, which differ at 60 Hz."""
     _, content = load("tutorial")
     path = tmp_path / "stated.toml"
     path.write_bytes(content.partition(b"\n[observer")[0] + STATED)
@@ -97,7 +97,7 @@ def test_stated_thresholds_take_no_effect_of_sensation(capsys, stated):
 
 
 def test_a_person_says_yes_half_way_at_the_true_threshold():
-    """By the observer itself: an exact binomial of what it answers there."""
+    """Compare with an exact binomial test of the observer's answers."""
     experiment = experiment_of(asked := design(), asked.cases[1])
     observer = replace(experiment.simulated_participant("P001", 5), lapse_rate=0.0)
     criterion, rng, n = observer.criterion + observer.bias, np.random.default_rng(7), 20_000
@@ -115,7 +115,6 @@ def test_studies_have_seeds_of_their_own():
 
 
 def test_minutes_are_summed_in_the_order_of_participants():
-    """Of a set of codes each process summed in an order of its own."""
     minutes = pd.Series(np.random.default_rng().random(24), codes(24))
     found = [mean_minutes(minutes.drop("P002"), n) for n in range(3, 25)]
     assert found == [float(minutes.iloc[[0, *range(2, n)]].mean()) for n in range(3, 25)]
@@ -130,7 +129,7 @@ def test_people_who_leave_take_their_later_trials_with_them():
 
 
 def drawn_rows(asked, chance):
-    """Rows of a batch whose tests are significant by chance alone."""
+    """Return a batch's rows with tests that are significant by chance."""
 
     def rows_of(batch):
         rng = np.random.default_rng((batch.first, batch.case.has_effect))
@@ -191,7 +190,7 @@ def test_participants_are_few_numbers_of_a_wide_range():
 @pytest.mark.slow
 @pytest.mark.parametrize("difference", [0.0, 1.0])
 def test_the_power_of_a_normal_case_is_that_of_its_closed_form(difference):
-    """Differences of unit variance, tested as a study is: noncentral t with n - 1 degrees of freedom."""
+    """Differences have unit variance: noncentral t with n - 1 degrees."""
     rng, n, n_studies = np.random.default_rng(17), 10, 20_000 if SOAK else 300
     significant = 0
     for _ in range(n_studies):

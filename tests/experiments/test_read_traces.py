@@ -1,4 +1,4 @@
-"""Which touches are read of which session, under which sitting, and what is told to have been emitted in them."""
+"""Touches read from sessions and sittings, with emitted signals."""
 
 import shutil
 from dataclasses import replace
@@ -71,7 +71,7 @@ def test_a_touch_is_of_the_sitting_in_which_it_was_felt():
 
 
 class Step:
-    """A stimulus that is at rest neither at its beginning nor at its end."""
+    """Stimulus that begins and ends with a step."""
 
     def at(self, level):
         return Signal(np.full((1, 1000), level), 20e3, "V")

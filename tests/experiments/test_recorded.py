@@ -1,4 +1,4 @@
-"""Data sets that earlier versions recorded: this one reads, validates, replays, analyses and resumes them."""
+"""Data sets of earlier versions read, validated, replayed and resumed."""
 
 import io
 import shutil

@@ -1,4 +1,4 @@
-"""The whole way recovers what is known: simulated participants, journals, trials files, fits."""
+"""Recovery of true thresholds from simulated journals and trials files."""
 
 from dataclasses import replace
 
@@ -33,7 +33,7 @@ PROCEDURES = {"staircase": ONE_CELL, "constant stimuli": HEAD + CONSTANT + TAIL.
 
 
 def true_threshold(experiment, participant, seed):
-    """The level at which the participant says yes half-way between false alarms and lapses, by its own rule."""
+    """Return the level whose yes rate is halfway from false alarms to 1."""
     observer = experiment.simulated_participant(participant, seed)
     sensation, condition = experiment.sensation(), experiment.conditions[0]
     stimulus = experiment.bank[condition.stimulus]
@@ -50,7 +50,7 @@ def true_threshold(experiment, participant, seed):
 
 @pytest.fixture(scope="module", params=PROCEDURES)
 def recovered(request, tmp_path_factory):
-    """True and estimated thresholds with their intervals, of N participants."""
+    """Return true and estimated thresholds with intervals, N participants."""
     toml, root = PROCEDURES[request.param], tmp_path_factory.mktemp("recovery")
     seed = int(np.random.default_rng().integers(2**31))
     print(f"seed {seed}")

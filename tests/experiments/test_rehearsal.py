@@ -1,4 +1,4 @@
-"""What could fail on the last page is tried before the first: texts with their places, words of questionnaires."""
+"""Texts and questionnaires checked before the first page."""
 
 import io
 import re
@@ -129,7 +129,7 @@ def test_texts_that_can_be_shown_are_taken(sound):
 
 
 def test_every_group_and_session_is_tried():
-    """The last level of a factor between participants is a text, which takes no decimals."""
+    """The last level of a factor between participants is a text."""
     study = TUTORIAL.replace("[factors]\nfrequency_hz = [60, 240]", '[factors]\npace = ["slow", 3.5]')
     for place in ("between", "sessions"):
         more = (

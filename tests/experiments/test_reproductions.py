@@ -91,7 +91,7 @@ def test_disagreement_has_a_reason(made):
 
 
 def test_page_is_that_of_the_command(made):
-    """Equal words, and numbers equal within their digits."""
+    """The words are equal, and numbers agree within their digits."""
     name = made.item.name
     now, then = (words_of(text, name) for text in (page([made]), PAGE.read_text(encoding="utf-8")))
     assert [word for word in now if not is_number(word)] == [word for word in then if not is_number(word)], "make pages"
@@ -102,7 +102,7 @@ def test_page_is_that_of_the_command(made):
 
 
 def words_of(text, name):
-    """Return the words of an item's section and of its rows in tables."""
+    """Return the words of an item's section and of its table rows."""
     section = text.partition(f"\n## {name}\n")[2].partition("\n## ")[0]
     rows = [line for line in text.splitlines() if line.startswith(f"| {name} |")]
     return " ".join([*rows, section]).split()
@@ -137,7 +137,7 @@ def test_each_caption_is_made_or_has_a_reason():
     ("name", "origin"), [("figure-6.15", "assumed"), ("figure-4.11", "assumed"), ("figure-3.20", "calibrated")]
 )
 def test_figure_of_a_chosen_input_is_not_derived(name, origin):
-    """The input of 6.15 was chosen for its 240 Hz, the tau of 4.11 is put in, the um of 3.20 go with a set constant."""
+    """Inputs of 6.15, 4.11 and 3.20 are chosen or set, not derived."""
     assert reproduction_of(name).origin == origin
 
 
@@ -172,7 +172,7 @@ def test_outcome_of_finding_3_follows_from_its_rows():
 
 
 def test_contact_that_opens_loses_as_much_as_one_that_holds():
-    """Finding 1: under the finger the focus falls with force either way."""
+    """Finding 1: the focus decreases with force for both contacts."""
     opened_m = np.abs(opened_contact(3.0).displacement_m).max()
     stimulus = next(iter(experiment("time-reversal-threshold").cells.values())).stimulus
     setup = stimulus.setup
@@ -182,7 +182,7 @@ def test_contact_that_opens_loses_as_much_as_one_that_holds():
 
 
 def test_forces_of_table_6_2_are_those_in_the_band():
-    """A lognormal spread of 15 % of which what is outside of 20 % is drawn anew: mean and spread by quadrature."""
+    """Compare with a 15 % lognormal spread, truncated at 20 %, by quadrature."""
     finger, rng = SimulatedFinger(waver_cv=0.0), np.random.default_rng(6)
     request = Press("s", 1.0, target_n=1.0, tolerance=0.2, hold_s=0.5, duration_s=0.02, timeout_s=1.0)
     touched = np.array([finger.hold(request, rng).forces_n.mean() for _ in range(2000)])

@@ -1,4 +1,4 @@
-"""A study imports the effects that its scene states, and no other."""
+"""A study imports only the effects that its scene states."""
 
 import json
 import os
@@ -46,7 +46,7 @@ SLOTS = {"dry_friction": "friction", "receptors": "sensitivity", "summation": "s
 
 
 def with_company(kind):
-    """An effect, and no more than what it can be felt with."""
+    """Return an effect and those that it requires to be felt."""
     needs = CASES[kind][1] if kind in CASES else ()
     return ({kind, *needs, "force_law", "friction", "sensitivity"} - {SLOTS.get(kind)}) - {"plain"}
 
@@ -61,7 +61,7 @@ UNFELT = {"movie": "focus_detection", "drive_energy": "focus_detection"}
 
 @pytest.fixture(scope="module")
 def loaded():
-    """What each scene states, and the modules behind a level through it, felt in a process of its own."""
+    """Return each scene's effects and loaded modules, in separate processes."""
     if not hasattr(os, "fork"):
         pytest.skip("needs os.fork for a process per effect")
     panels = {kind: with_company(kind) for kind in [*PANEL_KINDS, "plain"]}

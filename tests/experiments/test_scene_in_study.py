@@ -1,4 +1,4 @@
-"""`[scene]` in a study of a panel: what simulated participants feel, what commands tell of it, what is refused."""
+"""`[scene]` in studies of a panel: sensation, output and refusals."""
 
 import json
 
@@ -43,7 +43,7 @@ FORMULAS = {
 
 
 def model_of(cell, **numbers):
-    """What `[sensation]` states of a cell."""
+    """Build the sensation model of a cell from `[sensation]`."""
     kind = STIMULI[cell.condition.stimulus.partition(",")[0]]
     shared = {name: getattr(cell.stimulus, name) for name in kind.shared}
     return build(resolve(kind.sensation), numbers, "sensation", **shared)

@@ -1,5 +1,7 @@
-"""A built-in scene and a built-in study feel the same number of the same stimulus at the same place, or differ by an
-effect that is told."""
+"""Agreement of built-in scenes and studies on the same stimulus.
+
+They differ only by effects that are reported.
+"""
 
 from dataclasses import replace
 
@@ -67,7 +69,7 @@ def test_panel_tone_equals_played_voltage():
 
 
 def test_screen_focus_equals_played_drive():
-    """Analogue and in the whole band, which both state alike: a quantiser hears their flanks, 0.1 dB of them."""
+    """Analogue output, as quantization would change the level by 0.1 dB."""
     file, touch = load_scene(path_of("a4-screen")), Contact(2.0)
     scene = replace(file.scene, outputs=("sensation_db",))
     learnt = without(scene, {"audible_filter", "airborne_sound", "drive_energy", "one_bit"})

@@ -1,4 +1,4 @@
-"""Studies that a script runs and simulates are those that the commands record."""
+"""Studies run and simulated by a script equal those of the commands."""
 
 import pytest
 from command_line import output

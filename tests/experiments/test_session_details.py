@@ -1,4 +1,4 @@
-"""Details of a session's record: what is synced, kept, closed, refused and counted."""
+"""Records of a session: syncing, storing, closing and counting."""
 
 import json
 import resource
@@ -138,7 +138,7 @@ def test_a_number_reads_back_from_its_cell(value, text):
 
 
 class Falling:
-    """A rig that fails when it is asked anything, and knows whether it was closed."""
+    """Rig that fails at every request and records whether it was closed."""
 
     def __init__(self):
         self.n_closed = 0

@@ -1,4 +1,4 @@
-"""Session plans: who meets what, in which order, in which session."""
+"""Session plans: conditions, orders and sessions of participants."""
 
 import itertools
 from collections import Counter
@@ -30,7 +30,7 @@ LEVELS = "levels = [22, 28, 34, 40]                       # dB re 1 V peak\nrepe
 
 
 def study(*changes, more=""):
-    """The tutorial with some changes of its text."""
+    """Return the tutorial with changes to its text."""
     return parse(changed(TUTORIAL + more, dict(changes)).encode(), "s.toml")
 
 
@@ -58,7 +58,7 @@ sizes = st.lists(st.integers(2, 4), min_size=1, max_size=3)
 @given(sizes=sizes)
 @examples(25)
 def test_over_all_squares_each_level_precedes_each_other_equally_often(sizes):
-    """Within every run of the fastest factor, whatever the slower ones are."""
+    """Orders are counted within each run of the fastest factor."""
     factors = {f"f{n}": tuple(range(size)) for n, size in enumerate(sizes)}
     crossing = Crossing(factors, dict.fromkeys(factors, "williams"))
     name, levels = list(factors.items())[-1]

@@ -1,4 +1,4 @@
-"""What is shown, exported and reported of the traces of a data set."""
+"""Traces of a data set in figures, exports and reports."""
 
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""Each sitting of a session has a head of its own, and what changed from one to the next is told."""
+"""Heads of a session's sittings, and reported changes between them."""
 
 import json
 import shutil
@@ -65,7 +65,7 @@ def test_sittings_in_which_no_trial_was_finished_are_not_forgotten(tmp_path):
 
 
 def test_pages_that_were_read_do_not_come_again(tmp_path, monkeypatch):
-    """Interrupted in the first touch: welcome and instructions are behind."""
+    """The session stops in the first touch, after welcome and instructions."""
     asked, answer = [], Attended.answer
     monkeypatch.setattr(Attended, "answer", lambda rig, request: (asked.append(request), answer(rig, request))[1])
     sit(tmp_path, SOUND, stops_at=1)

@@ -1,4 +1,4 @@
-"""The worst-case delay of a stop, and limits that a file switches off."""
+"""Worst-case delay of a stop, and limits that are switched off."""
 
 import copy
 import io
@@ -37,7 +37,7 @@ FORCE_OFF = 'limits.force_peak_n = "unlimited": this limit is switched off'
 
 
 def bench_of(kind="audio", limits=None, gain=None, **output):
-    """An output that leads to an amplifier, ungated."""
+    """Return a bench with an ungated output to an amplifier."""
     table = {"kind": kind, **OUTPUTS[kind], "ungated": True, "gain": gain_table(CHAINS[kind]) | (gain or {}), **output}
     load = {"kind": "electrode", "capacitance_f": 1e-9}
     return parse_bench({"output": {**table, "load": load}, "limits": LIMITS | (limits or {})})
@@ -92,7 +92,7 @@ def test_open_card_states_its_own_latency():
 
 
 class LateWhenOpen(NullOutput):
-    """A device that buffers more than was asked for."""
+    """Device that buffers more than requested once it is open."""
 
     def __init__(self):
         super().__init__()

@@ -1,4 +1,4 @@
-"""The studies to copy go the whole way of a user: each is rehearsed, simulated, validated, replayed and analysed."""
+"""Example studies rehearsed, simulated, validated, replayed, analysed."""
 
 import pytest
 from command_line import call, status
@@ -19,7 +19,7 @@ SAYS = {
 
 @pytest.fixture(scope="module", params=TO_COPY)
 def copied(request, tmp_path_factory):
-    """A study with the data of three simulated participants."""
+    """Return a study with the data of three simulated participants."""
     root = tmp_path_factory.mktemp(request.param)
     assert status("new", request.param, "--out", root / "mine.toml") == 0
     arguments = ("simulate", root / "mine.toml", "--participants", "3", "--seed", "1", "--out", root / "data")

@@ -68,7 +68,7 @@ def test_a_figure_is_saved_in_the_format_of_its_suffix(kind, tmp_path):
 
 
 def curve(name, axes=0, line=0):
-    """The points of a drawn line, x and y, as numbers."""
+    """Return the points (x, y) of a drawn line."""
     found = drawn(name).axes[axes].lines[line]
     return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
 
@@ -92,8 +92,11 @@ def test_the_four_signals_peak_at_time_0_and_place_0():
             assert x[np.argmax(u)] == pytest.approx(0.0, abs=2 * unit)
 
 
-def test_stress_and_deflection_of_the_prototype_under_2_n_are_those_of_the_notes():
-    """Science 1.8: 178, 29.6 and 8.8 um at 1.1, 2 and 3 mm; both fall with the thickness, by its cube and square."""
+def test_prototype_stress_and_deflection_match_notes():
+    """Science 1.8 states 178, 29.6 and 8.8 um at 1.1, 2 and 3 mm.
+
+    Deflection and stress fall with the cube and the square of the thickness.
+    """
     h_mm, deflection_um = curve("3.15-stress-and-deflection", axes=1)
     found = np.exp(np.interp(np.log([1.1, 2.0, 3.0]), np.log(h_mm), np.log(deflection_um)))
     assert found == pytest.approx([178, 29.6, 8.8], rel=5e-3)
@@ -150,7 +153,7 @@ def test_rig_of_chapter_3_has_its_discs_on_the_plate():
     assert UNFILTERED.f_max_hz == pytest.approx(66e3)
 
 
-def test_the_input_against_position_is_the_root_of_the_share_times_the_carrier():
+def test_input_against_position_follows_force_share():
     velvet = Velvet()
     figure = electrovibration.input_against_position({"velvet": velvet, "grating": Grating(4e-3)}, voltage_v=80.0)
     for ax, share in zip(figure.axes, (velvet.force_share_along, Grating(4e-3).force_share), strict=True):

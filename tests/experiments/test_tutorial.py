@@ -1,4 +1,4 @@
-"""Share of simulated participants for whom the tutorial gives both thresholds."""
+"""Share of simulated participants with both thresholds of the tutorial."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from tactometry.experiments.study.study_file import load
 
 
 def statuses(seed, n_participants):
-    """The statuses of the fits of each participant."""
+    """Return the fit statuses of each participant."""
     trials = trials_of(Simulation(load("tutorial")[1], "tutorial", NOWHERE, n_participants, seed))
     estimates = analyse_trials(trials).estimates
     codes = {one.cell.participant for one in estimates}

@@ -1,4 +1,4 @@
-"""Studies whose stimuli nobody is predicted to feel."""
+"""Studies with stimuli that are predicted to be imperceptible."""
 
 import json
 

@@ -73,7 +73,7 @@ def test_power_has_no_verdict():
 
 @pytest.mark.parametrize(("posterior_sd", "shift", "verdict"), [(1, 0, ""), (0.7, 0, "not"), (1, 0.3, "not")])
 def test_ranks_are_uniform_in_the_right_posterior(posterior_sd, shift, verdict):
-    """A truth and a datum with errors of variance 1; the posterior is normal, as wide as it is said to be."""
+    """Truth and error have variance 1; `posterior_sd` scales the posterior."""
     rng = np.random.default_rng(11)
     truth = rng.standard_normal(4000)
     centre = (truth + rng.standard_normal(4000)) / 2 + shift
@@ -212,7 +212,7 @@ def test_departures_are_listed_with_their_reason(whole):
 
 
 def test_departure_of_all_rows_together_is_listed(whole):
-    """Each of sixteen rows of 1000 at 94 %: chance explains any of them, and not all."""
+    """Chance explains 94 % in one of sixteen rows of 1000, but not in all."""
     _, found = whole
     table = found.tables["comparisons"].assign(n=1000, share=0.94, stated=0.95, verdict="")
     said = page(Validated(SMALL, {"comparisons": table}, found.seconds))
@@ -221,7 +221,7 @@ def test_departure_of_all_rows_together_is_listed(whole):
 
 
 def test_page_of_the_docs_is_that_of_the_command():
-    """One setting in all its rounds; with `make validated` all are made anew."""
+    """One setting is computed in all its rounds; `make validated` runs all."""
     text = PAGE.read_text("utf-8")
     assert f"--rounds {PAGE_ROUNDS} --seed {PAGE_SEED}" in text
     assert [f"## {check_of(name).title}" in text for name in CHECKS] == [True] * len(CHECKS)

@@ -1,4 +1,4 @@
-"""Study files that ask for more than anybody has: refused in one sentence, before anything is made of it."""
+"""Refusals of study files with excessive sizes, before allocation."""
 
 import os
 import resource
@@ -75,7 +75,7 @@ VAST = {
 
 @pytest.fixture
 def little_memory():
-    """An address space with room for 2 GB more."""
+    """Limit the address space to 2 GB more than in use."""
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     with open("/proc/self/statm") as told:  # noqa: PTH123
         used = int(told.read().split()[0]) * resource.getpagesize()
@@ -227,7 +227,7 @@ def test_many_levels_are_checked_in_time():
 
 
 def test_the_command_line_tells_of_memory_that_is_not_there():
-    """A last net, below all limits: in a process of little memory, one sentence."""
+    """It exceeds no size limit, but the process has little memory."""
     code = (
         "import resource, sys\n"
         "from tactometry import cli\n"

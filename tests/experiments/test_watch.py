@@ -1,4 +1,4 @@
-"""What an experimenter is told of a session that runs."""
+"""Information for the experimenter during a session."""
 
 import os
 import time

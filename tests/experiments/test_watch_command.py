@@ -1,4 +1,4 @@
-"""The command of the page, and the page that a run has: when they are there, and when they end."""
+"""Start and end of the `watch` command and of the page of `run`."""
 
 import json
 import os

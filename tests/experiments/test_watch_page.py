@@ -1,4 +1,4 @@
-"""The page in a real browser: what is seen, what a screen reader is told, and that it follows a session that runs."""
+"""The watch page in a real browser and for screen readers."""
 
 import pytest
 from chromium import PROGRAM, chromium
@@ -29,7 +29,7 @@ def test_the_page_follows_a_session_from_before_its_start_to_its_end(tab, journa
         tab.wait_for("document.querySelector('#alerts').innerText.includes('line 61')")
         assert tab.value("document.querySelectorAll('#levels figure circle').length") > n_marks
         assert tab.complaints() == []
-    # the server is gone: what is shown says that it may be old
+    # the server is gone: the page warns that it may be outdated
     tab.wait_for("document.querySelector('#lost').innerText.includes('No connection')")
 
 

@@ -1,4 +1,4 @@
-"""What is drawn of a session that runs: its levels, its curve, and force and place of the last touch."""
+"""Plots of a running session: levels, curve, force and position."""
 
 from dataclasses import replace
 from functools import reduce
@@ -34,7 +34,7 @@ def test_the_curve_is_of_the_present_condition_without_practice():
 
 
 def test_curve_has_alternatives_of_other_conditions():
-    """The third interval is missing from six answers by chance."""
+    """Six answers do not contain the third interval by chance."""
 
     def row(n, f, target):
         return Trial(1, n, {"f": f}, "staircase", 5.0 * n, "dB", "forced_choice", target, correct=True, target=target)
@@ -97,7 +97,7 @@ def test_thinning_keeps_extremes():
 
 
 def kept_touch(root, n_samples=3000):
-    """A touch of three seconds from a second before its onset, whose force and place are kept in a data set."""
+    """Keep a touch of 3 s, from 1 s before onset, with force and position."""
     times_s = 9.0 + np.arange(n_samples) / 1000
     traces = TraceFiles(root, Session("P01", 1, "tutorial"))
     force = np.column_stack([times_s, 1.0 + 0.1 * np.sin(times_s)])
@@ -123,7 +123,7 @@ def test_last_touch_is_drawn_with_its_band(tmp_path):
 
 
 def test_a_touch_whose_gate_stayed_shut_shows_no_stimulus(tmp_path):
-    """A finger without a place is lost before anything plays."""
+    """A finger without a position is lost before anything plays."""
     touch = kept_touch(tmp_path)
     lost = replace(touch.answer, level_delivered=None, digest=None, valid=False, invalid_reason="sensor_lost")
     force, place = draw_touch(tmp_path, replace(touch, answer=lost)).plots

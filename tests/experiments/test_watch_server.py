@@ -1,4 +1,4 @@
-"""Who may see a session that runs: the page is served to those who have its address, on this computer alone."""
+"""The page is served only to this computer, at a secret address."""
 
 import re
 import socket
@@ -93,7 +93,7 @@ def test_server_refuses_other_methods(served, method):
 
 
 def test_only_the_loopback_is_listened_at(served):
-    with socket.socket() as other:  # another address of this computer, as another one would come by
+    with socket.socket() as other:  # another address of this computer, as another computer would use
         assert other.connect_ex(("127.0.0.2", served.port)) != 0
 
 

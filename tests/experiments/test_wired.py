@@ -1,4 +1,4 @@
-"""What a wired study asks at most of a stimulus and of a participant: limits rest on it, before anything plays."""
+"""Largest levels and forces of a wired study, checked against limits."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ def wired(changes=(), more=""):
 
 
 def together(first, second):
-    """A study whose one stimulus is asked for by two cells, each at the levels of another study's procedure."""
+    """Return a study whose stimulus has two cells with different levels."""
     key, cell = next(iter(wired().cells.items()))
     other = {tuple((name, f"{level} again") for name, level in key): replace(cell, procedure=second)}
     return replace(wired(), cells={key: replace(cell, procedure=first)} | other)
@@ -58,7 +58,7 @@ def test_bounds_are_taken_over_all_cells():
     [(TASK, 2), ('kind = "localisation"\nover = "frequency_hz"', 1), ('kind = "preference"\nover = "frequency_hz"', 1)],
 )
 def test_alternatives_that_share_a_track_are_counted_once(task, n_tracks):
-    """At most a million trials in all: of two cells two tracks, or one of both."""
+    """A million trials are allowed: two tracks of two cells, or one shared."""
     repeats = 1_000_000 // 4 // n_tracks
     assert wired([(TASK, task), ("repeats = 4", f"repeats = {repeats}")]).cells
     with pytest.raises(InvalidParameter, match="trials of all cells: found|repeats: found"):
@@ -72,7 +72,7 @@ def test_a_study_whose_blocks_hold_several_tracks_has_their_column(task, has):
 
 
 def test_equal_cells_share_one_feeling():
-    """A tolerance is nothing that is felt."""
+    """A force tolerance does not change the sensation."""
     more = '\n[observer.people.effects_db.tolerance]\n"{}" = 1.0\n'
     of_two = [("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\ntolerance = [0.1, 0.3]"), ("tolerance = 0.2", "")]
     plain, first, second = (wired(of_two, also) for also in ("", more.format(0.1), more.format(0.3)))
