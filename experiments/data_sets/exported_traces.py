@@ -113,7 +113,8 @@ def _bids(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Files
 
 def _physio(traced: TracedSession, folder: str, task: str) -> Files:
     """The force at an even rate, as `physio` has no stamps: each place holds the sample nearest to it with its own
-    stamp, or n/a, between touches and where one was lost."""
+    stamp, or n/a, between touches and where one was lost.
+    """
     texts = [text for _, text in traced.texts()]
     times_s = np.concatenate([decode_rows(text)[:, 0] for text in texts])
     begin_s, rate_hz = float(times_s[0]), traced.description.rate_hz

@@ -27,7 +27,8 @@ _WHOLE = re.compile(r"\s*\d{1,9}\s*")
 @dataclass(frozen=True)
 class Case:
     """One kind of study that is simulated again and again: so many trials in each track (None: as the study says), with
-    the effect or without it."""
+    the effect or without it.
+    """
 
     n_trials: int | None
     has_effect: bool
