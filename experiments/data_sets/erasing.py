@@ -28,6 +28,9 @@ from tactometry.records.head import heads
 from tactometry.records.open_journal import alone, held
 from tactometry.trials.cells import PARTICIPANT
 
+LIST_OF_TABLES = "tables.txt"
+"""File of a report that lists its tables."""
+
 
 @dataclass(frozen=True)
 class ErasurePlan:
@@ -289,7 +292,8 @@ def _derived(root: Path, rest: Collection[Path]) -> Iterator[Path]:
         in_export = not exports.isdisjoint(path.parents)
         of_folder = in_export or path.parent in folders - {root} or _OF_TRIAL.fullmatch(path.name)
         is_output = path in outputs and (of_folder or path.with_suffix("") in stems)
-        if is_output or (in_export and path.name in EXPORTED):
+        is_index = path.name == LIST_OF_TABLES and path.parent in folders
+        if is_output or is_index or (in_export and path.name in EXPORTED):
             yield path
 
 
