@@ -60,7 +60,7 @@ class BenchFile:
     time_reversal : Learnt, optional
         Measured impulse responses of this bench, which replace those of a model.
     traces : TracesTable
-        Stored samples.
+        Samples that the session stores.
     """
 
     screen: DisplayTable = field(default_factory=DisplayTable)

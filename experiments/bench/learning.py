@@ -135,12 +135,12 @@ def quality(heard: Heard, band_hz: tuple[float, float]) -> Quality:
 def repeatable(
     heard: Iterable[tuple[int, Heard]], band_hz: tuple[float, float], at_least: float
 ) -> Iterator[tuple[Heard, Quality]]:
-    """Yield each channel's quality until one repeats worse than `at_least`.
+    """Yield each channel's responses and quality, if repeatable enough.
 
     Raises
     ------
     DeviceFailed
-        At that channel.
+        If the repeatability of a channel is below `at_least`.
     """
     for channel, each in heard:
         found = quality(each, band_hz)

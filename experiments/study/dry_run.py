@@ -82,7 +82,7 @@ def _n_trials(block: Block) -> Iterator[int]:
 def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
     """Return the longest duration of a session, s.
 
-    It adds the study's time per trial, `ITEM_S` per item, and rests. A plan or task that ends parts early shortens it.
+    It adds the study's time per trial, `ITEM_S` per item, and rests. `longest_s` of the plan and of the task cap it.
     """
     most_s, parts_s = experiment.study.plan.longest_s, [_longest_block_s(experiment, block) for block in blocks]
     return min(sum(parts_s), inf if most_s is None else most_s + max(parts_s, default=0.0))

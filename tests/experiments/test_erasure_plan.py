@@ -154,7 +154,7 @@ def test_participant_with_only_a_table_is_known(root):
 
 
 def test_session_begun_meanwhile_is_not_erased(monkeypatch, root):
-    """The session begins between the lock and the search for files."""
+    """The session begins between the search for locks and that for files."""
     looks, begun = erasing._plan, []
 
     def begins(*asked):

@@ -148,7 +148,7 @@ def test_interrupted_session_keeps_all_orders(tmp_path, wanted, stops_late):
 
 
 def test_kill_between_journal_and_table_is_repaired(lived):
-    """The table is restored to the state before trials were taken back."""
+    """The interrupted table shows the trials before they were taken back."""
     [path] = (lived / "data").glob("*.csv")
     whole = read_file(path, "a trials file")
     columns = EXPERIMENT.design(TOML).columns

@@ -34,7 +34,7 @@ def test_the_curve_is_of_the_present_condition_without_practice():
 
 
 def test_curve_has_alternatives_of_other_conditions():
-    """Six answers do not contain the third interval by chance."""
+    """By chance, the last six trials do not contain the third interval."""
 
     def row(n, f, target):
         return Trial(1, n, {"f": f}, "staircase", 5.0 * n, "dB", "forced_choice", target, correct=True, target=target)
