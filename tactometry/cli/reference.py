@@ -17,9 +17,9 @@ HEAD: Final = """# Commands
 
 <!-- Written by `make keys`. -->
 
-Every command and option, as `--help` tells them. The exit status is 0 where all was done, 1 where the answer is no, 2
-where what was given cannot be used, 3 where a device failed. Results are printed as JSON with `--json`; a bar shows the
-progress on a terminal alone.
+This page lists every command and option, with the text of `--help`. The exit status is 0 on success, 1 if the answer is
+no, 2 for input that cannot be used, and 3 if a device failed. `--json` prints results as JSON. A terminal shows a progress
+bar.
 """
 
 
