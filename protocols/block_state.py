@@ -50,7 +50,7 @@ class Track:
 
     @property
     def missed_practice(self) -> Practice | None:
-        """Rule of a practice that ended without meeting its criterion, else None."""
+        """Practice whose track ended before its criterion was met, or None."""
         rule = self.procedure.rule if isinstance(self.procedure, Run) else self.procedure
         return rule if isinstance(rule, Practice) and self.ending in ("trials", "aborted") else None
 
@@ -70,19 +70,20 @@ PartCourse = Course[tuple[tuple[Track, ...], int]]
 @dataclass(frozen=True)
 @constrained
 class BlockOptions:
-    """How the trials of a block follow each other: the keys of a study's table `task` that hold for every kind.
+    """Order, repetitions and rests of a block: keys of `task` for every kind.
 
-    - `catch_rate`: The part of a track's presentations without stimulus, where the task takes them.
-    - `n_attempts`: A presentation that is not valid comes again: at the end of the block if the procedure's order is
-      fixed, else when its track is due. So many invalid ones in a row, or attempts at one trial, abort the track.
+    - `catch_rate`: Share of catch trials (without stimulus) in a track, if the task has them.
+    - `n_attempts`: A track is aborted after this number of invalid presentations in a row, or attempts at one trial.
+      Before, an invalid presentation is repeated: at the end of the block if the procedure's order is fixed, else
+      when its track is due.
     - `interleaving`: Each trial draws one of the unfinished tracks (``random``), or each round presents all of them
       once, in random order (``balanced``).
-    - `feedback`: Say right or wrong after each answer.
-    - `rest_after`: So many valid trials lie between two rests.
-    - `rest_every_s`: A rest comes after the first valid trial that begins so long after the rest before it, or after
-      the block began.
-    - `rest_s`: A rest lasts at least so long, counted down.
-    - `longest_s`: A block that lasts longer ends; what is unfinished is aborted.
+    - `feedback`: Report right or wrong after each answer.
+    - `rest_after`: Number of valid trials between two rests.
+    - `rest_every_s`: Time from the last rest, or from the start of the block, to the next rest. The rest follows the
+      first valid trial that begins after this time.
+    - `rest_s`: Shortest duration of a rest, counted down.
+    - `longest_s`: Longest duration of a block. Unfinished tracks are then aborted.
     """
 
     catch_rate: Annotated[float, Interval(ge=0, le=0.5)] = 0.0
@@ -100,7 +101,9 @@ class BlockOptions:
         one_of("BlockOptions.interleaving", self.interleaving, get_args(Interleaving))
 
     def rests(self, n_valid: int, since_s: float) -> bool:
-        """Return True if a rest is due after so many valid trials of a block, so long after the last rest.
+        """Return True if a rest is due.
+
+        `n_valid` is the number of valid trials in the block, `since_s` the time since the last rest.
 
         >>> BlockOptions(rest_after=20).rests(40, since_s=0.0), BlockOptions(rest_every_s=600.0).rests(7, since_s=610.0)
         (True, True)

@@ -217,8 +217,8 @@ def _check_each_once(items: Sequence[object], key: str) -> None:
 class Option:
     """A category.
 
-    - `code`: What the table holds, from 1 to 9.
-    - `words`: What participants read, by language.
+    - `code`: Code in the table, from 1 to 9.
+    - `words`: Text that participants read, by language.
     """
 
     code: int
@@ -227,13 +227,15 @@ class Option:
 
 @dataclass(frozen=True)
 class ChoiceItem:
-    """One question with options, or with the bounds of a number, which could tell who somebody is.
+    """Question answered with an option, or with a number within bounds.
 
-    - `id`: What the tables call it.
+    A number could identify a participant.
+
+    - `id`: Name in the tables.
     - `prompt`: The question, by language.
     - `options`: Two to nine, in their order.
-    - `low`: Lowest number of an answer, in place of options.
-    - `high`: Highest number of an answer, in place of options.
+    - `low`: Lowest number of an answer, instead of options.
+    - `high`: Highest number of an answer, instead of options.
     """
 
     id: str

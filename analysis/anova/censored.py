@@ -25,7 +25,7 @@ from .within_subjects import INTERVAL, EffectTest, effect_table
 
 LEAVE_OUT = "leave the conditions out in which most values are bounds"
 WIDEST_SE = 10.0
-"""Known values do not determine a mean with a larger standard error, in their standard deviations."""
+"""Largest standard error of a determined mean, in standard deviations of the known values."""
 LEAST_SD = 1e-7
 """Standard deviations below this, relative to that of the values, are rounding."""
 
@@ -163,9 +163,10 @@ def _wald_test(fit: BoundedFit, stratum: int, of_groups: Array, name: str) -> Ef
 
 @dataclass(frozen=True)
 class CellContrast:
-    """Difference of two levels (`b` minus `a` of its `keys`) with standard error and degrees of freedom.
+    """Difference of two levels, with standard error and degrees of freedom.
 
-    `sd` is the standard deviation of the participants' differences; all in the unit of the design.
+    `keys` names the levels `a` and `b`, and `estimate` is `b` minus `a`. `sd` is the standard deviation of the
+    participants' differences. All values are in the unit of the design.
     """
 
     keys: Mapping[str, object]
@@ -180,8 +181,8 @@ def censored_pairs(
 ) -> pd.DataFrame:
     """Compare all pairs of levels of `factor`, averaged over other factors and groups or at each level of `by`.
 
-    Columns as those of `pairs`, without Bayes factor and the interval of dz. A pair has its own error, and fewer
-    degrees of freedom for bounds.
+    The columns are those of `pairs`, without Bayes factor and the interval of dz. Each pair has a separate standard
+    error. Bounds reduce the degrees of freedom.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -203,7 +204,10 @@ def censored_pairs(
 
 
 def censored_equivalence(model: CensoredAnova, factor: str, *, bound: float, alpha: float = 0.05) -> pd.DataFrame:
-    """Test all pairs of levels for equivalence within `bound`; columns as those of `equivalence`."""
+    """Test all pairs of levels for equivalence within `bound`.
+
+    The columns are those of `equivalence`.
+    """
     rows, scale = [], model.design.scale
     for contrast in _contrasts(model, factor, None):
         tested = two_one_sided(contrast.estimate, contrast.error, contrast.df, bound, alpha, scale)
@@ -216,7 +220,7 @@ def censored_group_pairs(
 ) -> pd.DataFrame:
     """Compare all pairs of groups, averaged over the conditions or at each level of `by`.
 
-    Columns as those of `group_pairs`, without Bayes factor.
+    The columns are those of `group_pairs`, without Bayes factor.
     """
     rows = [
         keys | _group_row(model, weights, places, interval)
@@ -243,7 +247,7 @@ def _contrasts(model: CensoredAnova, factor: str, by: str | None) -> Iterator[Ce
 def _averages(model: CensoredAnova, by: str | None) -> list[tuple[dict[str, object], Array, int | None]]:
     """Return weights (cell,) of the mean of all conditions, groups or levels.
 
-    Each has the name of its level, and the place of its group.
+    Each comes with the name of its level and the index of its group.
     """
     n_levels, groups = model.fit.data.n_levels, model.design.groups
     whole = np.full(n_levels, 1 / np.prod(n_levels))

@@ -5,7 +5,7 @@ See Schuett et al. 2016.
 Priors are on the scale of `Counts.u`, with exact derivatives. Threshold: flat on the tested range, falling as a cosine
 to 0 half a range outside. Width: flat between twice the smallest spacing and the range, falling as a cosine to 0 at the
 smallest spacing and at three times the range. Lapse rate and free guess rate: Beta(1, 10) on [0, 0.5]; equal asymptotes
-are one rate. Answers to catch trials have the guess rate as their chance.
+are one rate. The probability of a yes in a catch trial is the guess rate.
 """
 
 from collections.abc import Sequence
@@ -28,16 +28,16 @@ FURTHEST = 1.0
 """The threshold's prior ends at u = -1 and u = 1."""
 WIDTH_NODES = 400
 NARROWEST = 0.05
-"""A scale-free width is not narrower than this part of the range: two levels that a track left close together say
-nothing of it."""
+"""Lower bound of a scale-free width, as a share of the range. Two levels that a track left close together say nothing
+about the width."""
 LARGEST_ETA = 0.99
 FLOOR = np.array([-np.inf, -np.inf, 1e-9, 1e-9])
-"""A search on a grid keeps off rates of exactly 0, where a chance may vanish."""
+"""Lower bounds of a grid search. At a rate of exactly 0, a probability may be 0."""
 
 
 @dataclass(frozen=True)
 class Prior(Rows):
-    """Prior of data sets side by side.
+    """Prior of many data sets.
 
     `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the width
     have no prior (maximum likelihood), the free rates keep theirs. With `scale_free_width` the width's flat part is
@@ -104,7 +104,8 @@ class Prior(Rows):
     def expansion(self, theta: Array) -> Expansion:
         """Return the log density with gradient and Hessian.
 
-        It is that along the axis on which the width's prior is flat, so that a mode is that of the likelihood there.
+        The density is along the axis on which the width's prior is flat, so that a mode there is a mode of the
+        likelihood.
         """
         by_parameter = self._by_parameter(np.moveaxis(theta, -1, 0))
         gradient, hessian = np.zeros(theta.shape), np.zeros((*theta.shape, N_PARAMETERS))
@@ -180,7 +181,7 @@ def _total(theta: Array, by_parameter: ByParameter) -> Array:
 def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, Array, Array]:
     """Return the log density Beta(1 + n_yes, beta + n_no), and derivatives.
 
-    A count of 0 makes no pole.
+    With a count of 0, the result is finite at x = 0.
     """
     b = beta - 1 + n_no
     safe = np.maximum(x, 1e-300)
@@ -244,7 +245,7 @@ def log_prior_of(eta: Array | float) -> Array:
 class LogPosterior(Rows):
     """Log posterior of many data sets at parameters theta (n_sets, 4).
 
-    It has no constant.
+    The normalising constant is omitted.
     """
 
     shape: Shape
@@ -259,7 +260,10 @@ class LogPosterior(Rows):
         return replace(self, prior=replace(self.prior, **prior))
 
     def redrawn(self, sets: Indices, n_yes: Array, n_false_alarms: Array) -> Self:
-        """Return `sets` with other answers to trials and catch trials."""
+        """Return the data sets at indices `sets`, with their answers replaced.
+
+        `n_yes` contains answers to trials, `n_false_alarms` answers to catch trials.
+        """
         counts = replace(self.counts[sets], n_yes=n_yes)
         return replace(self, counts=counts, prior=replace(self.prior[sets], n_false_alarms=n_false_alarms))
 

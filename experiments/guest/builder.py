@@ -1,13 +1,14 @@
 """PsychoPy Builder components and a loop that generate experiment code.
 
-PsychoPy's plug-ins are entry points of a package: this one's are in pyproject.toml. Builder loads this module as it
-starts, so that it imports nothing else of Tactometry; what it writes runs in `tactometry.experiments.guest.parts`.
+PsychoPy's plug-ins are entry points of a package; those of Tactometry are in pyproject.toml. Builder loads this module
+at its start, so the module imports nothing else of Tactometry. The generated code uses
+`tactometry.experiments.guest.parts`.
 """
 
 import warnings
 from typing import Any, ClassVar
 
-with warnings.catch_warnings():  # PsychoPy's own at import are not ours
+with warnings.catch_warnings():  # ignore PsychoPy's warnings at import
     warnings.simplefilter("ignore")
     from psychopy.experiment.components import BaseComponent, Param
     from psychopy.experiment.loops import _BaseLoopHandler
@@ -42,7 +43,7 @@ def _level() -> Param:
 
 
 class _GuestComponent(BaseComponent):  # type: ignore[misc]
-    """A component with a study and a bench; it ends by itself."""
+    """Component with a study and a bench; it ends by itself."""
 
     categories: ClassVar = ["Touch"]
     targets: ClassVar = ["PsychoPy"]
@@ -92,7 +93,10 @@ for _name, _value in %(name)s.values.items():
 
 
 class GatedTouchComponent(_GuestComponent):
-    """The finger is guided to its force, feels the stimulus and, if asked, answers: on pages of ours."""
+    """Gated touch with an optional question, on pages of Tactometry.
+
+    The participant is guided to the target force, feels the stimulus and, with `asks`, answers the study's question.
+    """
 
     tooltip = "Gated touch: a stimulus that plays while the finger holds its force, and the study's question"
     part = "TouchPart"
@@ -121,7 +125,7 @@ class GatedTouchComponent(_GuestComponent):
 
 
 class TactileStimulusComponent(_GuestComponent):
-    """A stimulus that plays during a routine, without a finger condition."""
+    """Stimulus that plays during a routine, whether or not a finger touches."""
 
     tooltip = "Tactile stimulus: plays while the routine goes on, within the limits of study and bench"
     part = "StimulusPart"
@@ -140,7 +144,7 @@ class TactileStimulusComponent(_GuestComponent):
 
 
 class QuestionnaireComponent(_GuestComponent):
-    """A questionnaire on pages of ours; its data are a row for each item."""
+    """Questionnaire on pages of Tactometry, with one data row per item."""
 
     tooltip = "Questionnaire: AttrakDiff, NASA-TLX, SUS, questions about a person, or one of the study's own"
     part = "FormPart"
@@ -171,9 +175,9 @@ thisExp.nextEntry()
 
 
 class TactometryLoop(_BaseLoopHandler):  # type: ignore[misc]
-    """A loop over the levels of the study's procedure.
+    """Loop over the levels of the study's procedure.
 
-    To Builder's other components it is a staircase: a keyboard that stores whether the answer is correct tells it.
+    Builder's other components treat it as a staircase: a keyboard that stores correctness passes each answer to it.
     """
 
     tag = "TactometryLoop"
@@ -204,7 +208,7 @@ class TactometryLoop(_BaseLoopHandler):  # type: ignore[misc]
         return name
 
     def getType(self) -> str:  # noqa: N802
-        """Return the type that Builder's flow expects, that of a staircase."""
+        """Return the loop type for Builder's flow: a staircase."""
         return self.type
 
     def writeLoopStartCode(self, buff: Any) -> None:  # noqa: N802

@@ -139,8 +139,8 @@ class Guest:
         Raises
         ------
         InvalidParameter
-            If there is none of that name, it has no words in the language of the bench, or it asks for a number that
-            could tell who somebody is and no inquiry of the study that asks it says ``identifies = true``.
+            If the name is unknown, or the questionnaire has no texts in the language of the bench. Also if it requests
+            a number, which could identify a participant, and no inquiry with it has ``identifies = true``.
         """
         form = self._form(name)
         known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"

@@ -1,4 +1,7 @@
-"""Kinds of procedures and stimuli that a study can name, with target strings: importing this loads none of them."""
+"""Kinds of procedures and stimuli that a study can name.
+
+Each kind has the target string of its class. The class is imported only when a study uses it.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,8 +18,9 @@ if TYPE_CHECKING:
 class ProcedureKind:
     """Kind of procedure with the target string of its class.
 
-    It also has a valid table (levels from 0 to 40), the method that makes the rule if the class is none itself, and two
-    flags: tracks can share answers, and levels follow the answers (so easy trials can be added).
+    It also has a valid example table (levels from 0 to 40) and the method that returns the rule, if the class itself is
+    not a rule. Two flags state whether tracks can share answers, and whether levels follow the answers (so that easy
+    trials can be added).
     """
 
     table: str
@@ -60,7 +64,7 @@ PROCEDURES: Mapping[str, ProcedureKind] = {
         can_be_shared=True,
     ),
 }
-"""The kinds of procedures: a new one is its file in `protocols/procedures` and a line here."""
+"""Kinds of procedures. To add one, add its file to `protocols/procedures` and a line here."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,7 @@ FOCUSING = StimulusKind(
     surface="time_reversal",
 )
 OWN = StimulusKind("", ELECTROVIBRATION)
-"""A class of one's own, ``module:Class``."""
+"""Custom class, ``module:Class``."""
 STIMULI: Mapping[str, StimulusKind] = {
     **{kind: StimulusKind(waveform.target, ELECTROVIBRATION) for kind, waveform in WAVEFORMS.items()},
     "wav": StimulusKind("tactometry.stimuli.electrovibration.waveforms.wav_file:WavFile", ELECTROVIBRATION, reads=True),

@@ -1,4 +1,4 @@
-"""The samples of the last touch: what the sensors said from when it was asked for to its end."""
+"""Plots of sensor samples during the last touch, from its request to its end."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ LABELS = {"force": ("Force", "force (N)"), "position": ("Position", "position (m
 
 
 def draw_touch(root: Path, touch: AnsweredTouch) -> TouchDrawn:
-    """A plot of each kind of samples that were kept of a touch; a sentence where they can't be read."""
+    """Plot the recorded samples of a touch, or state why they are unreadable."""
     plots: list[Plot] = []
     try:
         for part in touch.answer.trace:
@@ -53,7 +53,7 @@ def _band(request: Press | Slide) -> tuple[float, float]:
 
 
 def _health(times_s: FloatArray, values: FloatArray) -> str:
-    """How well the sensor did, in words."""
+    """Describe the sampling rate, lost samples and longest gap of a sensor."""
     if len(times_s) < 2:
         return ""
     n_lost = int(np.isnan(values).any(axis=1).sum())
@@ -63,7 +63,9 @@ def _health(times_s: FloatArray, values: FloatArray) -> str:
 
 
 def thinned(times_s: FloatArray, values: FloatArray, n_bins: int = MOST_BINS) -> list[tuple[float, float]]:
-    """Points of a line that looks as that of all samples: of each bin of many the lowest and the highest.
+    """Return fewer points that draw the same line as all samples.
+
+    Each bin keeps its lowest and its highest sample.
 
     >>> thinned(np.arange(6.0), np.array([0.0, 5.0, 1.0, 1.0, -2.0, 1.0]), n_bins=2)
     [(0.0, 0.0), (1.0, 5.0), (3.0, 1.0), (4.0, -2.0)]

@@ -1,4 +1,4 @@
-"""The sinusoids in a record, as detection reads them: peaks of its spectrum through a window."""
+"""Sinusoids in a record, estimated from the peaks of its windowed spectrum."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,12 +15,15 @@ WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
 FAINT = 1e-9
 SHORTEST = 4
 STEEP = 0.2
-"""Of the power of a peak, what a line beside it has at least; less is where the mean was taken out."""
+"""Least power of a line next to a peak, relative to the peak. Removing the mean can make a line smaller."""
 
 
 @dataclass(frozen=True, eq=False)
 class Components:
-    """The sinusoids in a record: frequencies (Hz) above 0 and their amplitudes, two arrays of one length."""
+    """Sinusoids in a record: frequencies (Hz) above 0 and amplitudes.
+
+    Both arrays have the same length.
+    """
 
     frequencies_hz: FloatArray
     amplitudes: FloatArray
@@ -35,12 +38,13 @@ class Components:
 
 
 def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Components:
-    """The peaks of the amplitude spectrum of a record (n_samples,), its mean left out.
+    """Return the peaks of a record's amplitude spectrum, without its mean.
 
-    The record is padded with zeros to `padding` times its length. Through the highest line of a peak and its neighbours
-    goes a parabola in logarithms, which the transform of a Blackman-Harris window nearly is: it reads the amplitude of
-    a steady component within 0.37 %, and its frequency within 0.004 lines, wherever it lies between two lines. Of one
-    with ramps it reads the mean under the window. Peaks fainter than 1e-9 of the largest sample are rounding.
+    The record (n_samples,) is padded with zeros to `padding` times its length. A parabola is fitted to the logarithms
+    of the highest line of a peak and its two neighbours, as the transform of a Blackman-Harris window is nearly such a
+    parabola. The amplitude of a steady component is accurate within 0.37 %, and its frequency within 0.004 lines, also
+    between two lines. The amplitude of a component with ramps is its mean under the window. Peaks below 1e-9 of the
+    largest sample are discarded as rounding errors.
 
     >>> t = np.arange(4000) / 4000
     >>> found = components(3 + 0.5 * np.sin(2 * np.pi * 60 * t), 4000.0)
@@ -62,9 +66,9 @@ def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Componen
 
 @lru_cache(maxsize=8)
 def blackman_harris(n: int) -> FloatArray:
-    """(n,): the window, of a period n, so that sample n would be the first again.
+    """Return the Blackman-Harris window (n,) with a period of n samples.
 
-    scipy.signal has it too, and takes longer to load than a scene to compute.
+    scipy.signal also has this window, but takes longer to import than a scene takes to compute.
 
     >>> blackman_harris(4).round(5).tolist()
     [6e-05, 0.21747, 1.0, 0.21747]
@@ -76,7 +80,10 @@ def blackman_harris(n: int) -> FloatArray:
 
 
 def _peaks(power: FloatArray, floor: float) -> Components:
-    """Places (in lines) and heights of the peaks above a power; of two equal lines the first counts."""
+    """Return positions (in lines) and heights of the peaks above a power.
+
+    The first of two equal lines is the peak.
+    """
     inner = power[1:-1]
     index = 1 + np.flatnonzero((inner > power[:-2]) & (inner >= power[2:]) & (inner > floor))
     before, at, after = (np.log(np.maximum(power[index + k], STEEP * power[index])) / 2 for k in (-1, 0, 1))

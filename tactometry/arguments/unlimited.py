@@ -24,7 +24,7 @@ HIGHEST: Final[Mapping[str, float]] = {
 
 
 class Unlimited(float):
-    """A limit that is switched off: infinite, and written as a text in a file."""
+    """Limit that is switched off: infinity, stored in files as "unlimited"."""
 
     def __new__(cls) -> "Unlimited":
         return super().__new__(cls, inf)

@@ -49,7 +49,7 @@ _COMPOUND = {
 _RATIOS = {"_rad": "rad", "_db": "dB"}
 """Ratios that a file states as plain numbers."""
 GREEK_MU = ("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
-"""A Greek letter is read as the sign that looks the same."""
+"""Greek mu, and the micro sign that replaces it."""
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
 
 
@@ -65,7 +65,9 @@ def unit_suffix(name: str) -> str | None:
 
 
 def unit_in(name: str) -> str:
-    """Return the unit that a name ends with, also a ratio of units; empty without one.
+    """Return the unit or ratio of units that a name ends with.
+
+    The result is empty if the name has no unit.
 
     >>> unit_in("force_n"), unit_in("moment_n_per_v"), unit_in("slope_hz_per_m_per_s"), unit_in("repeats")
     ('N', 'N/V', 'Hz/(m/s)', '')

@@ -1,6 +1,6 @@
-"""Read samples from WAV and NPZ files: whole or not at all, and within limits.
+"""Read samples from complete WAV and NPZ files of limited size.
 
-Damaged bytes raise a `ValueError` that says what was found and expected.
+A damaged file raises a `ValueError` that states what was found and what was expected.
 """
 
 import io
@@ -28,13 +28,15 @@ _read_array: Final[Any] = np.lib.format.read_array
 
 
 class Wav(NamedTuple):
-    """Frames (n_frames, n_channels) as the file holds them, and their rate."""
+    """Frames (n_frames, n_channels) as stored in the file, and their rate."""
 
     rate_hz: float
     frames: NDArray[Any]
 
     def parts(self) -> NDArray[np.float64]:
-        """Convert frames to parts of full scale; 24-bit samples are the upper ones of 32.
+        """Convert frames to fractions of full scale.
+
+        24-bit samples are stored in the upper 24 of 32 bits.
 
         >>> Wav(48_000.0, np.array([[0, 255]], np.uint8)).parts().tolist()
         [[-1.0, 0.9921875]]
@@ -66,7 +68,7 @@ def wav_of(content: bytes) -> Wav:
 
 
 def _check_wav(content: bytes) -> None:
-    """Refuse a file that is not a complete WAV file."""
+    """Raise `ValueError` if a file is not a complete WAV file."""
     if len(content) < 12 or content[:4] not in (b"RIFF", b"RF64") or content[8:12] != b"WAVE":
         raise ValueError("found no WAV file, expected one that begins with RIFF and WAVE")
     frame_bytes, long_bytes, at = 0, 0, 12
@@ -108,7 +110,7 @@ def _frame_bytes(form: bytes) -> int:
 def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.float64]:
     """Parse rows (n_rows, n_columns) of comma-separated numbers.
 
-    Raises `ValueError` if there is none, or their columns are not as many.
+    Raises `ValueError` if there are no rows, or not `n_columns` columns.
 
     >>> table_of_numbers(io.StringIO("1,2\\n3,4"), n_columns=2).tolist()
     [[1.0, 2.0], [3.0, 4.0]]

@@ -1,4 +1,4 @@
-"""Interface of observers, and answers to a choice from what was felt in the trial."""
+"""Interface of observers, and functions that answer a question from the sensations in a trial."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,22 +16,23 @@ class Observer(Protocol):
         """Return True if a stimulus is reported as felt."""
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
-        """Return the index of the strongest."""
+        """Return the index of the strongest sensation."""
 
     def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
-        """Return the index of the alternative for which number `n_felt` is taken.
+        """Return the index of the alternative that the observer reports.
 
-        Each alternative is known by the level at each place of the skin.
+        `n_felt` is the index of the presented alternative. `alternatives_db` contains the sensation levels of each
+        alternative at each place of the skin.
         """
 
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
         """Return True if two stimuli are reported as different."""
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """Return the felt strength, a number from 0."""
+        """Return the perceived intensity, at least 0."""
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """Return how pleasant it felt, from -1 to 1."""
+        """Return the pleasantness, from -1 to 1."""
 
     def answer_time_s(self, rng: np.random.Generator) -> float: ...
 
@@ -56,7 +57,10 @@ Decide = Callable[[Observer, Sequence[Felt], Choose, np.random.Generator], int]
 
 @dataclass(frozen=True)
 class Decision:
-    """How a question is answered, and after how many stimuli (None: one for each option)."""
+    """Rule that answers a question, and the number of stimuli it needs.
+
+    If `n_stimuli` is None, it needs one stimulus for each option.
+    """
 
     decide: Decide
     n_stimuli: int | None = None
@@ -79,7 +83,10 @@ def most_liked(observer: Observer, felt: Sequence[Felt], request: Choose, rng: n
 
 
 def locate(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """Choose by what each finger feels of each alternative, or by separate places without fingers."""
+    """Report which alternative was felt, from the levels at each finger.
+
+    Without `fingers_db`, each alternative is felt at a separate place.
+    """
     last, names = felt[-1], request.stimuli
     apart = ([last.level_db if name == place else float("-inf") for place in names] for name in names)
     levels_db = list(apart) if last.fingers_db is None else [last.fingers_db(name) for name in names]

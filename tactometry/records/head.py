@@ -63,9 +63,9 @@ class Head:
 
 
 def head_of(value: object, first: Head | None = None) -> Head:
-    """Decode a head, which must agree with `first`, that of the first sitting.
+    """Decode a head, and compare it with `first`, the head of the first sitting.
 
-    Raises `msgspec.ValidationError` if it is none, or is of another session or a later format.
+    Raises `msgspec.ValidationError` if it is invalid, belongs to another session, or has a later format.
     """
     head = msgspec.convert(value, Head)
     for name, holds in _conditions(head).items():
@@ -92,7 +92,7 @@ def _conditions(head: Head) -> dict[str, object]:
 
 
 def as_kept(request: Request[Any], journal_format: int) -> Request[Any]:
-    """Return a request as a journal of this format keeps it.
+    """Return a request as a journal of the given format stores it.
 
     >>> from tactometry.trials.trial import Trial
     >>> trial = Trial(1, 1, {"force_n": 1.0}, "sus", None, "", "rating", 3.0)
@@ -106,12 +106,12 @@ def as_kept(request: Request[Any], journal_format: int) -> Request[Any]:
 
 
 def columns_in(columns: Sequence[Column], journal_format: int) -> tuple[Column, ...]:
-    """Return those columns that sessions of this format have."""
+    """Return the columns that sessions of the given format have."""
     return tuple(column for column in columns if journal_format > 1 or column.name not in ADDED | ADDED_FACTS)
 
 
 def heads(path: Path) -> tuple[Head, ...]:
-    """Read the heads of all sittings of a journal; other damage is not looked for."""
+    """Read the heads of all sittings of a journal. Other lines are not checked."""
     content = read_file(path, "a journal")
     first = next(whole_lines(content), b"")
     others = [] if first.startswith(_SITTING) else [first]
@@ -124,7 +124,7 @@ def heads(path: Path) -> tuple[Head, ...]:
 
 
 def differences(before: Head, after: Head) -> list[str]:
-    """Return the differences of two sittings, a phrase each.
+    """Return one phrase for each difference between two sittings.
 
     >>> first = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 200.0})
     >>> second = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 400.0})

@@ -101,7 +101,7 @@ def test_levels_that_cannot_be_mapped_are_refused(changes, why):
 QUEST = {"kind": "quest", "start": 30.0, "start_sd": 4.0, "low": 10.0, "high": 50.0, "step": 1.0}
 
 
-def test_every_number_of_a_rule_follows_the_levels():
+def test_level_map_converts_every_number_of_the_procedure():
     study = replace(parse(load("tutorial")[1], "t"), procedure=QUEST)
     (tables,) = with_levels(study, "frequency_hz", {"60": LevelMap(30.0, 2.0, 2.0)}).variants["frequency_hz"].values()
     expected = {"start": 29.0, "start_sd": 2.0, "low": 19.0, "high": 39.0, "step": 0.5, "decade": 10.0}

@@ -212,7 +212,7 @@ def test_departures_are_listed_with_their_reason(whole):
 
 
 def test_departure_of_all_rows_together_is_listed(whole):
-    """Chance explains 94 % in one of sixteen rows of 1000, but not in all."""
+    """A share of 94 % may be chance in one row of 1000 sets, but not in all rows together."""
     _, found = whole
     table = found.tables["comparisons"].assign(n=1000, share=0.94, stated=0.95, verdict="")
     said = page(Validated(SMALL, {"comparisons": table}, found.seconds))

@@ -343,7 +343,7 @@ def test_signal_within_tighter_limits_is_within_both(one, other, plays):
 
 
 def test_tighter_keeps_the_stated_duty_exactly():
-    """0.031 became 0.030999999999999996 and was reported as a change between sittings."""
+    """Rounding once changed a duty of 0.031, which was reported as a change between sittings."""
     assert Limits(1.0, duty=0.031).tighter(Limits(1.0)).duty == 0.031
     assert Limits(1.0, duty=0.031).tighter(Limits(1.0, duty=0.5)).duty == 0.031
 

@@ -43,7 +43,7 @@ def test_course_peak_is_that_of_a_dense_sum(samples, value, slope):
 
 
 @given(volts, weight, weight, st.floats(0.01, 3.0))
-def test_course_peak_skips_no_block_above_its_bound(samples, value, slope, part):
+def test_course_peak_finds_every_peak_above_the_bound(samples, value, slope, part):
     size = max(value, slope) * np.abs(samples).max()
     largest = course_peak(samples, 0.0, value=value, slope=slope)
     bound = part * largest

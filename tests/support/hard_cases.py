@@ -41,7 +41,7 @@ stability` writes the page; a test fails if a case is missing, or if an error ha
 thousandth of its bound). The name of a case is in the source of its test.
 """
 DRIFT, MARGIN, ROUNDING = 100.0, 1e-3, 1e-14
-"""An error may grow by the first factor, or up to the second part of its bound: other processors round otherwise."""
+"""An error may grow by the factor `DRIFT`, or up to `MARGIN` times its bound, as processors round differently."""
 UNSEEN = "-"
 SEEN: dict[str, float] = {}
 
@@ -78,20 +78,20 @@ def hard_case(case, found, expected, bound, *, against, floor=0.0):
 
 
 def exact_case(case, *, against):
-    """Note that what came before in this test held exactly."""
+    """Record that the assertions before it in the test require equality."""
     del against
     SEEN[case] = 0.0
 
 
 def cases() -> list[Case]:
-    """All hard cases in the tests' sources, by room and file."""
+    """Return all hard cases in the tests' sources, by section and file."""
     found = [case for path in sorted(TESTS.rglob("test_*.py")) if path != OWN for case in _cases_of(path)]
     order = list(dict.fromkeys(ROOMS.values()))
     return sorted(found, key=lambda case: order.index(case.room))
 
 
 def file_of(path: Path) -> str:
-    """A test's file as the page names it: from the folder of tests, without suffix."""
+    """Return a test file's path below the folder `tests`, without suffix."""
     return path.relative_to(TESTS).with_suffix("").as_posix()
 
 
@@ -110,20 +110,20 @@ def _cases_of(path: Path) -> Iterator[Case]:
 
 
 def _number(bound: ast.expr) -> float | None:
-    """The bound, or None if it is computed."""
+    """Return the bound, or None if it is computed."""
     return float(ast.literal_eval(bound)) if isinstance(bound, ast.Constant) else None
 
 
 @cache
 def rows() -> dict[str, str]:
-    """The error that the page states for each case."""
+    """Return the text of the error that the page states for each case."""
     lines = PAGE.read_text(encoding="utf-8").splitlines() if PAGE.exists() else []
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
     return {cell[0]: cell[2] for cell in cells if cell[0] != "case"}
 
 
 def page(seen: dict[str, float]) -> str:
-    """The page from the errors of the cases; one that was never seen has none."""
+    """Return the page with the error of each case, or a dash without one."""
     lines = [HEAD]
     for room, part in groupby(cases(), key=lambda case: case.room):
         lines += [f"## {room}", "", "| case | reference | largest error | bound |", "|---|---|---|---|"]
@@ -136,7 +136,7 @@ def _stated(error: float | None) -> str:
 
 
 def stated() -> dict[str, float]:
-    """The errors on the page."""
+    """Return the error that the page states for each case that has one."""
     return {name: float(error) for name, error in rows().items() if error != UNSEEN}
 
 
@@ -152,7 +152,7 @@ def pytest_addoption(parser):
 
 
 def pytest_sessionfinish(session, exitstatus):
-    """Write the page; a case that this run left out, as one of a single file does, keeps the error that was stated."""
+    """Write the page. A case that did not run keeps its stated error."""
     if session.config.getoption("--stability") and exitstatus == 0:
         rows.cache_clear()
         PAGE.write_text(page(stated() | SEEN), encoding="utf-8")

@@ -236,7 +236,7 @@ def test_the_command_is_on_the_path(tmp_path):
 
 @pytest.mark.slow
 def test_reused_processes_write_into_current_folder(tmp_path, monkeypatch):
-    """Reused processes stay in the folder of the first command."""
+    """Worker processes are reused, and keep the working folder of the first command."""
     for name in ("here", "there"):
         folder = tmp_path / name
         folder.mkdir()

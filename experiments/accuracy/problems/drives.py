@@ -1,6 +1,6 @@
 """Accuracy problems of drives.
 
-They are one-bit sampling rate, sigma-delta bit rate, and reversal time.
+They vary the one-bit sampling rate, the sigma-delta bit rate, and the reversal time.
 """
 
 from collections.abc import Callable
@@ -33,9 +33,9 @@ Complex = NDArray[np.complex128]
 
 
 def oversampling() -> Problem:
-    """Compare a sampled sign with one that changes at any time.
+    """Compare a sampled one-bit drive with one that may switch at any time.
 
-    The comparison is at four foci.
+    The drives are compared at four foci.
     """
     screen = replace(A4_PROTOTYPE, sources=A4_PROTOTYPE.sources[::8])
     return Problem(
@@ -47,7 +47,7 @@ def oversampling() -> Problem:
 
 
 def _emission(screen: Screen, rate_hz: float) -> Real:
-    """Return the effect of each channel's sign at the focus.
+    """Return the displacement that each one-bit channel adds at a focus.
 
     The shape is (n_foci, n_channels).
     """
@@ -84,12 +84,12 @@ def _integral(modes: Oscillators, weights: Real) -> float:
 
 
 def first_order() -> Problem:
-    """Compare a first-order sigma-delta tone with the tone."""
+    """Compare the first-order sigma-delta bits of a tone with the tone."""
     return _modulated(1)
 
 
 def second_order() -> Problem:
-    """Compare a second-order sigma-delta tone with the tone."""
+    """Compare the second-order sigma-delta bits of a tone with the tone."""
     return _modulated(2)
 
 
@@ -119,7 +119,10 @@ def _spectrum(samples: NDArray[np.generic]) -> Complex:
 
 
 def reversal_amplitude() -> Problem:
-    """Compare amplitudes after a reversal time and twelve time constants."""
+    """Compare focus amplitudes of shorter reversal times with the longest.
+
+    The longest reversal time is twelve time constants.
+    """
     heard = _responses()
     return _against_time(
         "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
@@ -129,9 +132,9 @@ def reversal_amplitude() -> Problem:
 
 
 def reversal_contrast() -> Problem:
-    """Compare contrasts after a reversal time and twelve time constants.
+    """Compare contrasts of shorter reversal times with the longest.
 
-    Contrast is the focus over the rms of the plate.
+    The longest reversal time is twelve time constants. The contrast is the focus amplitude over the rms of the plate.
     """
     heard = _responses()
     return _against_time(
@@ -169,7 +172,7 @@ def _contrast(heard: Responses, reversal_s: float) -> float:
 def _contrast_of_modes(heard: Responses) -> float:
     """Return the contrast by exact steps of the modes.
 
-    The squares of the modes add up to that of the plate.
+    The squared modal amplitudes add up to the mean square of the plate.
     """
     signal = drive(heard, 1.0)
     modes = modal_history(A4_PROTOTYPE, signal, [signal.samples.shape[1] - 1], F_MAX_HZ)

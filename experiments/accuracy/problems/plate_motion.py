@@ -34,9 +34,9 @@ Event = Callable[[float, Real], float]
 
 
 def time_integration() -> Problem:
-    """Compare stepped modes with the exponential of mode and tone.
+    """Compare modes stepped in time with exact matrix exponentials.
 
-    The force of the steps is linear between samples.
+    The steps treat the force as linear between samples. Each exponential contains a mode and the tone that drives it.
     """
     modes = A4_PROTOTYPE.oscillators(TONE_TO_HZ)
     return Problem(
@@ -52,7 +52,7 @@ def _by_rate(rate_hz: float, factors: tuple[int, ...], run: Callable[[int], Real
 
 
 def times_s(factor: int) -> Real:
-    """Return sample times at a multiple of the coarsest rate."""
+    """Return the sample times (s) of the tone at `factor` times `TONE_RATE_HZ`."""
     return np.arange(round(TONE_LASTS_S * TONE_RATE_HZ) * factor + 1) / (TONE_RATE_HZ * factor)
 
 
@@ -81,9 +81,9 @@ def _powers(step: Real, start: Real, n: int) -> Real:
 
 
 def finger_load() -> Problem:
-    """Compare a finger of 2 N with all modes coupled at once.
+    """Compare responses under a finger of 2 N with those of coupled modes.
 
-    The finger is 20 mm from the point of the response.
+    The reference couples all modes at once. The finger is 22 mm from the point of the response.
     """
     load = Fingertip(mass_kg=1e-4, stiffness_n_per_m=1e3).load(PRESSED_M, 2.0)
     return Problem(
@@ -120,7 +120,7 @@ def _coupled_modes(load: PlateLoad) -> Real:
 def lift_off() -> Problem:
     """Compare contact checked at samples with contact events.
 
-    A tap throws a finger of 0.5 N off twice.
+    After a tap, a finger of 0.5 N lifts off twice.
     """
     return Problem(
         "largest error of the displacement under a finger of 0.5 N that lifts off, over the largest, 3 ms",

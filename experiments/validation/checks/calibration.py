@@ -1,6 +1,6 @@
 """Simulation-based calibration of posteriors.
 
-The rank of a truth from the prior is uniform in its posterior.
+If truths are drawn from the prior, their ranks in their posteriors are uniformly distributed.
 
 Talts, Betancourt, Simpson, Vehtari and Gelman (2018), arXiv 1804.06788.
 """
@@ -132,7 +132,7 @@ def inverse(log_density: Callable[[Array], Array], ends: tuple[float, float], un
 def rank(truth: Array, quantiles: Array, rng: np.random.Generator) -> Array:
     """Rank truths (n_sets,) among quantiles (n_sets, 3, n_shares).
 
-    The rank is uniform within the twentieth that contains the truth.
+    The rank is random within the twentieth of the posterior that contains the truth.
     """
     places = np.concatenate([quantiles[:, 0], quantiles[:, 1, :1], quantiles[:, 2]], axis=1)
     below = (np.sort(places, axis=1) < truth[:, None]).sum(axis=1)
@@ -140,9 +140,9 @@ def rank(truth: Array, quantiles: Array, rng: np.random.Generator) -> Array:
 
 
 def of_quest_plus(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Rank the threshold in the weights of QUEST+ after an adaptive track.
+    """Return ranks of the true threshold in the posterior of QUEST+.
 
-    The rank is uniform within the node that contains it.
+    Each posterior follows an adaptive track. The rank is random within the grid node that contains the true threshold.
     """
     guess_rate, n_trials = QUEST_PLUS[name]
     levels = tuple(np.arange(0.0, 41.0, 2.0).tolist())

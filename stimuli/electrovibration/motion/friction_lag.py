@@ -1,4 +1,4 @@
-"""Friction that lags behind the attraction, less so for a faster finger."""
+"""Lag of friction behind the electrostatic force, shorter at higher speeds."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -33,11 +33,11 @@ class FrictionLag(Effect):
     Parameters
     ----------
     slope_hz_per_m_per_s : float
-        By how much the cut-off rises with the speed.
+        Rise of the cut-off frequency with the speed.
     intercept_hz : float
-        The cut-off at rest, as far as the slope says.
+        Cut-off frequency at rest before the floor applies, `f_0`.
     floor_hz : float
-        Below which no cut-off falls.
+        Lowest cut-off frequency.
 
     >>> float(FrictionLag().cutoff_hz(0.1) - FrictionLag().cutoff_hz(0.02)).__round__(6)
     1104.0
@@ -61,7 +61,10 @@ class FrictionLag(Effect):
 
     @checked
     def gain(self, frequency_hz: ArrayLike, speed_m_per_s: float) -> FloatArray:
-        """``1/sqrt(1 + (f/f_c)^2)`` at force frequencies, of the shape of `frequency_hz`."""
+        """Return the gain ``1/sqrt(1 + (f/f_c)^2)`` of the low-pass.
+
+        `frequency_hz` contains frequencies of the force. The result has the same shape.
+        """
         ratio = np.asarray(frequency_hz, dtype=np.float64) / self.cutoff_hz(speed_m_per_s)
         return 1 / np.hypot(1.0, ratio)
 
@@ -112,7 +115,7 @@ def lagged_friction_n(
     >>> friction_n.round(3).tolist()  # 0.5 (1 N + 17.3 N) in the end, 63 % of the way after one time constant
     [0.5, 5.957, 9.133]
     """
-    from ..attraction.force import ForceForm  # what a lag that no output needs does not load
+    from ..attraction.force import ForceForm  # imported only when a friction course is computed
     from .driven_motion import CYCLES_MAX, LinearSystem, check_times, first_order_response
 
     require.of_kind("lagged_friction_n", ForceForm, form=form)
@@ -123,7 +126,7 @@ def lagged_friction_n(
         return np.zeros_like(t)
 
     cutoff_hz = lag.cutoff_hz(speed_m_per_s)
-    longest_s = float(np.diff(t, prepend=0.0).max())  # the motion begins at 0, asked for or not
+    longest_s = float(np.diff(t, prepend=0.0).max())  # the motion begins at 0, even if `t_s` does not
     if cutoff_hz == np.inf or cutoff_hz * longest_s > CYCLES_MAX:
         raise InvalidParameter(
             f"lagged_friction_n.lag: found a corner of {cutoff_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
@@ -138,7 +141,7 @@ def lagged_friction_n(
 def scene_friction_n(
     t_s: FloatArray, pieces: Pieces, form: "ForceForm", friction: CoulombFriction, contact: Contact, **lag: float
 ) -> FloatArray:
-    """(n_times,) `lagged_friction_n` of a scene."""
+    """Return the lagged friction (N) of a scene, with shape (n_times,)."""
     settings = FrictionLag(**lag)
     force_n, speed_m_per_s = contact.force_n, contact.speed_m_per_s
     return lagged_friction_n(

@@ -1,4 +1,4 @@
-"""A finger that sticks and slips on a screen: event-exact, with Coulomb friction as it is."""
+"""Stick-slip motion of a finger on a screen, with exact event times and unsmoothed Coulomb friction."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 N_STEPS_MAX = 2_000_000
-"""The most steps of the series in one call: some two seconds."""
+"""Largest number of series steps in one call, which take about two seconds."""
 
 
 @checked
@@ -44,7 +44,7 @@ class Travel:
 
 @dataclass(frozen=True, eq=False)
 class StickSlip:
-    """A finger over time, arrays (n_times,), and its events, arrays (n_events,).
+    """Motion of a finger (n_times,) and its stick-slip events (n_events,).
 
     `stretch_m` is the deflection of the skin against the finger with its derivatives, `lateral_n` the friction,
     `direction` 1 or -1 in slip and 0 in stick; `events_s` are the times at which it changes to `event_directions`.
@@ -77,9 +77,9 @@ def stick_slip(
 
     It sticks while friction can hold it, and slips until the skin is at rest again.
 
-    In stick the skin follows the screen, ``s' = V``, and asks for ``k s + c V``; it breaks away above
-    ``mu_s (F_n + F_e)``. In slip ``m s'' + c s' + k s = m V' + sign mu_k (F_n + F_e)``. Between events the motion is
-    a power series of 20 terms over at most 1.5 of the fastest time; an event is the root of a polynomial.
+    In stick the skin follows the screen, ``s' = V``, and needs a friction of ``k s + c V``. It breaks away
+    above ``mu_s (F_n + F_e)``. In slip ``m s'' + c s' + k s = m V' + sign mu_k (F_n + F_e)``. Between events the motion
+    is a power series of 20 terms over at most 1.5 of the fastest time; an event is the root of a polynomial.
 
     Raises `InvalidParameter` if a value is outside of its domain, or there are `n_events_max` events or more.
 
@@ -121,7 +121,10 @@ def stick_slip(
 def _plan(
     timing: Timing, form: ForceForm, finger: Finger
 ) -> "tuple[IndexArray, Phases, power_series.Layers, power_series.Steps]":
-    """Compute nodes, phases, circuit and longest steps for any heights."""
+    """Prepare the parts of a run that do not depend on the voltage level.
+
+    Returns the nodes of `t_s`, the phases, the circuit, and the steps with their longest duration.
+    """
     from . import power_series
 
     check_times(timing.t_s, timing.pieces)

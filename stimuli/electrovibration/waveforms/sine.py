@@ -61,7 +61,7 @@ class Sine(Ramped):
         return np.sin(2 * np.pi * self.frequency_hz * times_s(self.duration_s, self.rate_hz) + self.phase_rad)
 
     def pieces(self, level: float) -> Pieces:
-        """The voltage exactly, ramps included."""
+        """Return the exact voltage as pieces, ramps included."""
         c = -1j * np.exp(1j * self.phase_rad) * peak_voltage_v(level, self.level_unit)
         zero, f_hz = np.zeros(1), np.array([self.frequency_hz])
         tone = Pieces(zero, self.duration_s, zero, zero, f_hz, np.array([[c]]))

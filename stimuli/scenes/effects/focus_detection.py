@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FocusDetection(Effect):
-    """A single focus of `reference_m` is at threshold, as in `tactometry.stimuli.time_reversal.TimeReversalSensation`.
+    """Sensation level of a focus, relative to a threshold of `reference_m`.
 
-    The level is that at the first resting finger, by default at the focus. The finger loads the
-    plate only with `finger_load`. 10 um is an unverified default.
+    It is computed as in `tactometry.stimuli.time_reversal.TimeReversalSensation`, at the first resting finger, by
+    default at the focus. The finger loads the plate only with `finger_load`. 10 um is an unverified default.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class FocusDetection(Effect):
 
 
 def single_event_m_per_v(t_s: "FloatArray", course: "FloatArray") -> float:
-    """The amplitude of the single event that is felt as strongly as a course (m/V)."""
+    """Return the amplitude (m/V) of a single event as strong as a course."""
     from ...time_reversal.stimulus.sensation import events, felt_amplitude_m
 
     times_s, peaks = events(course, 1 / float(t_s[1] - t_s[0]))
@@ -72,7 +72,7 @@ def under_finger(t_s: "FloatArray", courses: "FloatArray") -> float:
 
 
 def single_events_m(t_s: "FloatArray", courses_m: "FloatArray") -> "FloatArray":
-    """(n_fingers,): the same of each course (m), as a signal makes it."""
+    """Return the equivalent event amplitude (m) of each finger, (n_fingers,)."""
     import numpy as np
 
     return np.array([single_event_m_per_v(t_s, course_m) for course_m in courses_m])

@@ -46,7 +46,7 @@ class Moment:
     >>> played = Moment("monday", boot_s=100.0, utc_s=1000.0)
     >>> played.ago_s(Moment("monday", boot_s=103.0, utc_s=5000.0))  # the wall clock was set ahead
     3.0
-    >>> played.ago_s(Moment("tuesday", boot_s=20.0, utc_s=1060.0))  # the computer was started anew
+    >>> played.ago_s(Moment("tuesday", boot_s=20.0, utc_s=1060.0))  # the computer was restarted
     60.0
     >>> played.ago_s(Moment("tuesday", boot_s=20.0, utc_s=900.0))  # and its wall clock was set back
     20.0
@@ -61,14 +61,18 @@ class Moment:
         return cls(boot_id(), boot_clock_s(), time.time())
 
     def ago_s(self, now: "Moment") -> float:
-        """Return the elapsed time, s: by the clock since boot, or else at least the time since boot."""
+        """Return the time elapsed until `now`, s.
+
+        It is read from the clock since boot. After a restart, it is the difference of the wall clocks, but at least the
+        time since boot.
+        """
         if self.boot_id == now.boot_id and self.boot_s <= now.boot_s:
             return now.boot_s - self.boot_s
         return max(now.utc_s - self.utc_s, now.boot_s)
 
 
 class Ledger:
-    """The emissions of one output, from `open` on, in the database at `path`."""
+    """Ledger of one output, in the database at `path`; counts after `open`."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._output, self._opened = path, "", ""
@@ -77,7 +81,7 @@ class Ledger:
         self._last: tuple[int, Moment, float] | None = None
 
     def open(self, output: str) -> None:
-        """Begin to count an output; rows beyond every limit's window are deleted."""
+        """Start to count an output, and delete rows older than the longest window."""
         make_folder(self._path.parent)
         self._output, self._opened, self._last = output, uuid.uuid4().hex, None
         with self._turn, self._connected() as database:
@@ -110,9 +114,10 @@ class Ledger:
             self._last = (added.lastrowid or 0, now, duration_s)
 
     def end(self, late_s: float) -> None:
-        """Shorten the last signal to now plus `late_s`, which the device has buffered.
+        """Record that the last signal ends `late_s` from now.
 
-        The whole signal counts if the database cannot be written.
+        `late_s` is the duration that the device still has in its buffer. If the database cannot be written, the whole
+        signal counts.
         """
         with suppress(DeviceFailed), self._turn:
             if self._last is not None:

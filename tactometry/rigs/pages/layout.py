@@ -1,4 +1,4 @@
-"""Layout of the participant's pages: pure functions from words to `Page`."""
+"""Layout of the participant's pages: pure functions that turn texts into a `Page`."""
 
 import unicodedata
 from collections.abc import Sequence
@@ -9,10 +9,10 @@ from ...session.request import Adjust
 from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Picture, Text
 
 BODY, HEADING, HINT = 0.042, 0.056, 0.032
-"""Heights of letters, in heights of the screen."""
+"""Letter heights, in screen heights."""
 N_POSITIONS_CONTINUOUS = 101
 MARGIN = 0.9
-"""Part of the screen's width that may be filled."""
+"""Largest share of the screen's width that a page fills."""
 LONGEST_NEXT_TO_BAR = 0.5
 WIDEST = 1.5
 """Largest width of a line of text."""
@@ -20,7 +20,7 @@ WIDEST = 1.5
 TALLEST = 0.4
 """Largest height of an image on a page of text."""
 LIST_TOP, LIST_HEIGHT, LEAST_ROWS = 0.28, 0.62, 6
-"""Top and height of a column of options, and the number of rows that sets the largest row height."""
+"""Top and height of a column of options, in screen heights, and the least number of rows that share the height."""
 ELSEWHERE: Final = {"a": ("q",), "m": ("semicolon",), "q": ("a",), "w": ("z",), "y": ("z",), "z": ("y", "w")}
 """US names of the keys that carry a letter on QWERTZ and AZERTY keyboards, if they differ."""
 CONTINUE_KEYS = ("space", "return", "num_enter")
@@ -194,7 +194,7 @@ def force_page(page: Page, force_n: float | None, target_n: float, tolerance: fl
 def track_page(page: Page, cue: float, length: float, finger: float | None = None) -> Page:
     """Add a track of `length` (screen heights) with a moving dot, and a ring for the finger.
 
-    `cue` and `finger` are places from -1 to 1. A short track lies beside the force bar, a long one below.
+    `cue` and `finger` are places from -1 to 1. A short track lies next to the force bar, a long one below.
     """
     y = -0.23 if length <= LONGEST_NEXT_TO_BAR else -0.36
     moving = [Disc(cue * length / 2, y, 0.022, fill=ACCENT)]

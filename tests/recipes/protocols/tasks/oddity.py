@@ -1,4 +1,4 @@
-"""Which of three is the odd one?"""
+"""Three-interval oddity task."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +15,10 @@ from .touch import feel_in_turn, nth
 
 @dataclass(frozen=True)
 class Oddity(Task):
-    """A level in one of three intervals, drawn at random, the standard in the others, then: which one differed?"""
+    """Oddity task: one random interval of three differs from the standard.
+
+    That interval has the level of the track. The participant reports which interval differed.
+    """
 
     standard_level: float
 
@@ -33,7 +36,7 @@ class Oddity(Task):
 
 
 def farthest(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """The interval whose sensation lies farthest from the middle one of the three."""
+    """Return the interval that differs most from the median level of the three."""
     levels_db = np.array([each.level_db for each in felt])
     return request.options[observer.compare(list(np.abs(levels_db - np.median(levels_db))), rng)]
 
