@@ -18,8 +18,8 @@ HEAD: Final = """# Commands
 <!-- Written by `make keys`. -->
 
 This page lists every command and option, with the text of `--help`. The exit status is 0 on success, 1 if the answer is
-no, 2 for input that cannot be used, and 3 if a device failed. `--json` prints results as JSON. A terminal shows a progress
-bar.
+no, 2 for input that cannot be used, and 3 if a device failed. `--json` prints results as JSON. A terminal shows a
+progress bar.
 """
 
 
