@@ -227,9 +227,7 @@ class Option:
 
 @dataclass(frozen=True)
 class ChoiceItem:
-    """Question answered with an option, or with a number within bounds.
-
-    A number could identify a participant.
+    """Question answered with an option, or a number within bounds that could identify a participant.
 
     - `id`: Name in the tables.
     - `prompt`: The question, by language.
