@@ -1,7 +1,6 @@
 """The page of a power analysis: the recommendation, what was applied to whom, table, figure, and how to repeat it."""
 
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -10,25 +9,13 @@ from typing import Final
 from tactometry.errors import attempt
 from tactometry.provenance import versions
 
-from ..workers import Spread, here
+from .analysis import Power
 from .design import PowerDesign
 from .figures import power_curves
-from .files import Folder, asked
-from .sampling import Batch, sample
+from .files import asked
 from .scenario import experiment_of, felt_more, maps_of
 from .scores import applied_effect, attitudes_of
-from .summary import HEAD, PowerEstimate, Summary, cautions, cells_of, recommendation
-
-
-@dataclass(frozen=True)
-class Power:
-    """Results of a power analysis."""
-
-    design: PowerDesign
-    points: tuple[PowerEstimate, ...]
-    recommendation: str
-    cautions: tuple[str, ...]
-
+from .summary import HEAD, cells_of
 
 PAGE, FIGURE = "power.html", "power"
 
@@ -120,22 +107,3 @@ WORDS_OF_SCORES: Final = (
     "no dimension of the questionnaire differs between them. How people differ beside is what the study says in "
     "[observer.people] and [observer.raters]."
 )
-
-
-def power(
-    design: PowerDesign,
-    spread: Spread = here,
-    folder: Folder | None = None,
-    tell: Callable[[Batch], None] = lambda batch: None,
-) -> Power:
-    """Simulate studies until their powers are known; what is in the `folder` already is not simulated again."""
-    found = Summary(design)
-    stored = () if folder is None else (folder.kept, folder.keep, folder.simulated)
-    batches = sample(design, spread, *stored)
-    for batch, rows in batches:
-        found.add(rows)
-        tell(batch)
-    points = found.points()
-    if folder is not None:
-        folder.write_table(points)
-    return Power(design, points, recommendation(design, points), tuple(cautions(design, points)))

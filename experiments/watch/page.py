@@ -1,10 +1,10 @@
 """The page and its sections as HTML, from what is seen."""
 
 from functools import cache
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any, Final
 
 from . import view
+from .files import page_text
 from .sight import Drawn, Sight
 
 if TYPE_CHECKING:
@@ -58,16 +58,3 @@ def sections(sight: Sight, drawn: Drawn) -> dict[str, str]:
     """
     template, values = _template(), _values(sight, drawn)
     return {name: "".join(template.blocks[name](template.new_context(values))) for name in SECTIONS}
-
-
-SERVED: Final = {"page.css": "text/css", "page.js": "text/javascript"}
-"""Those that a browser asks for, with their types."""
-
-
-def page_text(name: str) -> str:
-    """A file of the page.
-
-    >>> page_text("page.js").splitlines()[0]
-    '"use strict";'
-    """
-    return (files(__package__) / name).read_text("utf-8")

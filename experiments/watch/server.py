@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 from tactometry.errors import DeviceFailed, library_needed
 
-from .page import SERVED, page_text
+from .files import SERVED, page_text
 from .scenery import Scenery
 
 if TYPE_CHECKING:

@@ -7,10 +7,10 @@ from typing import Any
 
 import click
 
+from tactometry.experiments.power.analysis import Power, power
 from tactometry.experiments.power.design import PowerDesign, participants_of, trials_of
 from tactometry.experiments.power.effect import parse_effect
 from tactometry.experiments.power.files import Folder, asked
-from tactometry.experiments.power.page import Power, power
 from tactometry.experiments.power.sampling import Batch
 from tactometry.experiments.power.scenario import check_design
 from tactometry.experiments.power.summary import table

@@ -60,6 +60,15 @@ def loaded(command: tuple[str, ...], folder: Path) -> tuple[set[str], set[str]]:
     return set(distributions) - {"typing-extensions"}, set(modules)
 
 
+@pytest.mark.parametrize(
+    ("module", "library"),
+    [("tactometry.cli.power", "matplotlib"), ("tactometry.experiments.watch.server", "pandas")],
+)
+def test_module_starts_without_a_slow_library(module: str, library: str) -> None:
+    ask = f"import sys, {module}; sys.exit({library!r} in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", ask], check=False).returncode == 0
+
+
 @pytest.mark.parametrize("command", LOADS, ids=lambda command: f"{command[0]} {Path(command[-1]).name}")
 def test_command_loads_only_expected_core_distributions(command: tuple[str, ...], tmp_path: Path) -> None:
     distributions, modules = loaded(command, tmp_path)
