@@ -14,7 +14,7 @@ import pandas as pd
 
 from tactometry.arguments.require import expect
 from tactometry.errors import DeviceFailed, attempt, count_of
-from tactometry.files.rows import file_text, spreadsheet_text
+from tactometry.files.rows import LIST_OF_TABLES, file_text, spreadsheet_text
 
 from ..reading.quality import tally_of
 from ..result import Analysis
@@ -35,10 +35,6 @@ class DrawEach(Protocol):
     """Function that draws each figure, here (`map`) or in other processes, in their order."""
 
     def __call__(self, draw: Callable[[Figure], Drawn], figures: Iterable[Figure], /) -> Iterable[Drawn]: ...
-
-
-INDEX = "tables.txt"
-"""Lists the tables of a report in their folder."""
 
 
 def write_report(
@@ -68,7 +64,8 @@ def write_report(
         page = render(analysis, sections, svgs)
         _remove_earlier(folder)
         write_tables(analysis.tables, folder)
-        (folder / INDEX).write_text("".join(f"{file_text(name)}.csv\n" for name in analysis.tables), encoding="utf-8")
+        names = "".join(f"{file_text(name)}.csv\n" for name in analysis.tables)
+        (folder / LIST_OF_TABLES).write_text(names, encoding="utf-8")
         path.write_text(page, encoding="utf-8")
     if pdf:
         print_pdf(path)
@@ -76,9 +73,9 @@ def write_report(
 
 
 def _remove_earlier(folder: Path) -> None:
-    """Remove the tables of an earlier report, which its index lists; other files stay."""
-    index = folder / INDEX
-    names = index.read_text(encoding="utf-8").splitlines() if index.exists() else []
+    """Remove the tables of an earlier report, which a file lists; other files stay."""
+    listed = folder / LIST_OF_TABLES
+    names = listed.read_text(encoding="utf-8", errors="replace").splitlines() if listed.exists() else []
     for name in names:
         if Path(name).name == name and name.endswith(".csv"):
             (folder / name).unlink(missing_ok=True)

@@ -21,15 +21,13 @@ from tactometry import __version__
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, InvalidParameter, attempt, nearest
 from tactometry.files.durable import drafts, read_file, sync_folder
+from tactometry.files.rows import LIST_OF_TABLES
 from tactometry.records.data_set import PARTS, keys_of, refuse_links, sessions
 from tactometry.records.description import NAME
 from tactometry.records.erasures import LOCK, RECORD, Erasure, read_erasures, unfinished, write_erasures
 from tactometry.records.head import heads
 from tactometry.records.open_journal import alone, held
 from tactometry.trials.cells import PARTICIPANT
-
-LIST_OF_TABLES = "tables.txt"
-"""File of a report that lists its tables."""
 
 
 @dataclass(frozen=True)

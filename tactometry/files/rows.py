@@ -8,6 +8,8 @@ from typing import Any
 
 from ..errors import attempt
 
+LIST_OF_TABLES = "tables.txt"
+"""File next to the tables of a report that lists them."""
 _QUOTED_SIGNS = '"\r\n'
 """The csv module leaves a carriage return unquoted in rows that end in a line feed, up to Python 3.12."""
 

@@ -320,3 +320,11 @@ def test_report_removes_the_tables_of_an_earlier_one(tmp_path):
     left = {path.name for path in folder.glob("*.csv")}
     assert "standard.csv" in earlier - left
     assert left == {"own.csv", *(folder / "tables.txt").read_text(encoding="utf-8").split()}
+
+
+def test_report_is_written_when_the_earlier_list_is_no_text(tmp_path):
+    report, listed = tmp_path / "r.html", tmp_path / "r_tables" / "tables.txt"
+    listed.parent.mkdir()
+    listed.write_bytes(b"\xff\xfe\n")
+    assert analyse(RECORDED / "magnitude", report=report).report == report
+    assert "magnitude.csv" in listed.read_text(encoding="utf-8").split()
