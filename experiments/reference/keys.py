@@ -9,7 +9,7 @@ import math
 import re
 import types
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -287,7 +287,7 @@ def block(table: KeyTable) -> str:
     timeout_s = 10.0
     # tolerance = 0.15
     """
-    return _block(table, comments=True)
+    return _written(table, *_stated_and_others(table))
 
 
 def example(table: KeyTable) -> str:
@@ -298,21 +298,23 @@ def example(table: KeyTable) -> str:
     [limits]
     voltage_peak_v = 200.0
     """
-    return _block(table, comments=False)
+    stated, others = _stated_and_others(table)
+    return _written(table, stated or others[:1])  # one optional key shows how the table is written
 
 
-def _block(table: KeyTable, *, comments: bool) -> str:
+def _stated_and_others(table: KeyTable) -> tuple[list[Key], list[Key]]:
+    """Split the keys with an example into those that a file needs or the table shows, and the others."""
     keys = [key for key in keys_of(table) if key.example]
     stated = [key for key in keys if key.required or key.name in table.shown]
-    others = [f"# {key.name} = {key.example}" for key in keys if key not in stated]
-    if not stated and not comments:  # one optional key shows how the table is written
-        others = [line.removeprefix("# ") for line in others[:1]]
+    return stated, [key for key in keys if key not in stated]
 
+
+def _written(table: KeyTable, stated: list[Key], comments: Sequence[Key] = ()) -> str:
     apart = [] if table.header else [key for key in stated if isinstance(table.shown.get(key.name), Mapping)]
     lines = [f"{key.name} = {key.example}" for key in stated if key not in apart]
+    lines += [f"# {key.name} = {key.example}" for key in comments]
     parts = [line for key in apart for line in ("", f"[{key.name}]", *_lines(table.shown[key.name]))]
-    shown = others if comments or not stated else []
-    return "".join(f"{line}\n" for line in [*filter(None, [table.header]), *lines, *shown, *parts])
+    return "".join(f"{line}\n" for line in [*filter(None, [table.header]), *lines, *parts])
 
 
 def _lines(values: Mapping[str, object]) -> list[str]:

@@ -84,9 +84,9 @@ def _section(alike: list[KeyTable], page: str, shown: Shown) -> str:
 
     rows = {key.name: _row(key, alike, page) for key in keys_of(table)}
     known = {name: shown[row] for name, row in rows.items() if row in shown}
-    shared = [place for place, n in Counter(known.values()).items() if n >= FEWEST_SHARED]
+    shared = [earlier for earlier, n in Counter(known.values()).items() if n >= FEWEST_SHARED]
     new = [row for name, row in rows.items() if known.get(name) not in shared]
-    same = [_shared(place, [name for name in rows if known.get(name) == place], page) for place in shared]
+    same = [_shared(earlier, [name for name in rows if known.get(name) == earlier], page) for earlier in shared]
     for row in rows.values():
         shown.setdefault(row, table.name)
 
@@ -95,9 +95,9 @@ def _section(alike: list[KeyTable], page: str, shown: Shown) -> str:
     return "\n".join([*lines, *same, f"<!-- keys: {table.name} -->", "```toml", example(table).rstrip(), "```"])
 
 
-def _shared(place: str, names: list[str], page: str) -> str:
+def _shared(earlier: str, names: list[str], page: str) -> str:
     listed = ", ".join(f"`{name}`" for name in names)
-    return f"As in {_link(place, page)}: {listed}.\n"
+    return f"As in {_link(earlier, page)}: {listed}.\n"
 
 
 def _row(key: Key, alike: list[KeyTable], page: str) -> str:
