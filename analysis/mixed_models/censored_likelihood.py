@@ -21,7 +21,7 @@ NARROW = 1e-6
 LOG_ROOT_TWO_PI = 0.5 * float(np.log(2 * np.pi))
 MAX_STEPS, SMALL_DECREMENT = 60, 1e-9
 DIFFERENCE = 1e-4
-"""Of central differences: their error goes with its square, that of rounding with its inverse."""
+"""Step of central differences: their error grows with its square, that of rounding with its inverse."""
 GRADIENT_TOLERANCE = 1e-5
 MAX_RESTARTS, MAX_POLISHING = 5, 4
 IMPOSSIBLE = 1e12

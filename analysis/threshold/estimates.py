@@ -22,7 +22,7 @@ FITTED_ANYWAY = (Status.NON_MONOTONE, Status.TOO_FEW_LEVELS)
 WIDEST_SD = 0.5
 """In ranges of the levels: with a larger standard error the 95 % interval of a threshold exceeds all levels."""
 WIDEST_LOG_SD = 1.5
-"""Of a log width: an interval from a twentieth to twenty times the width says nothing."""
+"""Largest standard error of a log width: its interval spans a twentieth to twenty times the width."""
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,11 @@ from .replicate import Row, studied
 from .sampling import Batch, simulated
 from .summary import PowerEstimate
 
-STUDY, STUDIES, TABLE = "study.toml", "studies", "power.csv"
+STUDY, STUDIES, TABLE, DATA = "study.toml", "studies", "power.csv", "data"
+PLACE = "power --out"
+MARK = {b"simulated": b"true"}
+OF_FILES = ["row", "source"]
+"""Columns on the origin of a row in a file, which simulated trials lack."""
 _TYPES: Final = {int: "int64", bool: "bool_", float: "float64", float | None: "float64"}
 
 
@@ -118,20 +122,13 @@ def _schema(pa: Any) -> Any:
     return pa.schema([(name, getattr(pa, kind)()) for name, kind in kinds], MARK)
 
 
-PLACE = "power --out"
-DATA = "data"
-MARK = {b"simulated": b"true"}
-OF_FILES = ["row", "source"]
-"""Where trials stood in a file, which these never did."""
-
-
 def paths_of(root: Path, batch: Batch) -> list[Path]:
-    """A file for each study of a batch."""
+    """Return the file of each study of a batch."""
     return [root / DATA / f"{batch.case.name}_{number:07d}.parquet" for number in range(batch.first, batch.end)]
 
 
 def simulated_and_kept(root: Path, design: PowerDesign, batch: Batch, spread: Spread) -> Iterator[Row]:
-    """The rows of a batch, whose studies are written one by one: no more than a few are in memory."""
+    """Yield the rows of a batch; studies are written one by one, so that only a few are in memory."""
     made = spread(partial(_with_content, design, batch.case), range(batch.first, batch.end))
     for path, (rows, content) in zip(paths_of(root, batch), made, strict=True):
         write_atomically(path, content)
