@@ -8,8 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .arguments.annotations import as_array
-from .arguments.require import expect, positive
+from .arguments.require import as_array, expect, positive
 from .errors import InvalidParameter, count_of
 
 FloatArray = NDArray[np.float64]

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isinf
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
 from annotated_types import Ge, Gt
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import constraints
 from .constraints import check_of
 from .magnitudes import LARGEST_COUNT, is_number
-from .require import not_negative_array, positive_array
+from .require import as_array, not_negative_array, positive_array
 
 Vector = Annotated[NDArray[np.float64], 1]
 Matrix = Annotated[NDArray[np.float64], 2]
@@ -53,6 +53,28 @@ class AnnotationRule:
     demand: Demand | None = None
 
 
+class Bounds(NamedTuple):
+    """Tests of numbers that go up to `high`, or to infinity if `unbounded`."""
+
+    high: float
+    unbounded: bool = False
+
+    def good(self, found: Any) -> NDArray[np.bool_]:
+        size = np.abs(found)
+        return np.asarray((size <= self.high) | np.isinf(size) if self.unbounded else size <= self.high)
+
+    def number(self, value: Any) -> bool:
+        if isinstance(value, float):
+            return -self.high <= value <= self.high or (self.unbounded and isinf(value))
+        return is_number(value) and -self.high <= value <= self.high
+
+    def array(self, value: Any, kinds: str = "iuf") -> bool:
+        found = as_array(value)
+        if found is None or found.dtype.kind not in kinds:
+            return False
+        return _all_within(found, self.high) or bool(self.good(found).all())
+
+
 @functools.cache
 def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
     """Return the rule of an annotation; its numbers go up to `high`, or to infinity if `unbounded`.
@@ -60,40 +82,28 @@ def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
     >>> rule_of(Sequence[float], 1e9).words
     'a list, each of it a finite number'
     """
-    origin, inner = get_origin(hint), get_args(hint)
+    origin, inner, bounds = get_origin(hint), get_args(hint), Bounds(high, unbounded)
     if hint in _PLAIN:
         return _PLAIN[hint]
     if hint in (float, complex, ArrayLike) or origin is np.ndarray:
-        return _of_numbers(hint, high, unbounded)
+        return _of_numbers(hint, bounds)
     if origin is Annotated:
         return _annotated(hint, high)
     if origin in (Union, UnionType):
         return _either([rule_of(part, high, unbounded) for part in inner])
     if origin is Literal:
-        return AnnotationRule(
-            lambda value: isinstance(value, str) and value in inner, f"one of {', '.join(inner)}", choices=inner
-        )
+        words = f"one of {', '.join(inner)}"
+        return AnnotationRule(lambda value: isinstance(value, str) and value in inner, words, choices=inner)
     if origin is Mapping:
         part = rule_of(inner[1], high, unbounded)
-        return AnnotationRule(
-            lambda value: isinstance(value, Mapping) and all(map(part.fits, value.values())),
-            f"a mapping to {part.words}",
-            part=part,
-        )
+        fits = lambda value: isinstance(value, Mapping) and all(map(part.fits, value.values()))  # noqa: E731
+        return AnnotationRule(fits, f"a mapping to {part.words}", part=part)
     if origin in (tuple, Sequence, list):
         parts = [rule_of(part, high, unbounded) for part in inner if part is not Ellipsis]
-        return _each(parts[0], high if inner[0] is float else None) if len(parts) == 1 else _row(parts)
+        return _each(parts[0], bounds if inner[0] is float else None) if len(parts) == 1 else _row(parts)
     if isinstance(hint, type):
         return _of_class(hint)
     return AnnotationRule(callable, "a function") if origin is Callable else _PLAIN[Any]
-
-
-def as_array(value: Any) -> NDArray[Any] | None:
-    """Return the array that a value makes, or None."""
-    try:
-        return np.asarray(value)
-    except (ValueError, TypeError):
-        return None
 
 
 def parts_of(value: Any) -> Iterable[tuple[Any, Any]]:
@@ -103,53 +113,19 @@ def parts_of(value: Any) -> Iterable[tuple[Any, Any]]:
     return enumerate(value) if _is_listed(value) else ()
 
 
-def _of_numbers(hint: Any, high: float, unbounded: bool) -> AnnotationRule:
-    good = _good_to(high, unbounded)
-    number, numbers = _number(high, unbounded), "numbers" if unbounded else "finite numbers"
+def _of_numbers(hint: Any, bounds: Bounds) -> AnnotationRule:
+    number, good, numbers = bounds.number, bounds.good, "numbers" if bounds.unbounded else "finite numbers"
     if hint is float:
         return AnnotationRule(number, f"a {numbers.removesuffix('s')}", good=good)
     if hint is complex:
-        return AnnotationRule(
-            lambda value: number(value) or (isinstance(value, complex | np.complexfloating) and bool(good(value))),
-            "a number",
-            good=good,
-        )
+        is_complex = lambda value: isinstance(value, complex | np.complexfloating) and bool(good(value))  # noqa: E731
+        return AnnotationRule(lambda value: number(value) or is_complex(value), "a number", good=good)
     if hint == ArrayLike:
-        array = _array("iuf", high, good)
-        return AnnotationRule(lambda value: number(value) or array(value), numbers, good=good)
+        return AnnotationRule(lambda value: number(value) or bounds.array(value), numbers, good=good)
     dtype = get_args(get_args(hint)[1])[0]
     kinds, prefix = ("iufc", "complex ") if issubclass(dtype, np.complexfloating) else ("iuf", "")
-    array = _array(kinds, high, good)
-    return AnnotationRule(
-        lambda value: _is_listed(value) and array(value), f"an array of {prefix}{numbers}", good=good, dtype=dtype
-    )
-
-
-def _good_to(high: float, unbounded: bool) -> Callable[[Any], NDArray[np.bool_]]:
-    def good(found: Any) -> NDArray[np.bool_]:
-        size = np.abs(found)
-        return np.asarray((size <= high) | np.isinf(size) if unbounded else size <= high)
-
-    return good
-
-
-def _number(high: float, unbounded: bool) -> Test:
-    def fits(value: Any) -> bool:
-        if isinstance(value, float):
-            return -high <= value <= high or (unbounded and isinf(value))
-        return is_number(value) and -high <= value <= high
-
-    return fits
-
-
-def _array(kinds: str, high: float, good: Callable[[Any], NDArray[np.bool_]]) -> Test:
-    def fits(value: Any) -> bool:
-        found = as_array(value)
-        if found is None or found.dtype.kind not in kinds:
-            return False
-        return _all_within(found, high) or bool(good(found).all())
-
-    return fits
+    fits = lambda value: _is_listed(value) and bounds.array(value, kinds)  # noqa: E731
+    return AnnotationRule(fits, f"an array of {prefix}{numbers}", good=good, dtype=dtype)
 
 
 def _all_within(found: NDArray[Any], high: float) -> bool:
@@ -163,10 +139,9 @@ def _all_within(found: NDArray[Any], high: float) -> bool:
 
 def _annotated(hint: Any, high: float) -> AnnotationRule:
     base, note = hint.__origin__, hint.__metadata__[0]
-    if hint in _OF_ARRAYS or check_of(hint):
-        return replace(rule_of(base, high), demand=_OF_ARRAYS.get(hint) or check_of(hint))
-    if note == inf:
-        return rule_of(base, high, unbounded=True)
+    demand = _OF_ARRAYS.get(hint) or check_of(hint)
+    if demand or note == inf:
+        return replace(rule_of(base, high, note == inf), demand=demand)
 
     rule, least = rule_of(base, high), 1 if note == 1 else 0
     words = f"an array in {note} dimension{'s' * (note > 1)} of finite numbers{', at least one' * least}"
@@ -177,15 +152,10 @@ def _annotated(hint: Any, high: float) -> AnnotationRule:
 def _either(rules: Sequence[AnnotationRule]) -> AnnotationRule:
     """Combine rules; parts and numbers are those of the first rule that has some."""
     tests = [rule.fits for rule in rules]
-    return AnnotationRule(
-        lambda value: any(fits(value) for fits in tests),
-        " or ".join(rule.words for rule in rules),
-        part=next((rule.part for rule in rules if rule.part), None),
-        good=next((rule.good for rule in rules if rule.good), None),
-        choices=tuple(choice for rule in rules for choice in rule.choices),
-        dtype=next((rule.dtype for rule in rules if rule.dtype), None),
-        demand=next((rule.demand for rule in rules if rule.demand), None),
-    )
+    firsts = {name: next(filter(None, (getattr(rule, name) for rule in rules)), None) for name in _OF_FIRST}
+    choices = tuple(choice for rule in rules for choice in rule.choices)
+    words = " or ".join(rule.words for rule in rules)
+    return AnnotationRule(lambda value: any(fits(value) for fits in tests), words, choices=choices, **firsts)
 
 
 def _row(rules: Sequence[AnnotationRule]) -> AnnotationRule:
@@ -196,16 +166,13 @@ def _row(rules: Sequence[AnnotationRule]) -> AnnotationRule:
     return AnnotationRule(fits, f"({', '.join(rule.words for rule in rules)})")
 
 
-def _each(rule: AnnotationRule, high: float | None) -> AnnotationRule:
-    """Return the rule of a list; numbers are tested as an array, as there may be many."""
+def _each(rule: AnnotationRule, bounds: Bounds | None) -> AnnotationRule:
+    """Return the rule of a list; numbers within `bounds` are tested as an array, as there may be many."""
     words = f"a list, each of it {rule.words}"
-    if high is not None and rule.good is not None:
-        row = _array("iuf", high, rule.good)
-        good = rule.good
-        return AnnotationRule(
-            lambda value: _is_listed(value) and row(value) and np.ndim(value) == 1, words, part=rule, good=good
-        )
-    return AnnotationRule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
+    if bounds is None:
+        return AnnotationRule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
+    fits = lambda value: _is_listed(value) and bounds.array(value) and np.ndim(value) == 1  # noqa: E731
+    return AnnotationRule(fits, words, part=rule, good=bounds.good)
 
 
 def _of_class(kind: type) -> AnnotationRule:
@@ -232,6 +199,7 @@ def _is_whole(value: Any) -> bool:
     return isinstance(value, int | np.integer) and is_number(value) and abs(value) <= LARGEST_COUNT
 
 
+_OF_FIRST = ("part", "good", "dtype", "demand")
 _OF_ARRAYS: Mapping[Any, Demand] = {PositiveArray: positive_array, NotNegativeArray: not_negative_array}
 _PLAIN: Mapping[Any, AnnotationRule] = {
     int: AnnotationRule(_is_whole, "a whole number"),

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InvalidParameter, nearest
-from .annotations import AnnotationRule, Demand, as_array, parts_of, rule_of
+from .annotations import AnnotationRule, Demand, parts_of, rule_of
 from .constraints import excerpt
 from .magnitudes import domain
+from .require import as_array
 
 T = TypeVar("T", bound=Callable[..., Any])
 

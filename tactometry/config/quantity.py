@@ -8,34 +8,10 @@ from typing import Any
 from ..arguments.unlimited import WORD
 from ..errors import Gathered, InvalidParameter, nearest
 
-_PREFIXES = {
-    "p": 1e-12,
-    "n": 1e-9,
-    "u": 1e-6,
-    "µ": 1e-6,
-    "m": 1e-3,
-    "c": 1e-2,
-    "": 1.0,
-    "k": 1e3,
-    "M": 1e6,
-    "G": 1e9,
-}
-_SI = {
-    "hz": "Hz",
-    "n": "N",
-    "s": "s",
-    "v": "V",
-    "a": "A",
-    "f": "F",
-    "j": "J",
-    "w": "W",
-    "c": "C",
-    "m": "m",
-    "pa": "Pa",
-    "kg": "kg",
-    "ohm": "ohm",
-    "m2": "m2",
-}
+_PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
+_UNITS = ("Hz", "N", "s", "V", "A", "F", "J", "W", "C", "m", "Pa", "kg", "ohm", "m2")
+_SI = {unit.lower(): unit for unit in _UNITS}
+"""Units by the suffix of a name."""
 _COMPOUND = {
     "m_per_s": ("m/s", {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2}),
     "n_s_per_m": ("N s/m", {"N s/m": 1.0}),
@@ -65,9 +41,7 @@ def unit_suffix(name: str) -> str | None:
 
 
 def unit_in(name: str) -> str:
-    """Return the unit or ratio of units that a name ends with.
-
-    The result is empty if the name has no unit.
+    """Return the unit or ratio of units that a name ends with, or an empty text.
 
     >>> unit_in("force_n"), unit_in("moment_n_per_v"), unit_in("slope_hz_per_m_per_s"), unit_in("repeats")
     ('N', 'N/V', 'Hz/(m/s)', '')
@@ -89,7 +63,7 @@ def units(suffix: str) -> tuple[str, Mapping[str, float]]:
     if suffix in _COMPOUND:
         return _COMPOUND[suffix]
     symbol = _SI[suffix]
-    return symbol, {prefix + symbol: factor for prefix, factor in _PREFIXES.items() if prefix != "c"}
+    return symbol, {prefix + symbol: factor for prefix, factor in _PREFIXES.items()}
 
 
 def si_unit(unit: str, where: str) -> tuple[str, float]:

@@ -128,6 +128,7 @@ def test_class_checks_arguments_of_constructor_and_methods(call, name):
     [
         (lambda: require.positive("Rod", length_m=0), "Rod.length_m: found 0, expected a finite number above 0"),
         (lambda: require.positive("Rod", length_m=1e10), "found 10000000000.0, expected a number from 1e-20 to 1e+09"),
+        (lambda: require.positive("Rod", length_m=1e-320), "found 1e-320, expected a number from 1e-20 to 1e+09"),
         (lambda: require.not_negative("Rod", length_m=-1), "found -1, expected a finite number, at least 0"),
         (lambda: require.not_negative("Rod", length_m=1e-30), "expected 0 or a number from 1e-20 to 1e+09"),
         (lambda: require.finite("Rod", at=10**400), f"Rod.at: found {10**59}, expected a finite number"),
@@ -140,6 +141,14 @@ def test_class_checks_arguments_of_constructor_and_methods(call, name):
         (lambda: require.not_negative_array("at_m", inf), "at_m: found inf, expected a finite number, at least 0"),
         (lambda: require.ascending("at_m", [1.0, 1.0]), "expected two or more ascending numbers"),
         (lambda: require.one_of("kind", 1, (2, 3)), "kind: found 1, expected one of 2, 3"),
+        (lambda: require.lookup("kind", "hnad", {"hand": 1}), "found 'hnad', expected one of hand; did you mean 'hand"),
+        (lambda: require.below_1("Rod", part=1.0), "Rod.part: found 1.0, expected a number from 0 to below 1"),
+        (lambda: require.within("Rod", 0, 1, part=1.5), "Rod.part: found 1.5, expected a number from 0 to 1"),
+        (lambda: require.not_zero("Rod", tilt=0.0), "Rod.tilt: found 0.0, expected a finite number but 0"),
+        (lambda: require.at_most("modes", 2e6, 1e6), "modes: found 2e+06, expected at most 1e+06"),
+        (lambda: require.distinct("steps", (4.0, 2, 4), "each once"), "steps[2]: found 4 twice, expected each once"),
+        (lambda: require.finite_array("at_v", [0.0, 1e200]), "at_v[1]: found 1e+200, expected a number of at most 1e+"),
+        (lambda: require.shape("field_m", [1.0, 2.0], (3,)), "field_m: found shape (2,), expected (3)"),
     ],
 )  # fmt: skip
 def test_require_functions_refuse_in_one_sentence(call, sentence):
