@@ -1,4 +1,4 @@
-"""Tactometry: run, simulate and analyse psychophysics experiments on touch.
+"""Run, simulate and analyse psychophysics experiments on touch.
 
 The names of `__all__` are what a script needs; `tactometry.stimuli`, `tactometry.protocols` and `tactometry.analysis`
 export further ones. A name is imported when it is first used.

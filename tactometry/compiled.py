@@ -21,7 +21,7 @@ AS_PART = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def compiled(loop: Loop) -> Loop:
-    """Compile a loop as a part of the entries that call it; Python sees the plain function."""
+    """Compile a loop as a part of the entries that call it."""
     made: Loop = register_jitable(**AS_PART)(loop)
     return made
 
@@ -43,13 +43,13 @@ def called(function: Loop) -> Loop:
 
 
 def sources(*functions: Callable[..., object]) -> str:
-    """Return a digest of the files of functions, or nothing for functions without a file."""
+    """Return a digest of the files of functions, or nothing without a file."""
     files = map(Path, sorted({inspect.getfile(function) for function in functions}))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()
 
 
 def uniform(values: Iterable[object]) -> tuple[Any, ...]:
-    """Return the values as a plain tuple: arrays by rows, whole numbers as floats."""
+    """Return values as a plain tuple of contiguous arrays and floats."""
 
     def plain(value: object) -> object:
         if isinstance(value, np.ndarray):

@@ -1,4 +1,4 @@
-"""Errors by cause. A message says where, what was found, what was expected, and how to fix it."""
+"""Errors by cause, and their messages."""
 
 import difflib
 import re
@@ -27,7 +27,7 @@ def shorten(text: str, longest: int) -> str:
 
 
 class TactometryError(Exception):
-    """An error that a user can fix; `exit_status` is that of the command line."""
+    """Error that a user can fix, with the exit status of the command."""
 
     exit_status = 2
 
@@ -41,7 +41,7 @@ class InvalidParameter(TactometryError, ValueError):  # noqa: N818
 
 
 class InvalidFile(TactometryError):  # noqa: N818
-    """A study file, data set or journal that cannot be read as what it claims to be."""
+    """A study file, data set or journal with invalid content."""
 
 
 class Mistakes(InvalidFile, InvalidParameter):
@@ -53,7 +53,7 @@ class Mistakes(InvalidFile, InvalidParameter):
 
 
 def each_of(error: TactometryError) -> tuple[TactometryError, ...]:
-    """Return the mistakes that an error consists of; most errors are one."""
+    """Return the mistakes of an error, of which most are one."""
     return error.parts if isinstance(error, Mistakes) else (error,)
 
 
@@ -82,7 +82,7 @@ class Gathered:
             self.add(error)
 
     def made(self, make: Callable[[], T]) -> T:
-        """Return what is made, or keep the mistakes and return None; `end` then raises."""
+        """Return what `make` returns, or keep its mistakes for `end`."""
         try:
             return make()
         except (InvalidParameter, InvalidFile) as error:
@@ -136,13 +136,13 @@ class Diverged(TactometryError):  # noqa: N818
 
 
 class Stopped(TactometryError):  # noqa: N818
-    """The end of a session by participant or experimenter; what was recorded is safe."""
+    """End of a session by participant or experimenter, without data loss."""
 
     exit_status = 1
 
 
 class Terminated(SystemExit):
-    """The end of the process by a signal; the code is 128 plus the signal's number."""
+    """End of the process by a signal. The code is 128 plus its number."""
 
 
 def ended_by_signal(error: BaseException) -> bool:
@@ -156,7 +156,9 @@ def ended_by_signal(error: BaseException) -> bool:
 
 @contextmanager
 def library_needed(refusal: str) -> Iterator[None]:
-    """Raise `DeviceFailed` with `refusal` (``{error}`` is the reason) if the body cannot import a library.
+    """Raise `DeviceFailed` if the body cannot import a library.
+
+    Its message is `refusal`, in which ``{error}`` is the reason.
 
     >>> with library_needed("lamp: found no lamps ({error}); pip install 'tactometry[lamp]'"):
     ...     import lamps
@@ -173,7 +175,7 @@ def library_needed(refusal: str) -> Iterator[None]:
 def attempt(
     where: object, act: str, expected: str, errors: type[Exception] | tuple[type[Exception], ...] = OSError
 ) -> Iterator[None]:
-    """Raise `DeviceFailed`, which says where, what failed and why, if the body raises one of the `errors`.
+    """Raise `DeviceFailed` with the reason if the body raises `errors`.
 
     >>> with attempt("/nowhere/f", "cannot write", "a place to write to"):
     ...     open("/nowhere/f", "xb")
@@ -197,7 +199,7 @@ def reason(error: BaseException) -> str:
 
 @contextmanager
 def rewording(tell: Callable[[str], str]) -> Iterator[None]:
-    """Raise `InvalidParameter`, in the words of `tell`, for an error in the body that a user can fix.
+    """Raise `InvalidParameter`, reworded by `tell`, for errors of a user.
 
     >>> with rewording(lambda words: f"procedure.{words}"):
     ...     raise LimitExceeded("level: found 90, expected at most 40")
@@ -227,7 +229,7 @@ def nearest(found: str, names: Iterable[str], n: int = 1) -> str:
 
 
 def nearest_of(found: str, names: Iterable[str]) -> str:
-    """Return the name that is most like a mistyped one; empty if none is.
+    """Return the most similar name, or an empty text.
 
     >>> nearest_of("procedur", ["procedure", "task"])
     'procedure'

@@ -1,4 +1,4 @@
-"""Gates for held force and speed, decided on sample stamps, and compliance afterwards."""
+"""Gates for held force and speed, and compliance of touches."""
 
 import math
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ def _then(gate: G, **state: Any) -> G:
 @dataclass(frozen=True)
 @constrained
 class ForceGate:
-    """Opens once `target_n` was held within `tolerance` for `hold_s`, without a gap between samples.
+    """Gate that opens once a force was held long enough.
 
     Each sample makes a new gate. The hold starts again after a sample outside the band, a lost sample (NaN), a gap
     above `max_gap_s` and a stamp that goes back: the gate may open late, never early.
@@ -59,11 +59,11 @@ class ForceGate:
         return self.since_s is not None and self.last_s is not None and self.last_s - self.since_s >= self.hold_s
 
     def holds(self, force_n: float) -> bool:
-        """Return True if a force (N) is in the band; NaN is not."""
+        """Return True if a force (N) is in the band. NaN is not."""
         return abs(force_n - self.target_n) <= self.tolerance * self.target_n
 
     def after(self, sample_time_s: float, force_n: float) -> "ForceGate":
-        """Return the gate after a sample of `force_n` (N) stamped `sample_time_s` (s)."""
+        """Return the gate after a sample (N) and its stamp (s)."""
         if not (math.isfinite(sample_time_s) and self.holds(force_n)):
             return _then(self, since_s=None, last_s=None)
         follows = self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
@@ -72,7 +72,7 @@ class ForceGate:
 
 
 class Compliance(NamedTuple):
-    """Mean and standard deviation of a force (N), and the part of the time (0..1) that it was in the band."""
+    """Mean and spread of a force (N), and share (0..1) in the band."""
 
     mean_n: float
     sd_n: float
@@ -107,7 +107,7 @@ def compliances(
     tolerance: float,
     window_s: float = 0.25,
 ) -> list[Compliance]:
-    """Compute `compliance` of several touches with the same stamps: (n_touches, n_samples) forces, unchecked."""
+    """Compute `compliance` of touches with equal stamps, unchecked."""
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
     first = np.minimum(first, behind - 1)  # a window shorter than any step after rounding contains its own sample
@@ -124,7 +124,9 @@ def compliances(
 def stamped_samples(
     owner: str, times_s: ArrayLike, values: ArrayLike, name: str, *, rising: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return finite values with their stamps (s): at least two `rising` ones, or at least one and none back.
+    """Return finite values with their stamps (s), in order.
+
+    Requires at least two `rising` stamps, or at least one and no step back.
 
     Raises `InvalidParameter` otherwise; `owner` opens the message, which calls the values by `name`.
     """
@@ -150,7 +152,7 @@ def stamped_samples(
 @dataclass(frozen=True)
 @constrained
 class SpeedGate:
-    """Open while the finger has moved at `target_m_per_s` within `tolerance` for `hold_s`, without a gap.
+    """Gate that is open while a finger moves at the target speed.
 
     Each sample makes a new gate. The speed is known once samples without a gap span half of `window_s`; a lost sample
     (NaN), a gap above `max_gap_s` and a stamp that does not advance begin anew: the gate may open late, never early.
@@ -177,7 +179,7 @@ class SpeedGate:
 
     @property
     def speed_m_per_s(self) -> float | None:
-        """The present speed, m/s, at least 0; None while unknown."""
+        """The present speed, m/s, at least 0, or None while unknown."""
         return self._speed_m_per_s(self.samples) if self.samples else None
 
     def _speed_m_per_s(self, samples: tuple[tuple[float, float], ...]) -> float | None:
@@ -201,7 +203,7 @@ class SpeedGate:
         return abs(speed_m_per_s - self.target_m_per_s) <= self.tolerance * self.target_m_per_s
 
     def after(self, sample_time_s: float, position_m: float) -> "SpeedGate":
-        """Return the gate after a position along the path (m) stamped `sample_time_s` (s)."""
+        """Return the gate after a position along the path (m) and its stamp (s)."""
         if not (math.isfinite(sample_time_s) and math.isfinite(position_m)):
             return _then(self, samples=(), since_s=None)
         samples = self._window(sample_time_s, position_m)
@@ -218,7 +220,7 @@ class SpeedGate:
 
 
 class SpeedCompliance(NamedTuple):
-    """Mean speed (m/s) of a path, and the share of the time (0..1) that the speed was in the band."""
+    """Mean speed (m/s) of a path, and share (0..1) in the band."""
 
     mean_m_per_s: float
     in_band: float
@@ -227,7 +229,7 @@ class SpeedCompliance(NamedTuple):
 def motion(
     times_s: ArrayLike, positions_m: ArrayLike, target_m_per_s: float, tolerance: float, window_s: float = WINDOW_S
 ) -> SpeedCompliance:
-    """Return how well a speed was kept; the mean is path length over duration.
+    """Return how well a speed was kept. The mean is length over duration.
 
     - `times_s`: Rising stamps, s; at least two.
     - `positions_m`: Finite positions along the path, m.
@@ -250,7 +252,7 @@ def motions(
     tolerance: float,
     window_s: float = WINDOW_S,
 ) -> list[SpeedCompliance]:
-    """Compute `motion` of several touches with the same stamps: (n_touches, n_samples) positions, unchecked."""
+    """Compute `motion` of touches with equal stamps, unchecked."""
     speeds = speeds_m_per_s(times_s, positions_m, window_s)
     means_m_per_s = np.abs(np.diff(positions_m)).sum(axis=1) / (times_s[-1] - times_s[0])
     in_band = np.abs(speeds - target_m_per_s) <= tolerance * target_m_per_s * (1 + 1e-12)
@@ -260,7 +262,7 @@ def motions(
 def speeds_m_per_s(
     times_s: NDArray[np.float64], positions_m: NDArray[np.float64], window_s: float = WINDOW_S
 ) -> NDArray[np.float64]:
-    """Return the speed at each sample, m/s, for positions (..., n_samples), unchecked.
+    """Return the speed at each sample, m/s, unchecked.
 
     >>> speeds_m_per_s(np.array([0.0, 0.1, 0.2]), np.array([0.0, 0.01, 0.02]), window_s=0.2).round(9).tolist()
     [0.1, 0.1, 0.1]
@@ -281,7 +283,7 @@ def _windows(times_s: NDArray[np.float64], window_s: float) -> tuple[NDArray[np.
 
 
 def triangle(path_m: ArrayLike, length_m: float) -> NDArray[np.float64]:
-    """Return the position (m, 0..`length_m`) of a finger that moves out and back, after a path length.
+    """Return the position (m) of a finger that moves out and back.
 
     >>> triangle([0.0, 0.05, 0.1, 0.15, 0.2], length_m=0.1).round(9).tolist()
     [0.0, 0.05, 0.1, 0.05, 0.0]

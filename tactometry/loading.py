@@ -1,4 +1,4 @@
-"""Late imports: target strings, `module:name`, and the public names of a package."""
+"""Late imports by target strings and public names of packages."""
 
 import ast
 import sys
@@ -21,7 +21,7 @@ def resolve(target: str) -> Any:
 
 
 def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Return `__getattr__` and `__dir__` of a `package` whose ``__init__.py`` is `file`.
+    """Return `__getattr__` and `__dir__` of a package for late imports.
 
     The package names each export under ``if TYPE_CHECKING:`` as ``from .module import Name as Name``, which type
     checkers treat as a re-export; those lines are parsed here and set ``__all__``.
@@ -45,7 +45,7 @@ def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[],
 
 
 def named(package: str) -> Callable[[], list[str]]:
-    """Return `__dir__` of a `package` that imports its public names, and set its ``__all__``.
+    """Return `__dir__` of a package, and set its ``__all__``.
 
     >>> import tactometry.protocols
     >>> dir(tactometry.protocols)[:3]

@@ -1,4 +1,4 @@
-"""Colours of all figures, safe for colour blindness; Okabe and Ito (2008)."""
+"""Colours of all figures (Okabe and Ito 2008)."""
 
 from typing import Final
 

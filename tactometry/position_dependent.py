@@ -1,4 +1,4 @@
-"""Signals whose samples are weakened according to the position of a moving finger."""
+"""Signals that depend on the position of a moving finger."""
 
 import hashlib
 import math
@@ -20,7 +20,7 @@ HELD_S: Final = 0.1
 
 @runtime_checkable
 class FollowsFinger(Stimulus, Protocol):
-    """A stimulus whose signal `at` a level is the strongest; positions take a part of it.
+    """Stimulus whose signal is weakened by the position of a finger.
 
     Two samples of the part differ by at most their distance over `rise_s`.
     """
@@ -29,17 +29,17 @@ class FollowsFinger(Stimulus, Protocol):
     def rise_s(self) -> float: ...
 
     def parts(self, x_m: FloatArray, before: Any = None) -> tuple[FloatArray, Any]:
-        """Return parts (0..1) of the voltage at positions (n_samples,), and the state `before` the next ones.
+        """Return parts (0..1) of the voltage at positions, and a state.
 
-        The part is 0 where a position is NaN.
+        The state is `before` of the next call. The part is 0 where a position is NaN.
         """
 
     def check_motion(self, speed_m_per_s: float, positions_hz: float | None = None) -> None:
-        """Refuse a speed that is too high for the carrier or the rate of positions."""
+        """Refuse a speed too high for the carrier or the rate of positions."""
 
 
 class FingerPath:
-    """The recent path of a finger along its first axis, written by a sensor's thread and read by an output's.
+    """Recent path of a finger along its first axis, shared by threads.
 
     >>> path = FingerPath()
     >>> path.on_samples(np.array([0.0, 0.1]), np.array([[0.0, 5.0], [0.01, 5.0]]))
@@ -54,7 +54,7 @@ class FingerPath:
         """The last stamp; before the first, minus infinity."""
 
     def on_samples(self, times_s: FloatArray, positions_m: FloatArray) -> None:
-        """Add samples with stamps (s), except lost ones and those not later than the last."""
+        """Add samples with stamps (s), except lost or late ones."""
         for time_s, place_m in zip(times_s.tolist(), positions_m[:, 0].tolist(), strict=True):
             if time_s > self.last_s and math.isfinite(place_m):
                 kept_s, kept_m, n = self._kept
@@ -66,7 +66,7 @@ class FingerPath:
                 self._kept, self.last_s = (kept_s, kept_m, n + 1), time_s
 
     def at(self, times_s: FloatArray) -> FloatArray:
-        """Return positions (m) at times (s): interpolated, held for `HELD_S` at the end, else NaN."""
+        """Return positions (m) at times (s), or NaN where unknown."""
         all_s, all_m, n = self._kept
         if not n:
             return np.full(times_s.shape, np.nan)
@@ -77,7 +77,7 @@ class FingerPath:
 
 @dataclass(frozen=True, eq=False)
 class FollowedSignal(Signal):
-    """The strongest samples of a stimulus, with the path of the finger that weakens them."""
+    """Strongest samples of a stimulus, with the path of the finger."""
 
     stimulus: FollowsFinger
     path: FingerPath
@@ -109,7 +109,7 @@ class PlayedPath:
 
 
 def felt_under(stimulus: Stimulus, signal: Signal, times_s: FloatArray, positions_m: FloatArray) -> Signal:
-    """Return what a signal becomes under a finger at `positions_m` at `times_s`, if its stimulus follows it."""
+    """Return what a signal becomes under a finger."""
     if not isinstance(stimulus, FollowsFinger):
         return signal
     at_s = np.arange(signal.samples.shape[1]) / signal.rate_hz
@@ -118,7 +118,7 @@ def felt_under(stimulus: Stimulus, signal: Signal, times_s: FloatArray, position
 
 
 def straight_way(duration_s: float, speed_m_per_s: float, length_m: float) -> tuple[FloatArray, FloatArray]:
-    """Return times (s) and positions (m) of a finger that moves out and back at a constant speed.
+    """Return times (s) and positions (m) of a finger at constant speed.
 
     >>> straight_way(3.0, 0.1, 0.1)[1].round(9).tolist()
     [0.0, 0.1, 0.0, 0.1]
@@ -129,7 +129,7 @@ def straight_way(duration_s: float, speed_m_per_s: float, length_m: float) -> tu
 
 
 def path_lines(times_s: FloatArray, positions_m: FloatArray) -> bytes:
-    """Format times and positions, a line each, to the microsecond and the nanometre.
+    """Format times and positions as lines, to 1 us and 1 nm.
 
     >>> path_lines(np.array([0.001]), np.array([0.05]))
     b'0.001000\\t0.050000000\\n'

@@ -7,7 +7,7 @@ DISTRIBUTIONS = ("tactometry", "numpy", "scipy", "pandas", "msgspec", "psychopy"
 
 
 def versions() -> dict[str, str]:
-    """Return versions of Python, the system and the installed packages that data depend on."""
+    """Return versions of Python, system and packages that data depend on."""
     from importlib import metadata  # slow to load
 
     by_name = {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()}

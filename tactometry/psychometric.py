@@ -1,4 +1,4 @@
-"""The psychometric function: probability of a response against level, in log space.
+"""Psychometric function: probability of a response against level.
 
 ``psi(x) = g + (1 - g - l) S(z)`` with ``z = z50 + (x - threshold) / width * (z95 - z05)``: the threshold is where the
 unscaled function S is 0.5, the width is the distance between its 0.05 and 0.95 points (Schuett, Harmeling, Macke and
@@ -27,7 +27,7 @@ LEFT, RIGHT = 0.05, 0.95
 
 @dataclass(frozen=True)
 class Shape:
-    """A sigmoid S(z) in standard form; every function is elementwise.
+    """A sigmoid S(z) in standard form, elementwise.
 
     `score` is the derivative of `log_pdf`, `at` the inverse of S from log S and log(1 - S).
     """
@@ -50,7 +50,7 @@ class Shape:
 
     @property
     def rise(self) -> tuple[float, float]:
-        """Distances of the 0.05 and the 0.95 points of S from the threshold, in widths."""
+        """Distances of the 0.05 and 0.95 points from the threshold, in widths."""
         return (self.z50 - self._quantile(LEFT)) / self.z_width, (self._quantile(RIGHT) - self.z50) / self.z_width
 
     @cache  # noqa: B019 - the few shapes live as long as the program
@@ -76,7 +76,7 @@ def _gumbel_log_sf(z: Array) -> Array:
 
 
 def _gumbel_log_cdf(z: Array) -> Array:
-    """Return log(1 - exp(-exp z)); exp(z) is below 1e-16 for z < -37 and the series ends at its first term."""
+    """Return log(1 - exp(-exp z)), by its series where exp(z) < 1e-16."""
     # `where` computes both branches: the maximum avoids log 0 in the unused one
     return np.where(z < -37.0, z, log1mexp(-_gumbel_log_sf(np.maximum(z, -40.0))))
 
@@ -143,7 +143,7 @@ SHAPES: Mapping[str, Shape] = MappingProxyType(
 
 
 def shape_named(name: str) -> Shape:
-    """Return the shape of this name. Raises `InvalidParameter` if there is none."""
+    """Return the shape of this name, or raise `InvalidParameter`."""
     return lookup("shape", name, SHAPES)
 
 
@@ -234,7 +234,7 @@ class PsychometricFunction:
 
 
 def log_mixture(log_cdf: Array, log_sf: Array, guess_rate: ArrayLike, lapse_rate: ArrayLike) -> tuple[Array, Array]:
-    """Return log psi and log(1 - psi) from log S and log(1 - S); all broadcast.
+    """Return log psi and log(1 - psi) from log S and log(1 - S).
 
     >>> yes, no = log_mixture(np.array(-1e4), np.array(0.0), 0.0, 0.0)
     >>> float(yes), float(no)

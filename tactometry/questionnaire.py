@@ -125,7 +125,7 @@ class Questionnaire:
             expect(bool(item.poles or self.ends), f"{path}.poles", f"none for {item.id!r}", two)
         for key in ("id", "order"):
             _check_each_once(self.items, key)
-        expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
+        expect(len(self.languages) > 0, "items", "no language with texts for all of them", "at least one")
         for name, dimension in self.dimensions.items():
             for part in dimension.parts:
                 is_other = part in self.dimensions and part != name
@@ -151,7 +151,7 @@ class Questionnaire:
         return lookup(f"item of {self.name}", name, {item.id: item for item in self.items})
 
     def words(self, name: str, language: str) -> tuple[str, str, str]:
-        """Return statement (may be empty), left word and right word of an item, as presented.
+        """Return statement, left word and right word of an item.
 
         Raises `InvalidParameter` if the item or the language does not exist.
         """
@@ -184,7 +184,7 @@ class Questionnaire:
         return self.score_low + (self.score_high - self.score_low) * from_worst / (self.high - self.low)
 
     def scores(self, answers: Mapping[str, float | None]) -> dict[str, float | None]:
-        """Return the score of each dimension from raw answers by item; None if too few items are answered.
+        """Return the score of each dimension, or None for too few answers.
 
         Raises `InvalidParameter` if an item is unknown or an answer is not on the scale.
 
@@ -227,7 +227,7 @@ class Option:
 
 @dataclass(frozen=True)
 class ChoiceItem:
-    """Question answered with an option, or a number within bounds that could identify a participant.
+    """Question answered with an option or a number within bounds.
 
     - `id`: Name in the tables.
     - `prompt`: The question, by language.
@@ -257,7 +257,7 @@ class ChoiceItem:
         return set.intersection(set(self.prompt), *(set(option.words) for option in self.options))
 
     def category(self, code: int, language: str = "en") -> str:
-        """Return the category of a code; empty for `NOT_SAID` and unknown codes.
+        """Return the category of a code, or an empty text.
 
         >>> load_choices("demographics").items[1].category(1)
         'right'
@@ -295,7 +295,7 @@ class ChoiceForm:
         _check_each_once(self.items, "id")
         for n, item in enumerate(self.items):
             _check_item(item, f"items[{n}]")
-        expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
+        expect(len(self.languages) > 0, "items", "no language with texts for all of them", "at least one")
 
     @property
     def languages(self) -> tuple[str, ...]:
@@ -311,9 +311,14 @@ class ChoiceForm:
 
 
 def _check_item(item: ChoiceItem, path: str) -> None:
-    expect(bool(item.id.strip()), f"{path}.id", repr(item.id), "a name, which stands in the tables")
+    expect(bool(item.id.strip()), f"{path}.id", repr(item.id), "a name for the tables")
     if item.low is None and item.high is None:
-        expect(len(item.options) >= 2, f"{path}.options", len(item.options), "at least 2, beside the one not to say")
+        expect(
+            len(item.options) >= 2,
+            f"{path}.options",
+            len(item.options),
+            "at least 2, in addition to 'prefer not to say'",
+        )
     else:
         low, high = item.bounds or (0.0, 0.0)
         can_be_typed = 0 <= low < high <= MOST_NUMBER and not item.options
@@ -327,7 +332,7 @@ def _check_item(item: ChoiceItem, path: str) -> None:
     texts |= {f"{path}.options[{n}].words": option.words for n, option in enumerate(item.options)}
     for where, by_language in texts.items():
         for language, text in by_language.items():
-            expect(bool(text.strip()), f"{where}.{language}", "a text that says nothing", "what participants read")
+            expect(bool(text.strip()), f"{where}.{language}", "an empty text", "the text that participants read")
 
 
 F = TypeVar("F", Questionnaire, ChoiceForm)
@@ -338,12 +343,12 @@ def is_choices(table: object) -> bool:
 
 
 def form_of(table: Mapping[str, Any], path: str) -> Questionnaire | ChoiceForm:
-    """Build the form of a table, or raise `InvalidParameter`; `path` opens each key path."""
+    """Build the form of a table. `path` opens each key path."""
     return build(ChoiceForm, table, path) if is_choices(table) else build(Questionnaire, table, path)
 
 
 def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
-    """Return the questionnaires of a study by name, from its `[forms.NAME]`, without forms of choices."""
+    """Return the questionnaires of a study by name."""
     return _named(Questionnaire, {name: table for name, table in tables.items() if not is_choices(table)})
 
 
@@ -357,7 +362,7 @@ def _named(kind: type[F], tables: Mapping[str, Mapping[str, Any]]) -> dict[str, 
 
 
 def parse(content: bytes, where: str) -> Questionnaire:
-    """Parse the bytes of a questionnaire file, or raise `InvalidFile`, whose message `where` opens."""
+    """Parse the bytes of a questionnaire file. `where` opens errors."""
     return _parse(Questionnaire, content, where)
 
 

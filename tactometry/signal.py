@@ -1,4 +1,4 @@
-"""Samples with a rate and a unit, and the stimulus that makes them from a level."""
+"""Samples with a rate and a unit, and the interface of stimuli."""
 
 import hashlib
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class Signal:
 
     @property
     def peak(self) -> float:
-        """The largest absolute sample in `unit`; 0 for an empty signal."""
+        """The largest absolute sample in `unit`, or 0 for an empty signal."""
         return float(max(self.samples.max(initial=0.0), -self.samples.min(initial=0.0)))
 
     def __eq__(self, other: object) -> bool:
@@ -76,7 +76,7 @@ class Signal:
         return hash(self._digest)
 
     def digest(self) -> str:
-        """Return the first 16 hexadecimal digits of the SHA-256 of samples (little-endian), shape, rate and unit."""
+        """Return the first 16 digits of the SHA-256 of the signal."""
         return self._digest
 
     @cached_property
@@ -87,7 +87,7 @@ class Signal:
 
 
 def _real_numbers(values: object) -> FloatArray:
-    """Copy values into an array of float, and refuse those that would not keep their meaning.
+    """Copy values into an array of float, and refuse other kinds.
 
     >>> _real_numbers([[1, True]]).tolist()
     [[1.0, 1.0]]
@@ -106,7 +106,7 @@ def _real_numbers(values: object) -> FloatArray:
 
 
 def _is_masked(values: object) -> bool:
-    """Return True if values, or a part of a list, are a masked array: NumPy would drop the mask."""
+    """Return True if values, or a part of a list, are a masked array."""
     if isinstance(values, list | tuple):
         return any(map(_is_masked, values))
     return isinstance(values, np.ma.MaskedArray)

@@ -1,4 +1,4 @@
-"""User code: a class in a file next to a study, imported if allowed, with guarded calls.
+"""User code next to a study: allowed imports and guarded calls.
 
 An exception, or an invalid answer, becomes one sentence with file and line.
 """
@@ -18,13 +18,13 @@ from .arguments.require import expect
 from .errors import InvalidParameter, TactometryError, Terminated, reason, shorten
 from .provenance import sha256
 
-WAY: Final = "mend it; what was recorded is safe, --resume goes on from there"
+REMEDY: Final = "correct the code; what was recorded is safe: go on with --resume"
 MARK: Final = "_is_guarded"
 
 
 @dataclass(frozen=True)
 class Expected:
-    """Valid answers of a method: description, test (value, arguments), and conversion to a plain value."""
+    """Valid answers of a method: description, test and conversion."""
 
     words: str
     fits: Callable[[Any, tuple[Any, ...]], bool]
@@ -49,7 +49,7 @@ def not_allowed(where: str, target: str, what: str) -> InvalidParameter:
 
 
 def class_beside(target: str, folder: Path, where: str) -> type:
-    """Return the dataclass that ``module:Class`` names, from a file in `folder`.
+    """Return the dataclass ``module:Class`` of a file in `folder`.
 
     Raises `InvalidParameter`, opened by `where`, if the file or class is missing or its import fails.
     """
@@ -59,7 +59,7 @@ def class_beside(target: str, folder: Path, where: str) -> type:
     plain = f"{module.removesuffix('.py')}:{name or 'Class'}"
     expect(not module.endswith(".py"), where, repr(target), f"the module without '.py': {plain!r}")
     expect(all(map(str.isidentifier, parts)), where, repr(target), "module:Class, such as 'mine:Careful'")
-    expect(file.is_file(), where, f"{target!r}, but no file {file.name} in {folder}", "it beside the study file")
+    expect(file.is_file(), where, f"{target!r}, but no file {file.name} in {folder}", "it next to the study file")
     kind = getattr(_module(file, where), name, None)
     if not (isinstance(kind, type) and is_dataclass(kind)):
         raise InvalidParameter(
@@ -73,7 +73,7 @@ def state_of(folder: Path) -> str:
 
 
 def _module(file: Path, where: str) -> ModuleType:
-    """Import a file under a name that is unique to it and the state of its folder."""
+    """Import a file under a name unique to it and its folder's state."""
     name = f"tactometry_own_{state_of(file.parent)[:12]}_{file.stem}"
     if name in sys.modules:
         return sys.modules[name]
@@ -111,7 +111,7 @@ def _beside(folder: Path) -> Iterator[None]:
 
 
 def guarded(kind: type, expected: Mapping[str, Expected | None]) -> type:
-    """Return a class whose named calls return a plain answer or raise one sentence.
+    """Return a class whose named calls return a plain answer or raise.
 
     Raises `InvalidParameter` in these calls, with file and line, what was raised or answered, and what was expected.
     """
@@ -153,8 +153,8 @@ def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any
                 raise
             where = place_of(error, folder) or kind.__name__
             found = f"{type(error).__name__} ({reason(error)}) in {name}"
-            raise InvalidParameter(f"{where}: found {found}, expected an answer; {WAY}") from None
-        raise InvalidParameter(f"{where}: found {found}, expected {expected.words}; {WAY}")
+            raise InvalidParameter(f"{where}: found {found}, expected an answer; {REMEDY}") from None
+        raise InvalidParameter(f"{where}: found {found}, expected {expected.words}; {REMEDY}")
 
     return call
 
@@ -165,6 +165,6 @@ def _is_end(error: BaseException) -> bool:
 
 
 def place_of(error: BaseException, folder: Path) -> str:
-    """Return the line of a file in a folder that raised an error; empty if none did."""
+    """Return the line of a folder's file that raised an error, or nothing."""
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent == folder]
     return f"{frames[-1].filename}, line {frames[-1].lineno}" if frames else ""

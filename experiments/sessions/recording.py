@@ -148,7 +148,7 @@ def record(
         if keeper.repaired:
             tell(keeper.repaired)
         if keeper.journal.head is None and who.seed is None and kind.name == SIMULATED:
-            tell(f"seed: {seed} (the same --seed repeats this)")
+            tell(f"seed: {seed} (repeat with this --seed)")
         with closing(_made(kind, seed, keeper, withdrawal)) as rig:
             _begin(keeper, _head(design, who, seed, kind, rig, keeper), tell)
             course = experiment.course(who.participant, who.session, number, seed)

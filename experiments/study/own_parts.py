@@ -10,7 +10,7 @@ import numpy as np
 from tactometry.arguments.require import expect
 from tactometry.contact import Contact
 from tactometry.signal import Signal
-from tactometry.user_code import WAY, Expected, class_beside, guarded, not_allowed
+from tactometry.user_code import REMEDY, Expected, class_beside, guarded, not_allowed
 
 STATED: Final = ("duration_s", "level_unit")
 """What a study states of such a stimulus, so that its data are read without the code."""
@@ -71,9 +71,9 @@ class OwnStimulus:
         """
         signal: Signal = self.made.at(level)
         where = f"{self.target}.at({level:g})"
-        expect(signal.unit == "V", where, f"a signal in {signal.unit!r}", f"one in 'V', at the load; {WAY}")
+        expect(signal.unit == "V", where, f"a signal in {signal.unit!r}", f"one in 'V', at the load; {REMEDY}")
         as_long = abs(signal.duration_s - self.duration_s) < 1.5 / signal.rate_hz
-        stated = f"{self.duration_s:g} s, its duration_s; {WAY}"
+        stated = f"{self.duration_s:g} s, its duration_s; {REMEDY}"
         expect(as_long, where, f"a signal of {signal.duration_s:g} s", stated)
         return signal
 

@@ -1,4 +1,4 @@
-"""Read an annotation as a rule: a test of a value, and its description in words."""
+"""Rules of annotations: a test of a value and its description."""
 
 import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -77,7 +77,7 @@ class Bounds(NamedTuple):
 
 @functools.cache
 def rule_of(hint: Any, high: float, unbounded: bool = False) -> AnnotationRule:
-    """Return the rule of an annotation; its numbers go up to `high`, or to infinity if `unbounded`.
+    """Return the rule of an annotation, for numbers up to `high`.
 
     >>> rule_of(Sequence[float], 1e9).words
     'a list, each of it a finite number'
@@ -129,7 +129,7 @@ def _of_numbers(hint: Any, bounds: Bounds) -> AnnotationRule:
 
 
 def _all_within(found: NDArray[Any], high: float) -> bool:
-    """Test a long array without a copy; NaN fails."""
+    """Test an array, without a copy if it is long. NaN fails."""
     if found.size <= SHORT:
         return bool(np.abs(found).max(initial=0.0) <= high)
     if found.dtype.kind == "c":
@@ -150,7 +150,7 @@ def _annotated(hint: Any, high: float) -> AnnotationRule:
 
 
 def _either(rules: Sequence[AnnotationRule]) -> AnnotationRule:
-    """Combine rules; parts and numbers are those of the first rule that has some."""
+    """Combine rules. The first with parts or numbers supplies them."""
     tests = [rule.fits for rule in rules]
     firsts = {name: next(filter(None, (getattr(rule, name) for rule in rules)), None) for name in _OF_FIRST}
     choices = tuple(choice for rule in rules for choice in rule.choices)
@@ -167,7 +167,7 @@ def _row(rules: Sequence[AnnotationRule]) -> AnnotationRule:
 
 
 def _each(rule: AnnotationRule, bounds: Bounds | None) -> AnnotationRule:
-    """Return the rule of a list; numbers within `bounds` are tested as an array, as there may be many."""
+    """Return the rule of a list. Many numbers are tested as an array."""
     words = f"a list, each of it {rule.words}"
     if bounds is None:
         return AnnotationRule(lambda value: _is_listed(value) and all(map(rule.fits, value)), words, part=rule)
@@ -176,7 +176,7 @@ def _each(rule: AnnotationRule, bounds: Bounds | None) -> AnnotationRule:
 
 
 def _of_class(kind: type) -> AnnotationRule:
-    """Return the rule of a class; types that passed are remembered, as protocol checks are slow."""
+    """Return the rule of a class, which remembers types that passed."""
     known: set[type] = set()
 
     def fits(value: Any) -> bool:

@@ -1,4 +1,4 @@
-"""Check arguments by their annotations (kind) and names (domain of the unit)."""
+"""Checks of arguments by their annotations and the units in their names."""
 
 import functools
 import inspect
@@ -18,7 +18,7 @@ T = TypeVar("T", bound=Callable[..., Any])
 
 
 def checked(thing: T) -> T:
-    """Return a function, or a class with its constructor and public methods, that checks its arguments first.
+    """Make a function, or a class with its methods, check its arguments.
 
     A number is finite and within the domain of its name (`magnitudes`), never a truth value. An `Unbounded` number may
     be infinite, and a `Positive` one is above 0. A list becomes an array where an array is annotated. An array may have
@@ -112,7 +112,7 @@ def _refusal_of_numbers(
 
 
 def in_short(signature: inspect.Signature) -> inspect.Signature:
-    """Return a signature with short names of its annotations, as `help` shows it.
+    """Shorten the annotations of a signature as `help` shows it.
 
     >>> from annotated_types import Gt
     >>> def force_n(voltage_v: ArrayLike, area_m2: Annotated[float, Gt(0)] = 1e-4) -> NDArray[np.float64]: ...

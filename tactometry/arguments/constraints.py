@@ -1,4 +1,4 @@
-"""Constraints on numbers as data, and the error message for a value that violates one.
+"""Constraints on numbers as data, and their error messages.
 
 The classes of `annotated_types` state a constraint: ``frequency_hz: Annotated[float, Gt(0)]``. `checked` reads it for
 the arguments of a call, and `constrained` for the fields of a dataclass built in a call or from a file.
@@ -30,7 +30,7 @@ Rate = Annotated[float, Interval(ge=0, lt=1)]
 
 @dataclass(frozen=True)
 class NumberRange:
-    """Numbers that a constraint allows, and their description in an error message.
+    """Numbers that a constraint allows, with their description.
 
     Above `floor`, a refused number has the wrong size: `sized` describes it; otherwise `expected` does.
     """
@@ -52,7 +52,7 @@ class NumberRange:
 
 
 def number_range(limits: Interval, name: str, whole: bool = False) -> NumberRange:
-    """Return the numbers within `limits`; the unit that ends `name` bounds magnitudes that the limits leave open.
+    """Return the numbers within `limits`, bounded by the unit in `name`.
 
     The limits of a real number are none, a lower bound of 0, or a bound on each side.
 
@@ -93,7 +93,7 @@ def ranges(limits: Interval, whole: bool = False) -> Callable[[str], NumberRange
 
 
 def constrained(kind: type[T]) -> type[T]:
-    """Check the fields of a dataclass against their constraints before its own ``__post_init__``.
+    """Check the constraints of fields before ``__post_init__``.
 
     >>> @dataclass(frozen=True)
     ... @constrained
@@ -118,7 +118,7 @@ def constrained(kind: type[T]) -> type[T]:
 
 @cache
 def check_of(hint: Any) -> Check | None:
-    """Return the check of the constraint in an annotation, or None if it states no constraint.
+    """Return the check of a constraint, or None if there is none.
 
     In a union, a value of another class (None, "unlimited") meets the constraint. A constraint on the items of a tuple
     or dict applies to each item.

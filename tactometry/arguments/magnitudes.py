@@ -52,7 +52,7 @@ def domain(name: str) -> tuple[float, float]:
 
 
 def is_number(value: Any) -> TypeGuard[float]:
-    """Return True for a finite real number that a double can represent; truth values are not numbers.
+    """Return True for a finite real number that a double can represent.
 
     >>> is_number(2), is_number(True), is_number(1e400), is_number("2"), is_number(10**400)
     (True, False, False, False, False)

@@ -1,4 +1,4 @@
-"""Checks of arguments; errors state place, found and expected value.
+"""Checks of arguments, whose errors state place and expected value.
 
 Functions for numbers take them by name after their owner; the unit in a name sets the allowed magnitude (`magnitudes`).
 Functions for a single value or an array take the place that opens the message, then the value.
@@ -29,7 +29,7 @@ _RATE = ranges(Interval(ge=0, lt=1))
 def expect(
     holds: bool | np.bool_, where: object, found: object, expected: str, error: type[TactometryError] = InvalidParameter
 ) -> None:
-    """Raise `error` unless a condition holds; `found` is printed as it is.
+    """Raise `error` unless a condition is true. `found` is printed as it is.
 
     >>> expect(0 < 0.5 <= 1, "Scene.accuracy", 0.5, "above 0 and at most 1")
     >>> expect(0 < 2.0 <= 1, "Scene.accuracy", 2.0, "above 0 and at most 1")
@@ -71,7 +71,7 @@ def between(owner: str, low: float, high: float, /, **values: object) -> None:
 
 
 def below_1(owner: str, /, **values: object) -> None:
-    """Require numbers from 0 to below 1: a rate, or a coefficient of variation."""
+    """Require rates or coefficients of variation: from 0 to below 1."""
     _within(_RATE, owner, values)
 
 
@@ -103,7 +103,7 @@ def truth(owner: str, /, **values: object) -> None:
 
 
 def of_kind(owner: str, kind: Any, /, **values: object) -> None:
-    """Require instances of a class, of one of a tuple of classes, or of a protocol."""
+    """Require instances of a class, of a tuple of classes or of a protocol."""
     kinds = kind if isinstance(kind, tuple) else (kind,)
     words = " or ".join("None" if each is NoneType else f"a {each.__name__}" for each in kinds)
     _each(owner, values, lambda value: isinstance(value, kinds), words)
@@ -115,7 +115,7 @@ def without_none(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def one_of(where: str, found: object, choices: Iterable[object]) -> None:
-    """Require one of `choices`, texts or numbers; True is not 1."""
+    """Require one of `choices`, texts or numbers. True is not 1."""
     choices = tuple(choices)
     if isinstance(found, bool) or not isinstance(found, str | Real) or found not in choices:
         raise _no_choice(where, found, choices)
@@ -148,7 +148,7 @@ def first_repeat(values: Iterable[Hashable]) -> int | None:
 
 
 def distinct(where: str, found: Sequence[float | str], expected: str) -> None:
-    """Require distinct values; `expected` ends the error message."""
+    """Require distinct values. `expected` ends the error message."""
     place = first_repeat(found)
     if place is not None:
         value = found[place]
@@ -174,7 +174,7 @@ def as_array(values: Any) -> NDArray[Any] | None:
 
 
 def array(where: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Return an array of numbers of any size; infinity and NaN are allowed."""
+    """Return an array of numbers. Infinity and NaN are allowed."""
     found = as_array(values)
     if found is None or found.dtype.kind not in "iuf":
         raise InvalidParameter(f"{where}: found {excerpt(values)}, expected finite numbers")
@@ -182,12 +182,12 @@ def array(where: str, values: ArrayLike) -> NDArray[np.float64]:
 
 
 def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Return an array of finite numbers, none larger than the name in `where` allows."""
+    """Return an array of finite numbers within the domain of its name."""
     return _array_within(where, values, _FINITE(where))
 
 
 def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
-    """Return an array of numbers above 0 of a magnitude that the name in `where` allows.
+    """Return an array of numbers above 0 within the domain of its name.
 
     With `infinite`, infinity is allowed.
     """
@@ -196,14 +196,14 @@ def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> 
 
 
 def not_negative_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
-    """Return an array of numbers of at least 0, however small, as `positive_array` does."""
+    """Return an array of numbers of at least 0, as `positive_array` does."""
     high = domain(where)[1]
     allowed = replace(_NOT_NEGATIVE(where), low=0.0, sized=size_words(0.0, high))
     return _array_within(where, values, replace(allowed, high=inf) if infinite else allowed)
 
 
 def samples(where: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Return an array (..., n_samples) of finite numbers with at least one sample."""
+    """Return a finite array (..., n_samples) with at least one sample."""
     found = finite_array(where, values)
     expect(found.ndim > 0 and found.size > 0, where, f"shape {found.shape}", "(..., n_samples), at least one sample")
     return found

@@ -43,7 +43,7 @@ UNLIMITED: Final = Unlimited()
 
 
 def check_highest(path: str, value: float) -> None:
-    """Raise `InvalidParameter` if a limit of a file is above its plausible upper bound.
+    """Refuse a limit of a file above its plausible upper bound.
 
     >>> check_highest("limits.force_peak_n", 1e9)
     Traceback (most recent call last):

@@ -11,47 +11,48 @@ from ..errors import SIGNALLED, TactometryError, Terminated, each_of, nearest
 from ..files.durable import private
 from ..loading import resolve
 
-COMMANDS = {
-    "demo": ("tactometry.cli.simulate:demo", "A simulated study, its analysis and report, end to end."),
-    "studies": ("tactometry.cli.studies:studies", "The built-in studies, a line each."),
-    "keys": ("tactometry.cli.keys:command", "The keys of a table of a study, bench, scene or map file."),
-    "new": ("tactometry.cli.studies:new", "A copy of a built-in study file to edit."),
-    "run": ("tactometry.cli.run:command", "Run a session: bench, console or simulated participant."),
-    "watch": ("tactometry.cli.watch:command", "A page in the browser that follows a session while it runs."),
-    "simulate": ("tactometry.cli.simulate:simulate", "Run a study with simulated participants."),
-    "power": ("tactometry.cli.power:command", "How often a study would find an effect: power by simulation."),
-    "replay": ("tactometry.cli.data_sets:replay", "Feed recorded answers back; name the first divergence."),
-    "validate": ("tactometry.cli.data_sets:validate", "Is this a sound data set? Every defect, with file and row."),
-    "show": ("tactometry.cli.show:command", "What happened in one trial: force, position, what was emitted."),
-    "rebuild": ("tactometry.cli.data_sets:rebuild", "Trials and events files, written anew from the journals."),
-    "analyse": ("tactometry.cli.analyse:command", "Thresholds with intervals, ANOVA, tables and a report."),
-    "calibrate": ("tactometry.cli.calibrate:command", "Output gain, force sensor, display, impulse responses."),
-    "check": ("tactometry.cli.check:command", "Before a session: display, devices, limits, disk, threads."),
-    "export": ("tactometry.cli.data_sets:export", "The data set for other programs: BIDS, PsychoPy, R."),
-    "erase": ("tactometry.cli.data_sets:erase", "Erase one participant, with a record that it was done."),
-    "scene": ("tactometry.cli.scene:command", "The physics of a scene: only what is called for, as finely as asked."),
-    "cost": ("tactometry.cli.cost:command", "What accuracy costs in time, emission and trials."),
-    "reproduce": ("tactometry.cli.reproduce:command", "The thesis's tables, figures and findings, made anew."),
-    "validate-method": (
-        "tactometry.cli.validate_method:command",
-        "Our procedures, fits and tests, put to known truths.",
-    ),
-    "design": ("tactometry.cli.design:command", "Time-reversal screens: what is wanted, what can be reached and why."),
-}
-
 GROUPS = {
-    "Begin": ("demo", "studies", "new", "keys"),
-    "Sessions": ("check", "run", "watch", "calibrate"),
-    "Data": ("analyse", "show", "validate", "replay", "rebuild", "export", "erase"),
-    "Planning": ("simulate", "power"),
-    "Physics": ("scene", "design"),
-    "Checks of the program": ("validate-method", "cost", "reproduce"),
+    "Get started": {
+        "demo": ("simulate:demo", "Simulate a study, analyse it and write its report."),
+        "studies": ("studies:studies", "List the built-in studies."),
+        "new": ("studies:new", "Copy a built-in study to a file to edit."),
+        "keys": ("keys:command", "Explain the keys of study, bench, scene and map files."),
+    },
+    "Sessions": {
+        "check": ("check:command", "Check display, devices, limits and disk before a session."),
+        "run": ("run:command", "Run a session with a participant, or a simulated one."),
+        "watch": ("watch:command", "Follow a running session in the browser."),
+        "calibrate": ("calibrate:command", "Calibrate output gain, force sensor, display and plate."),
+    },
+    "Data": {
+        "analyse": ("analyse:command", "Estimate thresholds, test conditions and write a report."),
+        "show": ("show:command", "Plot one trial: force, position and emitted signal."),
+        "validate": ("data_sets:validate", "Check a data set and list every defect with its file and row."),
+        "replay": ("data_sets:replay", "Check that a recorded session follows its protocol."),
+        "rebuild": ("data_sets:rebuild", "Rebuild the tables of a data set from its journals."),
+        "export": ("data_sets:export", "Export a data set to BIDS, Psych-DS, PsychoPy, jsPsych or R."),
+        "erase": ("data_sets:erase", "Erase the data of one participant."),
+    },
+    "Planning": {
+        "simulate": ("simulate:simulate", "Run a study with simulated participants."),
+        "power": ("power:command", "Estimate the power of a study by simulation."),
+    },
+    "Physics": {
+        "scene": ("scene:command", "Compute the physics of a scene at its stated accuracy."),
+        "design": ("design:command", "Design a time-reversal screen."),
+    },
+    "Checks of the program": {
+        "validate-method": ("validate_method:command", "Validate procedures, fits and tests by simulation."),
+        "cost": ("cost:command", "Measure time and memory against accuracy."),
+        "reproduce": ("reproduce:command", "Reproduce tables, figures and findings of the thesis."),
+    },
 }
-"""Commands by the heading under which `--help` lists them."""
+"""Target in this package and summary of each command, by the heading under which `--help` lists it."""
+COMMANDS = {name: entry for group in GROUPS.values() for name, entry in group.items()}
 
 
 class Commands(click.Group):
-    """Commands of the table; `--help` imports none of them."""
+    """Commands of the table. `--help` imports none of them."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx
@@ -61,39 +62,37 @@ class Commands(click.Group):
         if cmd_name not in COMMANDS:
             names = ", ".join(COMMANDS)
             ctx.fail(f"found no command {cmd_name!r}, expected one of {names}{nearest(cmd_name, COMMANDS)}")
-        command: click.Command = resolve(COMMANDS[cmd_name][0])
+        command: click.Command = resolve(f"{__name__}.{COMMANDS[cmd_name][0]}")
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         del ctx
-        grouped = {name for names in GROUPS.values() for name in names}
         width = max(map(len, COMMANDS))
-        for heading, names in {**GROUPS, "Other": [name for name in COMMANDS if name not in grouped]}.items():
-            if names:
-                with formatter.section(heading):
-                    formatter.write_dl([(f"{name:<{width}}", COMMANDS[name][1]) for name in names])
+        for heading, commands in GROUPS.items():
+            with formatter.section(heading):
+                formatter.write_dl([(f"{name:<{width}}", summary) for name, (_, summary) in commands.items()])
 
 
 @click.command(
     cls=Commands,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100, "show_default": True},
     epilog="Start with: tactometry demo",
 )
 @click.version_option(__version__, prog_name="tactometry")
 def tactometry() -> None:
-    """Psychophysics on touch: run, simulate and analyse experiments."""
+    """Run, simulate and analyse psychophysics experiments on touch."""
 
 
 _ENDING = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
 """Signals that end a command cleanly. A closed terminal counts, except under nohup."""
 
 
-_IS_SAFE = "what was recorded is safe"
 MOST_MISTAKES = 20
 """Largest number of mistakes printed for one file."""
-_WAYS_ON = {
+_IS_SAFE = "what was recorded is safe"
+_HOW_TO_CONTINUE = {
     **dict.fromkeys(("run", "simulate", "power", "validate-method"), f"{_IS_SAFE}: go on with --resume"),
-    "erase": "say it again: what was begun is finished",
+    "erase": "run the command again to finish the erasure",
 }
 
 
@@ -103,7 +102,7 @@ def _terminate(number: int, frame: FrameType | None) -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run a command; a foreseen error becomes a line on standard error and an exit status."""
+    """Run a command, and print an expected error as one line."""
     for number in _ENDING:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, _terminate)
@@ -112,11 +111,11 @@ def main(arguments: list[str] | None = None) -> None:
         with private():
             status = tactometry.main(words or ["--help"], prog_name="tactometry", standalone_mode=False)
     except (click.Abort, KeyboardInterrupt):
-        status = _complain(f"interrupted; {_WAYS_ON.get(''.join(words[:1]), _IS_SAFE)}", 130)
+        status = _complain(f"interrupted; {_HOW_TO_CONTINUE.get(''.join(words[:1]), _IS_SAFE)}", 130)
     except click.ClickException as error:
         status = _complain(f"{_where(error)}{error.format_message()}", 2)
     except TactometryError as error:
-        more = resolve("tactometry.cli.keys:where_keys_are_told")
+        more = resolve("tactometry.cli.keys:hint_of_keys")
         parts = each_of(error)
         for part in parts[:MOST_MISTAKES]:
             status = _complain(f"{part}{more(part)}", error.exit_status)
@@ -130,14 +129,13 @@ def main(arguments: list[str] | None = None) -> None:
             raise
         status = _complain(f"{error.filename}: cannot be used ({error.strerror}), expected a file or folder to use", 2)
     except MemoryError:
-        status = _complain("the memory of this computer does not hold what was asked for, expected less", 2)
+        status = _complain("found too little memory for this request, expected a smaller one", 2)
     sys.exit(status or 0)
 
 
 def _where(error: click.ClickException) -> str:
     context = getattr(error, "ctx", None)
-    inside = context is not None and context.parent is not None
-    return f"{context.info_name}: " if inside and context is not None else ""
+    return f"{context.info_name}: " if context is not None and context.parent is not None else ""
 
 
 def _complain(text: str, status: int) -> int:

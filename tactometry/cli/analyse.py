@@ -15,17 +15,17 @@ if TYPE_CHECKING:
 @subcommand("analyse demo --report demo/report.html")
 @data_argument
 @path_option("--report", metavar="FILE.html", help="Write a report and its tables.")
-@click.option("--pdf", is_flag=True, help="Print the report to a PDF too.")
-@click.option("--within", metavar="A,B", help="Factors ('': none); else the columns between trial and procedure.")
-@path_option("--columns", metavar="MAP.toml", help="How a foreign table's columns are called.")
+@click.option("--pdf", is_flag=True, help="Write the report as a PDF too.")
+@click.option("--within", metavar="A,B", help="Factors, '' for none; default: columns between trial and procedure.")
+@path_option("--columns", metavar="MAP.toml", help="Column map of a table that Tactometry did not write.")
 @click.option(
     "--level-scale",
     type=click.Choice(("linear", "log10", "db")),
-    help="The axis on which levels are fitted: as they stand, or their logarithm.",
+    help="Scale of the levels in the fit: as recorded, log10, or decibels.",
 )
-@path_option("--plan", metavar="PLAN.toml", help="What is left out, and what counts as equal.")
-@path_option("--figures", metavar="DIR", help="Every figure as SVG and PNG, with its data.")
-@click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to draw with; -1: all cores.")
+@path_option("--plan", metavar="PLAN.toml", help="Analysis plan: exclusions and margins of equivalence.")
+@path_option("--figures", metavar="DIR", help="Write every figure as SVG and PNG, with its data.")
+@click.option("--jobs", "n_jobs", type=int, default=1, help="Number of processes; -1 uses all cores.")
 def command(
     path: Path,
     report: Path | None,
@@ -38,7 +38,7 @@ def command(
     pdf: bool,
     n_jobs: int,
 ) -> None:
-    """Thresholds with 95 % intervals, group table and ANOVA of the data set or trials file PATH."""
+    """Estimate thresholds, group means and ANOVA of a data set or file PATH."""
     from tactometry.analysis.pipeline import analyse
     from tactometry.analysis.plan import read_plan
     from tactometry.analysis.reading.column_map import read_column_map

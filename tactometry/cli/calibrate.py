@@ -1,4 +1,4 @@
-"""`tactometry calibrate`: output gain, force sensor, display, time-reversal responses."""
+"""`tactometry calibrate`: gain, force sensor, display and responses."""
 
 import math
 import time
@@ -42,42 +42,41 @@ bench_option = path_option("--bench", "bench_path", required=True, help="Bench f
 def _somebody(ctx: click.Context, param: click.Parameter, by: str) -> str:
     del ctx, param
     if not by.strip():
-        raise InvalidParameter("--by: found nothing, expected who measures: initials or a code")
+        raise InvalidParameter("--by: found an empty text, expected initials or a code of the experimenter")
     return by.strip()
 
 
-def _numbers(ctx: click.Context, param: click.Parameter, text: str) -> list[float]:
+def _numbers(ctx: click.Context, param: click.Parameter, text: str | None) -> list[float]:
     del ctx
     try:
         return [float(number) for number in text.split(",")] if text else []
     except ValueError:
-        raise InvalidParameter(f"{param.opts[0]}: found {text!r}, expected numbers joined by commas") from None
+        raise InvalidParameter(f"{param.opts[0]}: found {text!r}, expected numbers separated by commas") from None
 
 
-by_option = click.option("--by", required=True, callback=_somebody, help="Who measures: initials or a code.")
+by_option = click.option("--by", required=True, callback=_somebody, help="Initials or code of the experimenter.")
 numbers_option = partial(click.option, callback=_numbers)
-write_option = click.option("--write", is_flag=True, help="Write it into the bench file, whose comments stay.")
+write_option = click.option("--write", is_flag=True, help="Write the values into the bench file; comments are kept.")
 residual_option = click.option(
     "--residual-at-most",
     type=click.FloatRange(0, 1, min_open=True),
     default=calibration.RESIDUAL_AT_MOST,
-    show_default=True,
-    help="What is further off the fit is refused: a part of the voltage, or of the largest force.",
+    help="Largest residual of the fit, relative to the voltage or to the largest force.",
 )
 TODAY = date.today
 
 
 @click.group(epilog="Example: tactometry calibrate display --bar-m 0.149")
 def command() -> None:
-    """Measure what a bench file says; each prints the table, with its date, and puts it there with --write."""
+    """Measure values of a bench file, and print or --write them."""
 
 
 @subcommand("calibrate gain --bench bench.toml --by ZG", command)
 @bench_option
 @by_option
-@numbers_option("--parts", default="0.02,0.05,0.1", show_default=True, help="What to play, as parts of full scale.")
-@numbers_option("--measured-v", default="", metavar="V,V,...", help="What was measured, peak V; else asked for each.")
-@click.option("--tone-s", type=click.FloatRange(0.1, 30), default=3.0, show_default=True, help="How long each sounds.")
+@numbers_option("--parts", default="0.02,0.05,0.1", help="Amplitudes to play, relative to full scale.")
+@numbers_option("--measured-v", metavar="V,V,...", help="Measured peak voltages, V; default: a prompt for each.")
+@click.option("--tone-s", type=click.FloatRange(0.1, 30), default=3.0, help="Duration of each tone, s.")
 @residual_option
 @write_option
 def gain(
@@ -90,10 +89,10 @@ def gain(
     residual_at_most: float,
     write: bool,
 ) -> None:
-    """Output gain: play sines of 100 Hz on every channel, and type in the peak voltage at the known load.
+    """Measure the output gain with sines of 100 Hz on every channel.
 
-    The limits and the gain that the bench file states hold while it plays: until it is measured, that of the data
-    sheets. With --measured-v nothing is played.
+    Enter the peak voltage at the load after each tone. The limits and the gain of the bench file apply during playback.
+    Before the first measurement, state the gain of the data sheets. With --measured-v nothing is played.
     """
     bench = load_bench(bench_path)
     before = required_gain(bench.output.gain, "output.gain")
@@ -128,12 +127,14 @@ def _play_and_ask_v(bench: BenchFile, gain: Gain, shares: list[float], tone_s: f
 @subcommand("calibrate force --bench bench.toml --by ZG --weights-kg 0,0.05,0.1,0.2", command)
 @bench_option
 @by_option
-@numbers_option("--weights-kg", required=True, metavar="KG,KG,...", help="The weights, in the order they are put on.")
-@numbers_option("--counts", default="", metavar="N,N,...", help="What the sensor counted; else it is read for each.")
-@click.option("--sensor", default="", help="The bench file's sensor; default the one of [force], or the only one.")
-@click.option("--channel", type=int, default=0, show_default=True, help="Of the sensor, from 0.")
-@click.option("--degree", type=click.IntRange(1, 5), default=1, show_default=True, help="Of the polynomial.")
-@click.option("--gravity-m-per-s2", type=float, default=9.80665, show_default=True, help="Where you are.")
+@numbers_option(
+    "--weights-kg", required=True, metavar="KG,KG,...", help="Masses, kg, in the order in which you place them."
+)
+@numbers_option("--counts", metavar="N,N,...", help="Counts for each mass; default: read from the sensor.")
+@click.option("--sensor", help="Sensor of the bench file; default: that of [force], or the only one.")
+@click.option("--channel", type=int, default=0, help="Channel of the sensor, from 0.")
+@click.option("--degree", type=click.IntRange(1, 5), default=1, help="Degree of the polynomial.")
+@click.option("--gravity-m-per-s2", type=float, default=9.80665, help="Local acceleration of gravity, m/s^2.")
 @figure_option("Write fit and residuals as PNG, PDF or SVG.")
 @residual_option
 @write_option
@@ -143,7 +144,7 @@ def force(
     by: str,
     weights_kg: list[float],
     counts: list[float],
-    sensor: str,
+    sensor: str | None,
     channel: int,
     degree: int,
     gravity_m_per_s2: float,
@@ -151,7 +152,7 @@ def force(
     residual_at_most: float,
     write: bool,
 ) -> None:
-    """Force sensor: put on weights one after the other; a polynomial is fitted to what it counts."""
+    """Calibrate the force sensor: fit a polynomial to counts of known masses."""
     bench = load_bench(bench_path)
     name = sensor or (bench.force.sensor if bench.force is not None else next(iter(bench.sensors), ""))
     enough = f"at least {degree + 2} for a polynomial of degree {degree}"
@@ -182,22 +183,23 @@ def _count_weights(reader: Reader, channel: int, masses_kg: list[float]) -> list
 
 
 @subcommand("calibrate display --bar-m 0.149", command)
-@click.option("--bar-m", type=float, help="Length of the bar, m; without it, the bar is shown, then asked for.")
-@path_option("--bench", "bench_path", help="Bench file (TOML), where --write puts it.")
+@click.option("--bar-m", type=float, help="Length of the bar, m; default: show the bar, then prompt for it.")
+@path_option("--bench", "bench_path", help="Bench file (TOML) for --write.")
 @write_option
 def display(bar_m: float | None, bench_path: Path | None, *, write: bool) -> None:
-    """Display size: the screen shows a white bar until a key is pressed; measure it and type in its length.
+    """Measure the display by the length of a white bar.
 
-    It is half as high as the picture. With --bar-m no window is opened.
+    The screen shows the bar until you press a key. Then enter its length. The bar is half as high as the screen. With
+    --bar-m no window is opened.
     """
-    expect(bench_path is not None or not write, "--write", "no bench file", "--bench, the file to write into")
+    expect(bench_path is not None or not write, "--write", "no bench file", "--bench with the file to write")
     screen = load_bench(bench_path).screen  # report its errors before measuring
     found = {"height_m": calibration.display_height_m(_ask_bar_m(screen.screen) if bar_m is None else bar_m)}
     _tell("screen", found, [], found, bench_path, write=write)
 
 
 def _ask_bar_m(screen: int) -> float:
-    """Show the bar, then ask in the terminal, which a fullscreen window may hide."""
+    """Show the bar, then prompt in the terminal, which a window may hide."""
     from ..rigs.window import Window
 
     with closing(Window(fullscreen=True, screen=screen)) as window:
@@ -208,43 +210,35 @@ def _ask_bar_m(screen: int) -> float:
 @subcommand("calibrate responses --bench bench.toml --by ZG --sensor vibrometer ...", command)
 @bench_option
 @by_option
-@click.option("--sensor", required=True, help="The bench file's sensor that records.")
-@click.option("--channel", type=int, default=0, show_default=True, help="Of the vibrometer or accelerometer.")
-@click.option("--reference", type=int, default=1, show_default=True, help="Channel that records the drive itself.")
+@click.option("--sensor", required=True, help="Sensor of the bench file that records.")
+@click.option("--channel", type=int, default=0, help="Channel of the vibrometer or accelerometer.")
+@click.option("--reference", type=int, default=1, help="Channel that records the drive.")
 @click.option("--reference-output", type=int, help="Output channel that carries the drive to the reference.")
-@click.option("--units-per-count", type=float, required=True, help="m, m/s or m/s^2 for a count of 1.")
-@click.option("--volts-per-count", type=float, required=True, help="V at the load for a count of 1 on the reference.")
+@click.option("--units-per-count", type=float, required=True, help="m, m/s or m/s^2 per count.")
+@click.option("--volts-per-count", type=float, required=True, help="V at the load per count of the reference channel.")
 @click.option("--quantity", type=click.Choice(["displacement", "velocity", "acceleration"]), default="velocity")
-@click.option("--voltage-v", type=float, required=True, help="Peak of the excitation.")
+@click.option("--voltage-v", type=float, required=True, help="Peak voltage of the excitation.")
 @click.option(
-    "--band-hz",
-    nargs=2,
-    type=float,
-    default=(15e3, 70e3),
-    show_default=True,
-    help="What is kept; a sweep goes a fifth beyond.",
+    "--band-hz", nargs=2, type=float, default=(15e3, 70e3), help="Band of the responses; a sweep exceeds it by a fifth."
 )
-@click.option("--sweep-s", type=float, default=0.2, show_default=True, help="Duration of the sweep.")
+@click.option("--sweep-s", type=float, default=0.2, help="Duration of the sweep, s.")
 @click.option("--sequence-order", type=int, help="Play a maximum-length sequence of this order instead.")
-@click.option("--duration-s", type=float, default=0.03, show_default=True, help="Of a response.")
-@click.option(
-    "--repeats", type=click.IntRange(2, 100), default=2, show_default=True, help="How often each channel plays."
-)
+@click.option("--duration-s", type=float, default=0.03, help="Duration of a response, s.")
+@click.option("--repeats", type=click.IntRange(2, 100), default=2, help="Number of plays per channel.")
 @click.option(
     "--repeatability-at-least",
     type=click.FloatRange(0, 1),
     default=REPEATABILITY,
-    show_default=True,
-    help="Of two responses of a channel, as the part of a focus that is left; one below it is refused.",
+    help="Smallest repeatability of a channel: remaining part of a focus between two responses.",
 )
 @path_option("--out", required=True, help="NPZ file to write.")
 @figure_option("Write response and spectra as PNG, PDF or SVG.")
 @hands_off_option
 @write_option
 def responses(**asked: Any) -> None:
-    """Time-reversal learning: play on each channel, record the point to be touched, keep the impulse responses.
+    """Learn impulse responses for time reversal on each channel.
 
-    A vibrometer's velocity becomes a displacement in the band that was played. The file is read by studies and by
+    Velocity and acceleration are converted to displacement in the played band. Studies read the file, and so does
     tactometry.stimuli.time_reversal.responses.measured.read.
     """
     out = asked["out"]
@@ -257,7 +251,7 @@ def responses(**asked: Any) -> None:
     learning = _learning(asked, devices.output.driver.n_channels or 1, reader.source.rate_hz)
     # confirmed last, because no force gate stops a sweep
     if bench.output.settings.connected and not (asked["hands_off"] or hands_are_off()):
-        raise InvalidParameter("--hands-off: found no word that hands are off, expected it; nothing was played")
+        raise InvalidParameter("--hands-off: found no confirmation, expected it before a sweep; nothing was played")
     heard = _learn(learning, devices.output, reader, asked)
     learnt, qualities = join([each.mean for each, _ in heard]), [found for _, found in heard]
     responses = as_displacement(learnt, *asked["band_hz"])
@@ -303,14 +297,14 @@ def _tell(
 
 
 def _devices(bench: BenchFile) -> Devices:
-    """Return the devices of an untouched bench, within the limits of the bench."""
+    """Return the devices of an untouched bench within its limits."""
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
     return bench.devices(bench.limits, TODAY(), touched=False)
 
 
 def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> Learning:
-    """Return the excitation and its channels: a sweep a fifth beyond the band, or a maximum-length sequence."""
+    """Return the excitation and its channels: a sweep or a sequence."""
     low_hz, high_hz = asked["band_hz"]
     half = f"at most {rate_hz / 2:g} Hz, half the rate of {asked['sensor']!r}"
     expect(high_hz <= rate_hz / 2, "--band-hz", f"up to {high_hz:g} Hz", half)
@@ -354,7 +348,7 @@ def _provenance(asked: Mapping[str, Any], learning: Learning, output: str, senso
 
 
 def _draw(figure: str, measured: object, path: Path | None) -> None:
-    """Write a figure of `bench.figures` if a file was given; only this loads them."""
+    """Write a figure of `bench.figures` if a file was given."""
     if path is not None:
         with writing(path):
             resolve(f"tactometry.experiments.bench.figures:{figure}")(measured, path)

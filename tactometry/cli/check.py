@@ -24,21 +24,20 @@ from .output import (
 
 LONGEST_CELL = 50
 """Longer sentences are printed below the table, whose cells wrap on a narrow terminal."""
-MARKS = {True: "ok", False: "NOT FINE", None: ""}
+MARKS = {True: "ok", False: "FAILED", None: ""}
 
 
 @subcommand("check electrovibration-threshold --bench bench.toml")
 @click.argument("study", type=STUDY, required=False)
 @bench_option
-@path_option("--out", default=Path(), help="Where data would be written; default here.")
+@path_option("--out", default=Path(), help="Folder of the data; default: the working directory.")
 @hands_off_option
 @allow_code_option
 def command(study: str | None, bench_path: Path | None, out: Path, *, hands_off: bool, allow_code: bool) -> int:
-    """Try what a session of STUDY needs: computer, disk, display, sensors, and the output with a test tone.
+    """Check computer, disk, display, sensors and output for STUDY.
 
-    The tone stays at a tenth of the voltage limit. An output that leads to an amplifier plays it only after somebody
-    said that hands are off: with --hands-off, or in words at the terminal. Exit status 1 if something is not fine, 3 if
-    that is a device.
+    The tone has a tenth of the voltage limit. An output with an amplifier plays it only after --hands-off or your
+    confirmation at the terminal. Exit status 1 if a check fails, 3 if a device fails.
     """
     bench = load_bench(bench_path)
     sure = hands_off or (bench.output.settings.connected and hands_are_off())
@@ -59,4 +58,4 @@ def _table(findings: list[Finding]) -> str:
         console.print(table, markup=False, highlight=False)
     n_bad = sum(finding.fine is False for finding in findings)
     sentences = [f"{finding.part}: {finding.found}" for finding in long]
-    return "\n".join([capture.get().rstrip(), *sentences, "everything is fine" if n_bad == 0 else f"{n_bad} not fine"])
+    return "\n".join([capture.get().rstrip(), *sentences, "all checks passed" if n_bad == 0 else f"{n_bad} failed"])

@@ -19,13 +19,13 @@ from .output import path_option, progress, say, subcommand
 
 @subcommand("cost skin-propagator --out cost")
 @click.argument("problem", metavar="PROBLEM|all")
-@path_option("--out", help="Write a CSV of all points and a figure per problem.")
+@path_option("--out", help="Folder for a CSV of all points and a figure per problem.")
 @path_option("--page", help="Write a page (Markdown) with tables and figures.")
-@click.option("--rounds", default=5, show_default=True, type=click.IntRange(1), help="Warm calls of each setting.")
+@click.option("--rounds", default=5, type=click.IntRange(1), help="Warm calls of each setting.")
 def command(*, problem: str, out: Path | None, page: Path | None, rounds: int) -> None:
-    """Measure error, time and memory of settings; find the cheapest per error.
+    """Measure error, time and memory, and find the cheapest settings.
 
-    Errors are the same in every run; times are those of this machine, now.
+    Errors are the same in every run. Times depend on the machine.
     """
     one_of("PROBLEM", problem, ("all", *PROBLEMS))
     names = list(PROBLEMS) if problem == "all" else [problem]

@@ -1,4 +1,4 @@
-"""Commands on a data set: `replay`, `validate`, `rebuild`, `export` and `erase`."""
+"""Commands on data sets: replay, validate, rebuild, export and erase."""
 
 import sys
 from collections.abc import Iterator
@@ -20,9 +20,9 @@ FORMS = ("bids", "jspsych", "psych-ds", "psychopy", "r")
 @subcommand("replay demo")
 @data_argument
 def replay(path: Path) -> None:
-    """Feed the recorded answers of the data set or journal PATH back into its protocol.
+    """Replay the answers of the data set or journal PATH.
 
-    Exit status 1, with the line or row, at the first divergence.
+    The first divergence is reported with its line or row, with exit status 1.
     """
     from tactometry.experiments.data_sets.replaying import replay_data_set
 
@@ -38,7 +38,10 @@ def replay(path: Path) -> None:
 @subcommand("validate demo")
 @data_argument
 def validate(path: Path) -> int:
-    """Check the data set or trials file PATH. Exit status 1 if it has defects; each is named with file and row."""
+    """Check the data set or trials file PATH and list every defect.
+
+    Exit status 1 if there are defects.
+    """
     from tactometry.experiments.data_sets import validation
 
     report = validation.validate(path)
@@ -51,14 +54,14 @@ def validate(path: Path) -> int:
 @subcommand("rebuild demo")
 @data_argument
 def rebuild(path: Path) -> None:
-    """Write what is derived from the journals of the data set or journal PATH anew: trials, events, descriptions.
+    """Rebuild trials, events and descriptions of PATH from its journals.
 
-    A trials file that holds what its journal does not is left alone and told.
+    A trials file with rows that its journal lacks is reported and not changed.
     """
     from tactometry.experiments.data_sets.replaying import rebuild_data_set
 
     rebuilt = rebuild_data_set(path)
-    lines = [f"{file.trials}: {count_of(file.n_trials, 'trial')}{', mended' * file.changed}" for file in rebuilt]
+    lines = [f"{file.trials}: {count_of(file.n_trials, 'trial')}{', repaired' * file.changed}" for file in rebuilt]
     say("\n".join(lines) or f"{path}: no session has begun", [asdict(file) for file in rebuilt])
 
 
@@ -71,10 +74,10 @@ def rebuild(path: Path) -> None:
     required=True,
     help="BIDS, jsPsych's JSON, Psych-DS, PsychoPy's CSV, or a table for R.",
 )
-@path_option("--out", required=True, help="The folder to write, new or empty.")
-@click.option("--author", "authors", multiple=True, help="An author of a BIDS data set; may be given again.")
+@path_option("--out", required=True, help="Folder to write, new or empty.")
+@click.option("--author", "authors", multiple=True, help="Author of a BIDS data set; may be repeated.")
 def export(path: Path, form: str, out: Path, authors: tuple[str, ...]) -> None:
-    """Write the data set or trials file PATH in the form of another program; PATH stays as it is."""
+    """Export the data set or trials file PATH to another format."""
     from tactometry.experiments.data_sets import export as data_sets
 
     written = data_sets.export(path, form, out, authors)
@@ -84,15 +87,15 @@ def export(path: Path, form: str, out: Path, authors: tuple[str, ...]) -> None:
 
 @subcommand("erase data --participant P07 --dry-run")
 @data_argument
-@click.option("--participant", metavar="ID", required=True, help="Whose data are erased.")
-@click.option("--yes", is_flag=True, help="Erase without asking.")
+@click.option("--participant", metavar="ID", required=True, help="Code of the participant.")
+@click.option("--yes", is_flag=True, help="Erase without confirmation.")
 @click.option("--dry-run", is_flag=True, help="List what would be erased, and erase nothing.")
 def erase(path: Path, participant: str, *, yes: bool, dry_run: bool) -> int:
-    """Erase all that the data set PATH holds of one participant, and record that it was done (erasures.jsonl).
+    """Erase the data of one participant from the data set PATH.
 
-    Sessions, traces, reports, figures and exports within PATH are erased. Files of other participants stay as they
-    are. Files that Tactometry did not write stay too; they are listed, so that you can look at them. If the command
-    is interrupted, run it again. Exit status 1 if the answer to the question is no.
+    The erasure is recorded in erasures.jsonl. Sessions, traces, reports, figures and exports within PATH are erased.
+    Files of other participants are not changed. Files that Tactometry did not write are kept and listed for you to
+    check. If the command is interrupted, run it again. Exit status 1 if you do not confirm.
     """
     from tactometry.experiments.data_sets import erasing
 
@@ -108,9 +111,9 @@ def erase(path: Path, participant: str, *, yes: bool, dry_run: bool) -> int:
 
 def _is_wanted(path: Path, found: "Erased") -> bool:
     if not sys.stdin.isatty():
-        raise InvalidParameter("erase: found no terminal to ask at, expected --yes (or --dry-run, which only lists)")
+        raise InvalidParameter("erase: found no terminal for a confirmation, expected --yes or --dry-run")
     sessions, files = count_of(found.n_sessions, "session"), count_of(len(found.own) + len(found.derived), "file")
-    question = f"{path}: erase {sessions} of {found.participant} ({files}) for good? There is no way back"
+    question = f"{path}: erase {sessions} of {found.participant} ({files}) permanently? This cannot be undone"
     return click.confirm(question, default=False, err=True)
 
 
@@ -125,9 +128,9 @@ def _text(path: Path, found: "Erased", *, dry_run: bool) -> Iterator[str]:
     files = count_of(len(found.own), "file")
     yield f"{path}: {did} {found.participant}, {count_of(found.n_sessions, 'session')} in {files}"
     if found.derived:
-        yield f"derived from several participants, {did} too; make anew what is needed, with analyse, show and export:"
+        yield f"derived from several participants, {did} too; recreate them with analyse, show and export:"
         yield from (f"  {name}" for name in found.derived)
     if found.others:
-        yield "not searched; look whether these name the participant, and edit or remove them:"
+        yield "not searched; check whether these files name the participant, and edit or remove them:"
         yield from (f"! {name}" for name in found.others)
     yield found.not_reached

@@ -14,18 +14,20 @@ from .output import figure_option, path_option, say, subcommand, writing
 
 
 @subcommand("design --contrast 15 --amplitude-m 10e-6 --repetition-hz 100")
-@path_option("--plate", "plate_file", help="TOML file of a plate; default A4, 1.1 mm.")
-@click.option("--transducers", default=32, show_default=True, help="Number of patches Q.")
-@click.option("--patch-m", default=10e-3, show_default=True, help="Side of a patch.")
-@click.option("--voltage-v", default=30.0, show_default=True, help="Peak voltage of the one-bit drive.")
-@click.option("--band-hz", nargs=2, type=float, default=(20e3, 60e3), show_default=True, help="Lowest and highest.")
-@click.option("--tau-s", default=3.5e-3, show_default=True, help="Attenuation constant.")
-@click.option("--resolution-m", type=float, help="Wanted: largest width of the focus at -6 dB.")
-@click.option("--contrast", type=float, help="Wanted: smallest amplitude over the rms of the plate.")
-@click.option("--amplitude-m", type=float, help="Wanted: smallest displacement at the focus.")
-@click.option("--repetition-hz", type=float, help="Wanted: foci per second.")
-@click.option("--thickness-m", type=float, multiple=True, help="Sheets that can be had; else glass as sold.")
-@figure_option("Write the trade-offs as a PNG, PDF or SVG, and NAME_thickness.")
+@path_option("--plate", "plate_file", help="TOML file of a plate; default: A4, 1.1 mm.")
+@click.option("--transducers", default=32, help="Number of patches.")
+@click.option("--patch-m", default=10e-3, help="Side of a patch, m.")
+@click.option("--voltage-v", default=30.0, help="Peak voltage of the one-bit drive, V.")
+@click.option("--band-hz", nargs=2, type=float, default=(20e3, 60e3), help="Lowest and highest frequency, Hz.")
+@click.option("--tau-s", default=3.5e-3, help="Attenuation constant, s.")
+@click.option("--resolution-m", type=float, help="Target: largest width of the focus at -6 dB, m.")
+@click.option("--contrast", type=float, help="Target: smallest ratio of focus amplitude to rms of the plate.")
+@click.option("--amplitude-m", type=float, help="Target: smallest displacement at the focus, m.")
+@click.option("--repetition-hz", type=float, help="Target: foci per second.")
+@click.option(
+    "--thickness-m", type=float, multiple=True, help="Available thickness, m; may be repeated; default: glass as sold."
+)
+@figure_option("Write the trade-offs as PNG, PDF or SVG, and those of thickness as NAME_thickness.")
 def command(
     *,
     plate_file: Path | None,
@@ -41,11 +43,12 @@ def command(
     thickness_m: tuple[float, ...],
     figure: Path | None,
 ) -> int:
-    """Design a time-reversal screen: T, repetition time, transducers, band and thickness for what is wanted.
+    """Design a time-reversal screen for your targets.
 
-    The thickness is that of the plate if it will do, else the nearest sheet that misses the least.
+    The result contains reversal time, repetition time, transducers, band and thickness. The thickness of the plate is
+    kept if it reaches the targets. Otherwise the best available sheet is chosen.
 
-    Exit status 1 if something that is wanted cannot be reached; the output says why.
+    Exit status 1 if a target cannot be reached; the output states the reason.
     """
     plate = A4_SCREEN if plate_file is None else read_plate(plate_file)
     among = sheets(
@@ -104,12 +107,12 @@ def _bends(sheet: Sheet) -> str:
 
 def _how_far_off(among: Sequence[Sheet]) -> Iterator[str]:
     ranges = ", ".join(f"{name} {low:+.0%} to {high:+.0%}" for name, (low, high) in OFF.items())
-    yield f"simulation over these laws: {ranges}; sheets that differ by less are alike"
+    yield f"ratio of simulation to these laws: {ranges}; smaller differences between sheets are not meaningful"
     if len(among) > 1:
-        yield "amplitudes rest on the moment per volt of a patch (calibrated: 10 um on A4 of 1.1 mm by one bit of 30 V)"
-        yield "and keep it on every sheet (unverified)"
+        yield "amplitudes follow from the moment per volt of a patch (calibrated: 10 um on A4 of 1.1 mm at 30 V)"
+        yield "which is assumed to be the same on every sheet (unverified)"
     if not all(sheet.bends_linearly for sheet in among):
-        yield "> : more than half of its thickness, beyond small deflections; the stress is then an upper bound"
+        yield "> : above half of the thickness, where the law of small deflections fails; the stress is an upper bound"
 
 
 def _record(sheet: Sheet) -> dict[str, object]:

@@ -30,10 +30,10 @@ class TableName(click.ParamType[str]):
 @subcommand("keys procedure.staircase")
 @click.argument("name", type=TableName(), required=False)
 def command(name: str | None) -> None:
-    """Explain the keys of a table of a study, bench, scene or map file: type, unit, default, range, meaning, example.
+    """Explain the keys of a table of a study, bench, scene or map file.
 
-    NAME is that of a table, such as touch.slide, bench.output or map, or texts for the texts that [texts] may replace.
-    Without it the names are listed.
+    Type, unit, default, range, meaning and an example are printed for each key. NAME is a table, such as touch.slide,
+    bench.output or map, or `texts` for the texts that [texts] may replace. Without NAME, all names are listed.
     """
     from tactometry.experiments.reference.tables import find, tables, toml_value
 
@@ -52,15 +52,15 @@ def command(name: str | None) -> None:
 
 
 def _shipped_texts() -> dict[str, str]:
-    """Return the English messages and labels by name, in the order of their file."""
+    """Return the English messages and labels by name, in file order."""
     from ..rigs.texts import texts_in
 
     shipped = texts_in("en", {})
     return {**shipped.messages, **shipped.labels}
 
 
-def where_keys_are_told(error: BaseException | None) -> str:
-    """Return the command that lists the keys of a table, if an error is an unknown or missing key."""
+def hint_of_keys(error: BaseException | None) -> str:
+    """Return a hint on the keys of a table if a key is unknown or missing."""
     while error is not None and not isinstance(error, InvalidKey):
         error = error.__context__
     if error is None:

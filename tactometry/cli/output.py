@@ -1,4 +1,4 @@
-"""Shared parts of commands: options, results as text or JSON, progress, questions at the terminal."""
+"""Shared parts of commands: options, results, progress, questions."""
 
 import json
 import math
@@ -24,7 +24,7 @@ _AS_JSON: Final = f"{__name__}.as_json"
 
 
 class NamedFile(click.Path):
-    """Name of a built-in file or path of another; both are completed. `names` is a target string."""
+    """Name of a built-in file, or path. `names` is a target string."""
 
     def __init__(self, names: str) -> None:
         super().__init__()
@@ -49,7 +49,7 @@ def path_option(*names: str, **said: Any) -> Callable[[F], F]:
 
 
 def figure_option(said: str) -> Callable[[F], F]:
-    """Return the option of a figure; a wrong format is refused before anything is computed."""
+    """Return the option of a figure, which refuses a wrong format early."""
     return path_option("--figure", callback=_check_figure, help=said)
 
 
@@ -69,13 +69,13 @@ def _keep_form(ctx: click.Context, param: click.Parameter, as_json: bool) -> Non
 _JSON: Final[dict[str, Any]] = {"is_flag": True, "expose_value": False, "callback": _keep_form}
 bench_option: Callable[[F], F] = path_option("--bench", "bench_path", help="Bench file (TOML).")
 hands_off_option: Callable[[F], F] = click.option(
-    "--hands-off", is_flag=True, help="No hand is on the surface: an output that leads to an amplifier may play."
+    "--hands-off", is_flag=True, help="Confirm that no hand is on the surface, so that an amplifier may play."
 )
 allow_code_option: Callable[[F], F] = click.option(
-    "--allow-code", is_flag=True, help="Run the code that STUDY names as module:Class, from a file beside it."
+    "--allow-code", is_flag=True, help="Run the code that STUDY names as module:Class, from a file next to it."
 )
 allow_erased_option: Callable[[F], F] = click.option(
-    "--allow-erased", is_flag=True, help="Record a participant again who was erased from the data set."
+    "--allow-erased", is_flag=True, help="Record a participant again after an erasure."
 )
 data_argument: Callable[[F], F] = click.argument("path", type=click.Path(path_type=Path))
 
@@ -100,7 +100,7 @@ def say(text: str, value: object) -> None:
 
 
 def _finite(value: object) -> object:
-    """Replace numbers that are not finite by null, as JSON has no other form for them."""
+    """Replace numbers that are not finite by null, as JSON has none."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, Mapping):
@@ -116,9 +116,9 @@ def drawn_seed(seed: int | None, *, resume: bool = False) -> int:
     if seed is not None:
         return seed
     if resume:
-        raise InvalidParameter("--seed: found none, expected the seed that the interrupted run printed")
+        raise InvalidParameter("--seed: found none, expected the seed of the interrupted run, which it printed")
     seed = secrets.randbelow(2**32)
-    click.echo(f"seed: {seed} (the same --seed repeats this)", err=True)
+    click.echo(f"seed: {seed} (repeat with this --seed)", err=True)
     return seed
 
 
@@ -128,7 +128,7 @@ def writing(path: Path) -> AbstractContextManager[None]:
 
 
 def progress(items: Iterable[T], total: int, what: str) -> Iterator[T]:
-    """Yield `items`, with a progress bar on standard error if that is a terminal."""
+    """Yield `items`, with a progress bar if standard error is a terminal."""
     if not sys.stderr.isatty():
         yield from items
         return
@@ -139,7 +139,7 @@ def progress(items: Iterable[T], total: int, what: str) -> Iterator[T]:
 
 
 def hands_are_off() -> bool:
-    """Return True if someone at the terminal types that no hand is on the surface."""
+    """Return True if a user types that no hand is on the surface."""
     if not sys.stdin.isatty():
         return False
     question = f"The output will play. Type '{HANDS_OFF}' when no hand is on the surface"

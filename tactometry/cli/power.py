@@ -26,33 +26,35 @@ from .output import STUDY, allow_code_option, drawn_seed, path_option, say, subc
 @click.option(
     "--effect",
     required=True,
-    help="As 'force_n: 2 dB', '... 2 dB SL', '... 1 dB PSE', '... 20 % JND', 'pattern: P1 = 3 dB', 'button: 1 points'.",
+    help="'force_n: 2 dB', '... 2 dB SL', '... 1 dB PSE', '... 20 % JND', 'pattern: P1 = 3 dB', 'button: 1 points'.",
 )
-@click.option("--participants", required=True, help="As 6..24, 6..24:2 or 8,12,16.")
-@click.option("--trials", help="In each track, as 40,60; by default as the study says.")
-@click.option("--target", type=float, default=0.8, show_default=True, help="The power that is wanted.")
+@click.option("--participants", required=True, help="Numbers of participants: 6..24, 6..24:2 or 8,12,16.")
+@click.option("--trials", help="Trials per track, such as 40,60; default: that of the study.")
+@click.option("--target", type=float, default=0.8, help="Target power.")
 @click.option("--seed", type=int, help="The same seed gives the same bytes; default: a new one, which is printed.")
-@click.option("--alpha", type=float, default=0.05, show_default=True, help="The level of the test.")
-@click.option("--precision", type=float, default=0.05, show_default=True, help="Half of a power's 95 % interval.")
-@click.option("--most", type=int, default=1000, show_default=True, help="Studies to simulate of each kind at most.")
-@click.option("--dropout", type=float, default=0.0, show_default=True, help="Share of participants who leave midway.")
-@click.option("--dependent", default="", help="What is compared, where a task has several values.")
-@path_option("--out", help="A folder for tables and what is needed to repeat them (extra: power).")
-@click.option("--keep-data", is_flag=True, help="Keep the trials of each simulated study too, as Parquet (with --out).")
-@click.option("--resume", is_flag=True, help="Go on where an interrupted analysis stopped (with --out).")
-@click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
+@click.option("--alpha", type=float, default=0.05, help="Significance level.")
+@click.option("--precision", type=float, default=0.05, help="Half width of the power's 95 % interval.")
+@click.option("--most", type=int, default=1000, help="Largest number of simulated studies per design.")
+@click.option("--dropout", type=float, default=0.0, help="Share of participants who leave midway.")
+@click.option("--dependent", default="", show_default=False, help="Dependent variable, for tasks with several.")
+@path_option("--out", help="Folder for the tables (extra: power).")
+@click.option(
+    "--keep-data", is_flag=True, help="Also keep the trials of each simulated study, as Parquet (with --out)."
+)
+@click.option("--resume", is_flag=True, help="Continue an interrupted analysis (with --out).")
+@click.option("--jobs", "n_jobs", type=int, default=1, help="Number of processes; -1 uses all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
 @allow_code_option
 def command(
     *, study: str, effect: str, participants: str, trials: str | None, out: Path | None, **options: Any
 ) -> None:
-    """Simulate STUDY (a built-in name or a path) many times, and count how often an effect is found."""
+    """Estimate the power to detect an effect by simulating STUDY."""
     n_jobs, scheduler, resume, keep_data = (
         options.pop(name) for name in ("n_jobs", "scheduler", "resume", "keep_data")
     )
     check_workers(n_jobs, scheduler)
-    expect(out is not None or not resume, "--resume", "no --out", "the folder of the analysis that was interrupted")
-    expect(out is not None or not keep_data, "--keep-data", "no --out", "the folder in which they are kept")
+    expect(out is not None or not resume, "--resume", "no --out", "the folder of the interrupted analysis")
+    expect(out is not None or not keep_data, "--keep-data", "no --out", "a folder for the data")
     _, content = load(study)
     options["seed"] = drawn_seed(options["seed"], resume=resume)
     options["code_from"] = folder_of(study) if options.pop("allow_code") else None

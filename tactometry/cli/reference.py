@@ -25,7 +25,7 @@ progress bar.
 
 def text() -> str:
     """Return the page of the commands."""
-    root = click.Context(tactometry, info_name="tactometry")
+    root = click.Context(tactometry, info_name="tactometry", **tactometry.context_settings)
     return "\n".join([HEAD, *_sections(tactometry, root)])
 
 

@@ -16,14 +16,12 @@ from .output import path_option, progress, say, subcommand, writing
 
 @subcommand("reproduce table-4.3 --out reproduced")
 @click.argument("name", metavar="NAME|all")
-@path_option(
-    "--out", help="Write a CSV of each table and finding, and a PNG with the CSV of its curves of each figure."
-)
-@path_option("--page", help="Write a page (Markdown) of tables and findings beside what the thesis states.")
+@path_option("--out", help="Folder for a CSV of each table and finding, and a PNG and a CSV of each figure.")
+@path_option("--page", help="Write a page (Markdown) that compares tables and findings with those of the thesis.")
 def command(*, name: str, out: Path | None, page: Path | None) -> None:
-    """Make the thesis's tables, figures and findings anew, each number labelled.
+    """Reproduce tables, figures and findings of the thesis.
 
-    Derived comes out of the physics, calibrated had a constant set to it, assumed is said by the input.
+    Derived numbers follow from the physics, calibrated ones from a fitted constant, and assumed ones are inputs.
     """
     items = [reproduction_of(item) for item in (REPRODUCTIONS if name == "all" else (_item_of(name),))]
     made = [reproduce(item) for item in progress(items, len(items), "reproducing")]
@@ -37,9 +35,9 @@ def command(*, name: str, out: Path | None, page: Path | None) -> None:
 
 
 def _item_of(name: str) -> str:
-    """Return the item of a name or caption; a caption without one is an error with the reason."""
+    """Return the item of a name or caption, or raise with the reason."""
     reason = reason_for(name)
-    expect(reason is None, "NAME", name, f"what can be made anew: this is {reason}")
+    expect(reason is None, "NAME", name, f"an item that can be reproduced: this is {reason}")
     one_of("NAME", item_of(name), ("all", *REPRODUCTIONS))
     return item_of(name)
 
@@ -55,7 +53,7 @@ def _write(reproduced: Reproduced, out: Path) -> None:
 
 
 def _text(made: list[Reproduced]) -> str:
-    """Return statements and results; a single item with all of its numbers."""
+    """Format statements and results, and all numbers of a single item."""
     lines = []
     for reproduced in made:
         numbers = reproduced.numbers if len(made) == 1 else reproduced.compared
@@ -65,7 +63,7 @@ def _text(made: list[Reproduced]) -> str:
             value = f"{show(number.value)} {number.unit}".strip()
             lines.append(f"  {number.quantity}, {number.condition}: {value} ({number.origin}{said})")
     counts = ", ".join(f"{words.strip('*')}: {n}" for words, n in sorted(count_verdicts(made).items()))
-    return "\n".join([*lines, counts or "the thesis's numbers are not in our sources: nothing to compare with"])
+    return "\n".join([*lines, counts or "the numbers of the thesis are not available for comparison"])
 
 
 def _record(reproduced: Reproduced) -> dict[str, object]:

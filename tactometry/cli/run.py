@@ -27,18 +27,18 @@ from .watch import watching
 
 @subcommand("run tutorial --participant P01 --rig console --out pilot")
 @click.argument("study", type=STUDY)
-@click.option("--participant", required=True, help="A code of letters and digits, such as P01: no names.")
-@click.option("--session", "n_session", type=int, default=1, show_default=True, help="The participant's session.")
-@click.option("--rig", type=click.Choice(list(RIGS)), default="bench", show_default=True)
+@click.option("--participant", required=True, help="Code of letters and digits, such as P01; not a name.")
+@click.option("--session", "n_session", type=int, default=1, help="Number of the session.")
+@click.option("--rig", type=click.Choice(list(RIGS)), default="bench")
 @click.option("--number", type=int, help="Number for counterbalancing; default: the last digits of the code.")
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Default: a new one, which is printed.")
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Seed; default: a new one, which is printed.")
 @bench_option
-@path_option("--out", help="The data set; default: STUDY's name and -data, or -simulated.")
-@click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")
+@path_option("--out", help="Folder of the data set; default: STUDY-data or STUDY-simulated.")
+@click.option("--resume", is_flag=True, help="Continue an interrupted session.")
 @allow_code_option
 @allow_erased_option
-@click.option("--watch", is_flag=True, help="A page in the browser that follows the session; its address is told.")
-@click.option("--dry-run", is_flag=True, help="Check all that a session needs but its devices, and print the plan.")
+@click.option("--watch", is_flag=True, help="Serve a page that follows the session, and print its address.")
+@click.option("--dry-run", is_flag=True, help="Check the session without its devices, and print its plan.")
 def command(
     *,
     study: str,
@@ -57,7 +57,7 @@ def command(
 ) -> int:
     """Run a session of STUDY (a built-in name or a path).
 
-    Exit status 1 if a block, or a track of it, did not come to its end.
+    Exit status 1 if a block or one of its tracks did not finish.
     """
     numbers, content = load(study)
     code_from = folder_of(study) if allow_code else None
@@ -99,7 +99,7 @@ _tell = partial(click.echo, err=True)
 LOST = {"aborted", "not begun"}
 UNFINISHED = LOST | {"skipped"}
 ENDINGS = {
-    "trials": "came to their last trial",
+    "trials": "reached their last trial",
     "censored_above": "censored above the levels",
     "censored_below": "censored below the levels",
 }
@@ -117,7 +117,7 @@ def _print_plan(experiment: Experiment, who: Who) -> None:
         for block in blocks
     ]
     drawn = "random" in experiment.study.plan.orders and who.seed is None
-    notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
+    notes = ["the order is random: this is the order of --seed 0"] if drawn else []
     longest = f"at most {count_of(math.ceil(minutes), 'minute')}, without repeated trials"
     predicted = predict(experiment)
     plan_record = {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}
@@ -146,19 +146,19 @@ def _advice(counts: dict[str, int], root: Path) -> str:
     """Return the next step for the user.
 
     >>> _advice({"not begun": 2}, Path("d")), _advice({"skipped": 1, "aborted": 1}, Path("d"))
-    ('nothing to analyse: no block came to its end', 'tactometry analyse d')
+    ('nothing to analyse: no block was finished', 'tactometry analyse d')
     """
     if not counts or counts.keys() - LOST:
         return f"tactometry analyse {root}"
-    what = "mend what made the touches invalid" if "aborted" in counts else "nothing to analyse"
-    return f"{what}: no block came to its end"
+    what = "correct the cause of the invalid touches" if "aborted" in counts else "nothing to analyse"
+    return f"{what}: no block was finished"
 
 
 def _ending_words(counts: dict[str, int]) -> str:
     """Describe how the procedures of a session ended.
 
     >>> _ending_words({"trials": 2, "aborted": 1})
-    '; 3 procedures: 2 came to their last trial, 1 aborted'
+    '; 3 procedures: 2 reached their last trial, 1 aborted'
     """
     if not counts:
         return ""

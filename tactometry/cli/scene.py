@@ -23,14 +23,14 @@ LONG_S = 5.0
 
 @subcommand("scene electrovibration-panel --explain")
 @click.argument("file", metavar="FILE", type=SCENE)
-@click.option("--explain", is_flag=True, help="Each stage on or off, why, its settings, error and time.")
-@figure_option("Draw the outputs as a PNG, PDF or SVG.")
-@path_option("--movie", help="Film the wave that focuses, as a GIF or MP4.")
-@click.option("--cache", type=click.Path(path_type=Path, file_okay=False), help="Keep results in a folder, by content.")
+@click.option("--explain", is_flag=True, help="Print which stages run and why, with settings, error and time.")
+@figure_option("Draw the outputs as PNG, PDF or SVG.")
+@path_option("--movie", help="Write a movie of the focusing wave as GIF or MP4.")
+@click.option("--cache", type=click.Path(path_type=Path, file_okay=False), help="Folder in which results are cached.")
 def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None, cache: Path | None) -> None:
     """Compute a scene: a TOML file, or the name of a built-in one.
 
-    Only the effects that the file calls for are computed, as finely as its accuracy asks for.
+    Only the stated effects are computed, at the stated accuracy.
     """
     scene_file = load_scene(path_of(file))
     if explain:
@@ -45,7 +45,7 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         if plan.predicted_s > LONG_S:
             longest = max(plan.stages, key=predicted_s)
             click.echo(
-                f"this takes about {plan.predicted_s:.0f} s, most of it {longest.name!r}; a looser accuracy takes less",
+                f"this takes about {plan.predicted_s:.0f} s, mostly for {longest.name!r}; a lower accuracy is faster",
                 err=True,
             )
         result = _result(file, plan, given, cache)
@@ -71,7 +71,7 @@ def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) 
 
 
 def _figure(result: Result, title: str) -> Any:
-    """Draw a map with time courses, or time courses alone, as the outputs allow."""
+    """Draw a map with time courses, or time courses only."""
     if {"x_m", "y_m", "field_m"} <= set(result.values):
         from tactometry.stimuli.scenes.figures.courses import focus_sheet
 
@@ -81,7 +81,7 @@ def _figure(result: Result, title: str) -> Any:
     from tactometry.stimuli.scenes.figures.courses import courses, names
 
     some = "at least one, such as 'friction_force_n' or 'focus_displacement_m'; add it to outputs"
-    expect(bool(names(result.values)), "--figure", "no course over 't_s' among the outputs of the scene", some)
+    expect(bool(names(result.values)), "--figure", "no course over 't_s' in the outputs of the scene", some)
     return courses(result, title)
 
 

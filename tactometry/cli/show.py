@@ -1,4 +1,4 @@
-"""`tactometry show`: what happened in one trial."""
+"""`tactometry show`: plot one trial."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,17 +14,18 @@ if TYPE_CHECKING:
 
 @subcommand("show data --trial 17 --participant P01")
 @data_argument
-@click.option("--trial", type=click.IntRange(min=1), required=True, help="Its number in the session.")
-@click.option("--participant", metavar="ID", help="Whose, where the data set has several.")
-@click.option("--session", type=click.IntRange(min=1), help="Which, where the participant has several.")
+@click.option("--trial", type=click.IntRange(min=1), required=True, help="Number of the trial in the session.")
+@click.option("--participant", metavar="ID", help="Participant, if the data set has several.")
+@click.option("--session", type=click.IntRange(min=1), help="Session, if the participant has several.")
 @bench_option
-@figure_option("The PNG, PDF or SVG to write; else trial-17.png here.")
+@figure_option("PNG, PDF or SVG to write; default: trial-17.png in the working directory.")
 def command(
     path: Path, trial: int, participant: str | None, session: int | None, bench_path: Path | None, figure: Path | None
 ) -> None:
-    """Force, place and speed of the finger and what was emitted in each touch of a trial of the data set PATH.
+    """Plot the touches of one trial of the data set PATH.
 
-    With the bench file, also the signals of responses that it learnt or of its board are known.
+    The figure shows force, position and speed of the finger, and the emitted signal. The bench file is needed for
+    signals of learnt responses and of a one-bit board.
     """
     from tactometry.experiments.data_sets.figures import heading, touch_figure
     from tactometry.experiments.data_sets.traces import read_traces
@@ -43,7 +44,7 @@ def command(
                 case _:
                     drawing.figure.savefig(drawn, metadata={"CreationDate": None, "Subject": drawing.about})
     records = [{"touch": heading(touch), **_record(touch)} for touch in touches]
-    told = f"figure: {drawn}" if drawn else f"trial {trial}: nothing was felt in it"
+    told = f"figure: {drawn}" if drawn else f"trial {trial}: it has no touch"
     whose = {name: getattr(touch.head, name) for touch in touches[:1] for name in ("participant", "session")}
     lines = [
         ", ".join(f"{name} {value}" for name, value in whose.items()),

@@ -1,4 +1,4 @@
-"""`tactometry simulate` and `tactometry demo`: studies with simulated participants."""
+"""`tactometry simulate` and `tactometry demo`."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -20,15 +20,15 @@ N_PARTICIPANTS = 10
 
 @subcommand("simulate tutorial --participants 5 --seed 1 --out simulated")
 @click.argument("study", type=STUDY)
-@click.option("--participants", "n_participants", type=int, required=True, help="How many, P01 and on.")
+@click.option("--participants", "n_participants", type=int, required=True, help="Number of participants, from P01.")
 @click.option("--seed", type=int, help="The same seed gives the same bytes; default: a new one, which is printed.")
-@path_option("--out", required=True, help="The data set to write.")
-@click.option("--resume", is_flag=True, help="Go on where an interrupted simulation stopped.")
-@click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
+@path_option("--out", required=True, help="Folder of the data set.")
+@click.option("--resume", is_flag=True, help="Continue an interrupted simulation.")
+@click.option("--jobs", "n_jobs", type=int, default=1, help="Number of processes; -1 uses all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
 @allow_code_option
 @allow_erased_option
-@click.option("--explain", is_flag=True, help="Tell too which effects are felt, and which were left out.")
+@click.option("--explain", is_flag=True, help="Also print which effects can be felt and which were left out.")
 def simulate(
     study: str,
     n_participants: int,
@@ -66,7 +66,7 @@ def simulate(
 
 
 def _predictions(experiment: Experiment, *, explain: bool) -> tuple[list[str], dict[str, Any]]:
-    """Return lines and JSON of the conditions too weak to feel, or of all predictions."""
+    """Return lines and JSON of weak conditions, or of all predictions."""
     if explain:
         from tactometry.experiments.study.felt_effects import predict
 
@@ -79,10 +79,10 @@ def _predictions(experiment: Experiment, *, explain: bool) -> tuple[list[str], d
 
 
 @subcommand("demo --out demo --seed 1")
-@path_option("--out", default=Path("demo"), show_default=True)
-@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Same seed, same bytes.")
+@path_option("--out", default=Path("demo"), help="Folder of the data set.")
+@click.option("--seed", type=click.IntRange(min=0), default=1, help="The same seed gives the same bytes.")
 def demo(out: Path, seed: int) -> None:
-    """Simulate ten participants of a threshold study, analyse their data and write the report."""
+    """Simulate a threshold study, analyse it and write the report."""
     from tactometry.analysis.pipeline import analyse
     from tactometry.analysis.report.summary import summary
     from tactometry.experiments.data_sets.rule_estimates import replay_of

@@ -10,7 +10,7 @@ from .output import STUDY, path_option, say, subcommand
 
 @subcommand("studies")
 def studies() -> None:
-    """List the built-in studies, then those to copy."""
+    """List the built-in studies."""
     _say_studies()
 
 
@@ -24,10 +24,10 @@ def _say_studies() -> None:
 
 @subcommand("new tutorial --out mine.toml")
 @click.argument("study", type=STUDY, required=False)
-@path_option("--out", help="The file to write, - for standard output; default STUDY.toml.")
-@click.option("--list", "is_list", is_flag=True, help="The built-in studies, a line each, as tactometry studies.")
+@path_option("--out", help="File to write, - for standard output; default: STUDY.toml.")
+@click.option("--list", "is_list", is_flag=True, help="List the built-in studies, as tactometry studies does.")
 def new(study: str | None, out: Path | None, *, is_list: bool) -> None:
-    """Copy the built-in STUDY to a file of your own to edit."""
+    """Copy the built-in STUDY to a file to edit."""
     from tactometry.experiments.study.study_file import load, locate
 
     if is_list:
@@ -46,7 +46,7 @@ def new(study: str | None, out: Path | None, *, is_list: bool) -> None:
     except FileExistsError:
         raise InvalidFile(f"{path}: found a file, expected none to overwrite; give another --out") from None
     except (FileNotFoundError, NotADirectoryError):
-        raise InvalidFile(f"{path}: found no folder {path.parent}, expected one to write to; make it first") from None
+        raise InvalidFile(f"{path}: found no folder {path.parent}, expected one; create it first") from None
     except OSError as error:
         raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a folder that can be written") from None
     say(f"wrote {path}; run it with: tactometry run {path} --participant P01", {"file": str(path)})

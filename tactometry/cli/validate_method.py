@@ -18,20 +18,18 @@ PAGE = "validated.md"
 
 
 @subcommand("validate-method --out validated --check comparisons --rounds 4")
-@path_option("--out", required=True, help="A folder for the page, its figures, tables and outcomes.")
-@click.option("--check", "checks", multiple=True, help=f"One of {', '.join(CHECKS)}; by default all.")
-@click.option(
-    "--rounds", "n_rounds", type=int, default=1, show_default=True, help="How often each setting is simulated."
-)
-@click.option("--seed", type=int, default=1, show_default=True, help="The same seed gives the same tables.")
-@click.option("--resume", is_flag=True, help="Go on with a run that was stopped, or add rounds.")
-@click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
+@path_option("--out", required=True, help="Folder for the page, its figures, tables and outcomes.")
+@click.option("--check", "checks", multiple=True, help=f"One of {', '.join(CHECKS)} (default: all).")
+@click.option("--rounds", "n_rounds", type=int, default=1, help="Number of simulations of each setting.")
+@click.option("--seed", type=int, default=1, help="The same seed gives the same tables.")
+@click.option("--resume", is_flag=True, help="Continue an interrupted run, or add rounds.")
+@click.option("--jobs", "n_jobs", type=int, default=1, help="Number of processes; -1 uses all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
-@path_option("--page", help="Write the page here too, its figures in the folder 'validated' beside it.")
+@path_option("--page", help="Also write the page here, with its figures in the folder 'validated' next to it.")
 def command(
     *, out: Path, checks: tuple[str, ...], n_jobs: int, scheduler: str | None, page: Path | None, **options: Any
 ) -> None:
-    """Put our procedures, fits and tests to simulated participants: bias, coverage, errors, calibration."""
+    """Validate procedures, fits and tests with simulated participants."""
     check_workers(n_jobs, scheduler)
     resume = options.pop("resume")
     n_rounds, seed = options["n_rounds"], options["seed"]
@@ -65,7 +63,7 @@ def _text(found: Validated, out: Path) -> str:
     lines = []
     for name, table in found.tables.items():
         off = departures(table)
-        lines.append(f"{name}: {len(table)} rows, {len(off)} of which depart from what is stated")
+        lines.append(f"{name}: {len(table)} rows, {len(off)} outside the stated bounds")
         lines += [
             f"  {', '.join(str(row[key]) for key in check_of(name).keys)}: {row['verdict']}"
             for row in off.to_dict("records")

@@ -14,23 +14,23 @@ from ..errors import DeviceFailed, InvalidFile
 from .output import data_argument, say, subcommand
 
 NICENESS = 10
-OR_WAIT = "or --wait for one that is yet to come"
+OR_WAIT = "or --wait to wait for it"
 
 
 @subcommand("watch pilot")
 @data_argument
-@click.option("--participant", help="Whose session; default: the newest.")
-@click.option("--session", "n_session", type=click.IntRange(1), help="Which of theirs; default: the newest.")
-@click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the loopback; default: any that is free.")
-@click.option("--wait", is_flag=True, help="PATH is yet to come.")
-@click.option("--until-input-ends", is_flag=True, help="End with the program that holds the standard input.")
+@click.option("--participant", help="Participant; default: that of the newest session.")
+@click.option("--session", "n_session", type=click.IntRange(1), help="Session of the participant; default: the newest.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="Port on this computer; default: any free one.")
+@click.option("--wait", is_flag=True, help="Wait until PATH exists.")
+@click.option("--until-input-ends", is_flag=True, help="End when the standard input is closed.")
 def command(
     *, path: Path, participant: str | None, n_session: int | None, port: int, wait: bool, until_input_ends: bool
 ) -> None:
     """Serve a page that follows a running session of the data set PATH.
 
-    It shows progress, levels, curve, touches, frames and warnings. It is read-only and reached from this computer only.
-    Ctrl-C ends it.
+    It shows progress, levels, curve, touches, frames and warnings. It is read-only and available on this computer only.
+    Press Ctrl-C to end it.
     """
     from tactometry.experiments.watch.scenery import Scenery
     from tactometry.experiments.watch.server import serve
@@ -48,7 +48,7 @@ def command(
 
 @contextmanager
 def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
-    """Yield the address of a page that follows a session, served by another process until the body ends.
+    """Serve a page that follows a session during the body.
 
     Raises `DeviceFailed` if the page cannot be served.
     """

@@ -41,7 +41,7 @@ def unit_suffix(name: str) -> str | None:
 
 
 def unit_in(name: str) -> str:
-    """Return the unit or ratio of units that a name ends with, or an empty text.
+    """Return the unit that a name ends with, or an empty text.
 
     >>> unit_in("force_n"), unit_in("moment_n_per_v"), unit_in("slope_hz_per_m_per_s"), unit_in("repeats")
     ('N', 'N/V', 'Hz/(m/s)', '')
@@ -59,7 +59,7 @@ def unit_in(name: str) -> str:
 
 
 def units(suffix: str) -> tuple[str, Mapping[str, float]]:
-    """Return the SI unit of a suffix, and the factor to SI of every unit that may be written for it."""
+    """Return the SI unit of a suffix, and the factors of its other units."""
     if suffix in _COMPOUND:
         return _COMPOUND[suffix]
     symbol = _SI[suffix]
@@ -100,7 +100,7 @@ def si(text: str, suffix: str, where: str) -> float:
 
 
 def as_si(value: object, path: str, found: Gathered | None = None) -> Any:
-    """Convert every string below a key with a unit suffix to a number in SI units.
+    """Convert strings below keys with a unit suffix to SI units.
 
     "unlimited" stays as it is. With `found`, mistakes are collected there, and their values are NaN.
     """

@@ -1,4 +1,4 @@
-"""Read tables of a file as frozen dataclasses: unknown, missing and mistyped keys are refused."""
+"""Strict conversion of tables of a file to frozen dataclasses."""
 
 import dataclasses
 import re
@@ -32,7 +32,7 @@ _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
 
 
 def build(kind: type[T], table: object, path: str, **given: object) -> T:
-    """Build a `kind` from a table of a file, which must not contain the `given` fields.
+    """Build a `kind` from a table that does not contain the `given` fields.
 
     Raises `InvalidParameter`, whose message starts with the key path, if a key is unknown, missing or of another type,
     or `kind` refuses a value.
@@ -49,7 +49,7 @@ def build(kind: type[T], table: object, path: str, **given: object) -> T:
 
 
 def values_of(kind: type, table: object, path: str, given: Collection[str] = ()) -> dict[str, Any]:
-    """Convert the keys of a table of a file that set fields of `kind`, without the `given` ones."""
+    """Convert the keys of a table that set fields of `kind`."""
     table = as_table(table, path)
     hints = typing.get_type_hints(kind)
     fields = fields_of(kind)
@@ -71,7 +71,7 @@ def values_of(kind: type, table: object, path: str, given: Collection[str] = ())
 
 
 def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) -> Any:
-    """Build the class that the key ``kind`` of a table names; `targets` are target strings."""
+    """Build the class that the key ``kind`` of a table names."""
     target = kind_of(table, path, targets)
     return build(resolve(target), {key: value for key, value in table.items() if key != "kind"}, path)
 
@@ -97,11 +97,11 @@ def as_table(value: object, path: str) -> Mapping[str, Any]:
     raise InvalidParameter(f"{path}: found {value!r}, expected a table")
 
 
-LOST_LEVEL: Final = "; of a level that the study has no more, remove the line"
+LOST_LEVEL: Final = "; remove the line if the study has no such level"
 
 
 class InvalidKey(InvalidParameter):
-    """An unknown or missing key of a table; `read_by` is the class that reads the table."""
+    """An unknown or missing key of a table that `read_by` reads."""
 
     def __init__(self, sentence: str, read_by: type | None = None) -> None:
         super().__init__(sentence)
@@ -132,7 +132,7 @@ def check_keys(
 
 
 def read_toml(kind: type[T], path: Path, what: str) -> T:
-    """Build a `kind` from a TOML file; `what` describes the expected file."""
+    """Build a `kind` from a TOML file. `what` describes the file."""
     table = read_table(path, what)
     with errors_in(path):
         return build(kind, table, "")
@@ -177,7 +177,7 @@ def _each(kind: Any, values: Mapping[str, object]) -> list[Any]:
 
 
 def _limit(kind: Any, value: object, path: str) -> float | int:
-    """Convert a limit that may be "unlimited"; a number is at most its plausible upper bound."""
+    """Convert a limit, which may be "unlimited"."""
     if value == WORD:
         return UNLIMITED
     number = float if float in typing.get_args(kind) else int

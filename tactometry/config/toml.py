@@ -1,4 +1,4 @@
-"""Read TOML files from disk or a package; each error is one sentence that names the file."""
+"""TOML files from disk or a package, with one error message per file."""
 
 import re
 import tomllib
@@ -18,12 +18,12 @@ LONGEST_LIST, DEEPEST = 10_000, 30
 
 
 def read_table(path: Path, what: str) -> dict[str, Any]:
-    """Return the table of a file; `what` describes the expected file."""
+    """Return the table of a file. `what` describes the expected file."""
     return table_of(read_file(path, what, LARGEST_FILE), str(path), what)
 
 
 def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
-    """Parse the bytes of a TOML file; `where` opens each error message.
+    """Parse the bytes of a TOML file. `where` opens each error message.
 
     Raises `InvalidFile` if they are not UTF-8 or TOML, or exceed `LARGEST_FILE`, `LONGEST_LIST` or `DEEPEST`.
 
@@ -47,7 +47,7 @@ def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
 
 
 def _declared_twice(text: str, damage: str) -> str:
-    """Return the lines that begin the same table; tomllib names only the second."""
+    """Return the lines of a table that begins twice, as tomllib names one."""
     named = re.match(r"Cannot declare \((.*)\) twice", damage)
     if named is None:
         return ""
@@ -57,7 +57,7 @@ def _declared_twice(text: str, damage: str) -> str:
     ]
     if len(lines) < 2:
         return ""
-    return f"[{name}] in lines {' and '.join(lines)}, expected it once: put what stands below them together"
+    return f"[{name}] in lines {' and '.join(lines)}, expected it once: join their keys"
 
 
 def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
@@ -75,7 +75,7 @@ def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
 
 @contextmanager
 def errors_in(where: str | Path) -> Iterator[None]:
-    """Raise `InvalidFile`, with `where` before the key path, for errors in the content of a file.
+    """Raise `InvalidFile`, with `where`, for errors in a file's content.
 
     >>> with errors_in("s.toml"):
     ...     raise InvalidFile("accuracy: found 2, expected at most 1")
@@ -103,6 +103,6 @@ def shipped_in(package: str) -> tuple[str, ...]:
 
 
 def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str], T]) -> T:
-    """Load a TOML file of a package; `parse` gets its bytes and the opening of error messages."""
+    """Load a TOML file of a package. `parse` gets bytes and error prefix."""
     one_of(what, name, shipped_in(package))
     return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")

@@ -1,4 +1,4 @@
-"""Map device clocks to the local clock; read the time since boot."""
+"""Relation of device clocks to the local clock, and time since boot."""
 
 import functools
 import math
@@ -67,13 +67,13 @@ class ClockMap:
         return ClockMap((*kept, (now, difference_s)), floor_s)
 
     def ours_s(self, device_s: float) -> float:
-        """Convert a device time to our clock. Raises `InvalidParameter` before the first sample."""
+        """Convert a device time to the local clock, after a first sample."""
         if self.offset_s is None:
             raise InvalidParameter("ClockMap: found no sample yet, expected one to relate the clocks")
         return device_s + self.offset_s
 
     def check(self, name: str) -> None:
-        """Raise `DeviceFailed` if the device's clock runs at another rate than ours.
+        """Raise `DeviceFailed` if the device's clock has another rate.
 
         The difference then falls from bin to bin, or rises by half of the time; one bin may deviate. A slower rise
         means late samples, and a fall back to an earlier value means that late samples have caught up.
@@ -84,12 +84,12 @@ class ClockMap:
         >>> clocks.check("board")
         Traceback (most recent call last):
         tactometry.errors.DeviceFailed: board: found a clock that runs 1.3 times as fast as this computer's, expected \
-within 2%; mend the device, or what the bench file says of its rate
+within 2%; check the device and the rate in the bench file
         """
         if self._wrong_rate is not None:
             raise DeviceFailed(
                 f"{name}: found a clock that runs {self._wrong_rate:.3g} times as fast as this computer's, expected "
-                f"within {RATE_TOLERANCE:.0%}; mend the device, or what the bench file says of its rate"
+                f"within {RATE_TOLERANCE:.0%}; check the device and the rate in the bench file"
             )
 
     @cached_property
@@ -108,12 +108,12 @@ within 2%; mend the device, or what the bench file says of its rate
 
     @cached_property
     def offset_s(self) -> float | None:
-        """Local time minus device time; None before the first sample."""
+        """Local minus device time, or None before the first sample."""
         return min((difference_s for _, difference_s in self.smallest_s), default=None)
 
 
 def clock_offset_s(theirs_s: Callable[[], float], n_readings: int = 5) -> float:
-    """Return local minus other clock, s, from the quickest of several readings.
+    """Return local minus other clock, s, by the quickest reading.
 
     >>> abs(clock_offset_s(time.perf_counter)) < 1e-3
     True
@@ -129,11 +129,11 @@ _BOOT_ID: Final = Path("/proc/sys/kernel/random/boot_id")
 
 
 def boot_clock_s() -> float:
-    """Seconds since the computer started, with its sleep where the system has such a clock."""
+    """Return the time since boot, s, including sleep if available."""
     return time.clock_gettime(time.CLOCK_BOOTTIME) if hasattr(time, "CLOCK_BOOTTIME") else time.perf_counter()
 
 
 @functools.cache
 def boot_id() -> str:
-    """Name of this start of the computer; empty where the system has none."""
+    """Return the name of this boot, or an empty text if unavailable."""
     return _BOOT_ID.read_text("ascii").strip() if _BOOT_ID.exists() else ""

@@ -22,7 +22,7 @@ def within(longest_s: float, what: str, call: Callable[[], None], cure: str = "s
     >>> within(1.0, "output 'x'", lambda: None)
     >>> within(0.01, "output 'x'", lambda: time.sleep(1))
     Traceback (most recent call last):
-    tactometry.errors.DeviceFailed: output 'x': it hangs, and did not end within 0.01 s: switch its amplifier off
+    tactometry.errors.DeviceFailed: output 'x': it hangs and did not end within 0.01 s: switch its amplifier off
     """
     raised: list[BaseException] = []
 
@@ -36,6 +36,6 @@ def within(longest_s: float, what: str, call: Callable[[], None], cure: str = "s
     thread.start()
     thread.join(longest_s)
     if thread.is_alive():
-        raise DeviceFailed(f"{what}: it hangs, and did not end within {longest_s:g} s: {cure}")
+        raise DeviceFailed(f"{what}: it hangs and did not end within {longest_s:g} s: {cure}")
     if raised:
         raise raised[0]

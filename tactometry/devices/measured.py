@@ -14,7 +14,7 @@ MaxAge = Annotated[int, Ge(0)] | Unlimited
 
 @constrained
 class Measured:
-    """Date and author of a calibration, and the age (days) up to which it is used.
+    """Date, author and largest allowed age (days) of a calibration.
 
     None and "unlimited" are no limit.
     """
@@ -24,7 +24,7 @@ class Measured:
     max_age_days: MaxAge | None
 
     def check_age(self, what: str, today: date) -> None:
-        """Raise `DeviceFailed` if the calibration is too old, or has no date but an age limit.
+        """Raise `DeviceFailed` if a calibration is too old or has no date.
 
         >>> from .outputs.gain import Gain
         >>> Gain(1.0, 1.0, date(2026, 1, 2), "ZG", max_age_days=90).check_age("output.gain", date(2026, 3, 1))
@@ -43,7 +43,7 @@ class Measured:
         age_days = (today - self.measured_on).days
         if age_days < 0:
             raise DeviceFailed(
-                f"{what}: found a calibration of {self.measured_on}, which is yet to come, expected a day up to "
+                f"{what}: found a calibration of {self.measured_on}, which is in the future, expected a day up to "
                 f"{today}; correct the bench file, or the clock of this computer; nothing was played"
             )
         if age_days > self.max_age_days:

@@ -1,4 +1,4 @@
-"""Shared parts of sound-card output and sensor; the only import of PortAudio (extra: audio)."""
+"""Shared parts of sound-card drivers: import of PortAudio, closing."""
 
 import atexit
 from types import ModuleType

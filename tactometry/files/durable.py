@@ -1,4 +1,4 @@
-"""Files of data: read within limits, written completely, private to their owner."""
+"""Reading within limits, and complete writing of private files."""
 
 import fnmatch
 import os
@@ -32,7 +32,9 @@ def private() -> Iterator[None]:
 
 
 def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
-    """Return the bytes of a file; `what` describes the expected file. Pipes are not waited for.
+    """Return the bytes of a file. `what` describes the expected file.
+
+    Pipes are not waited for.
 
     Raises `InvalidFile` if it is missing, not readable, not a file, or has more than `largest` bytes.
     """
@@ -44,7 +46,7 @@ def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
 
 
 def whole_lines(content: bytes, beginning: bytes = b"") -> Iterator[bytes]:
-    """Yield the lines with this beginning that end in a line feed, without it, one at a time.
+    """Yield the complete lines with this beginning, one at a time.
 
     >>> list(whole_lines(b"a\\n\\nb")), list(whole_lines(b"a1\\nb\\na2\\na3", b"a"))
     ([b'a', b''], [b'a1', b'a2'])
@@ -58,7 +60,7 @@ def whole_lines(content: bytes, beginning: bytes = b"") -> Iterator[bytes]:
 
 
 def read_bytes(path: Path, what: str, first_byte: int, n_bytes: int) -> bytes:
-    """Return some bytes of a file, as many as there are; otherwise as `read_file`."""
+    """Return at most `n_bytes` of a file, otherwise as `read_file`."""
     with _opened(path, what) as file:
         file.seek(first_byte)
         return file.read(n_bytes)
@@ -96,7 +98,7 @@ def open_private(path: Path, flags: int) -> int:
     `NO_LINK`.
     """
     if flags & NO_LINK and path.is_symlink():
-        raise InvalidFile(f"{path}: found a link, expected a file; put what the link leads to in its place")
+        raise InvalidFile(f"{path}: found a link, expected a file; replace the link by its target")
     with attempt(path, "cannot open", "a folder that can be written"):
         file = os.open(path, flags | os.O_CREAT | _NOT_WAITING | _BINARY, PRIVATE_FILE)
     _refuse_others(file, path, "a file that can be written")
@@ -112,7 +114,7 @@ def _refuse_others(file: int, path: Path, what: str) -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder and its parents for their owner only; existing ones stay as they are.
+    """Make a folder and its parents, for their owner only.
 
     Raises `InvalidFile` if a file is in its place, `DeviceFailed` if it cannot be made.
     """
@@ -151,13 +153,15 @@ def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
 
 
 def drafts(folder: Path, name: str = "*") -> list[Path]:
-    """Return the drafts of files of this name that killed processes left in a folder, sorted."""
+    """Return the drafts that killed processes left in a folder, sorted."""
     return sorted(path for path in folder.glob(f".{name}.*") if _DRAFT.fullmatch(path.name))
 
 
 @contextmanager
 def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
-    """Write new content for a file next to it, with its mode; yield the open draft, which is removed at the end.
+    """Write a draft of a file, and yield it open. It is removed at the end.
+
+    The draft is next to the file and has its mode.
 
     Raises `DeviceFailed` if the disk is full or fails; the file itself is unchanged.
     """
@@ -199,7 +203,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 
 def write_first(path: Path, content: bytes) -> None:
-    """Make a file unless it exists; of several processes one makes it, completely."""
+    """Make a file unless it exists, also among concurrent processes."""
     if path.exists():
         return
     with draft(path, content) as (file, drafted):

@@ -1,4 +1,4 @@
-"""Read samples of an HDF5 file in a separate process, as damaged files can hang its library.
+"""Samples of an HDF5 file, read in a separate process.
 
 `python -P hdf5.py FILE LARGEST` writes NPZ to standard output, or one sentence to standard error; `-P`, as modules next
 to this one have names of the standard library's.
@@ -19,7 +19,7 @@ READ_WITHIN_S: Final = 30.0
 
 
 def as_npz(path: Path, largest_bytes: int) -> bytes:
-    """Return the arrays ``samples``, ``rate_hz`` and optionally ``quantity`` as the bytes of an NPZ file.
+    """Return samples, rate and quantity of a file as bytes of an NPZ file.
 
     Raises `ImportError` without h5py, `ValueError` if the file is damaged, refers to other files, or has more than
     `largest_bytes`.
@@ -31,11 +31,11 @@ def as_npz(path: Path, largest_bytes: int) -> bytes:
         done = subprocess.run(command, capture_output=True, timeout=READ_WITHIN_S, check=False)
     except subprocess.TimeoutExpired:
         raise ValueError(
-            f"found a file that HDF5's library did not read within {READ_WITHIN_S:g} s, expected a sound one"
+            f"found a file that the HDF5 library did not read within {READ_WITHIN_S:g} s, expected a valid one"
         ) from None
     if done.returncode:
         words = done.stderr.decode("utf-8", "replace").splitlines()
-        raise ValueError(words[-1] if words else "found a file that broke HDF5's library, expected a sound one")
+        raise ValueError(words[-1] if words else "found a file that crashed the HDF5 library, expected a valid one")
     return done.stdout
 
 
@@ -44,7 +44,7 @@ def _own_dataset(file: Any, name: str, largest_bytes: int) -> Any:
     import h5py  # type: ignore[import-untyped, unused-ignore]
 
     if not isinstance(file.get(name, getlink=True), h5py.HardLink):
-        raise ValueError(f"{name}: found a link, or nothing, expected a dataset of this file")
+        raise ValueError(f"{name}: found no dataset, or a link, expected a dataset of this file")
     dataset = file[name]
     if not isinstance(dataset, h5py.Dataset):
         raise ValueError(f"{name}: found a group, expected a dataset of this file")

@@ -1,4 +1,4 @@
-"""Read JSON within limits of size and depth; a list of trials is read item by item."""
+"""Reading of JSON within limits of size and depth."""
 
 import json
 import re
@@ -34,7 +34,7 @@ def json_value(text: str | bytes) -> Any:
 
 
 def json_object(path: Path, what: str) -> dict[str, Any]:
-    """Read a file with one JSON object; `what` describes the expected file.
+    """Read a file with one JSON object. `what` describes the file.
 
     Raises `InvalidFile` if it cannot be read, has more than `LARGEST_OBJECT` bytes, or is no JSON object.
     """
@@ -49,7 +49,7 @@ def json_object(path: Path, what: str) -> dict[str, Any]:
 
 
 def json_items(text: str) -> Iterator[Any]:
-    """Parse the items of consecutive JSON lists one by one; numbers stay text.
+    """Parse items of consecutive JSON lists one by one, numbers as text.
 
     Raises `ValueError` if the text is no list in JSON, or an item has half of a character or is nested too deeply.
 
@@ -87,7 +87,7 @@ def _skip(text: str, place: int) -> int:
 
 
 def _checked(value: Any) -> Any:
-    """Return a value that is not too deep. Raises `ValueError`, also for half a character."""
+    """Return a value unless it is too deep or has half a character."""
     level = [value]
     for _ in range(DEEPEST):
         parts = (part if isinstance(part, dict) else (part,) for part in level)
@@ -111,7 +111,7 @@ ASKED = "asked.json"
 
 
 def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -> None:
-    """Make a folder for a request, or (`resume`) go on with that of an interrupted run.
+    """Make a folder for a request, or resume that of an interrupted run.
 
     `wanted` determines the results, as JSON values; `work` names the request: ``power analysis``.
 
@@ -119,11 +119,11 @@ def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -
     """
     path = root / ASKED
     if path.exists():
-        held = json_object(path, f"what a {work} was asked; give another --out")
+        held = json_object(path, f"the request of a {work}; choose another --out")
         other = next((name for name, value in wanted.items() if held.get(name) != value), None)
         if other is not None:
             found, asked = held.get(other), wanted[other]
-            raise InvalidFile(f"{path}: found {other} {found!r}, expected {asked!r} as asked; give another --out")
+            raise InvalidFile(f"{path}: found {other} {found!r}, expected {asked!r} as requested; choose another --out")
         if not resume:
             raise InvalidFile(f"{root}: found this {work}, expected none; go on with --resume")
     make_folder(root)

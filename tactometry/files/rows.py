@@ -1,4 +1,4 @@
-"""Rows of a data file as text, safe for spreadsheets, Markdown and file names."""
+"""Text of rows, safe for spreadsheets, Markdown and file names."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -15,7 +15,7 @@ _QUOTED_SIGNS = '"\r\n'
 
 
 def write_records(kind: type[Any], records: Iterable[Any], path: Path) -> None:
-    """Write a row for each record of a dataclass, a column for each field; None is an empty cell."""
+    """Write records of a dataclass as CSV, a column for each field."""
     write_rows([field.name for field in fields(kind)], map(astuple, records), path)
 
 
@@ -27,14 +27,14 @@ def write_rows(head: Sequence[str], rows: Iterable[Sequence[Any]], path: Path) -
 
 
 def spreadsheet_text(rows: Iterable[Sequence[Any]], separator: str = ",") -> bytes:
-    """Format rows in which a spreadsheet computes no text; otherwise as `delimited_text`."""
+    """Format rows in which a spreadsheet computes no text."""
     return delimited_text(
         ([cell_text(cell) if isinstance(cell, str) else cell for cell in row] for row in rows), separator
     )
 
 
 def delimited_text(rows: Iterable[Sequence[Any]], separator: str = ",") -> bytes:
-    """Format rows with line feeds; a cell with a separator, quotation mark or line break is quoted, None is empty.
+    """Format rows with line feeds, quoted where needed. None is empty.
 
     >>> delimited_text([["a", "b\\r=1"], [None, 0.5]])
     b'a,"b\\r=1"\\n,0.5\\n'
@@ -57,7 +57,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def cell_text(text: str) -> str:
-    """Escape a text that a spreadsheet would compute; numbers stay numbers.
+    """Escape a text that a spreadsheet would compute.
 
     A leading byte-order mark, which programs skip, is removed.
 
@@ -69,7 +69,7 @@ def cell_text(text: str) -> str:
 
 
 def markdown_text(text: str) -> str:
-    r"""Escape characters that begin HTML or a link in Markdown; remove a leading byte-order mark.
+    r"""Escape characters that begin HTML or a link in Markdown.
 
     >>> print(markdown_text("<script> [a](b)"))
     \<script> \[a](b)
@@ -78,7 +78,7 @@ def markdown_text(text: str) -> str:
 
 
 def file_text(text: str) -> str:
-    """Return a text for a file name: characters other than letters, digits, `_`, `-`, `.` become their code.
+    """Replace characters that are unsafe in a file name by their code.
 
     >>> file_text("force_n"), file_text("x/../y")
     ('force_n', 'x%2F..%2Fy')

@@ -63,7 +63,7 @@ def wav_of(content: bytes) -> Wav:
             rate, frames = wavfile.read(io.BytesIO(content))
     except _WAV_DAMAGES as error:
         words = " ".join(str(error).split())
-        raise ValueError(f"found a damaged WAV file ({words}), expected a sound one") from None
+        raise ValueError(f"found a damaged WAV file ({words}), expected a valid one") from None
     return Wav(float(rate), np.reshape(frames, (len(frames), -1)))
 
 
@@ -83,26 +83,26 @@ def _check_wav(content: bytes) -> None:
             n_there = len(content) - at
             n_said = long_bytes or size if size == _ENDLESS else size
             if not frame_bytes:
-                raise ValueError("found samples before their form, expected a chunk 'fmt ' first")
+                raise ValueError("found samples before their format, expected a chunk 'fmt ' first")
             if n_said == 0:
                 raise ValueError("found no samples, expected at least one")
             if n_said > n_there:
-                raise ValueError(f"found {n_there} of {n_said} bytes of samples, expected all: the file is torn")
+                raise ValueError(f"found {n_there} of {n_said} bytes of samples, expected all: the file is incomplete")
             if n_said % frame_bytes:
                 raise ValueError(f"found {n_said} bytes of samples, expected whole frames of {frame_bytes} bytes")
             return
         at += size + size % 2
-    raise ValueError("found no samples, expected a chunk 'data': the file is torn")
+    raise ValueError("found no samples, expected a chunk 'data': the file is incomplete")
 
 
 def _frame_bytes(form: bytes) -> int:
     if len(form) < _FORMAT.size:
-        raise ValueError("found no whole chunk 'fmt ', expected one: the file is torn")
+        raise ValueError("found no complete chunk 'fmt ', expected one: the file is incomplete")
     _, n_channels, rate_hz, _, frame_bytes, n_bits = _FORMAT.unpack_from(form)
     if not n_channels or not rate_hz or not n_bits or frame_bytes != n_channels * -(-n_bits // 8):
         raise ValueError(
             f"found {n_channels} channels of {n_bits} bits at {rate_hz} Hz in frames of {frame_bytes} bytes, expected "
-            "numbers that fit"
+            "consistent numbers"
         )
     return int(frame_bytes)
 
@@ -166,7 +166,7 @@ class Npz:
 
     def _array(self, name: str, largest: int) -> NDArray[Any]:
         if name not in self:
-            raise ValueError(f"{name}: found no such array, expected it")
+            raise ValueError(f"{name}: found no such array, expected one")
         size = self._archive.getinfo(f"{name}.npy").file_size
         if size > largest:
             raise ValueError(f"{name}: found {size} bytes, expected at most {largest}")
@@ -174,7 +174,7 @@ class Npz:
             with self._archive.open(f"{name}.npy") as member:
                 array = _read_array(io.BytesIO(member.read(size)), allow_pickle=False)
         except _DAMAGES as error:
-            raise ValueError(f"{name}: found a damaged array ({error}), expected a sound one") from None
+            raise ValueError(f"{name}: found a damaged array ({error}), expected a valid one") from None
         return np.asarray(array)
 
 

@@ -1,4 +1,4 @@
-"""Changes of a simulated participant during a session: learning, fatigue, drift, lapses, dependence."""
+"""Changes of a simulated participant during a session."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class Shift:
     lapse_rate: float = 0.0
 
     def __add__(self, other: "Shift") -> "Shift":
-        """Add two shifts; lapses combine as independent events.
+        """Add two shifts. Lapses combine as independent events.
 
         >>> Shift(1.0, lapse_rate=0.5) + Shift(2.0, lapse_rate=0.5)
         Shift(sensitivity_db=3.0, criterion=0.0, lapse_rate=0.75)

@@ -1,4 +1,4 @@
-"""Interface of observers, and functions that answer a question from the sensations in a trial."""
+"""Interface of observers, and answers to questions from sensations."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from ..session.request import Choose, Facts
 
 
 class Observer(Protocol):
-    """Decides from sensation levels (dB re the detection threshold, -inf for nothing), never from nominal levels."""
+    """Observer that decides from levels in dB re threshold, -inf for none."""
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
         """Return True if a stimulus is reported as felt."""

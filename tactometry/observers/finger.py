@@ -29,7 +29,7 @@ class Grip:
 
 @dataclass(frozen=True)
 class Grips:
-    """Several touches with the same stamps: a row of forces and positions, and a speed, for each."""
+    """Several touches with the same stamps, a row each."""
 
     times_s: Array
     forces_n: Array
@@ -43,7 +43,7 @@ class Grips:
 @dataclass(frozen=True)
 @constrained
 class SimulatedFinger:
-    """A finger whose mean force and speed differ from trial to trial, and whose force wavers within a trial.
+    """Finger with variable force and speed.
 
     All defaults are unverified choices: coefficients of variation of the mean force between trials (the gate opens
     only inside of the band, so values outside are drawn anew) and of the waver within a trial (correlated over
@@ -82,7 +82,7 @@ class SimulatedFinger:
         return max(round(request.duration_s * self.rate_hz), 2)
 
     def holds(self, request: Press | Slide, drawn: Array) -> Grips:
-        """Return a touch for each row of (n_touches, n_draws) standard normal numbers."""
+        """Return a touch for each row of (n_touches, n_draws) normal numbers."""
         n_samples = self._n_samples(request)
         times_s = np.arange(n_samples) / self.rate_hz
         tries, waver, path = np.split(drawn, (N_TRIES, N_TRIES + n_samples), axis=1)
@@ -129,7 +129,7 @@ class KeptTouch(NamedTuple):
 
 
 def kept_touches(finger: SimulatedFinger, request: Press | Slide, drawn: Array) -> list[KeptTouch]:
-    """Return a touch for each row of (n_touches, `finger.n_draws`) standard normal numbers."""
+    """Return a touch with its compliance for each row of normal numbers."""
     grips = finger.holds(request, drawn)
     forces = compliances(grips.times_s, grips.forces_n, request.target_n, request.tolerance)
     speeds: list[SpeedCompliance] | list[None] = [None] * len(drawn)

@@ -1,4 +1,4 @@
-"""Kinds of simulated participants by their names in a study file, and custom observers."""
+"""Kinds of simulated participants, and custom observers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -42,7 +42,7 @@ class Middle(Protocol):
 
 @dataclass(frozen=True)
 class Population:
-    """Population of participants: average, differences, changes during a session by kind, and raters.
+    """Population of participants: average, differences and changes.
 
     Without raters, ratings follow the liking of the strength.
     """
@@ -58,7 +58,7 @@ class Population:
             self.middle.participant(np.random.default_rng(0))
 
     def person(self, rng: np.random.Generator) -> SimulatedPerson:
-        """Draw a person; a middle without traits draws it itself."""
+        """Draw a person, by the traits of the population if it has any."""
         if not isinstance(self.middle, Varied):
             return SimulatedPerson(self.middle.participant(rng))
         traits = self.people.traits(rng)
@@ -72,7 +72,7 @@ class Population:
         return replace(stated, deviation_db=self.people.deviation_db(factors, modality, draws))
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
-        """Raise `InvalidParameter` for names that are no factor or level of a study."""
+        """Refuse names that are no factor or level of a study."""
         self.people.check(factors, f"{path}.people")
         if isinstance(self.middle, Stated):
             self.middle.check(factors, path)
@@ -84,7 +84,7 @@ class Population:
 
 
 def population_of(table: Mapping[str, Any], path: str, code_from: Path | None = None) -> Population:
-    """Build the population that a table describes; custom code is run only from an allowed folder.
+    """Build the population of a table. Custom code needs a folder.
 
     Raises `InvalidParameter` if the kind is unknown, or does not know a key.
 
@@ -96,10 +96,10 @@ def population_of(table: Mapping[str, Any], path: str, code_from: Path | None = 
     people = build(People, table.get("people", {}), f"{path}.people")
     kind = of_middle.get("kind", USUAL)
     has_traits = isinstance(middle, Varied | NotAllowed) or people == People()
-    expect(has_traits, f"{path}.people", f"a table beside the kind {kind!r}, whose people have no traits", "none")
+    expect(has_traits, f"{path}.people", f"a table, but people of the kind {kind!r} have no traits", "none")
     changes = _changes_of(as_table(table.get("changes", {}), f"{path}.changes"), f"{path}.changes")
     can_change = isinstance(middle, Shifted | NotAllowed) or not changes
-    expect(can_change, f"{path}.changes", f"a table beside the kind {kind!r}, whose people do not change", "none")
+    expect(can_change, f"{path}.changes", f"a table, but people of the kind {kind!r} do not change", "none")
     return Population(middle, people, changes, _raters_of(table, f"{path}.raters"))
 
 
@@ -169,7 +169,7 @@ OTHERS: Final = ("stated", "check", "__post_init__")
 
 @functools.cache
 def guarded_observer(kind: type) -> type:
-    """Return a class whose calls return a plain answer or raise one sentence (`user_code.guarded`)."""
+    """Return a class whose calls return a plain answer or raise an error."""
     observer = Expected("an observer (observers/decisions.py)", _is_observer, _of_guarded_class)
     return guarded(kind, {**ANSWERS, **dict.fromkeys(PEOPLE, observer), **dict.fromkeys(OTHERS)})
 
@@ -189,7 +189,7 @@ METHODS: Final = ("participant", *ANSWERS)
 
 @dataclass(frozen=True)
 class NotAllowed:
-    """An observer whose code may not run: the study can still be read, planned, replayed and analysed."""
+    """Observer whose code may not run, for a study that is only read."""
 
     target: str
     path: str

@@ -1,4 +1,4 @@
-"""Differences between people: traits drawn from a population, and how a person feels each cell."""
+"""Differences between people in traits and in each cell."""
 
 import itertools
 from abc import ABC, abstractmethod
@@ -42,7 +42,7 @@ class Traits:
     speed_factor: float = 1.0
 
     def lapse_rate(self, usual: float) -> float:
-        """Return this person's rate, at most `MOST_LAPSES` unless the usual one is higher."""
+        """Return this person's rate, limited by `MOST_LAPSES`."""
         return min(usual * self.lapse_factor, max(usual, MOST_LAPSES))
 
 
@@ -67,7 +67,7 @@ class ObserverWithTraits(ABC):
 
 @dataclass(frozen=True)
 class Feeling:
-    """How one person feels one cell: a deviation from the skin model, or a stated `threshold`.
+    """How one person feels one cell of the design.
 
     With a threshold (in the unit of the level), `level - threshold` plus the deviation, times `stretch`, replaces the
     model.
@@ -78,7 +78,7 @@ class Feeling:
     stretch: float = 1.0
 
     def felt_db(self, level: float, sensation_db: Callable[[], float]) -> float:
-        """Return the sensation level at `level`; the skin model is computed only without a threshold.
+        """Return the sensation level at `level`.
 
         >>> Feeling(2.0).felt_db(30.0, lambda: -1.0), Feeling(2.0, threshold=25.0).felt_db(30.0, lambda: -1.0)
         (1.0, 7.0)
@@ -186,14 +186,14 @@ class People:
         )
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
-        """Raise `InvalidParameter` for names that are no factor or level of a study."""
+        """Refuse names that are no factor or level of a study."""
         check_keys(self.factor_sd_db, factors, f"{path}.factor_sd_db", "factor")
         check_keys(self.effects_db, factors, f"{path}.effects_db", "factor")
         for name, of_level in self.effects_db.items():
             check_keys(of_level, list(map(cell_text, factors[name])), f"{path}.effects_db.{name}", "level", LOST_LEVEL)
 
     def deviation_db(self, factors: Mapping[str, float | str], modality: str, draws: Draws) -> float:
-        """Return a person's deviation from the skin model in a cell, from that person's streams."""
+        """Return a person's deviation from the skin model in a cell, dB."""
         levels = {name: cell_text(level) for name, level in factors.items()}
         of_everybody = sum(self.effects_db.get(name, {}).get(text, 0.0) for name, text in levels.items())
         cell = ", ".join(f"{name}={levels[name]}" for name in sorted(levels))
@@ -229,11 +229,11 @@ def _check_correlations(pairs: Mapping[str, Mapping[str, float]]) -> None:
         value = pairs[one][other]
         expect(one != other, f"{where}.{one}.{other}", "a trait with itself", "two traits")
         expect(-1 <= value <= 1, f"{where}.{one}.{other}", f"{value:g}", "from -1 to 1")
-        expect(frozenset((one, other)) not in seen, f"{where}.{one}.{other}", "a pair that stands twice", "it once")
+        expect(frozenset((one, other)) not in seen, f"{where}.{one}.{other}", "the pair twice", "it once")
         seen.add(frozenset((one, other)))
     lowest = float(np.linalg.eigvalsh(correlation_matrix(pairs)).min())
-    found = f"correlations that no people can have together (an eigenvalue of {lowest:.3g})"
-    expect(lowest >= -1e-9, where, found, "those of a covariance, at least 0; bring them nearer to 0")
+    found = f"inconsistent correlations (an eigenvalue of {lowest:.3g})"
+    expect(lowest >= -1e-9, where, found, "eigenvalues of at least 0; move the correlations closer to 0")
 
 
 def _cholesky(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

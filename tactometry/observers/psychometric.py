@@ -1,4 +1,4 @@
-"""Participant with a stated psychometric function of the level, without physics."""
+"""Participant with a stated psychometric function, without physics."""
 
 import functools
 import math
@@ -67,7 +67,7 @@ class PsychometricObserver(ObserverWithTraits):
             positive(where, width=convert(float, of.get("width", self.width), f"{where}.width"))
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
-        """Raise `InvalidParameter` for a condition that names no factor or level of a study."""
+        """Refuse a condition that names no factor or level of a study."""
         for n, of in enumerate(self.conditions):
             where = f"{path}.conditions[{n}]"
             check_keys(of, (*factors, "threshold", "width"), where)
@@ -75,7 +75,7 @@ class PsychometricObserver(ObserverWithTraits):
                 one_of(f"{where}.{name}", cell_text(of[name]), list(map(cell_text, factors[name])))
 
     def stated(self, factors: Mapping[str, float | str]) -> Feeling:
-        """Return how this person feels a cell, in units that make its width that of the observer."""
+        """Return how this person feels a cell, relative to the usual width."""
         there = {"threshold": self.threshold, "width": self.width}
         levels = {name: cell_text(level) for name, level in factors.items()}
         for of in self.conditions:
@@ -84,7 +84,7 @@ class PsychometricObserver(ObserverWithTraits):
         return Feeling(threshold=there["threshold"] - self.sensitivity_db, stretch=self.width / there["width"])
 
     def person(self, traits: Traits) -> Self:
-        """Return the participant with these traits; the exponent's factor divides the width."""
+        """Return the participant with these traits."""
         return replace(
             self,
             sensitivity_db=self.sensitivity_db + self.between_sd_db * traits.sensitivity,
@@ -97,12 +97,12 @@ class PsychometricObserver(ObserverWithTraits):
         )
 
     def shifted(self, shift: Shift) -> Self:
-        """Return this participant in one trial; the criterion is part of the stated function and stays."""
+        """Return this participant in one trial. The criterion stays."""
         highest = ALMOST_ALL - self.false_alarm_rate
         return replace(self, lapse_rate=min(responses.either(self.lapse_rate, min(shift.lapse_rate, highest)), highest))
 
     def chance(self, sensation_db: float, guess_rate: float) -> float:
-        """Return the probability of a yes, or of the correct interval, at a level above threshold."""
+        """Return the probability of a yes, or of the correct interval."""
         lapse_rate = min(self.lapse_rate, ALMOST_ALL - guess_rate)
         return _rate(self.shape, self.width, guess_rate, lapse_rate, sensation_db)
 
@@ -122,13 +122,13 @@ class PsychometricObserver(ObserverWithTraits):
         return int(np.argmax(np.asarray(sensations_db) + self._sd * noise / math.sqrt(2)))
 
     def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
-        """Return what is felt with the probability of a forced choice at its highest level, else any other."""
+        """Return `n_felt` with the probability of a forced choice."""
         highest_db, m = max(alternatives_db[n_felt]), len(alternatives_db)
         chance, other = rng.random(), int(rng.integers(m - 1)) if m > 1 else 0
         return n_felt if chance < self.chance(highest_db, 1 / m) else other + (other >= n_felt)
 
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
-        """Compare two noisy levels; they differ if further apart than one width (unverified default)."""
+        """Compare noisy levels, which differ beyond a width (unverified default)."""
         first, second = (max(level, -HIGHEST_DB) for level in sensations_db)
         noise, lapses, guess = rng.standard_normal(2), rng.random() < self.lapse_rate, rng.random() < 0.5
         apart = abs(first - second + self._sd / math.sqrt(2) * float(noise[0] - noise[1]))

@@ -1,4 +1,4 @@
-"""Simulated answers to questionnaires: attitudes, loadings of items, noise and response style."""
+"""Simulated answers to questionnaires."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -55,7 +55,7 @@ class Raters:
     def check(
         self, factors: Mapping[str, Sequence[float | str]], dimension_of: Mapping[str, Mapping[str, str]], path: str
     ) -> None:
-        """Raise `InvalidParameter` for names that are no factor, level, item or dimension of a study."""
+        """Refuse names that are no factor, level, item or dimension of a study."""
         items = {item: name for of_form in dimension_of.values() for item, name in of_form.items()}
         check_keys(self.loadings, items, f"{path}.loadings", "item")
         check_keys(self.effects, factors, f"{path}.effects", "factor")
@@ -66,7 +66,7 @@ class Raters:
                 check_keys(of_level, dimensions, f"{path}.effects.{name}.{level}", "dimension")
 
     def attitude(self, dimension: str, factors: Factors, draws: Draws) -> float:
-        """Return a person's attitude to a dimension of a cell; without factors, to no stimulus."""
+        """Return a person's attitude to a dimension of a cell."""
         levels = {name: cell_text(level) for name, level in factors.items()}
         of_everybody = sum(
             self.effects.get(name, {}).get(text, {}).get(dimension, 0.0) for name, text in levels.items()
@@ -103,7 +103,7 @@ class Rater:
         return self.raters.acquiescence_sd * float(self.draws("acquiescence").standard_normal())
 
     def answers(self, request: Fill, met: object, liking: float, rng: np.random.Generator) -> list[float]:
-        """Answer each question of a page from -1 (left) to 1 (right); `met` is what was felt, or None."""
+        """Answer each question of a page from -1 (left) to 1 (right)."""
         factors: Factors = {} if met is None else self.factors_of(met)
         of_item = self.dimension_of[request.form]
         names = {of_item[question.item] for question in request.questions}

@@ -18,7 +18,7 @@ LATENCY_CV: Final = 0.3
 
 
 def liking(level_db: float) -> float:
-    """Return how pleasant a level is, from -1 to 1: best at `COMFORT_DB`, worst `COMFORT_RANGE_DB` from it.
+    """Return the pleasantness of a level, from -1 to 1.
 
     >>> liking(15.0), liking(27.5), liking(float("-inf"))
     (1.0, 0.0, -1.0)
@@ -27,7 +27,7 @@ def liking(level_db: float) -> float:
 
 
 def magnitude(level_db: float) -> float:
-    """Return the amplitude of a level in units of the threshold, to three digits.
+    """Return the amplitude of a level re threshold, to three digits.
 
     >>> magnitude(40.0), magnitude(float("-inf"))
     (100.0, 0.0)

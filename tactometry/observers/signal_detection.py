@@ -1,4 +1,4 @@
-"""An observer that decides by signal detection, from what the skin receives."""
+"""Observer that decides by signal detection."""
 
 import math
 from collections.abc import Sequence
@@ -67,7 +67,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         )
 
     def d_prime(self, sensation_db: float) -> float:
-        """Return the distance of stimulus and noise in units of the noise; 0 for -inf dB, at most 1e6."""
+        """Return d' at a level, from 0 to 1e6."""
         exponent = self.exponent * (sensation_db + self.sensitivity_db) / 20
         return float(min(self.criterion * 10.0 ** min(exponent, 300.0), 1e6))
 
@@ -83,10 +83,10 @@ class SignalDetectionObserver(ObserverWithTraits):
         return guess if lapses else int(np.argmax(felt))
 
     def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
-        """Return the most likely alternative, known by its d' at each place of the skin, in equal independent noise.
+        """Return the most likely alternative, in equal independent noise.
 
-        It is the one whose d' are nearest to what is felt; of two, ``Phi(D / 2)`` are right, where D is the distance of
-        their d'; Green and Swets (1966), chapter 9.
+        Alternatives are known by their d' at each place of the skin. It is the one whose d' are nearest to what is
+        felt; of two, ``Phi(D / 2)`` are right, where D is the distance of their d'; Green and Swets (1966), chapter 9.
         """
         expected = np.array([[self.d_prime(level) for level in levels] for levels in alternatives_db])
         felt = expected[n_felt] + rng.standard_normal(expected.shape[1])
@@ -96,9 +96,10 @@ class SignalDetectionObserver(ObserverWithTraits):
         return guess if lapses else int(best[guess % len(best)])
 
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
-        """Decide by the differencing rule; Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
+        """Decide by the differencing rule.
 
-        The criterion on the difference is sqrt(2) times that of a single stimulus (unverified default).
+        Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9. The criterion on the difference is sqrt(2)
+        times that of a single stimulus (unverified default).
         """
         first, second = (self.d_prime(level) for level in sensations_db)
         noise, lapses, guess = rng.standard_normal(2), rng.random() < self.lapse_rate, rng.random() < 0.5
@@ -106,12 +107,12 @@ class SignalDetectionObserver(ObserverWithTraits):
         return bool(guess) if lapses else difference > math.sqrt(2) * self.criterion + self.bias
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """Return d' with its noise, at least 0, times the number factor, to three digits."""
+        """Return noisy d' times the number factor, to three digits."""
         felt = max(self.d_prime(sensation_db) + float(rng.standard_normal()), 0.0)
         return responses.in_words(self.number_factor * felt)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """Return `responses.liking` with a noise of standard deviation `LIKING_NOISE` (unverified default)."""
+        """Return `responses.liking` with noise (unverified default)."""
         felt = responses.liking(sensation_db + self.sensitivity_db)
         return float(np.clip(felt + LIKING_NOISE * rng.standard_normal(), -1.0, 1.0))
 

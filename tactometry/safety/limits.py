@@ -40,7 +40,7 @@ NEEDED = {
 @dataclass(frozen=True)
 @constrained
 class Limits:
-    """Largest values that an output may emit; None means not stated.
+    """Largest values that an output may emit. None means not stated.
 
     Each but `duty` and `duty_window_s` may be `UNLIMITED`; a file may state a number up to its bound in `HIGHEST`.
 
@@ -103,7 +103,7 @@ class Limits:
         _check("duration_s", "a signal of", signal.duration_s, self.longest_s, "s", "shorten it")
 
     def check_load(self, signal: Signal, load: Load, rise_s: float = math.inf) -> None:
-        """Refuse a signal that exceeds a limit of the load, or a load without stated limits.
+        """Refuse a signal above a limit of the load, or without stated limits.
 
         A finite `rise_s` is the shortest time in which playing weakens the samples from all to nothing.
 
@@ -121,7 +121,7 @@ class Limits:
             _check("displacement_peak_m", "up to", peak_m, self.displacement_peak_m, "m", "lower the level")
 
     def check_filtered(self, signal: Signal, load: Load | None, rise_s: float = math.inf) -> None:
-        """Refuse a signal that exceeds a limit between samples, after the output's reconstruction filter.
+        """Refuse a signal above a limit between samples, after the filter.
 
         An excess of up to `TOLERANCE` is played.
         """
@@ -140,7 +140,7 @@ class Limits:
                 _check(name, what, peak(limit * (1 + TOLERANCE)), limit, unit, cure, TOLERANCE)
 
     def check_stated(self, load: Load) -> None:
-        """Raise `LimitExceeded` if a limit that this load needs is missing, or one cannot be computed for it."""
+        """Refuse a load whose required limits are missing."""
         missing = [name for name in NEEDED[load.kind] if getattr(self, name) is None]
         if self.current_peak_a is None and self.charge_peak_c is None:
             missing.insert(0, "current_peak_a or charge_peak_c")
@@ -156,11 +156,13 @@ class Limits:
             )
 
     def check_force(self, target_n: float, tolerance: float) -> None:
-        """Raise `LimitExceeded` if the upper edge of a touch's force band is above the limit."""
-        _check("force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less")
+        """Refuse a touch whose force band exceeds the limit."""
+        _check(
+            "force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "lower the target"
+        )
 
     def check_stop(self, delay_s: float) -> None:
-        """Raise `LimitExceeded` if `delay_s`, the worst case of an output's stop, is above the limit."""
+        """Refuse an output whose stop may take longer than the limit."""
         cure = "lower latency_s and block_s of the output, or state another limit in the bench file"
         _check("stop_within_s", "an output that may stop after", delay_s, self.longest_stop_s, "s", cure)
 
@@ -177,7 +179,7 @@ class Limits:
         }
 
     def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float, charge_c: float = 0.0) -> None:
-        """Refuse a signal from `begin_s` that would play too often, too late, or pass too much charge.
+        """Refuse a signal that exceeds duty, session time or session charge.
 
         `charge_c` is the largest charge of any beginning of the signal, which may be stopped at any time.
         """
@@ -193,10 +195,10 @@ class Limits:
             _check("charge_session_c", "net charges of", sum_c, self.charge_session_c, "C", "end the session")
 
     def tighter(self, other: "Limits") -> "Limits":
-        """Return the tighter of both for each limit; a stated one counts against an unstated one.
+        """Return the tighter of both for each limit.
 
-        Duties over windows of different lengths do not compare: the shorter playing time in the longer window keeps
-        both.
+        A stated limit counts against an unstated one. Duties over windows of different lengths do not compare: the
+        shorter playing time in the longer window keeps both.
 
         >>> both = Limits(200.0, duration_s=1.0).tighter(Limits(100.0, current_peak_a=1e-3))
         >>> both.voltage_peak_v, both.duration_s, both.current_peak_a
@@ -217,10 +219,10 @@ class Limits:
 
 @dataclass(frozen=True)
 class Exposure:
-    """Recent emissions of an output: intervals (begin, end), s, on the clock of `opened_s`.
+    """Recent emissions of an output as intervals (begin, end), s.
 
-    `opened_s` is when the session would have begun without breaks; `charge_c` the sum of charges of ended signals,
-    `playing_c` the largest that the playing signal may pass.
+    Times are on the clock of `opened_s`. `opened_s` is when the session would have begun without breaks; `charge_c` the
+    sum of charges of ended signals, `playing_c` the largest that the playing signal may pass.
 
     >>> exposure = Exposure(opened_s=0.0).after(1.0, 2.0, window_s=10.0).after(5.0, 2.0, window_s=10.0)
     >>> exposure.played_s, exposure.stopped(5.5).played_s, exposure.after(10.0, 2.0, window_s=10.0).played_s
@@ -237,7 +239,7 @@ class Exposure:
         return sum(end_s - begin_s for begin_s, end_s in self.intervals_s)
 
     def after(self, begin_s: float, duration_s: float, window_s: float, charge_c: float = 0.0) -> "Exposure":
-        """Add a signal; what ended more than `window_s` before its end is forgotten."""
+        """Add a signal, and forget what left the window."""
         end_s = begin_s + duration_s
         first_s = end_s - window_s
         # a new signal ends the playing one, so that no time counts twice
@@ -253,7 +255,7 @@ class Exposure:
         return replace(self, charge_c=self.charge_c + charge_c, playing_c=0.0)
 
     def cure(self, begin_s: float, duration_s: float, window_s: float, most_s: float) -> str:
-        """Say when a signal of `duration_s` may begin that would now play more than `most_s` of a window.
+        """Return when a signal that exceeds the duty may begin.
 
         >>> Exposure(0.0, ((0.0, 3.0), (5.0, 8.0))).cure(9.0, 2.0, window_s=10.0, most_s=5.0)
         'wait 2.0 s'

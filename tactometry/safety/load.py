@@ -1,7 +1,8 @@
 """Current, charge and displacement of a load for a given voltage.
 
 The voltage is a straight line between two samples, and from and to zero at the ends; `Load` is exact for it. Quantities
-called filtered are those after a reconstruction filter (`reconstruction`).
+called filtered are those after a reconstruction filter (`reconstruction`). Functions with a bound return some number up
+to it if the peak is below.
 """
 
 import math
@@ -111,7 +112,7 @@ class Load:
         return max(peaks_a) + self.capacitance_f * signal.peak / rise_s
 
     def charge_peak_c(self, signal: Signal, rise_s: float = math.inf) -> float:
-        """Return the largest abs(C v + integral of v/R) on any channel, C, since the start.
+        """Return the largest abs(C v + integral of v/R) on any channel, C.
 
         With a finite `rise_s` a bound: that of all charge with one sign.
         """
@@ -133,14 +134,14 @@ class Load:
         return PassedCharge(self._passed(signal), self._passed(signal, absolute=True), signal.rate_hz, rise_s)
 
     def _passed(self, signal: Signal, *, absolute: bool = False) -> FloatArray:
-        """Integrate v/R, or abs(v)/R, up to the end of each straight piece: (n_channels, n_samples + 1), C."""
+        """Integrate v/R, or abs(v)/R: (n_channels, n_samples + 1), C."""
         areas_of = _absolute_areas_v if absolute else _areas_v
         passed = np.array([np.cumsum(areas_of(*_lines(channel, signal.rate_hz)[:2])) for channel in signal.samples])
         passed /= signal.rate_hz * self.leak_resistance_ohm
         return passed
 
     def displacement_peak_m(self, signal: Signal) -> float:
-        """Return the sum of m per V times the peak of each channel, m, an upper bound of any course."""
+        """Return an upper bound of the displacement of any course, m."""
         return float(np.sum(self._gains(signal) * _channel_peaks(signal)))
 
     def _gains(self, signal: Signal) -> FloatArray:
@@ -150,7 +151,7 @@ class Load:
         return np.asarray(gains)
 
     def filtered_current_a(self, signal: Signal, bound_a: float, rise_s: float = math.inf) -> float:
-        """Return the peak current after a reconstruction filter, A, or some number up to `bound_a` if it is below."""
+        """Return the peak filtered current, A, if above `bound_a`."""
         weakened_a = 0.0
         if math.isfinite(rise_s):
             weakened_a = self.capacitance_f * max(signal.peak, filtered_peak_v(signal, signal.peak)) / rise_s
@@ -161,7 +162,7 @@ class Load:
         )
 
     def filtered_charge_c(self, signal: Signal, bound_c: float, rise_s: float = math.inf) -> float:
-        """Return the peak charge after a reconstruction filter, C, or some number up to `bound_c` if it is below.
+        """Return the peak filtered charge, C, if above `bound_c`.
 
         The part that passes the leak is that of straight lines between the samples.
         """
@@ -175,7 +176,7 @@ class Load:
         )
 
     def filtered_displacement_m(self, signal: Signal, bound_m: float) -> float:
-        """Return `displacement_peak_m` for peaks after a reconstruction filter, or some number up to `bound_m`."""
+        """Return the peak filtered displacement, m, if above `bound_m`."""
         gains, peaks_v, of_samples_m = self._gains(signal), _channel_peaks(signal), self.displacement_peak_m(signal)
         if of_samples_m == 0.0:
             return 0.0
@@ -190,7 +191,7 @@ class Load:
     def _turning_c(
         self, before: FloatArray, after: FloatArray, slope: FloatArray, at_samples: FloatArray
     ) -> FloatArray:
-        """Return the charge wherever the current changes its sign between two samples."""
+        """Return the charge where the current changes sign between samples."""
         if math.isinf(self.leak_resistance_ohm):
             return np.empty(0)
         # the current C dv/dt + v/R is 0 there
@@ -203,7 +204,7 @@ class Load:
 
 
 def filtered_peak_v(signal: Signal, bound_v: float) -> float:
-    """Return the peak voltage after a reconstruction filter, V, or some number up to `bound_v` if it is below."""
+    """Return the peak filtered voltage, V, if above `bound_v`."""
     return max(course_peak(channel, bound_v) for channel in signal.samples)
 
 
@@ -224,7 +225,7 @@ def _absolute_areas_v(before: FloatArray, after: FloatArray) -> FloatArray:
 
 
 def _lines(samples_v: FloatArray, rate_hz: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Voltage (V) at both ends of each straight piece of a channel, and its slope (V/s): (n_samples + 1,)."""
+    """Return voltages at both ends of each piece (V), and slopes (V/s)."""
     padded = np.pad(samples_v, 1)
     slope = np.diff(padded)
     slope *= rate_hz

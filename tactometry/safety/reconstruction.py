@@ -1,4 +1,4 @@
-"""Peaks of a voltage between its samples, after the reconstruction filter of a converter.
+"""Peaks of a voltage between samples, after a reconstruction filter.
 
 The filter is taken as ideal: each sample becomes a sinc, cut off smoothly at `REACH` samples, and all samples before
 and after the signal are zero. The course is computed in blocks by FFT, at 2 points per sample, then at 4, and so on up
@@ -35,7 +35,7 @@ _Floats = NDArray[np.float32]
 
 
 class _Kernel(NamedTuple):
-    """The weights of the samples around a point, at each phase between two samples.
+    """Weights of samples around a point, at each phase between samples.
 
     - `most`: Largest sum of absolute weights: bounds a course by its largest sample.
     - `curved`, `bent`: Bound the distance of a course from straight lines between its samples, and the second
@@ -52,7 +52,7 @@ class _Kernel(NamedTuple):
 def course_peak(
     samples: FloatArray, bound: float, *, value: float = 1.0, slope: float = 0.0, added: FloatArray | None = None
 ) -> float:
-    """Return the peak of abs(value * y + slope * y' + added), if above `bound`.
+    """Return the peak of abs(value * y + slope * y' + added) above `bound`.
 
     Otherwise return some number from 0 to `bound`. The exact peak is at most 0.13 % above the result or the bound.
 
@@ -83,7 +83,7 @@ def largest(values: FloatArray) -> float:
 
 
 def _blocks(course: FloatArray, after: Literal["constant", "edge"]) -> _Floats:
-    """Return (n_blocks, BLOCK) samples, a view, from before the first to after the last point that they reach."""
+    """Return a view of overlapping blocks, (n_blocks, BLOCK)."""
     n_blocks = -(-(len(course) + 2 * REACH) // _HOP)
     begun = np.concatenate([np.zeros(2 * REACH, np.float32), course], dtype=np.float32)
     padded = np.pad(begun, (0, (n_blocks - 1) * _HOP + BLOCK - len(begun)), mode=after)
@@ -91,7 +91,7 @@ def _blocks(course: FloatArray, after: Literal["constant", "edge"]) -> _Floats:
 
 
 def _search(courses: list[_Floats], weights: tuple[float, float], bound: float) -> float:
-    """Return the peak of all blocks; 0 if none can be above the bound."""
+    """Return the peak of all blocks, or 0 if none can exceed the bound."""
     of_course, of_change = (np.float32(weight) * each.spectra for weight, each in zip(weights, _kernels(), strict=True))
     spectra, found = of_course + of_change, 0.0
     for first in range(0, len(courses[0]), AT_ONCE):
@@ -108,7 +108,7 @@ def _search(courses: list[_Floats], weights: tuple[float, float], bound: float) 
 def _upper_bounds(
     samples: _Floats, weights: tuple[float, float], differences: tuple[_Floats, _Floats], added: _Floats | None = None
 ) -> FloatArray:
-    """Return what the peak of each block cannot exceed: that of straight lines, and what their corners allow."""
+    """Return an upper bound of the peak of each block."""
     value, slope = weights
     lines = abs(value) * _peaks(samples[:, _INNER])
     if slope:
@@ -122,7 +122,7 @@ def _upper_bounds(
 def _by_differences(
     bounds: list[FloatArray], weights: tuple[float, float], differences: tuple[_Floats, _Floats]
 ) -> FloatArray:
-    """Return the bound of each block by the largest second and fourth differences of its samples."""
+    """Bound each block by its largest second and fourth differences."""
     rough, by_second, by_fourth = np.abs(weights) @ np.array(bounds)
     second, fourth = differences
     return np.asarray(np.minimum(rough * second, by_second * second + by_fourth * fourth), dtype=np.float64)
@@ -131,7 +131,7 @@ def _by_differences(
 def _peak(
     kernels: NDArray[np.complex64], bound: float, samples: _Floats, bend: FloatArray, added: _Floats | None = None
 ) -> float:
-    """Return the peak of blocks, with twice as many points in those that remain at each step.
+    """Return the peak of blocks, doubling the points of those that remain.
 
     `bend` bounds the second derivative of each.
     """
@@ -158,7 +158,7 @@ def _peaks(blocks: _Floats) -> _Floats:
 
 
 def _between(added: _Floats, part: float) -> _Floats:
-    """Return the inner points of straight lines, at a part of the way to the next sample."""
+    """Return the inner points of straight lines, between two samples."""
     after = added[:, _INNER.start + 1 : _INNER.stop + 1]
     return added[:, _INNER] + np.float32(part) * (after - added[:, _INNER])
 
@@ -169,7 +169,7 @@ def _weighed(bounds: list[float], weights: tuple[float, float]) -> float:
 
 @functools.cache
 def _kernels() -> tuple[_Kernel, _Kernel]:
-    """Return the kernels of the course and of its change in the time of one sample."""
+    """Return the kernels of a course and of its change per sample."""
     lags, phases = np.arange(-REACH, REACH), np.arange(N_PHASES)[:, None] / N_PHASES
     at = lags + phases
     # a fall so smooth that the filter leaves smooth samples unchanged
@@ -202,7 +202,7 @@ def _kernel(weights: FloatArray, of_lines: FloatArray, second: FloatArray) -> _K
 
 
 def _difference_bounds(weights: FloatArray) -> FloatArray:
-    """Return the three bounds of a `_Kernel`, from weights (n_phases, 2 * REACH) that vanish for straight lines."""
+    """Return the three bounds of a `_Kernel` from its weights."""
     # weights that vanish for straight lines are a sum of second differences, of which two suffice for any cubic; the
     # rest is a sum of fourth differences
     of_second = _summed_twice(weights - _two_like(weights))
@@ -212,7 +212,7 @@ def _difference_bounds(weights: FloatArray) -> FloatArray:
 
 
 def _two_like(weights: FloatArray) -> FloatArray:
-    """Return weights of two neighbours, near the point, that do the same to straight lines."""
+    """Return two weights near the point that act alike on straight lines."""
     total, moment = np.sum(weights, axis=1), np.sum(weights * np.arange(-REACH, REACH), axis=1)
     two = np.zeros_like(weights)
     two[:, REACH - 2], two[:, REACH - 1] = -total - moment, 2 * total + moment

@@ -1,4 +1,4 @@
-"""Audio output through PortAudio: an ALSA file and a recorded PulseAudio sink."""
+"""Audio output through PortAudio: an ALSA file and a PulseAudio sink."""
 
 import importlib.util
 import json
@@ -134,7 +134,7 @@ def test_gain_is_refused_when_system_volume_differs(sink, monkeypatch):
         subprocess.run(["pactl", "set-sink-volume", "finger", words], env=sink.env, check=True)
 
     assert devices(system_volume=1.0).output.name == "audio pulse"
-    with pytest.raises(DeviceFailed, match=r"system_volume: found a gain of a volume that is not known, .* of 100 %,"):
+    with pytest.raises(DeviceFailed, match=r"system_volume: found a gain of an unknown volume, .* of 100 %,"):
         devices()
     try:
         set_volume("40%")
@@ -174,7 +174,7 @@ def test_stop_reaches_the_sink_within_a_block(sink):
 
 
 def killed(sink, what):
-    """Kill a playing process; return the frames it reported as delivered and the frames that the sink recorded."""
+    """Kill a playing process. Return delivered and recorded frames."""
     with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
         n_given = 0
         while n_given < 24_000:
@@ -185,8 +185,7 @@ def killed(sink, what):
 
 
 def test_killed_process_falls_silent(sink):
-    """The sink also records only the delivered frames, unless a busy machine delays the report or causes an
-    underrun."""
+    """The sink records only delivered frames, in one of four attempts."""
     what, as_given = asked(2, "pulse", 20.0, lead_s=0.3, tell=True), []
     while not any(as_given) and len(as_given) < 4:
         sink.begin()
@@ -227,12 +226,12 @@ def test_process_ends_when_sound_server_hangs(sink):
             sink.server.send_signal(signal.SIGCONT)
     stopped_s, closed = said.splitlines()
     assert float(stopped_s) < 0.1
-    assert closed == "audio pulse: it hangs, and did not end within 2 s: switch its amplifier off"
+    assert closed == "audio pulse: it hangs and did not end within 2 s: switch its amplifier off"
     assert process.returncode == 0
 
 
 def held_up_process(sink, for_s):
-    """Suspend a process 0.3 s into a signal of 2 s for `for_s`; return the recorded frames and its underruns."""
+    """Suspend a playing process. Return recorded frames and underruns."""
     what = asked(2, "pulse", 2.0, lead_s=0.3, tail_s=1.0, tell=True)
     sink.begin()
     with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
@@ -256,7 +255,7 @@ def test_suspended_process_plays_nothing_after_it_continues(sink):
 
 @st.composite
 def feeds(draw):
-    """Draw frames of one channel, the length of the fade, block sizes and the block of the stop."""
+    """Draw frames, the length of the fade, block sizes and the stop."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     frames = rng.uniform(-1.0, 1.0, (draw(st.integers(1, 300)), 1))
     sizes = draw(st.lists(st.integers(1, 64), min_size=1, max_size=60))

@@ -1,4 +1,4 @@
-"""Outputs whose reconstruction filter makes a signal larger than its samples."""
+"""Outputs whose reconstruction filter enlarges a signal."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Force-gated touches with a sensor at 1 kHz in another process and a window.
+"""Force-gated touches with a sensor at 1 kHz and a window.
 
 These tests must pass on a machine of any speed; `benchmarks/force_loop.py` measures the speed of the decision.
 """
@@ -95,7 +95,7 @@ class Loop:
 
 
 def held(times_s, forces_n):
-    """Return for each true sample whether a gate is open after it; stamps stretch a hold by at most `SLEW`."""
+    """Return for each true sample whether a gate is open after it."""
     gate, found = ForceGate(PRESS.target_n, PRESS.tolerance, PRESS.hold_s * (1 - SLEW)), []
     for time_s, force_n in zip(times_s, forces_n, strict=True):
         gate = gate.after(time_s, force_n)
@@ -121,7 +121,7 @@ def loop_of(watched, output, tmp_path):
 @pytest.mark.parametrize("work_s", [0.0, 0.008], ids=["idle", "busy for 8 ms a frame"])
 @pytest.mark.parametrize("profile", [APPROACH, GAPPED], ids=["excursion", "gap of 30 ms"])
 def test_gate_never_opens_early_and_loses_no_samples(loop_of, log, profile, work_s):
-    """The true force was held long enough in the samples received at the decision, however late they arrived.
+    """The force was held in the samples received at the decision.
 
     On a machine so busy that the sensor is away for a while, the samples of that while are missing.
     """

@@ -103,7 +103,7 @@ def test_restarted_device_loses_no_samples():
 @given(st.integers(0, 2**32 - 1), st.floats(1e-5, 0.01), st.lists(st.tuples(st.integers(0, 999), st.floats(0, 2))))
 @examples(50)
 def test_stamps_follow_device_time_except_at_steps(seed, late_s, stalls):
-    """However late samples arrive, 0.2 s of device time is at most 0.1 % off or contains a step back."""
+    """Within 0.2 s, stamps are at most 0.1 % off or step back."""
     arrivals_s = np.arange(1000) * 2e-3 + np.random.default_rng(seed).exponential(late_s, 1000)
     for first, stall_s in stalls:
         arrivals_s[first] += stall_s
@@ -120,7 +120,7 @@ def test_stamps_follow_device_time_except_at_steps(seed, late_s, stalls):
 
 
 def test_late_first_stamps_are_corrected():
-    """All samples of the first second are 1.4 s late, which looks like a clock offset."""
+    """Samples of the first second are 1.4 s late, as by a clock offset."""
     samples, late_s = CountedSamples(1e-3), []
     for n in range(2000):
         block = samples.block([(n, n, (0,))], 1e-3 * n + (1.4 if n < 1000 else 0.0))
@@ -130,7 +130,7 @@ def test_late_first_stamps_are_corrected():
 
 
 def test_step_back_in_a_gap_remains_visible():
-    """After 30 ms without samples, stamps that were 25 ms late must step back, so that a gate restarts."""
+    """After a gap of 30 ms, late stamps step back, so that a gate restarts."""
     samples = CountedSamples(1e-3, settling_s=0.0)
     first_s = samples.block([(0, 0, (0,))], 0.025).times_s
     assert samples.block([(1, 30, (0,))], 0.030).times_s < first_s
@@ -168,14 +168,14 @@ def test_clock_offset_uses_the_least_delayed_recent_sample():
 
 
 def test_simultaneous_samples_settle_no_clock():
-    """A second of samples arrives together: their stamps contain no information about the clock offset."""
+    """Samples that arrive together contain no clock offset."""
     samples = CountedSamples(1e-3)
     samples.block([(0, 0, (0,))], 100.0)
     assert samples.block([(n, n, (0,)) for n in range(1, 1001)], 100.5).times_s.size == 0
 
 
 def test_stamps_stretch_by_at_most_slew():
-    """The delay grows by 10 ms after the first second, which shows when the earlier samples are forgotten."""
+    """A delay that grows by 10 ms shows once earlier samples are forgotten."""
     samples, times_s = CountedSamples(1e-3), []
     for n in range(8000):
         times_s += samples.block([(n, n, (0,))], 1e-3 * n + (0.0 if n < 1000 else 0.01)).times_s.tolist()
@@ -276,7 +276,7 @@ def test_mean_speed_needs_two_positions():
 
 
 def test_samples_read_after_a_suspension_get_no_stamps():
-    """Two seconds of samples arrive late and in quick succession; stamps begin when the reader has caught up."""
+    """Stamps begin when the reader has caught up with late samples."""
     samples, stamps_s = CountedSamples(tick_s=1e-3), []
     for n in range(0, 6000, 100):
         arrival_s = max(0.001 * (n + 100), 2.0 + 0.00001 * n)

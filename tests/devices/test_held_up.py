@@ -55,7 +55,7 @@ def test_gap_begins_when_the_late_card_asks():
 
 
 def test_card_with_short_usual_lead_has_no_gap():
-    """A card that rounds its latency may always have half of the requested lead."""
+    """A card that rounds its latency may always have half of its lead."""
     assert torn_from_s([(0.03 * n, 0.055, 6) for n in range(100)]) == []
     assert not was_held_up(0.055, [0.055] * 400, LATENCY_S)
     assert was_held_up(0.03, [0.055] * 400, LATENCY_S)

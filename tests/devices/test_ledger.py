@@ -1,4 +1,4 @@
-"""Ledger of emissions: limits across sessions, processes and clock changes."""
+"""Ledger of emissions across sessions, processes and clock changes."""
 
 import multiprocessing
 import os
@@ -31,7 +31,7 @@ LIMITS = Limits(100.0, duty=0.05, duty_window_s=WINDOW_S, stop_within_s=1.0)
 
 
 class Clocks:
-    """Clocks of a computer; tests change the wall clock."""
+    """Clocks of a computer, whose wall clock tests change."""
 
     def __init__(self):
         self.boot_id, self.boot_s, self.utc_s = "first", 1000.0, 1.7e9
@@ -57,7 +57,7 @@ def clocks(monkeypatch):
 
 
 class Emitter(NullOutput):
-    """Output with a name; several may be open at once."""
+    """Output with a name, of which several may be open."""
 
     emits, late_s = True, 0.0
 
@@ -256,7 +256,7 @@ def test_ledger_forgets_signals_older_than_any_window(tmp_path, clocks, since_s,
 
 
 def test_stopped_signal_counts_what_the_device_has_buffered(tmp_path, clocks):
-    """Five signals stopped after 0.1 s count 0.6 s each, which uses up the 3 s."""
+    """Five signals stopped after 0.1 s count 0.6 s each, 3 s in all."""
     output = guard(tmp_path, clocks)
     output.driver.late_s = 0.5
     output.open()

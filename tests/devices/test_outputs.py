@@ -36,7 +36,7 @@ gains = st.builds(Gain, st.floats(0.01, 20), st.floats(0.1, 200))
 
 @dataclass
 class SixteenBits(Driver):
-    """Driver that applies its gain and 16-bit quantization and emits into a list."""
+    """Driver with a gain and 16 bits that emits into a list."""
 
     gain: Gain = ONE
     connected: bool = True
@@ -200,7 +200,7 @@ def test_duty_and_session_count_stopped_signals():
     [
         (Gain(1.0, 1.0, date(2026, 1, 1), "A", 30), "of 2026-01-01, 59 days old, expected at most 30"),
         (Gain(1.0, 1.0, date(2026, 2, 28), "A", 0), "of 2026-02-28, 1 day old, expected at most 0"),
-        (Gain(1.0, 1.0, date(2027, 1, 1), "A", 30), "which is yet to come, expected a day up to 2026-"),
+        (Gain(1.0, 1.0, date(2027, 1, 1), "A", 30), "which is in the future, expected a day up to 2026-"),
         (Gain(1.0, 1.0, None, "A", 30), "found max_age_days without measured_on"),
     ],
 )
@@ -278,7 +278,7 @@ needs_nidaqmx = pytest.mark.skipif(importlib.util.find_spec("nidaqmx") is None, 
 
 @pytest.fixture
 def task(monkeypatch):
-    """Mock task with the library's signatures, as no driver or device is present."""
+    """Mock task with the library's signatures."""
     import nidaqmx
 
     made = create_autospec(nidaqmx.Task, instance=True)
@@ -308,7 +308,7 @@ def test_ni_stop_returns_when_driver_hangs(task):
     output.open()
     output.play(volts([[1.0, 2.0], [3.0, 4.0]]))
     task.close.side_effect = hangs.wait
-    with pytest.raises(DeviceFailed, match="^ni Dev1/ao0,Dev1/ao1: it hangs, and did not end within 0.1 s: switch its"):
+    with pytest.raises(DeviceFailed, match="^ni Dev1/ao0,Dev1/ao1: it hangs and did not end within 0.1 s: switch its"):
         output.stop()
     hangs.set()
 
@@ -318,7 +318,7 @@ def test_closed_ni_output_plays_nothing(task):
     output = NI.driver(Gain(10.0, 20.0))
     for leave in (lambda: None, output.close):
         leave()
-        with pytest.raises(DeviceFailed, match="it is closed, nothing was played; open it first"):
+        with pytest.raises(DeviceFailed, match="found it closed, expected it open; nothing was played"):
             output.play(volts([[1.0], [2.0]]))
         assert not task.start.called
         output.open()

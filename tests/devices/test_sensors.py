@@ -1,4 +1,4 @@
-"""Sensors of each kind, emulated in separate processes: losses and outages."""
+"""Sensors emulated in separate processes: losses and outages."""
 
 import os
 import re
@@ -46,7 +46,7 @@ def joined(blocks):
 
 
 class Listening:
-    """Emulators of all kinds at once; each sends 3000 samples (600 000 at full size)."""
+    """Emulators of all kinds at once, with 3000 (or 600 000) samples each."""
 
     def __init__(self, folders):
         self._emulators = {kind: Emulator(kind, folders(kind)) for kind in KINDS if available(kind)}
@@ -252,7 +252,7 @@ RATE = "found a clock that runs .* times as fast as this computer's, expected wi
     "chosen", [ONE_EACH, pytest.param(tuple(product(KINDS, CLOCKS)), marks=pytest.mark.slow)], ids=["one each", "all"]
 )
 def test_sensor_with_wrong_clock_rate_fails_with_reason(plugged, tmp_path, chosen):
-    """All sensors run at once; each is detected within seconds and then sends no more."""
+    """Each of the sensors is detected within seconds and sends no more."""
     devices = []
     for kind, rate in ((kind, rate) for kind, rate in chosen if available(kind)):
         folder = tmp_path / kind / rate
@@ -362,7 +362,7 @@ def stream(request, heard):
 
 
 def lateness_s(block):
-    """Return the delay from sampling to arrival; the emulator uses the clock of this machine."""
+    """Return the delay from sampling to arrival, by the same clock."""
     return since_taken_s(block, block.values[:, -1])
 
 
@@ -371,8 +371,7 @@ def since_taken_s(block, times_s):
 
 
 def test_streams_lose_no_uncounted_samples(stream):
-    """The system may drop datagrams on a busy machine, but each must be counted. Outages occur only when samples
-    arrive late."""
+    """Dropped datagrams are counted, and only late samples are outages."""
     block, facts = stream
     steps = np.diff(block.values[:, 0])
     assert np.all(steps >= 1)
@@ -384,7 +383,7 @@ def test_streams_lose_no_uncounted_samples(stream):
 
 
 def test_stamps_match_sampling_times(stream):
-    """Except at steps back, a stamp is not before the sampling time and not after the arrival."""
+    """Stamps are between sampling and arrival, except at steps back."""
     block, _ = stream
     steps_back = np.diff(block.times_s, prepend=-np.inf) < 0
     assert np.all((since_taken_s(block, block.times_s) > -2e-3)[1000:] | steps_back[1000:])

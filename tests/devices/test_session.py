@@ -1,4 +1,4 @@
-"""Force-gated sessions of the command, with LSL or UDP sensors and audio output."""
+"""Force-gated sessions with LSL or UDP sensors and audio output."""
 
 import csv
 import json
@@ -27,7 +27,7 @@ HELD_UP = ("sensor_lost", "output_gap")
 
 
 def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_path):
-    """The experimenter uses a real terminal to enter remarks, pause and repeat."""
+    """The experimenter uses a terminal for remarks, pause and repeat."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio tofile, int16"))
     (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
@@ -122,7 +122,7 @@ def events_of(data):
 
 
 def check_events(data, rows):
-    """Check that a valid data set contains the experimenter's actions, trial timing and clocks."""
+    """Check actions, timing and clocks of a valid data set."""
     events = events_of(data)
     kinds = [event["trial_type"] for event in events if event["text"] != "the force sensor is silent"]
     assert [kinds.count(kind) for kind in ("remark", "repeat", "pause", "resume")] == [1, 1, 1, 1]
@@ -141,7 +141,7 @@ def check_events(data, rows):
 
 
 def played_signals(folder):
-    """Count the signals in the file of the card and check each against the study, bit for bit."""
+    """Count the signals in the file of the card, and check each."""
     [stimulus] = wire(load(str(folder / "short.toml"))[0], "short").bank.values()
     output = AudioSettings(48e3, "tofile", sample_format="int16").driver(Gain(2.0, 50.0))
     wanted = np.trim_zeros(output._numbers(stimulus.at(34.0))[0])
@@ -156,7 +156,7 @@ def played_signals(folder):
     [signal.SIGTERM, *(pytest.param(number, marks=pytest.mark.soak) for number in (signal.SIGHUP, signal.SIGKILL))],
 )
 def test_killed_session_falls_silent(needed, display, sink, tmp_path, number):
-    """The signal arrives during a stimulus of 20 s to a real sound server; test_audio.py kills a smaller program."""
+    """The signal arrives during a stimulus of 20 s."""
     study, device = study_in(tmp_path), Emulator("lsl", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"20 s"'), encoding="utf-8")
     gain = gain_toml("audio pulse, int16", system_volume=1.0)

@@ -27,7 +27,7 @@ def report(*events):
 
 @pytest.fixture
 def screen(tmp_path):
-    """Writing end of a pipe and a position sensor (0.1 mm per unit) at its reading end."""
+    """Writing end of a pipe, and a position sensor at its reading end."""
     pipe = tmp_path / "event0"
     os.mkfifo(pipe)
     keeper = os.open(pipe, os.O_RDWR)

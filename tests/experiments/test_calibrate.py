@@ -121,7 +121,7 @@ LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
             [*LEARN, "--out", "x.npz"],
             "--band-hz: found up to 70000 Hz, expected at most 500 Hz, half the rate of 'hand'",
         ),
-        (["gain", "--bench", "s.toml", "--by", " "], "--by: found nothing, expected who measures"),
+        (["gain", "--bench", "s.toml", "--by", " "], "--by: found an empty text, expected initials"),
         (["gain", "--bench", "b.toml", "--by", "Z"], r"output\.gain: found none, expected volts_per_unit and"),
         (
             ["gain", "--bench", "s.toml", "--by", "Z", "--measured-v", "4.1,20.2,20.1"],
@@ -131,7 +131,7 @@ LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
             [*WEIGH, "--counts", "100,200,330,400", "--residual-at-most", "0.01"],
             "found 330 counts at 0.2 kg, 6.5% of the largest force off the fit, expected at most 1%; weigh",
         ),
-        (["display", "--bar-m", "0.1", "--write"], "--write: found no bench file, expected --bench, the file to write"),
+        (["display", "--bar-m", "0.1", "--write"], "--write: found no bench file, expected --bench with the file"),
     ],
 )
 def test_a_bad_calibration_is_one_sentence(calibrate, tmp_path, arguments, message):

@@ -280,7 +280,7 @@ def test_a_slide_without_a_position_is_told(tmp_path):
 def test_a_long_sentence_stands_below_the_table_of_a_narrow_terminal():
     words = "serial no/line: cannot open the line (No such file or directory), expected a device to read"
     text = _table([Finding("disk", "free", "1 GB", fine=True), Finding("sensor hand", "failed", words, fine=False)])
-    assert text.splitlines()[-2:] == [f"sensor hand: {words}", "1 not fine"]
+    assert text.splitlines()[-2:] == [f"sensor hand: {words}", "1 failed"]
     assert "see below" in text
 
 

@@ -64,7 +64,7 @@ def test_the_order_of_work_changes_no_byte(whole, tmp_path):
     ("seed", "resume", "sentence"),
     [
         (1, False, "found this run of tracks, expected none; go on with --resume"),
-        (2, True, "found seed 1, expected 2 as asked; give another --out"),
+        (2, True, "found seed 1, expected 2 as requested; choose another --out"),
     ],
 )
 def test_nonempty_folder_is_not_written_to(whole, seed, resume, sentence):

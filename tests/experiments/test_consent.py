@@ -60,7 +60,7 @@ def on_console(monkeypatch, capsys, study, root, lines):
 def test_session_asks_nothing_without_consent(study, tmp_path, capsys, monkeypatch):
     status, _, said = on_console(monkeypatch, capsys, study, tmp_path / "d", "no\n")
     assert status == 1
-    assert "next: nothing to analyse: no block came to its end" in said
+    assert "next: nothing to analyse: no block was finished" in said
     assert "Your answers are kept under a code" in said
     assert "Nothing else will be asked" in said
     assert asked(tmp_path / "d") == ["welcome", "consent", "agree", "declined"]

@@ -338,4 +338,4 @@ def test_interrupted_it_says_how_to_go_on(capsys, monkeypatch, two):
     with monkeypatch.context() as patched:
         patched.setattr(Path, "unlink", interrupted)
         status, said, _ = call(capsys, "erase", two, "--participant", "QX7", "--yes")
-    assert (status, said) == (130, "tactometry: interrupted; say it again: what was begun is finished")
+    assert (status, said) == (130, "tactometry: interrupted; run the command again to finish the erasure")

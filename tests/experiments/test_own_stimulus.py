@@ -294,8 +294,14 @@ UNSOUND = {
     "not a number": (wav(np.where(np.arange(N_SAMPLES) == 7, np.nan, TONE)), "found nan as sample 7, expected finite"),
     "no WAV": (b"OggS" + bytes(100), "found no WAV file, expected one that begins with RIFF and WAVE"),
     "nothing": (b"", "found no WAV file"),
-    "cut off": (wav(as_int16(TONE))[:1000], "found 956 of 48000 bytes of samples, expected all: the file is torn"),
-    "cut off in its head": (wav(as_int16(TONE))[:20], "found no whole chunk 'fmt ', expected one: the file is torn"),
+    "cut off": (
+        wav(as_int16(TONE))[:1000],
+        "found 956 of 48000 bytes of samples, expected all: the file is incomplete",
+    ),
+    "cut off in its head": (
+        wav(as_int16(TONE))[:20],
+        "found no complete chunk 'fmt ', expected one: the file is incomplete",
+    ),
 }
 
 

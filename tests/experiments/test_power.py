@@ -212,7 +212,7 @@ def test_another_question_is_no_continuation(capsys, tmp_path, alone):
     (tmp_path / "asked.json").write_bytes(alone["asked.json"])
     code, said, _ = call(capsys, *ASKED[:-1], "4", "--out", tmp_path, "--resume")
     assert code == 2
-    assert "found most 3, expected 4 as asked; give another --out" in said
+    assert "found most 3, expected 4 as requested; choose another --out" in said
 
 
 def test_a_damaged_batch_is_refused_by_its_file(capsys, tmp_path, alone):

@@ -240,7 +240,7 @@ def test_caption_without_item_is_refused_with_the_reason(caption, capsys):
     assert code == 2
     assert (
         said.strip()
-        == f"tactometry: NAME: found {caption}, expected what can be made anew: this is {reason_for(caption)}"
+        == f"tactometry: NAME: found {caption}, expected an item that can be reproduced: this is {reason_for(caption)}"
     )
 
 

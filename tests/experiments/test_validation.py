@@ -241,6 +241,6 @@ def test_command_lists_departures(form, whole, capsys):
     asked = ["--out", root, "--check", "comparisons", "--seed", "3", "--rounds", "2", "--resume"]
     said = output(capsys, "validate-method", *asked, *(["--json"] if form == "json" else []))
     if form == "text":
-        assert said.startswith("comparisons: 32 rows, 0 of which depart from what is stated")
+        assert said.startswith("comparisons: 32 rows, 0 outside the stated bounds")
     else:
         assert len(json.loads(said)["tables"]["comparisons"]) == len(found.tables["comparisons"])

@@ -237,4 +237,4 @@ def test_the_command_line_tells_of_memory_that_is_not_there():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ, check=False)
     assert done.returncode == 2
-    assert done.stderr.startswith("tactometry: the memory of this computer does not hold what was asked for")
+    assert done.stderr.startswith("tactometry: found too little memory for this request")

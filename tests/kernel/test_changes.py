@@ -94,7 +94,7 @@ def test_each_change_draws_from_a_separate_stream():
 
 
 def test_zero_effect_leaves_responses_unchanged():
-    """A change without effect draws no numbers from the streams of the answers."""
+    """A change without effect draws nothing from the answers' streams."""
     still = b"\n[observer.changes]\nlearning = { gain_db = 0.0 }\ncriterion_drift = { sd = 0.0 }\n"
     plain, changed = answers_of(TUTORIAL).rows, answers_of(TUTORIAL + still).rows
     assert plain.equals(changed)

@@ -38,7 +38,7 @@ SHORT = {
 
 
 def test_duty_counts_across_sittings_data_sets_and_participants(display, tmp_path):
-    """The fourth stimulus within an hour ends the first sitting and each later one."""
+    """The fourth stimulus within an hour ends each sitting."""
     played = tmp_path / "played"
     bench = file_bench(tmp_path, DUTY, window_s=3600)
     words = ("run", tutorial_in(tmp_path, SHORT), "--bench", bench)
@@ -132,7 +132,7 @@ def test_guard_sums_charges_of_signals_whatever_their_sign(tmp_path):
 
 
 def balanced(volt=100.0):
-    """Return 0.5 s of a positive and 0.5 s of the negative voltage: 50 uC through 1 Mohm, then back to 0."""
+    """Return 0.5 s of a voltage and 0.5 s of its negative."""
     return Signal(np.repeat([[volt, -volt]], 500, axis=1), 1e3, "V")
 
 
@@ -144,7 +144,7 @@ def test_guard_refuses_balanced_signal_with_excessive_half(tmp_path):
 
 
 def test_guard_counts_the_charge_of_stopped_signals(tmp_path):
-    """Each of two signals is stopped after 50 uC (fewer on a busy machine), so that a third may reach 150 uC."""
+    """Two signals are stopped after 50 uC. A third may reach 150 uC."""
     clock = Clock()
     output = guard(tmp_path, clock, charge_session_c=110e-6)
     output.open()
@@ -183,7 +183,7 @@ def test_resumed_session_counts_charge_of_earlier_stimuli(tmp_path):
 
 @st.composite
 def courses(draw):
-    """Draw a signal, the time of a stop, the delay of its fade and the duration of the fade."""
+    """Draw a signal, a stop, the delay and the duration of its fade."""
     n_channels, n_samples = draw(st.integers(1, 3)), draw(st.integers(1, 40))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     samples = rng.normal(0.0, draw(st.sampled_from((1e-3, 1.0, 200.0))), (n_channels, n_samples))
@@ -193,14 +193,14 @@ def courses(draw):
 
 
 def emitted(signal, times_s, stop_s=math.inf, fade_s=1.0):
-    """Return the voltage of each channel at `times_s`, with a linear fade of `fade_s` from `stop_s` on."""
+    """Return the voltages at `times_s`, with a linear fade."""
     at_s = np.arange(-1, signal.samples.shape[1] + 1) / signal.rate_hz
     whole = np.array([np.interp(times_s, at_s, np.pad(channel, 1)) for channel in signal.samples])
     return whole * np.clip(1 - (times_s - stop_s) / max(fade_s, 1e-12), 0.0, 1.0)
 
 
 def integrals_c(signal, *stop):
-    """Integrate the charge through 1 Mohm by the trapezoidal rule: (n_channels, n_times)."""
+    """Integrate the charge through 1 Mohm by the trapezoidal rule."""
     times_s = np.arange(-400, 400 * (signal.samples.shape[1] + 1)) / (400 * signal.rate_hz)
     volts_v = emitted(signal, times_s, *stop)
     steps = (volts_v[:, 1:] + volts_v[:, :-1]) / 2 * np.diff(times_s)

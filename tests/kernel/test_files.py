@@ -55,7 +55,7 @@ def test_existing_files_keep_their_mode(lived, open_umask):
 
 
 def test_write_first_keeps_the_first_writer(tmp_path):
-    """Several processes write different contents; the file contains one of them completely."""
+    """Several processes write. The file has one content completely."""
     path, contents = tmp_path / "f", [f"{n}" * 5000 for n in range(8)]
     begin, go = os.pipe()
     children = []

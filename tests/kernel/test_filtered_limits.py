@@ -27,7 +27,7 @@ part = st.floats(0.2, 2.0)
 
 
 def dense(samples):
-    """Return the filtered voltage (V) and its derivative (V/s), both (n_channels, n_points)."""
+    """Return the filtered voltage (V) and its derivative (V/s)."""
     n = samples.shape[1]
     lags = np.arange(-N_AROUND * N_POINTS, (n + N_AROUND) * N_POINTS)[:, None] / N_POINTS - np.arange(n)
     change = np.divide(np.cos(np.pi * lags) - np.sinc(lags), lags, out=np.zeros_like(lags), where=lags != 0)
@@ -51,7 +51,7 @@ def peaks(samples):
 
 
 def verdict(samples, name, limit, load=FINGER):
-    """Return the message of the refusal, or an empty text if the signal is allowed."""
+    """Return the message of the refusal, or an empty text."""
     load = PATCHES if name == "displacement_peak_m" else load
     try:
         replace(LIMITS, **{name: limit}).check_filtered(Signal(samples, RATE_HZ, "V"), load)
@@ -98,7 +98,7 @@ def test_refusal_between_samples_names_peak_and_remedy():
 @pytest.mark.parametrize("frequency_hz", [50.0, 250.0, 1000.0, 5000.0])
 @pytest.mark.parametrize("ramp_s", [0.0, 0.02])
 def test_smooth_tone_at_the_limit_is_played(frequency_hz, ramp_s):
-    """A tone without a ramp rings at its onset; at 50 and 250 Hz by less than the tolerance."""
+    """At 50 and 250 Hz, an onset rings by less than the tolerance."""
     at_s = np.arange(48_000) / 48e3
     ramp = np.clip(np.minimum(at_s, at_s[::-1]) / ramp_s, 0, 1) if ramp_s else 1.0
     tone = Signal((200 * np.sin(2 * np.pi * frequency_hz * at_s) * ramp)[None], 48e3, "V")
@@ -107,7 +107,7 @@ def test_smooth_tone_at_the_limit_is_played(frequency_hz, ramp_s):
 
 
 def test_corner_draws_more_current_than_straight_lines():
-    """A step in one sample draws 4 G / pi times the current of a straight line; G is Catalan's constant."""
+    """A step draws 4 G / pi times the current (G: Catalan's constant)."""
     step = Signal(np.r_[np.zeros(400), np.ones(400), np.linspace(1, 0, 400)][None], RATE_HZ, "V")
     load = replace(FINGER, leak_resistance_ohm=math.inf)
     catalan = 0.915965594177219

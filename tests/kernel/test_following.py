@@ -1,4 +1,4 @@
-"""Following a journal that is written, cut, replaced, damaged and repaired."""
+"""Following a journal that is written, cut, damaged or repaired."""
 
 import pytest
 from hypothesis import given, strategies as st

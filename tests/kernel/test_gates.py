@@ -1,4 +1,4 @@
-"""Gates of force and speed against brute force over the samples, and compliance against its definition."""
+"""Gates against brute force, and compliance against its definition."""
 
 import itertools
 import math
@@ -41,7 +41,7 @@ def stamped_ticks(increments_and_forces):
 
 
 def held(samples, last, gate):
-    """Return True if the force was in band without a break for hold_s up to sample `last`."""
+    """Return True if the force was in band for hold_s up to `last`."""
     for k in range(last, -1, -1):
         run = samples[k : last + 1]
         times = [t for t, _ in run]
@@ -130,7 +130,7 @@ steps_s = st.sampled_from([0.001, 0.005, 0.01, 0.02, 0.0200001, 0.05, 0.0, -0.01
 
 
 def stamped(trace):
-    """Accumulate steps into stamps; after a lost stamp, continue from the last valid one."""
+    """Accumulate steps into stamps, from the last valid one."""
     now_s, samples = 0.0, []
     for step_s, value in trace:
         now_s = now_s if math.isnan(step_s) else now_s + step_s
@@ -143,7 +143,7 @@ def follows(earlier_s, later_s):
 
 
 def speed_at(samples, window_s=0.05):
-    """Compute the speed at the last sample from its definition, or None if it is unknown."""
+    """Compute the speed at the last sample from its definition, or None."""
     run = []
     for t, x in samples:
         if not (math.isfinite(t) and math.isfinite(x)):
@@ -234,7 +234,7 @@ def test_speed_band_includes_its_edges(speed, held):
 
 
 def test_motion_window_includes_samples_at_its_ends():
-    """For samples at 0, 1, 2 s a window of 2 s spans (0, 1), (0, 2), (1, 2): 1, 1.5 and 2 m/s."""
+    """The windows span (0, 1), (0, 2), (1, 2) s: 1, 1.5 and 2 m/s."""
     assert motion([0.0, 1.0, 2.0], [0.0, 1.0, 3.0], 1.5, 0.01, window_s=2.0).in_band == pytest.approx(1 / 3)
     assert motion([0.0, 1.0, 2.0], [0.0, 1.0, 3.0], 1.0, 0.01, window_s=2.0).in_band == pytest.approx(1 / 3)
 

@@ -75,7 +75,7 @@ class Clock:
 
 
 def test_slide_begins_when_force_and_speed_are_held(monkeypatch):
-    """Force begins at the first sample and motion at the 40th, then in reverse."""
+    """Motion begins 40 samples after force, then in reverse."""
     monkeypatch.setattr("tactometry.rigs.touch.gated_samples.time", clock := Clock())
     for first_moves, first_holds in ((40, 0), (0, 40)):
         held, n_samples = Held(slide(hold_s=0.1), moving=True), 100
@@ -98,7 +98,7 @@ def test_slide_begins_when_force_and_speed_are_held(monkeypatch):
 
 
 def test_gate_waits_for_hold_time_on_local_clock(monkeypatch):
-    """Half of the samples arrive at once: by its stamps the gate is open, but the local clock decides."""
+    """By its stamps the gate is open, but the local clock decides."""
     monkeypatch.setattr("tactometry.rigs.touch.gated_samples.time", clock := Clock())
     held, times_s = Held(press(hold_s=0.0995), moving=False), stamps_s(1)[0] + np.arange(300) / 1000
     clock.now_s = times_s[150]

@@ -1,4 +1,4 @@
-"""Journal and data set: complete lines, damage, locks, full disks and rebuilt tables."""
+"""Journal and data set: damage, locks, full disks, rebuilt tables."""
 
 import os
 import resource
@@ -168,7 +168,7 @@ def test_full_disk_ends_session_without_losing_trials(whole, tmp_path, n_bytes):
 
 
 def _live_on_small_disk(root, n_bytes):
-    """Record a session in a child process in which no file may exceed `n_bytes`."""
+    """Record a session with a limit of file sizes, in a child process."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, n_bytes))
     try:
         live(root)
@@ -197,7 +197,7 @@ print("whole" if all(content.endswith(b"\\n") for content in journals if content
 
 
 def test_session_on_a_real_full_disk_resumes(tmp_path):
-    """The small disk is in a separate mount namespace that ends with its process."""
+    """The small disk is in the mount namespace of its process."""
     script, disk = tmp_path / "fill.py", tmp_path / "disk"
     disk.mkdir()
     script.write_text(FILL_DISK)

@@ -121,7 +121,7 @@ def test_examples_read_and_missing_required_keys_are_named(name):
 
 @per_table
 def test_commented_lines_of_a_block_are_valid(name, example_files):
-    """A key that the example excludes is tried in the alternative example of `instead`."""
+    """A key that the example excludes is tried in that of `instead`."""
     table = TABLES[name]
     for key in keys(name):
         if key.example and key.name != "kind":
@@ -156,7 +156,7 @@ def test_unknown_keys_are_refused(name):
 
 
 def test_samples_belong_to_existing_keys():
-    """Samples shared by several tables may contain more keys: each belongs to one of the tables."""
+    """Each key of shared samples belongs to one of their tables."""
     for name, table in TABLES.items():
         group = [other for other in TABLES if other.partition(".")[0] == name.partition(".")[0]]
         assert set(table.shown) <= names_of(name), name

@@ -48,7 +48,7 @@ def in_volts(samples):
 
 
 def fine(samples, n=64):
-    """Interpolate linearly with n points per sample, from and to zero: (n_channels, ...)."""
+    """Interpolate with n points per sample: (n_channels, ...)."""
     padded = np.pad(samples, ((0, 0), (1, 1)))
     at = np.linspace(0, padded.shape[1] - 1, (padded.shape[1] - 1) * n + 1)
     return np.array([np.interp(at, np.arange(padded.shape[1]), row) for row in padded]), 1 / (RATE_HZ * n)
@@ -106,7 +106,7 @@ plays = st.lists(st.tuples(st.floats(0, 5), st.floats(0.01, 3), st.floats(0, 1))
 
 @given(plays, st.floats(0.05, 1.0))
 def test_no_window_exceeds_the_duty(plays, duty):
-    """Pauses, signals and early stops are random; every window that ends with a signal is summed."""
+    """Every window that ends with a signal is summed."""
     limits, exposure, now_s, emitted = Limits(1.0, duty=duty, duty_window_s=6.0), Exposure(0.0), 0.0, []
     for pause_s, duration_s, kept in plays:
         now_s += pause_s
@@ -343,7 +343,7 @@ def test_signal_within_tighter_limits_is_within_both(one, other, plays):
 
 
 def test_tighter_keeps_the_stated_duty_exactly():
-    """Rounding once changed a duty of 0.031, which was reported as a change between sittings."""
+    """Rounding once changed a duty of 0.031 between sittings."""
     assert Limits(1.0, duty=0.031).tighter(Limits(1.0)).duty == 0.031
     assert Limits(1.0, duty=0.031).tighter(Limits(1.0, duty=0.5)).duty == 0.031
 
@@ -357,7 +357,7 @@ def test_tighter_takes_the_minimum_of_stated_limits(one, other):
 
 
 def test_tighter_duty_satisfies_both_windows():
-    """Limits of 1 s in 1 s and of 6 s in 60 s are both satisfied by 1 s in 60 s."""
+    """Limits of 1 s in 1 s and 6 s in 60 s allow 1 s in 60 s."""
     short, long = Limits(1.0, duty=1.0, duty_window_s=1.0), Limits(1.0, duty=0.1, duty_window_s=60.0)
     for both in (short.tighter(long), long.tighter(short)):
         assert (both.duty, both.duty_window_s) == (pytest.approx(1 / 60), 60.0)

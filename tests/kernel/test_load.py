@@ -17,7 +17,7 @@ def volts(*samples, rate_hz=1.0):
 
 
 def test_current_adds_slope_and_leak():
-    """A rise from 0 to 100 V in 1 ms draws 0.1 mA in 1 nF, and finally 0.1 mA in 1 Mohm."""
+    """0.1 mA charge 1 nF by 100 V in 1 ms, and 0.1 mA pass 1 Mohm."""
     assert LEAKY.current_peak_a(volts(0.0, 100.0, 100.0, rate_hz=1e3)) == pytest.approx(0.2e-3)
 
 
@@ -28,7 +28,7 @@ def test_current_of_a_weakened_signal_adds_its_rise():
 
 
 def test_charge_of_a_weakened_signal_has_one_sign():
-    """1 nF stores 0.1 uC at 100 V; four triangles of 100 V x 1 s / 2 pass 0.2 mC, whatever their signs."""
+    """1 nF stores 0.1 uC. Four triangles of 50 V s pass 0.2 mC."""
     assert LEAKY.charge_peak_c(volts(100.0, 0.0, -100.0), rise_s=0.01) == pytest.approx(1e-7 + 2e-4)
 
 

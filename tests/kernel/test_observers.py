@@ -1,4 +1,4 @@
-"""Response rates of observers: exact binomial bounds at 1e-4, over 1e5 trials."""
+"""Response rates of observers, within binomial bounds at 1e-4."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def is_rate(n_yes, p, n=N):
 
 
 def right_of(m, d_prime):
-    """Compute proportion correct of an unbiased m-alternative choice; Green and Swets (1966)."""
+    """Compute proportion correct of m alternatives (Green and Swets 1966)."""
     return quad(lambda x: norm.pdf(x - d_prime) * norm.cdf(x) ** (m - 1), -10, 10 + d_prime)[0]
 
 
@@ -80,7 +80,7 @@ def test_blanks_are_chosen_equally_often():
 
 
 def test_conditions_have_their_stated_threshold_and_width():
-    """The sensitivity of the participant lowers the threshold, in the unit of the level."""
+    """The participant's sensitivity lowers the threshold."""
     of = ({"frequency_hz": 60.0, "threshold": 30.0, "width": 16.0}, {"force_n": 2.0, "width": 4.0})
     observer = PsychometricObserver(20.0, 8.0, of, false_alarm_rate=0.0, lapse_rate=0.0, sensitivity_db=3.0)
     for factors, threshold, width in (
@@ -132,7 +132,7 @@ def test_study_runs_with_each_observer_kind(kind):
         ('kind = "psychometric"\nthreshold = 1.0\nconditions = [{ frequency_hz = 61 }]', "conditions[0].frequency_hz"),
         ('kind = "psychometric"\nthreshold = 1.0\nconditions = [{ width = "a" }]', "conditions[0].width: found 'a'"),
         ('kind = "ideal"\nlapse_rate = 0.1', "observer.lapse_rate: found an unknown key"),
-        ('kind = "ideal"\n[observer.changes]\nlearning = {}', "whose people do not change, expected none"),
+        ('kind = "ideal"\n[observer.changes]\nlearning = {}', "of the kind 'ideal' do not change, expected none"),
     ],
 )  # fmt: skip
 def test_invalid_observers_are_refused(observer, sentence):

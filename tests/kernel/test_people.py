@@ -1,4 +1,4 @@
-"""Populations of simulated participants: stated moments and reproducible traits."""
+"""Populations of simulated participants: moments and traits."""
 
 from dataclasses import replace
 
@@ -31,7 +31,7 @@ def draws_of(person, seed=1):
 
 
 def in_sd(values, sd):
-    """Return True if the standard deviation of normal values is compatible with `sd`."""
+    """Return True if normal values are compatible with `sd`."""
     low, high = chi2.ppf([ALPHA / 2, 1 - ALPHA / 2], len(values) - 1)
     return low <= (len(values) - 1) * np.var(values, ddof=1) / sd**2 <= high
 
@@ -78,8 +78,8 @@ def test_fully_correlated_traits_are_equal():
         ({"force": {"mood": 0.1}}, "correlations.force: found 'mood'"),
         ({"force": {"force": 1.0}}, "a trait with itself, expected two traits"),
         ({"force": {"speed": 1.5}}, "correlations.force.speed: found 1.5, expected from -1 to 1"),
-        ({"force": {"speed": 0.5}, "speed": {"force": 0.5}}, "a pair that stands twice"),
-        ({"force": {"speed": 0.9, "lapse": 0.9}, "speed": {"lapse": -0.9}}, "that no people can have together"),
+        ({"force": {"speed": 0.5}, "speed": {"force": 0.5}}, "found the pair twice, expected it once"),
+        ({"force": {"speed": 0.9, "lapse": 0.9}, "speed": {"lapse": -0.9}}, "found inconsistent correlations"),
     ],
 )
 def test_impossible_correlations_are_refused(pairs, sentence):
@@ -99,7 +99,7 @@ def test_deviation_depends_on_person_and_cell_only():
 
 
 def test_deviations_have_the_stated_variances():
-    """Checks the sum in a cell, the difference of two cells, and that of two cells of one frequency."""
+    """Check sums in a cell and differences of cells."""
     people = People(modality_sd_db=3.0, condition_sd_db=1.0, factor_sd_db={"frequency_hz": 2.0})
     pairs = [(n, cell) for n in range(N) for cell in (*CELLS[:2], CELLS[3])]
     felt = [people.deviation_db(cell, "electrovibration", draws_of(f"P{n}")) for n, cell in pairs]
@@ -124,7 +124,7 @@ def test_effects_shift_their_level_for_all_participants():
 
 
 def test_session_uses_the_deviations_of_the_population():
-    """With +300 dB at one frequency and no lapses, every trial there except the blanks is answered yes."""
+    """With +300 dB and no lapses, every stimulus is felt."""
     table = '\n[observer]\nlapse_rate = 0.0\n[observer.people.effects_db.frequency_hz]\n"60" = 300.0\n"240" = -300.0\n'
     experiment = wired(TUTORIAL + table)
     felt = experiment.feelings("P01", 1)

@@ -1,4 +1,4 @@
-"""Progress of a session from its journal, against the state of the protocol."""
+"""Progress of a session from its journal, against its protocol."""
 
 from functools import reduce
 
@@ -144,7 +144,7 @@ def test_valid_touch_or_another_block_ends_the_warning():
 
 @pytest.mark.parametrize("n", [3, 4])
 def test_warning_counts_attempts_at_one_trial(n):
-    """Constant stimuli repeat trials at the end of the block, so others come between."""
+    """Constant stimuli repeat trials at the end of the block."""
     state = recorded(*(row for attempt in attempts(n) for row in (trial(2), attempt)))
     assert (state.track.n_invalid_in_a_row, state.track.n_lost) == (1, n)
     more = {3: "2 more abort", 4: "1 more aborts"}[n]

@@ -1,4 +1,4 @@
-"""Psychometric functions: properties, tails to 50 digits, psignifit, refusals."""
+"""Psychometric functions: properties, tails, psignifit, refusals."""
 
 import math
 import re
@@ -73,7 +73,7 @@ def test_weibull_is_independent_of_the_level_unit(x, scale) -> None:
 
 
 def test_weibull_is_one_minus_exp_of_a_power() -> None:
-    """1 - exp(-(x/a)^b): a is the 0.63212 point, b = 4.0673839 / width (science 8.1)."""
+    """In 1 - exp(-(x/a)^b), b is 4.0673839 / width (science 8.1)."""
     f = PsychometricFunction("weibull", 2.0, 1.2, 0.0, 0.0)
     a, b = f.level(1 - math.exp(-1)), SHAPES["weibull"].z_width / 1.2
     x = np.array([0.1, 0.7, 2.0, 5.0])

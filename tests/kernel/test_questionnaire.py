@@ -125,7 +125,7 @@ def test_best_answers_give_the_highest_scores(form):
         ('["Bad", "Good"]', '["Bad"]', "small.toml, items[0].poles.en: found ['Bad'], expected two words"),
         ('["Bad", "Good"]', '["Bad", " "]', "items[0].poles.en: found ['Bad', ' '], expected two words, the negative"),
         ('poles = { en = ["Bad", "Good"] }', "poles = {}", "items[0].poles: found none for 'A', expected two poles"),
-        ('{ en = ["Bad", "Good"] }', '{ fr = ["Mal", "Bien"] }', "items: found no language that has words for all"),
+        ('{ en = ["Bad", "Good"] }', '{ fr = ["Mal", "Bien"] }', "items: found no language with texts for all"),
         ("score_low = -3.0", "score_low = nan", "score_low: found nan with score_high 3, expected two different"),
         ("score_high = 3.0", "score_high = -3.0", "score_low: found -3 with score_high -3, expected two different"),
         ('id = "B"', 'id = "A"', "items[1].id: found 'A' twice, expected each id once"),

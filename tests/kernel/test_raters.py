@@ -29,7 +29,7 @@ def rater(person=0, **keys):
 
 
 def places(one, met=1, liking=0.0, rng=None):
-    """Return the answer to each item, from -1 (negative pole) to 1 (positive pole)."""
+    """Return the answer to each item, from -1 to 1."""
     rng = rng or np.random.default_rng(0)
     found = {}
     for page in PAGES:
@@ -83,7 +83,7 @@ def test_raters_have_the_stated_spreads():
 
 
 def test_items_correlate_according_to_their_loadings():
-    """Items with loading l and attitude a have covariance l^2 a^2; items of two dimensions have none."""
+    """Items with loading l and attitude a have covariance l^2 a^2."""
     rng = np.random.default_rng()
     answers = [places(rater(n, dimension_sd=0.2, noise=0.1), rng=rng) for n in range(N)]
     att, att2, pq = (np.array([answer[item] for answer in answers]) for item in ("ATT1", "ATT2", "PQ1"))

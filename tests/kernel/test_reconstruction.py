@@ -28,7 +28,7 @@ def dense(samples):
 
 
 def worst(n):
-    """Return the n samples of magnitude 1 with the largest possible peak between the middle two."""
+    """Return n samples of magnitude 1 with the largest possible peak."""
     return np.sign(np.sinc(np.arange(n) - n // 2 + 0.5))
 
 
@@ -64,13 +64,13 @@ def test_course_peak_adds_straight_lines(samples, lines):
 
 @pytest.mark.parametrize("phase_rad", [0.0, 0.3, math.pi / 4, 0.785])
 def test_quarter_rate_sine_has_its_amplitude(phase_rad):
-    """Its samples reach cos(phase) or sin(phase), whichever is larger: at pi/4 the course is sqrt(2) of them."""
+    """Samples reach cos(phase) or sin(phase), the course reaches 1."""
     samples = np.sin(np.pi / 2 * np.arange(20_000) + phase_rad) * np.hanning(20_000)
     assert course_peak(samples, 0.0) == pytest.approx(1.0, abs=MISSED_OF_QUARTER_RATE)
 
 
 def test_peak_of_worst_samples_grows_with_number():
-    """The sum of abs(sinc(k + 1/2)) has no limit: 2/pi (ln(n / 2) + ln 4 + Euler's constant) for n samples."""
+    """The sum is 2/pi (ln(n / 2) + ln 4 + Euler's constant)."""
     for n in (2, 20, 200, 500):
         exact = np.abs(np.sinc(np.arange(n) - n // 2 + 0.5)).sum()
         assert course_peak(worst(n), 0.0) == pytest.approx(exact, rel=1e-6)
@@ -78,7 +78,7 @@ def test_peak_of_worst_samples_grows_with_number():
 
 
 def test_course_peak_is_found_in_any_block():
-    """Includes peaks between the last sample of one block and the first of the next."""
+    """Some peaks are between two blocks."""
     for at in (0, 1, 3070, 3071, 3072, 4095, 9999):
         samples = np.zeros(10_001)
         samples[at : at + 2] = 1.0

@@ -27,7 +27,7 @@ CALLS = re.findall(r"\w+", "open close read write fsync lseek ftruncate rename r
 
 @pytest.fixture
 def cut_off(lived):
-    """Journal with an unfinished trial, two remarks during it and a torn last line."""
+    """Journal with an unfinished trial, remarks and a torn last line."""
     path = journal_of(lived)
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(lines[:12]))
@@ -44,7 +44,7 @@ def cut_off(lived):
 
 
 def killed_at(n_calls, path):
-    """Return True if a repair was killed at the `n_calls`-th call or return, False if it finished."""
+    """Return True if a repair was killed, False if it finished."""
     child = os.fork()
     if child == 0:
         left = n_calls

@@ -1,4 +1,4 @@
-"""Data sets with mismatched files: old copies, renamed copies, orphans, duplicates."""
+"""Data sets with old, renamed, orphaned or duplicate files."""
 
 import csv
 import json
@@ -83,7 +83,7 @@ def test_missing_last_rows_are_reported_and_rebuilt(lived, capsys, n):
     assert lacks in out
     status, _, out = call(capsys, "rebuild", lived)
     assert status == 0
-    assert "mended" in out
+    assert "repaired" in out
     assert path.read_bytes() == whole
     assert call(capsys, "rebuild", lived)[2].strip().endswith("trials")
 
@@ -170,7 +170,7 @@ def test_participant_codes_must_differ_beyond_case(lived):
 
 
 def test_only_one_of_concurrent_studies_gets_the_folder(tmp_path):
-    """In each new folder, four processes begin different studies: one continues, the others are refused."""
+    """Of four concurrent studies in a new folder, one continues."""
     designs = [EXPERIMENT.design(TOML + b"# %d\n" % n) for n in range(4)]
     for n in range(10):
         begin, go = os.pipe()

@@ -108,7 +108,7 @@ def test_torn_wav_file_is_refused(tmp_path, name, part):
     for reader, error in zip(READERS[name], (InvalidFile, InvalidParameter), strict=True):
         (tmp_path / name).write_bytes(content)
         with pytest.raises(
-            error, match=r"found (no WAV file|\d+ of \d+ bytes of samples, expected all: the file is torn)"
+            error, match=r"found (no WAV file|\d+ of \d+ bytes of samples, expected all: the file is incomplete)"
         ):
             reader(tmp_path / name)
 
@@ -130,13 +130,13 @@ DATA_AT = WAV.index(b"data") + 4
         (changed(WAV, DATA_AT, "<I", 0), "found no samples, expected at least one"),
         (changed(WAV, DATA_AT, "<I", 2**32 - 1), "found 300 of 4294967295 bytes of samples, expected all"),
         (changed(WAV, DATA_AT, "<I", 299), "found 299 bytes of samples, expected whole frames of 6 bytes"),
-        (changed(WAV, 22, "<H", 0), "found 0 channels of 16 bits at 48000 Hz in frames of 6 bytes, expected numbers"),
+        (changed(WAV, 22, "<H", 0), "found 0 channels of 16 bits at 48000 Hz in frames of 6 bytes, expected consist"),
         (changed(WAV, 32, "<H", 7), "found 3 channels of 16 bits at 48000 Hz in frames of 7 bytes"),
         (changed(WAV, 24, "<I", 0), "found 3 channels of 16 bits at 0 Hz"),
         (changed(WAV, 34, "<H", 0), "found 3 channels of 0 bits"),
-        (WAV[:12] + WAV[WAV.index(b"data") :], "found samples before their form, expected a chunk 'fmt ' first"),
-        (WAV[: DATA_AT - 4], "found no samples, expected a chunk 'data': the file is torn"),
-        (WAV[:30], "found no whole chunk 'fmt ', expected one: the file is torn"),
+        (WAV[:12] + WAV[WAV.index(b"data") :], "found samples before their format, expected a chunk 'fmt ' first"),
+        (WAV[: DATA_AT - 4], "found no samples, expected a chunk 'data': the file is incomplete"),
+        (WAV[:30], "found no complete chunk 'fmt ', expected one: the file is incomplete"),
     ],
 )
 def test_wav_file_with_wrong_header_is_refused(tmp_path, content, message):
@@ -302,7 +302,7 @@ def stored_elsewhere(h5py, file):
 @pytest.mark.parametrize(
     ("fill", "message"),
     [
-        (lambda h5py, file: None, "samples: found a link, or nothing, expected a dataset of this file"),
+        (lambda h5py, file: None, "samples: found no dataset, or a link, expected a dataset of this file"),
         (claiming_terabytes, "samples: found 281474976710656 bytes, expected at most 1073741824"),
         (linked_to_another_file, "samples: found a link, or nothing"),
         (linked_to_itself, "samples: found a link, or nothing"),
@@ -321,7 +321,7 @@ def test_hdf5_file_with_links_or_excess_is_refused(tmp_path, hdf5, fill, message
 
 
 def test_hdf5_file_is_refused_when_its_library_hangs(tmp_path, hdf5, monkeypatch):
-    """A wrong text size in the heap of the file makes the library loop forever."""
+    """A wrong size in the heap makes the library loop forever."""
     content = hdf5(whole).read_bytes()
     assert refusal(tmp_path, "x.h5", content) is None
     monkeypatch.setattr("tactometry.files.hdf5.READ_WITHIN_S", 1.0)

@@ -71,7 +71,7 @@ def test_only_the_torn_member_is_cut_off(part_written):
 
 
 def test_whole_member_is_kept_when_journal_lacks_it(tmp_path, files):
-    """The journal may be an older copy; traces that it does not name are kept."""
+    """Traces that an older journal does not name are kept."""
     first, second = (files.keep("force", touch(seed), 1000.0) for seed in (1, 2))
     files.close()
     again = TraceFiles(tmp_path, SESSION)

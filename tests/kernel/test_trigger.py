@@ -1,4 +1,4 @@
-"""Trigger in the sensor threads: fires once, can be disarmed, never blocks."""
+"""Trigger in the sensor threads: fires once, never blocks."""
 
 import queue
 import sys
@@ -212,7 +212,7 @@ def test_receiving_without_sensor_calls_nothing():
 
 
 class Gone:
-    """Sensor that opens once, then fails to read, to close at once and to reopen."""
+    """Sensor that opens once, then fails to read, close and reopen."""
 
     name, n_channels, rate_hz = "gone", 1, 1000.0
 
@@ -272,7 +272,7 @@ def test_session_ends_when_driver_hangs(monkeypatch):
     reader = Reader(Hanging())
     reader.open()
     begin_s = time.perf_counter()
-    with pytest.raises(DeviceFailed, match="^gone: it hangs, and did not end within 0.1 s: unplug it"):
+    with pytest.raises(DeviceFailed, match="^gone: it hangs and did not end within 0.1 s: unplug it"):
         reader.close()
     assert 0.2 <= time.perf_counter() - begin_s < 1.0
     reader.source.hangs.set()

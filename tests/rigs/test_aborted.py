@@ -40,7 +40,7 @@ STEADY, SHAKY = {"waver_cv = 0.12": "waver_cv = 0.0"}, {"waver_cv = 0.12": "wave
 def test_completed_session_exits_with_status_0(tmp_path, capsys):
     status, _, out = run(capsys, tmp_path, **STEADY)
     assert status == 0
-    assert ": 10 trials, and 14 answers to questionnaires; 2 procedures: 2 came to their last trial" in out
+    assert ": 10 trials, and 14 answers to questionnaires; 2 procedures: 2 reached their last trial" in out
 
 
 def test_aborted_block_is_reported_in_summary_and_events(tmp_path, capsys):
@@ -54,7 +54,7 @@ def test_aborted_block_is_reported_in_summary_and_events(tmp_path, capsys):
     why = "1 presentation in a row, or of one trial, was not valid"
     assert abort["text"] == f"block {abort['block']} is aborted: {why}"
     assert "2 procedures: " in out
-    assert "1 came to their last trial" in out
+    assert "1 reached their last trial" in out
     assert "1 aborted" in out
     assert "next: tactometry analyse" in out
     assert validate(tmp_path / "d").defects == ()
@@ -63,7 +63,7 @@ def test_aborted_block_is_reported_in_summary_and_events(tmp_path, capsys):
 def test_advice_differs_when_every_block_aborts(tmp_path, capsys):
     status, _, out = run(capsys, tmp_path, **SHAKY)
     assert status == 1
-    assert "2 procedures: 2 aborted; next: mend what made the touches invalid: no block came to its end" in out
+    assert "2 procedures: 2 aborted; next: correct the cause of the invalid touches: no block was finished" in out
     said = json.loads(run(capsys, tmp_path, "--session", "1", "--resume", "--json", **SHAKY)[2])
     assert (said["ended"], said["not_valid"]) == ({"aborted": 2}, 2)
 

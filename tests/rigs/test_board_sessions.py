@@ -218,8 +218,11 @@ class Supplying:
 @pytest.mark.parametrize(
     ("closes", "words"),
     [
-        (True, r"board: the board (took no more \(Broken pipe\); the output stopped|had not read all of a stream)"),
-        (False, "what was asked for before this was not played"),
+        (
+            True,
+            r"board: the board (accepts no more data \(Broken pipe\); the output|had not read all of a stream)",
+        ),
+        (False, "so that the stream was not played"),
     ],
     ids=["a supply that is refused", "a supply that does not come"],
 )

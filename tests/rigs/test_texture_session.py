@@ -162,7 +162,7 @@ def test_session_keeps_data_when_sound_server_dies(needed, tmp_path):
         own.close()
     assert status == 3, errors
     [said] = [line for line in errors.splitlines() if line.startswith("tactometry: ")]
-    assert "output 'audio pulse': it is not open, or stopped by itself; nothing was played" in said
+    assert "output 'audio pulse': found it closed or stopped, expected it open; nothing was played" in said
     assert "Traceback" not in errors
     assert len(trial_rows(data)) >= 1
     assert validate(data).defects == ()

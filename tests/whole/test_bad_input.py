@@ -98,7 +98,7 @@ STUDIES = {
     "force above the limit": (
         TUTORIAL.replace("force_n = 1.0", "force_n = 9.0"),
         "s.toml, touch.force_n: found 9 N, expected one within the limits (limits.force_peak_n: found a force of up to "
-        "10.8 N, the limit is 10 N; ask for less; nothing was played)",
+        "10.8 N, the limit is 10 N; lower the target; nothing was played)",
     ),
     "a slide over a focus": (
         FOCUS.replace('kind = "press"', 'kind = "slide"\nspeed_m_per_s = 0.05'),

@@ -42,7 +42,7 @@ ASKED_WITHIN_S: Final = 2.0
 @dataclass(frozen=True)
 @constrained
 class AudioSettings:
-    """The sound card by name; `channels` are its outlets, from 0, in the order of the signal's.
+    """Settings of a sound card, by name.
 
     `block_s` and `latency_s` trade a quick stop against gaps in the sound. Both are unverified defaults. Without
     `position_latency_s` it is the longest lead that the device took of late, a block, and `POSITION_AGE_S`.
@@ -86,7 +86,7 @@ class AudioSettings:
 
 
 class AudioOutput(AmplifiedDriver):
-    """An output stream that runs while the output is open: zeros, or the frames of one signal."""
+    """An output stream that plays zeros, or the frames of one signal."""
 
     follows = True
 
@@ -117,7 +117,7 @@ class AudioOutput(AmplifiedDriver):
 
     @property
     def stop_delay_s(self) -> float:
-        """Buffered audio, a block and the fade; an open card reports its latency and recent leads."""
+        """Buffered audio, a block and the fade, by recent reports of the card."""
         latency_s = 0.0 if self._stream is None else self._stream.latency
         buffered_s = max(self._settings.latency_s, latency_s, *list(self._dry.leads_s))
         return buffered_s + self._settings.block_s + self.fall_s
@@ -170,9 +170,11 @@ class AudioOutput(AmplifiedDriver):
         return np.where(np.abs(numbers) > np.abs(units), np.nextafter(numbers, kind.type(0)), numbers)
 
     def play(self, signal: Signal) -> float:
-        """Begin to emit: the time at which the card says that the first frame leaves it."""
+        """Begin to emit, and return the onset that the card reports."""
         if self._stream is None or not self._stream.active:
-            raise DeviceFailed(f"output {self.name!r}: it is not open, or stopped by itself; nothing was played")
+            raise DeviceFailed(
+                f"output {self.name!r}: found it closed or stopped, expected it open; nothing was played"
+            )
         n_fade = max(1, round(FADE_S * self.rate_hz))
         numbers, channels = self._numbers(signal), self._settings.channels
         frames = np.zeros((numbers.shape[1], max(channels) + 1), numbers.dtype)
@@ -235,7 +237,7 @@ class AudioOutput(AmplifiedDriver):
         out[: len(piece)] = piece
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int:
-        """Return gaps since the last signal began, up to its end; a current gap counts."""
+        """Return gaps since the last signal began, including a current one."""
         feed = self._feed
         if feed is None:
             return 0
@@ -244,7 +246,7 @@ class AudioOutput(AmplifiedDriver):
         return feed.n_gaps + lasts or int(feed.is_late(time.perf_counter(), self.rate_hz))
 
     def _asks_within(self, longest_s: float) -> bool:
-        """Return True if the device requests samples in time; 0 does not wait."""
+        """Return True if the device requests samples in time."""
         n_frames, end_s = self._n_frames, time.perf_counter() + longest_s
         while longest_s and self._n_frames == n_frames:
             if time.perf_counter() > end_s:
@@ -263,7 +265,7 @@ class AudioOutput(AmplifiedDriver):
 
 
 def _check_own(sounddevice: Any, device: str) -> None:
-    """Refuse a device that other programs share; a missing one is refused when it is opened."""
+    """Refuse a device that other programs share."""
     try:
         card = sounddevice.query_devices(device, "output")
         interface = str(sounddevice.query_hostapis(card["hostapi"])["name"])
@@ -292,7 +294,7 @@ def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
 
 
 def system_volume(device: str) -> float | None:
-    """Return the volume of a device's sink, 1 for 100 % and 0 if muted; None if unknown.
+    """Return the volume of a device's sink (1 for 100 %), or None.
 
     Only PulseAudio and PipeWire are read; of several channels the loudest counts.
     """

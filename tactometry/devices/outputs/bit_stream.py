@@ -1,4 +1,4 @@
-"""One-bit streams for boards that drive many channels, such as an FPGA before switching amplifiers.
+"""One-bit streams for boards that drive many channels.
 
 A stream is a header of 48 bytes and its payload, all little-endian:
 
@@ -55,7 +55,7 @@ def word_bytes(n_channels: int) -> int:
 
 
 def encode(signal: Signal) -> bytes:
-    """Encode a signal of +V, -V and 0 (off); a signal of no samples is "stop".
+    """Encode a signal of +V, -V and 0 (off). No samples mean "stop".
 
     Raises `InvalidParameter` if a sample is neither +V, -V nor 0 for one V, the peak, or all of them are 0.
 
@@ -82,7 +82,7 @@ def encode(signal: Signal) -> bytes:
 
 
 def decode(stream: bytes) -> Signal:
-    """Decode the signal of a stream; 0 where a channel is off.
+    """Decode the signal of a stream, 0 where a channel is off.
 
     Raises `InvalidParameter` if it is no stream, or is damaged.
     """

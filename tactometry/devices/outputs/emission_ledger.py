@@ -1,4 +1,4 @@
-"""Ledger of what each output of the computer emitted, across sessions and processes.
+"""Ledger of emissions of each output across sessions and processes.
 
 It is a SQLite database of the user's account, whose locks serve all processes. A row is written before its signal
 begins, so that it counts even if the process is killed.
@@ -72,7 +72,7 @@ class Moment:
 
 
 class Ledger:
-    """Ledger of one output, in the database at `path`; counts after `open`."""
+    """Ledger of one output, in the database at `path`, once it is open."""
 
     def __init__(self, path: Path) -> None:
         self._path, self._output, self._opened = path, "", ""

@@ -36,7 +36,7 @@ LONGEST_HOLD_UP_S: Final = 0.1
 
 
 class FrameFeed:
-    """Frames of one signal in order; none after the last one or after `stop`.
+    """Frames of one signal in order, until the last or a `stop`.
 
     The device's thread calls `take`, the playing thread everything else. A stop fades over `n_fade` frames.
     """
@@ -56,23 +56,23 @@ class FrameFeed:
         return self._at >= len(self._frames)
 
     def is_torn_by(self, dry_s: float, rate_hz: float) -> bool:
-        """Return True if a device that ran dry at `dry_s` (or `EARLY_S` before) did so within these frames."""
+        """Return True if a device that ran dry at `dry_s` lost frames."""
         return self.begun.is_set() and dry_s - EARLY_S < self.onset_s + len(self._frames) / rate_hz
 
     def is_late(self, now_s: float, rate_hz: float) -> bool:
-        """Return True if the device should have taken all frames by now and has not."""
+        """Return True if the device has not taken all frames in time."""
         ends_s = self.onset_s + len(self._frames) / rate_hz
         return self.begun.is_set() and not self._stopping and not self.finished and now_s > ends_s
 
     def begin(self, now_s: float, lead_s: float) -> None:
-        """Set the onset at `lead_s` after `now_s`, or end if the device asks too late."""
+        """Set the onset, or end if the first request is too late."""
         self.onset_s, self._zero_s = now_s + lead_s, boot_clock_s() + lead_s
         if boot_clock_s() - self._made_s > LONGEST_HOLD_UP_S:
             self._give_up()
         self.begun.set()
 
     def give_up_if_late(self, rate_hz: float, allowed_s: float) -> None:
-        """End at once, without a fade, if the next frame is more than `allowed_s` late.
+        """End without a fade if the next frame is more than `allowed_s` late.
 
         The process was held up (SIGSTOP, suspend, debugger) and the device has fallen to zero. Frames that went on
         would be felt long after their touch.
@@ -125,7 +125,7 @@ class FrameFeed:
 
 
 class FollowingFeed(FrameFeed):
-    """Frames of a signal that follows a finger, each by its position `latency_s` before the frame leaves.
+    """Frames weakened by the position of a finger `latency_s` before.
 
     A position that is late is replaced by the last known one.
     """
@@ -154,7 +154,7 @@ class FollowingFeed(FrameFeed):
         return emitted
 
     def _as_checked(self, parts: FloatArray) -> FloatArray:
-        """Limit parts to what the guard assumed of custom code: 0 to 1, 0 for NaN, no fast steps."""
+        """Limit parts to what the guard assumed: 0 to 1, no fast steps."""
         parts = np.clip(np.nan_to_num(parts, nan=0.0), 0.0, 1.0)
         step = (1 + 1e-9) / (self._signal.stimulus.rise_s * self._signal.rate_hz)
         last = float(parts[0]) if self._part is None else self._part
@@ -180,7 +180,7 @@ class FollowingFeed(FrameFeed):
 
 
 def was_held_up(left_s: float, leads_s: Sequence[float], latency_s: float) -> bool:
-    """Return True if a device with a buffer of `left_s` may have skipped frames.
+    """Return True if a device may have skipped frames.
 
     A held-up sound server may run dry before its reported buffer ends, without reporting it. The usual buffer is the
     median of `leads_s`, or `latency_s` if that is less; all in s.
@@ -227,7 +227,7 @@ class DryRuns:
         return self._had_lead
 
     def after(self, *, now_s: float, lead_s: float, block_s: float, underflow: bool) -> float | None:
-        """Add a block that leaves `lead_s` from now; return when a gap before it may have begun, or None.
+        """Add a block. Return when a gap before it may have begun, or None.
 
         A device reports one gap with several blocks of a burst, and as late as its buffer lasts.
         """

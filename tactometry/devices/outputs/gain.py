@@ -1,4 +1,4 @@
-"""Voltage at the load for each unit of an output, and the signal chain it was measured with."""
+"""Voltage at the load per unit of an output, and its signal chain."""
 
 from dataclasses import dataclass, replace
 from datetime import date
@@ -20,7 +20,7 @@ MEASURE: Final = "measure it with: tactometry calibrate gain; nothing was played
 
 @dataclass(frozen=True)
 class SignalChain:
-    """Output with its format, and the sound server's volume (1 is 100 %; None if unknown)."""
+    """Output with its format, and the volume (1 is 100 %) if known."""
 
     output: str
     system_volume: float | None = None
@@ -28,7 +28,7 @@ class SignalChain:
 
 @dataclass(frozen=True)
 class Gain(Measured):
-    """Volts at the load per sample unit: connector voltage times amplifier gain.
+    """Volts at the load per unit: connector voltage times amplifier gain.
 
     - `volts_per_unit`: Peak voltage at the connector for a sample of 1.0, V, above 0.
     - `amplifier_gain`: Voltage at the load over voltage at the connector, above 0.
@@ -56,7 +56,7 @@ class Gain(Measured):
         return self.volts_per_unit * self.amplifier_gain
 
     def check(self, what: str, chain: SignalChain, today: date) -> None:
-        """Raise `DeviceFailed` if the gain was not measured, is too old, or belongs to another signal chain.
+        """Refuse a gain that is missing, too old or of another signal chain.
 
         >>> gain = Gain(2.0, 50.0, date(2026, 1, 2), "ZG", measured_with="audio Interface, int32")
         >>> gain.check("output.gain", SignalChain("audio Interface, int32"), date(2026, 3, 1))
@@ -110,7 +110,7 @@ def measured_anew(gain: Gain, chain: SignalChain, today: date, by: str) -> Gain:
 
 
 def required_gain(gain: Gain | None, what: str) -> Gain:
-    """Return the gain of a connected output; raise if there is none."""
+    """Return the gain of a connected output, or raise."""
     if gain is None:
         raise InvalidParameter(
             f"{what}: found none, expected volts_per_unit and amplifier_gain with date and author: without them the "
@@ -120,4 +120,4 @@ def required_gain(gain: Gain | None, what: str) -> Gain:
 
 
 def _volume(volume: float | None) -> str:
-    return "a volume that is not known" if volume is None else f"a volume of {100 * volume:.0f} %"
+    return "an unknown volume" if volume is None else f"a volume of {100 * volume:.0f} %"

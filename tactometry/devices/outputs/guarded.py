@@ -78,7 +78,7 @@ class Guarded:
         self._before = before
 
     def subscribe(self, on_signal: OnSignal, on_end: OnEnd = lambda charge_c: None) -> None:
-        """Report each signal as it begins and after it has ended, in the thread that plays, stops or closes."""
+        """Report begin and end of each signal, in the thread that causes it."""
         self._on_signal, self._on_end = on_signal, on_end
 
     def open(self) -> None:
@@ -100,7 +100,7 @@ class Guarded:
         self._counting = threading.Lock()
 
     def play(self, signal: Signal) -> float:
-        """Check all limits on the final samples, then begin to emit; return the onset.
+        """Check all limits on the final samples, and play. Return the onset.
 
         Raises `LimitExceeded` or `DeviceFailed`; nothing was played then.
         """
@@ -145,7 +145,7 @@ class Guarded:
             self.ledger.add(duration_s, allow)
 
     def _end_playing(self, at_s: float) -> None:
-        """Count the charge of the playing signal up to `at_s`; a signal with gaps counts with its largest charge."""
+        """Count the charge up to `at_s`, or the largest one after gaps."""
         with self._counting:
             playing, self._playing = self._playing, None
             if playing is None:
@@ -158,7 +158,7 @@ class Guarded:
             self._on_end(passed_c)
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:
-        """Return the limits and the final samples; raises as `play`, which does not compute them again."""
+        """Return limits and final samples. Raises as `play` does."""
         limits = self._require_limits()
         return limits, self._final(signal, limits)
 
@@ -214,5 +214,5 @@ class Guarded:
 
 
 def _rise_s(signal: Signal) -> float:
-    """Return the shortest rise time of a signal that follows a finger; infinite for others."""
+    """Return the shortest rise time of a followed signal, or infinity."""
     return signal.stimulus.rise_s if isinstance(signal, FollowedSignal) else math.inf

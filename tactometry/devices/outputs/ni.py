@@ -1,4 +1,4 @@
-"""Analogue outputs of National Instruments devices, through NI-DAQmx (extra: ni).
+"""Analogue outputs of National Instruments devices (extra: ni).
 
 Written to the documented interface of `nidaqmx` and checked against its signatures. It was **not run on a device**.
 
@@ -60,7 +60,7 @@ class NiSettings:
 
 
 def connector_v(settings: NiSettings, gain: Gain, signal: Signal) -> FloatArray:
-    """Return the voltages at the connectors, (n_channels, n_samples + 1), which end at zero.
+    """Return connector voltages (n_channels, n_samples + 1) that end at 0.
 
     Raises `DeviceFailed` if the device cannot reach them.
 
@@ -90,7 +90,7 @@ class NiOutput(AmplifiedDriver):
 
     @property
     def identity(self) -> str:
-        """Name of the card; a finger may rest on any of its electrodes."""
+        """Name of the card, as a finger may touch any of its electrodes."""
         return f"ni {self._settings.channels[0].partition('/')[0]}"
 
     @property
@@ -111,7 +111,7 @@ class NiOutput(AmplifiedDriver):
 
     def play(self, signal: Signal) -> float:
         if not self._is_open:
-            raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
+            raise DeviceFailed(f"output {self.name!r}: found it closed, expected it open; nothing was played")
         self._end_task()
         volts = connector_v(self._settings, self._gain, signal)
         try:

@@ -1,4 +1,4 @@
-"""The interface of output drivers; a rig reaches a driver only through its guard."""
+"""Interface of output drivers. Rigs use a driver through its guard."""
 
 import math
 import time
@@ -25,7 +25,7 @@ LONGEST_WORD_S = 0.1
 
 
 class Driver(ABC):
-    """A driver of one output, which emits only what `play` was given, and zero otherwise.
+    """Driver of one output, which emits zero unless it plays.
 
     - `connected`: True if the output leaves the computer.
     - `one_bit`: True if it emits only plus or minus one voltage, without ramps.
@@ -46,26 +46,26 @@ class Driver(ABC):
 
     @property
     def identity(self) -> str:
-        """Name of the output on this computer, under which its exposure is counted; of a card, once it is open."""
+        """Name of the output that identifies it in the ledger, once open."""
         return self.name
 
     def facts(self) -> dict[str, str | int | float | None]:
-        """Return facts for the journal: of the open device, and of what went wrong since."""
+        """Return facts on the open device and its failures for the journal."""
         return {}
 
     @property
     def reconstructs(self) -> bool:
-        """True if a filter makes the voltage continuous, which may be larger between samples."""
+        """True if a filter may raise the voltage between samples."""
         return self.connected and not self.one_bit
 
     @property
     def stop_delay_s(self) -> float:
-        """Worst-case time from `stop` to zero at the load, s; 0 if not connected."""
+        """Worst-case time from `stop` to zero, s. 0 if not connected."""
         return 0.0
 
     @property
     def fall_s(self) -> float:
-        """Fall time of a stop, s; 0 for a single step."""
+        """Fall time of a stop, s. 0 for a single step."""
         return 0.0
 
     @abstractmethod
@@ -74,24 +74,24 @@ class Driver(ABC):
 
     @abstractmethod
     def final(self, signal: Signal) -> Signal:
-        """Return what `play` would emit, in volts at the load: rounded, clipped, on every channel.
+        """Return what `play` would emit on every channel, V at the load.
 
         Raises `DeviceFailed` if the driver cannot emit the signal.
         """
 
     @abstractmethod
     def play(self, signal: Signal) -> float:
-        """Begin to emit and return the time of the first sample on `time.perf_counter`, s.
+        """Begin to emit. Return the onset on `time.perf_counter`, s.
 
         The signal is finite, and the output is at zero after it.
         """
 
     def played_path(self) -> PlayedPath | None:
-        """Wait for the end of the last signal and return what it became, if it followed a finger."""
+        """Wait for the end of a signal that followed a finger, and return it."""
         return None
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Return gaps since the last signal began, up to its end; None if the device cannot tell.
+        """Return gaps of the last signal, or None if they are unknown.
 
         Waits at most `longest_wait_s` for the device to report a current gap.
         """
@@ -100,11 +100,11 @@ class Driver(ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """Set the output to zero; no error if nothing plays or the device is closed."""
+        """Set the output to zero, also if it is idle or closed."""
 
     @abstractmethod
     def close(self) -> None:
-        """Set the output to zero and release the device. May be called more than once."""
+        """Set the output to zero and release it. May be repeated."""
 
 
 class AmplifiedDriver(Driver):
@@ -195,7 +195,7 @@ def expect_following(output: Driver) -> None:
 
 
 def with_ramps(signal: Signal, ramp_s: float) -> Signal:
-    """Add raised-cosine ramps of `ramp_s`, unless each channel begins and ends below 1 % of the peak.
+    """Add raised-cosine ramps, unless a signal begins and ends near zero.
 
     A signal shorter than two ramps has ramps of half its length.
 

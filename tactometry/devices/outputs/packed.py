@@ -1,4 +1,4 @@
-"""Packed one-bit streams to a file, a named pipe, or the device node of a board.
+"""Packed one-bit streams to a file, a pipe or the device of a board.
 
 The line to a board is written without blocking, in a separate thread.
 """
@@ -44,7 +44,7 @@ _NEVER: Final = threading.Event()
 
 
 class BoardLine:
-    """Open line; only pipes show whether data were read, and can be emptied."""
+    """Open line. Only pipes report unread data and can be emptied."""
 
     def __init__(self, path: Path, file: int) -> None:
         self.path, self._file = path, file
@@ -53,7 +53,7 @@ class BoardLine:
     def write(self, stream: bytes, within_s: float, until: threading.Event = _NEVER) -> int:
         """Return the bytes accepted within a time, or before `until` was set.
 
-        Raises `DeviceFailed` if the board went away.
+        Raises `DeviceFailed` if the board is lost.
         """
         end_s, sent = time.monotonic() + within_s, 0
         while sent < len(stream) and not until.is_set():
@@ -74,7 +74,9 @@ class BoardLine:
         except BlockingIOError:
             return 0
         except OSError as error:
-            raise DeviceFailed(f"{self.path}: the board took no more ({error.strerror}); the output stopped") from None
+            raise DeviceFailed(
+                f"{self.path}: the board accepts no more data ({error.strerror}); the output stopped"
+            ) from None
 
     def was_read(self, within_s: float) -> bool:
         """Return True once a pipe is empty, False if it is not within a time."""
@@ -101,7 +103,7 @@ class BoardLine:
 
 
 class Sending:
-    """Stream being sent in a thread; `failure` is its error unless it was ended."""
+    """Stream being sent in a thread, and its `failure`."""
 
     def __init__(self, line: BoardLine, stream: bytes, within_s: float) -> None:
         self._line, self._stream, self._within_s = line, stream, within_s
@@ -119,7 +121,7 @@ class Sending:
             return
         if self.n_sent < len(self._stream) and not self._ending.is_set():
             self.failure = DeviceFailed(
-                f"{self._line.path}: the board took {self.n_sent} of {len(self._stream)} bytes within "
+                f"{self._line.path}: the board accepted {self.n_sent} of {len(self._stream)} bytes within "
                 f"{self._within_s:.3g} s, expected all; restart the board"
             )
 
@@ -128,19 +130,19 @@ class Sending:
         return self.n_sent == len(self._stream)
 
     def end(self, within_s: float) -> bool:
-        """Send no more; return whether the whole stream was sent.
+        """Stop sending. Return True if the whole stream was sent.
 
         Raises `DeviceFailed` if the board's driver blocks a write.
         """
         self._ending.set()
         self._thread.join(within_s)
         if self._thread.is_alive():
-            raise DeviceFailed(f"{self._line.path}: its driver holds a write up: switch the amplifier off")
+            raise DeviceFailed(f"{self._line.path}: its driver blocks a write: switch the amplifier off")
         return self.n_sent == len(self._stream)
 
 
 def open_line(path: Path, within_s: float) -> BoardLine:
-    """Open a line for appending; wait for the reader of a pipe.
+    """Open a line for appending. Waits for the reader of a pipe.
 
     Raises `DeviceFailed` if it cannot be written, or has no reader within `within_s`.
     """
@@ -159,16 +161,16 @@ def open_line(path: Path, within_s: float) -> BoardLine:
                 tty.setraw(file)
             return BoardLine(path, file)
         except OSError as error:
-            nobody_reads = error.errno == errno.ENXIO and path.is_fifo()
-            if not nobody_reads:
+            has_no_reader = error.errno == errno.ENXIO and path.is_fifo()
+            if not has_no_reader:
                 raise DeviceFailed(
                     f"{path}: cannot open the board ({error.strerror}), expected a device, a pipe or a file that may "
                     "be written; nothing was played"
                 ) from None
         if time.monotonic() > end_s:
             raise DeviceFailed(
-                f"{path}: found nobody who reads this pipe within {within_s:g} s, expected the board to; start it "
-                "first; nothing was played"
+                f"{path}: found no reader of this pipe within {within_s:g} s, expected the board; start it first; "
+                "nothing was played"
             )
         time.sleep(LOOK_S)
 
@@ -183,7 +185,7 @@ def _n_unread(pipe: int) -> int:
 @dataclass(frozen=True)
 @constrained
 class PackedSettings:
-    """A one-bit board: `path` is opened for appending; `rate_hz` and `n_channels` are the board's.
+    """Settings of a one-bit board.
 
     With ``gain`` a bit of 1 is 1 unit: ``volts_per_unit * amplifier_gain`` is what a board's supply puts on a load.
 
@@ -213,7 +215,7 @@ class PackedSettings:
 
 
 class PackedOutput(AmplifiedDriver):
-    """Writes a stream per signal, and a stream of no samples to stop, in the form of `bit_stream`.
+    """Output that writes a stream per signal, and an empty one to stop.
 
     A stop ends what is being sent and returns within `STOP_WITHIN_S`, whatever the board does. Unread data are then
     taken back and the line is closed, so that a board that wakes up finds nothing to play.
@@ -257,7 +259,7 @@ class PackedOutput(AmplifiedDriver):
         self.stop()
 
     def final(self, signal: Signal) -> Signal:
-        """Return the decoded bits; every voltage is that of the supply, or 0 for a channel that is off."""
+        """Return the decoded bits at the voltage of the supply."""
         try:
             emitted = decode(self._stream_of(signal))
         except InvalidParameter as error:
@@ -275,14 +277,14 @@ class PackedOutput(AmplifiedDriver):
         supply = f"{self.full_scale_v:.6g} V" if fixed else f"{self._lowest_v:.6g} to {self.full_scale_v:.6g} V"
         raise DeviceFailed(
             f"output {self.name!r}: found a signal of {peak_v:.6g} V, expected the {supply} of the supply, which one "
-            "bit cannot scale; take foci or amplitude_modulated, whose level a bench makes by bursts and pulses; "
+            "bit cannot scale; use foci or amplitude_modulated, whose level is set by bursts and pulses; "
             "nothing was played"
         )
 
     def play(self, signal: Signal) -> float:
         self.final(signal)  # raises for refused signals
         if not self._is_open:
-            raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
+            raise DeviceFailed(f"output {self.name!r}: found it closed, expected it open; nothing was played")
         with self._turn:
             self._end_whole()
             # a stop that the board did not read has closed its line
@@ -293,7 +295,7 @@ class PackedOutput(AmplifiedDriver):
         return onset_s
 
     def _end_whole(self) -> None:
-        """Finish before another signal; unread data in a pipe were not played."""
+        """Finish before another signal. Unread data were not played."""
         before, is_over = self._sending, time.perf_counter() >= self._over_s
         self._finish(READ_WITHIN_S)
         if before is None:
@@ -303,12 +305,12 @@ class PackedOutput(AmplifiedDriver):
             self._let_go()
         if self._is_torn:
             raise DeviceFailed(
-                f"{self._path}: the board had not read all of a stream when the next one came: what was asked for "
-                "before this was not played; restart the board"
+                f"{self._path}: the board had not read all of a stream when the next one came, so that the "
+                "stream was not played; restart the board"
             )
 
     def _finish(self, within_s: float) -> None:
-        """End what is being sent; close a line with an incomplete stream."""
+        """Stop sending. Close the line of an incomplete stream."""
         sending, self._sending = self._sending, None
         if sending is None:
             return
@@ -321,7 +323,7 @@ class PackedOutput(AmplifiedDriver):
             raise sending.failure
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Return 1 if the signal was over before the board had all of its stream: it played nothing."""
+        """Return 1 if the board did not read its stream in time."""
         sending, line = self._sending, self._line
         if sending is not None and line is not None and time.perf_counter() >= self._over_s:
             within_s = max(longest_wait_s, TAKE_EXTRA_S)
@@ -348,7 +350,7 @@ class PackedOutput(AmplifiedDriver):
         self._let_go()
         raise DeviceFailed(
             f"{self._path}: the board did not read a stop within {READ_WITHIN_S:g} s: switch its amplifier off; "
-            "what it had not read was taken back, and its line is closed"
+            "its unread data were withdrawn, and its line is closed"
         )
 
     def _let_go(self) -> None:

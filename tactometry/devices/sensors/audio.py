@@ -15,7 +15,7 @@ from .reader import SampleBlock, SensorSettings, Source
 @dataclass(frozen=True)
 @constrained
 class AudioInputSettings(SensorSettings):
-    """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale.
+    """A sound card as a sensor, with counts as parts of full scale.
 
     - `rate_hz`: Sampling rate of the sound card's input.
     - `device`: The card, as the system calls it.
@@ -38,7 +38,7 @@ class AudioInputSettings(SensorSettings):
 
 
 class AudioInput(Source):
-    """Blocks from a card; time comes from its frame count and the least delayed blocks."""
+    """Blocks from a card, stamped by its frame count."""
 
     def __init__(self, settings: AudioInputSettings) -> None:
         super().__init__(f"audio {settings.device}", settings.rate_hz, settings.n_channels)
@@ -69,7 +69,7 @@ class AudioInput(Source):
         try:
             frames, overrun = self._stream.read(round(self._settings.block_s * self.rate_hz))
         except library().PortAudioError as error:
-            raise DeviceFailed(f"{self.name}: the card went away ({reason(error)})") from None
+            raise DeviceFailed(f"{self.name}: the card was disconnected ({reason(error)})") from None
         self._n_overruns += bool(overrun)
         count_s = (self._n_frames + np.arange(1, len(frames) + 1)) / self.rate_hz
         self._n_frames += len(frames)

@@ -22,7 +22,7 @@ REPEATED_AMONG = 1000
 
 
 class CountedSamples:
-    """Tracks the last counter and time, lost samples, and the relation of the clocks."""
+    """State of a device's counter and clock, with counts of lost samples."""
 
     def __init__(self, tick_s: float, settling_s: float = SETTLING_S, name: str = "sensor") -> None:
         self._tick_s, self._settling_s, self._name = tick_s, settling_s, name
@@ -46,10 +46,10 @@ class CountedSamples:
         return {**counts, "clock_offset_s": self._clocks.offset_s}
 
     def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> SampleBlock:
-        """Stamp samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32.
+        """Stamp samples (counter, ticks, values) that arrived together.
 
-        A stamp is at most `STEP_S` later than the arrival. It goes back only after larger errors or a restart of the
-        device. Repeated and out-of-order samples are counted and dropped.
+        Counters and ticks are modulo 2**32. A stamp is at most `STEP_S` later than the arrival. It goes back only after
+        larger errors or a restart of the device. Repeated and out-of-order samples are counted and dropped.
 
         Raises `DeviceFailed` if the device's clock does not run as ours.
         """
@@ -67,7 +67,7 @@ class CountedSamples:
         return SampleBlock(np.array(times_s), np.array([values for _, values in settled], dtype=np.float64))
 
     def _settle(self, device_s: float, newest_s: float) -> bool:
-        """Return True once the difference of the clocks is stable: samples that had waited are through."""
+        """Return True once the difference of the clocks is stable."""
         if self._is_settled:
             return True
         offset_s = self._clocks.offset_s or 0.0
@@ -95,7 +95,7 @@ class CountedSamples:
         return stamp_s
 
     def _is_new(self, counter: int, ticks: int) -> bool:
-        """Return True for a later sample; a counter that jumps far back is a restart of the device."""
+        """Return True for a later sample, or after a restart of the device."""
         anew, self._may_begin_anew = self._may_begin_anew, False
         if self._counter is not None:
             n_behind = (self._counter - counter) % 2**32

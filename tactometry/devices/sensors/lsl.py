@@ -45,7 +45,7 @@ class LslSettings(SensorSettings):
 
 
 class LslSource(Source):
-    """An inlet with the outlet's stamps, corrected by LSL's clock exchange and moved to our clock.
+    """An inlet whose stamps are moved to the local clock.
 
     An outlet that dies raises `DeviceFailed`; then only one with the same source id is opened.
     """

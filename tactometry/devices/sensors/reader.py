@@ -35,7 +35,7 @@ LATE_FOR_S: Final = 5.0
 
 @dataclass(frozen=True, eq=False)
 class SampleBlock:
-    """Samples: times (n_samples,) in s on `time.perf_counter`, values (n_samples, n_channels) in device counts."""
+    """Times (n_samples,), s, and counts (n_samples, n_channels)."""
 
     times_s: FloatArray
     values: FloatArray
@@ -52,7 +52,7 @@ class Source(ABC):
         self._opened = contextlib.ExitStack()
 
     def check(self) -> None:  # noqa: B027 - most sources read no file
-        """Raise `DeviceFailed` if a required file cannot be read; opens no device."""
+        """Raise `DeviceFailed` if a required file cannot be read."""
 
     @abstractmethod
     def open(self) -> None:
@@ -60,10 +60,10 @@ class Source(ABC):
 
     @abstractmethod
     def receive(self) -> SampleBlock | None:
-        """Return the next samples, or None after about `POLL_S`. Raises `DeviceFailed` if the device went away."""
+        """Return the next samples, or None after about `POLL_S`."""
 
     def close(self) -> None:
-        """Release what `open` put on the stack `_opened`. May be called more than once."""
+        """Release what `open` put on the stack `_opened`. May be repeated."""
         self._opened.close()
 
     def facts(self) -> dict[str, str | int | float | None]:
@@ -72,13 +72,13 @@ class Source(ABC):
 
 
 class SensorSettings(ABC):
-    """Table of a sensor; `live` if its samples are current."""
+    """Table of a sensor. `live` if its samples are current."""
 
     live: ClassVar[bool] = True
 
     @abstractmethod
     def source(self) -> Source:
-        """Make the source; it is not open."""
+        """Make the source, which is not open."""
 
 
 class Listener:
@@ -96,7 +96,7 @@ class Listener:
             self._blocks.popleft()
 
     def read(self) -> SampleBlock:
-        """Return all samples since the last call, in order; never waits."""
+        """Return all samples since the last call, without waiting."""
         # the present number, as the reader's thread may add more
         blocks = [self._blocks.popleft() for _ in range(len(self._blocks))]
         if not blocks:
@@ -149,7 +149,7 @@ related to this computer's"
 
 def _fault(stamps_s: list[float], age_s: float, late_for_s: float) -> str | None:
     if not all(map(math.isfinite, stamps_s)):
-        return "found a stamp that is no finite number, expected seconds"
+        return "found a stamp that is not finite, expected seconds"
     if age_s < -AHEAD_S:
         return (
             f"found a stamp {-age_s:.3g} s after its arrival, expected none later than that: its clock runs fast, has "
@@ -158,13 +158,13 @@ def _fault(stamps_s: list[float], age_s: float, late_for_s: float) -> str | None
     if late_for_s > LATE_FOR_S:
         return (
             f"found samples that are {age_s:.3g} s old when they come, expected at most {LATE_S:g} s: its clock runs "
-            "slow, stands still or has jumped back, or its samples wait on their way"
+            "slow, has stopped or has jumped back, or its samples are buffered"
         )
     return None
 
 
 class Reader:
-    """Reads a source in a thread for all listeners, from `open` to `close`, and reopens it after an outage.
+    """Reader of a source, in a thread that reopens it after an outage.
 
     Any exception of the source is an outage, and so are stamps that contradict their arrival; those samples are
     dropped. Stamps are moved back by the known delay `delay_s`.
@@ -189,7 +189,7 @@ class Reader:
         return {**self.source.facts(), **counts, "n_steps_back": n_steps_back}
 
     def check_channels(self, where: str, *channels: int) -> None:
-        """Raise `InvalidParameter` for a channel (from 0) that the source lacks; `where` opens the message."""
+        """Refuse a channel that the source lacks. `where` opens the message."""
         last = self.source.n_channels - 1
         for channel in channels:
             expect(0 <= channel <= last, where, channel, f"from 0 to {last}, a channel of {self.source.name}")
@@ -201,7 +201,7 @@ class Reader:
         return listener
 
     def subscribe(self, on_block: Callable[[SampleBlock], None]) -> Callable[[], None]:
-        """Call `on_block` in the reader's thread with each block, an empty one if nothing came.
+        """Call `on_block` in the reader's thread with each block.
 
         Returns the function that ends the subscription.
         """
@@ -214,7 +214,7 @@ class Reader:
         return unsubscribe
 
     def open(self) -> None:
-        """Begin to read; a second opening of a shared reader changes nothing. Raises `DeviceFailed`."""
+        """Begin to read, unless it is open already. Raises `DeviceFailed`."""
         if self._n_open == 0:
             self._open_source()
             self._ending.clear()

@@ -40,7 +40,7 @@ class RecordedSettings(SensorSettings):
 
 
 class RecordedSource(Source):
-    """Returns each sample at its time after opening; the sensor is silent after the last one."""
+    """Source that returns each sample at its time after opening."""
 
     def __init__(self, settings: RecordedSettings) -> None:
         super().__init__(f"recorded {settings.path}", settings.rate_hz, settings.n_channels)

@@ -1,4 +1,4 @@
-"""Sensor on a serial line that sends frames with checksums (extra: serial).
+"""Sensor on a serial line with checked frames (extra: serial).
 
 A frame, all little-endian:
 
@@ -33,7 +33,7 @@ LARGEST_READ = 65_536
 @dataclass(frozen=True)
 @constrained
 class SerialSettings(SensorSettings):
-    """A serial line: `port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states.
+    """Settings of a sensor on a serial line.
 
     - `port`: Such as ``/dev/ttyACM0`` or ``COM3``.
     - `rate_hz`: Sampling rate that the device states.
@@ -51,7 +51,7 @@ class SerialSettings(SensorSettings):
 
 
 class SerialSource(Source):
-    """Frames from a line; an unplugged line raises `DeviceFailed` and may be opened again."""
+    """Source of frames from a line, which may be opened again."""
 
     def __init__(self, settings: SerialSettings) -> None:
         super().__init__(f"serial {settings.port}", settings.rate_hz, settings.n_channels)
@@ -83,14 +83,14 @@ class SerialSource(Source):
             data = _available(self._line, self._framing.n_missing)
         except (serial.SerialException, OSError, TypeError) as error:  # TypeError: pyserial's, of a line without a file
             words = " ".join(str(error).split())
-            raise DeviceFailed(f"{self.name}: the line went away ({words})") from None
+            raise DeviceFailed(f"{self.name}: the line was disconnected ({words})") from None
         arrival_s = now_s()
         self._framing, frames = self._framing.after(data)
         return self._samples.block(frames, arrival_s) if frames else None
 
 
 def _available(line: Any, n_missing: int) -> bytes:
-    """Return the bytes received within `POLL_S`, in few calls, as each may wait for another thread."""
+    """Return the bytes received within `POLL_S`, in few calls."""
     if os.name != "posix":
         return bytes(line.read(max(n_missing, line.in_waiting)))
     ready, _, _ = select.select([line.fd], [], [], POLL_S)
@@ -113,7 +113,7 @@ _CHECKSUM: Final = struct.Struct("<I")
 
 
 class Frame(NamedTuple):
-    """One sample of all channels; `time_us` is the device's."""
+    """One sample of all channels, with the time of the device."""
 
     counter: int
     time_us: int
@@ -160,7 +160,7 @@ class Framing:
         return frame_bytes(self.n_channels) - len(self.rest)
 
     def after(self, data: bytes) -> tuple["Framing", list[Frame]]:
-        """Add bytes; return the new state and the complete frames."""
+        """Add bytes. Return the new state and the complete frames."""
         stream = self.rest + data
         at, n_skipped, frames = 0, self.n_skipped, []
         n_frame = frame_bytes(self.n_channels)
@@ -177,7 +177,7 @@ class Framing:
         return Framing(self.n_channels, stream[begin:], n_skipped + begin - at), frames
 
     def _candidate(self, stream: bytes, at: int) -> int:
-        """Return where the next frame may begin: at its opening bytes, or at their first part."""
+        """Return where the next frame may begin."""
         opening = SYNC + bytes([self.n_channels, 0])
         begin = stream.find(opening, at)
         if begin >= 0:

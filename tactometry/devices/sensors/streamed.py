@@ -21,7 +21,7 @@ MEAN_S = 0.02
 
 
 class StreamedSensor:
-    """A sensor made of channels of a reader; `convert` maps counts (n_samples, n_channels) to its quantity.
+    """Sensor made of channels of a reader, whose counts `convert` maps.
 
     A force is in N, (n_samples,), a position on the surface in m, (n_samples, n_axes). Stamps are seconds on
     `time.perf_counter`; a sample that the device reports as lost is NaN.
@@ -49,7 +49,7 @@ class StreamedSensor:
         return block.times_s, self._convert(block.values)
 
     def subscribe(self, on_samples: OnSamples) -> Callable[[], None]:
-        """Call `on_samples` with new samples in the reader's thread, until the returned function is called.
+        """Call `on_samples` in the reader's thread until the returned call.
 
         A silent device gives empty arrays every `POLL_S`.
         """
@@ -142,7 +142,7 @@ class ForceCalibration(Measured):
         expect(rises, "ForceCalibration.count_low", self.count_low, f"below count_high, {self.count_high}")
 
     def force_n(self, counts: FloatArray) -> FloatArray:
-        """Convert counts (n_samples,) to N; NaN outside of the known range and above `LARGEST_FORCE_N`."""
+        """Convert counts (n_samples,) to N, or NaN outside the known range."""
         known = (counts >= self.count_low) & (counts <= self.count_high)
         return _within(np.where(known, self._force_n(counts), np.nan), LARGEST_FORCE_N)
 
@@ -177,9 +177,9 @@ def streamed_position(
     zero_counts: tuple[float, ...] = (),
     known: tuple[float, float] = (-math.inf, math.inf),
 ) -> StreamedSensor:
-    """Return a position sensor with one channel per axis, whose position is 0 at `zero_counts` (default 0).
+    """Return a position sensor with one channel per axis.
 
-    Counts outside of `known`, such as overload values, become NaN.
+    The position is 0 at `zero_counts` (default 0). Counts outside of `known`, such as overload values, become NaN.
     """
     columns, zero = np.array(channels), np.array(zero_counts or (0.0,) * len(channels))
 
@@ -196,7 +196,9 @@ def _within(values: FloatArray, largest: float) -> FloatArray:
 
 
 def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | None:
-    """Return the mean speed of a finger: path length along the mean positions of each `MEAN_S`, over time.
+    """Return the mean speed of a finger, from positions averaged in time.
+
+    Positions are averaged over each `MEAN_S` before distances are summed.
 
     - `times_s`: Rising stamps, s.
     - `positions_m`: Finite positions, m, (n_samples, n_axes).

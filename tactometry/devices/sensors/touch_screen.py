@@ -1,4 +1,4 @@
-"""A touch screen or mouse of Linux as a position sensor, read from its event device.
+"""Touch screen or mouse of Linux as a position sensor.
 
 The kernel writes records of 24 bytes (``struct input_event`` of a 64-bit system: seconds, microseconds, type, code,
 value); a report of type 0 and code 0 ends a sample. Absolute axes are a touch screen's first contact, relative ones a
@@ -36,7 +36,7 @@ HELD_S = 0.01
 @dataclass(frozen=True)
 @constrained
 class TouchSettings(SensorSettings):
-    """A touch screen: `path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units.
+    """A touch screen, whose channels are x, y and pressure.
 
     - `path`: Device file of the touch screen, such as ``/dev/input/event5``.
     - `rate_hz`: Report rate for a moving finger.
@@ -51,7 +51,7 @@ class TouchSettings(SensorSettings):
 
 @dataclass(frozen=True)
 class TrackedFinger:
-    """Position of a finger by the events so far; `touching` from landing to lift, always for a moved mouse."""
+    """Position of a finger, `touching` from landing to lift."""
 
     values: tuple[float, float, float] = (0.0, 0.0, 0.0)
     touching: bool = False
@@ -79,7 +79,7 @@ class TrackedFinger:
 
 
 class TouchSource(Source):
-    """Samples at each report, and every `HELD_S` while a finger rests; none while it is lifted."""
+    """Samples at each report, repeated while a finger rests."""
 
     def __init__(self, settings: TouchSettings) -> None:
         super().__init__(f"touch {settings.path}", settings.rate_hz, n_channels=3)
@@ -104,9 +104,9 @@ class TouchSource(Source):
             ready, _, _ = select.select([self._file], [], [], HELD_S)
             data = os.read(self._file, 64 * EVENT.size) if ready else b""
         except OSError as error:
-            raise DeviceFailed(f"{self.name}: the device went away ({error.strerror})") from None
+            raise DeviceFailed(f"{self.name}: the device was disconnected ({error.strerror})") from None
         if ready and not data:
-            raise DeviceFailed(f"{self.name}: the device went away")
+            raise DeviceFailed(f"{self.name}: the device was disconnected")
         if ready:
             return self._block(data)
         return SampleBlock(np.array([now_s()]), np.array([self._reported.values])) if self._reported.touching else None
@@ -135,7 +135,7 @@ class TouchSource(Source):
 
 
 def _set_clock(file: int) -> bool:
-    """Return True if the kernel now stamps events on the clock of `time.perf_counter`."""
+    """Return True if the kernel stamps events on the local clock."""
     try:
         import fcntl
 

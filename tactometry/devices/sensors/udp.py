@@ -1,4 +1,4 @@
-"""A network force sensor that streams records by UDP, in the form of ATI's raw data transfer.
+"""Network force sensor that streams records by UDP, as ATI's do.
 
 A request is 8 bytes, big-endian: ``12 34``, a command (u16: 2 begins, 0 ends), a number of samples (u32: 0 is no end).
 A record is 36 bytes: sequence of the stream (u32), sequence of the sensor's samples (u32), status (u32, 0 is sound),
@@ -51,7 +51,7 @@ class UdpSettings(SensorSettings):
 
 
 def records(datagram: bytes) -> list[tuple[int, int, int, tuple[int, ...]]]:
-    """Return (sequence, sensor's sequence, status, six counts) of a datagram's records; none if its length is wrong.
+    """Return (sequence, ticks, status, counts) of each record, if whole.
 
     >>> records(RECORD.pack(1, 7, 0, 1, -2, 3, 4, 5, 6))
     [(1, 7, 0, (1, -2, 3, 4, 5, 6))]
@@ -64,7 +64,7 @@ def records(datagram: bytes) -> list[tuple[int, int, int, tuple[int, ...]]]:
 
 
 class UdpSource(Source):
-    """Requests samples and accepts those from the sensor's address; a bad status is a lost sample."""
+    """Source of datagrams from the sensor's address."""
 
     def __init__(self, settings: UdpSettings) -> None:
         super().__init__(f"udp {settings.address}:{settings.port}", settings.rate_hz, n_channels=6)
