@@ -118,8 +118,11 @@ def _of_numbers(hint: Any, bounds: Bounds) -> AnnotationRule:
     if hint is float:
         return AnnotationRule(number, f"a {numbers.removesuffix('s')}", good=good)
     if hint is complex:
-        is_complex = lambda value: isinstance(value, complex | np.complexfloating) and bool(good(value))  # noqa: E731
-        return AnnotationRule(lambda value: number(value) or is_complex(value), "a number", good=good)
+        return AnnotationRule(
+            lambda value: number(value) or (isinstance(value, complex | np.complexfloating) and bool(good(value))),
+            "a number",
+            good=good,
+        )
     if hint == ArrayLike:
         return AnnotationRule(lambda value: number(value) or bounds.array(value), numbers, good=good)
     dtype = get_args(get_args(hint)[1])[0]

@@ -11,6 +11,7 @@ from typing import Any, Final, TypeVar
 from ..arguments.require import one_of
 from ..errors import InvalidFile, TactometryError, reworded
 from ..files.durable import read_file
+from ..files.json_file import levels
 
 LARGEST_FILE: Final = 1_000_000
 """Largest size of a file, in bytes; about 25 000 lines."""
@@ -61,16 +62,12 @@ def _declared_twice(text: str, damage: str) -> str:
 
 
 def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
-    level: list[object] = [table]
-    for _ in range(DEEPEST + 1):
-        if not level:
-            return
+    for depth, level in enumerate(levels(table)):
         longest = max((len(each) for each in level if isinstance(each, list)), default=0)
         if longest > LONGEST_LIST:
             raise InvalidFile(f"{where}: found a list of {longest} items, expected {what} with at most {LONGEST_LIST}")
-        inner = [each.values() if isinstance(each, dict) else each for each in level if isinstance(each, dict | list)]
-        level = [value for each in inner for value in each]
-    raise InvalidFile(f"{where}: found tables more than {DEEPEST} deep, expected {what}")
+        if depth == DEEPEST:
+            raise InvalidFile(f"{where}: found tables more than {DEEPEST} deep, expected {what}")
 
 
 @contextmanager

@@ -88,19 +88,25 @@ def _skip(text: str, place: int) -> int:
 
 def _checked(value: Any) -> Any:
     """Return a value unless it is too deep or has half a character."""
-    level = [value]
-    for _ in range(DEEPEST):
+    for depth, level in enumerate(levels(value)):
+        if depth == DEEPEST:
+            raise _too_deep()
         parts = (part if isinstance(part, dict) else (part,) for part in level)
         "".join(text for texts in parts for text in texts if isinstance(text, str)).encode()
-        level = [
-            inner
-            for outer in level
-            if isinstance(outer, list | dict)
-            for inner in (outer.values() if isinstance(outer, dict) else outer)
-        ]
-        if not level:
-            return value
-    raise _too_deep()
+    return value
+
+
+def levels(value: Any) -> Iterator[list[Any]]:
+    """Yield the values at each depth of nested lists and dictionaries.
+
+    >>> list(levels({"a": [1, 2]}))
+    [[{'a': [1, 2]}], [[1, 2]], [1, 2]]
+    """
+    level = [value]
+    while level:
+        yield level
+        inner = [each.values() if isinstance(each, dict) else each for each in level if isinstance(each, dict | list)]
+        level = [part for each in inner for part in each]
 
 
 def _too_deep() -> ValueError:

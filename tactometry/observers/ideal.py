@@ -1,13 +1,12 @@
 """An ideal participant: no noise, no lapse, no bias."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from ..arguments.constraints import Finite, NotNegative, Positive, constrained
-from ..session.request import Facts
 from . import responses
 from .people import ObserverWithTraits, Traits
 
@@ -63,6 +62,3 @@ class IdealObserver(ObserverWithTraits):
     def answer_time_s(self, rng: np.random.Generator) -> float:
         del rng
         return self.latency_s
-
-    def facts(self) -> Facts:
-        return {"kind": type(self).__name__, **asdict(self)}

@@ -64,6 +64,9 @@ class ObserverWithTraits(ABC):
         """Draw a participant who differs in sensitivity only."""
         return self.person(Traits(sensitivity=float(rng.standard_normal())))
 
+    def facts(self) -> Facts:
+        return {"kind": type(self).__name__, **vars(self)}
+
 
 @dataclass(frozen=True)
 class Feeling:

@@ -2,13 +2,12 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from ..arguments.constraints import Finite, NotNegative, Positive, Rate, constrained
-from ..session.request import Facts
 from . import responses
 from .changes import Shift
 from .people import ObserverWithTraits, Traits
@@ -118,6 +117,3 @@ class SignalDetectionObserver(ObserverWithTraits):
 
     def answer_time_s(self, rng: np.random.Generator) -> float:
         return responses.answer_time_s(self.latency_s, rng)
-
-    def facts(self) -> Facts:
-        return {"kind": type(self).__name__, **asdict(self)}

@@ -68,15 +68,6 @@ def test_frame_with_wrong_channel_count_is_skipped():
     assert parsed([body + zlib.crc32(body).to_bytes(4, "little"), encode_frame(sent)])[1] == [sent]
 
 
-def test_frame_counter_and_time_wrap():
-    assert encode_frame(Frame(2**32 + 1, 2**32 + 2, (3,))) == encode_frame(Frame(1, 2, (3,)))
-
-
-def test_frames_with_another_channel_count_are_ignored():
-    _, found = parsed([encode_frame(Frame(1, 2, (3,)))] * 20)
-    assert found == []
-
-
 @given(st.binary(max_size=80).filter(lambda data: len(data) % RECORD.size))
 def test_datagram_of_another_length_has_no_records(datagram):
     assert records(datagram) == []
