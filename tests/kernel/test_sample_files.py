@@ -304,8 +304,8 @@ def stored_elsewhere(h5py, file):
     [
         (lambda h5py, file: None, "samples: found no dataset, or a link, expected a dataset of this file"),
         (claiming_terabytes, "samples: found 281474976710656 bytes, expected at most 1073741824"),
-        (linked_to_another_file, "samples: found a link, or nothing"),
-        (linked_to_itself, "samples: found a link, or nothing"),
+        (linked_to_another_file, "samples: found no dataset, or a link"),
+        (linked_to_itself, "samples: found no dataset, or a link"),
         (a_group_in_itself, "samples: found a group, expected a dataset of this file"),
         (virtual, "samples: found values of another file"),
         (stored_elsewhere, "samples: found values of another file"),
