@@ -159,7 +159,7 @@ UNCHECKED = f"""        Unchecked = type("Unchecked", (Signal,), {{"__post_init_
     [
         (
             (SIGNAL, "        return 1 / 0"),
-            "found ZeroDivisionError (division by zero) in at, expected an answer; mend",
+            "found ZeroDivisionError (division by zero) in at, expected an answer; correct",
         ),
         ((SIGNAL, "        return 3.0"), "found 3.0 as the answer of at, expected a Signal (tactometry.signal)"),
         ((SIGNAL, SIGNAL.replace('"V"', '"m"')), "mine:Chirp.at(40): found a signal in 'm', expected one in 'V', at"),
