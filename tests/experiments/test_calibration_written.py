@@ -92,7 +92,7 @@ def test_refused_calibration_is_not_written(calibrate, tmp_path):
 def test_file_is_kept_when_the_result_is_no_bench(tmp_path):
     file = tmp_path / "bench.toml"
     file.write_text("[screen]\nwidth_px = 800\n", encoding="utf-8")
-    with pytest.raises(InvalidFile, match="screen.width_px: found 3, expected at least 320 pixels"):
+    with pytest.raises(InvalidFile, match="screen.width_px: found 3, expected a whole number, at least 320"):
         write_values(file, "screen", {"width_px": 3})
     assert file.read_text(encoding="utf-8") == "[screen]\nwidth_px = 800\n"
     linked = tmp_path / "linked.toml"

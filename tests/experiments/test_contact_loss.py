@@ -9,8 +9,8 @@ from scipy.signal import lsim, resample
 from study_texts import changed, wired
 
 from tactometry.contact import Contact
-from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.felt_effects import pulled_fingers
 from tactometry.experiments.study.study_file import load
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.finger import Contactor
