@@ -4,7 +4,7 @@ import warnings
 
 import pytest
 
-from tactometry.experiments.guest.loop import Loop
+from tactometry.experiments.psychopy_plugin.loop import Loop
 from tactometry.protocols import ConstantStimuli, Staircase
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
 from tactometry.session.answer import Chosen, Touched
