@@ -172,9 +172,9 @@ def _played(
 
 def expect_whole(output: Guarded) -> None:
     """Raise `DeviceFailed` if an output played with gaps."""
-    n_gaps = output.n_gaps()
-    found, cure = f"{count_of(n_gaps, 'gap')} in what was played", "none; close other programs and begin again"
-    expect(not n_gaps, f"output {output.name!r}", found, cure, DeviceFailed)
+    if n_gaps := output.n_gaps():
+        found = f"found {count_of(n_gaps, 'gap')} in what was played, expected none"
+        raise DeviceFailed(f"output {output.name!r}: {found}; close other programs and begin again")
 
 
 def join(responses: Sequence[Responses]) -> Responses:

@@ -242,7 +242,7 @@ def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
             if pulls_n[number] > nearest.get((share_n, presser), (0.0,))[0]:
                 pull_of = _pull_of(sensation, contact, number)
                 nearest[share_n, presser] = pulls_n[number], strongest[name], pull_of
-    return [_pulled(*pressed, *nearest[pressed]) for pressed in sorted(nearest)]
+    return [_pulled(force_n, presser, *nearest[force_n, presser]) for force_n, presser in sorted(nearest)]
 
 
 def _touches(experiment: Experiment) -> Iterator[tuple[str, Pressed, Contact]]:
@@ -311,7 +311,10 @@ class StudyPrediction:
     def record(self) -> dict[str, list[dict[str, Any]]]:
         """Prediction for JSON; contact, unfelt and jnd only if there are any."""
         further = {"contact": self.fingers, "unfelt": self.unfelt, "jnd": self.jnds}
-        parts = {"felt": self.effects, **{name: found for name, found in further.items() if found}}
+        parts: dict[str, tuple[Any, ...]] = {
+            "felt": self.effects,
+            **{name: found for name, found in further.items() if found},
+        }
         return {name: [asdict(one) for one in found] for name, found in parts.items()}
 
 

@@ -125,9 +125,9 @@ def curve_plot(answers: Answers) -> Plot:
         outline = np.concatenate([band.levels, band.levels[::-1]]), np.concatenate([band.low, band.high[::-1]])
         plot.area("band", zip(*outline, strict=True))
         plot.line("curve", zip(band.levels, band.median, strict=True))
-    for kind, level in {"threshold": fit.threshold, "standard": answers.standard}.items():
-        if level is not None and x.low <= level <= x.high:
-            plot.line(kind, [(level, 0.0), (level, 1.0)])
+    for kind, place in {"threshold": fit.threshold, "standard": answers.standard}.items():
+        if place is not None and x.low <= place <= x.high:
+            plot.line(kind, [(place, 0.0), (place, 1.0)])
     return plot
 
 

@@ -252,7 +252,7 @@ def condition_rows(progress: Progress) -> list[ConditionRow]:
     present = None if last is None or last.is_form or progress.over else (last.block, last.track)
     has_one_unit = bool(unit(progress))
     rows = []
-    for (block, name), track in reversed(progress.tracks.items()):
+    for (block, name), track in reversed(list(progress.tracks.items())):
         shown, answered = track.presented[-1], track.answered
         n_valid = sum(trial.valid for trial in track.presented)
         labels = "practice" if shown.practice else "", condition_words(shown.factors), name or ""

@@ -12,7 +12,7 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.felt_effects import felt_effects
 from tactometry.experiments.study.kinds import STIMULI
-from tactometry.experiments.study.scene_table import felt_scene
+from tactometry.experiments.study.felt_scene import felt_scene
 from tactometry.experiments.study.study_file import load
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
 

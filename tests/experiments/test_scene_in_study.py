@@ -169,7 +169,10 @@ SENTENCES = {
         scene(*list(EFFECT_LINES.values())[1:]),
         "add the effect force_law and name one of the four laws",
     ),
-    "accuracy out of range": (scene(accuracy=0.0), "scene.accuracy: found 0.0, expected above 0 and at most 1"),
+    "accuracy out of range": (
+        scene(accuracy=0.0),
+        "scene.accuracy: found 0.0, expected a number above 0 and at most 1",
+    ),
     "accuracy out of reach": (scene(accuracy=1e-12), "loosen the accuracy"),
     "what is played": (
         scene('{ kind = "carrier" }'),
@@ -193,11 +196,11 @@ SENTENCES = {
     "scene on a plate": (named("a4-screen"), "scene.name: found 'a4-screen', a scene on 'time_reversal', expected one"),
     "both": (
         named("electrovibration-panel", "effects = []\nsurface = { area_m2 = 1e-4 }\n"),
-        "scene.name: found 'electrovibration-panel' beside surface or effects, expected one of the two",
+        "scene.name: found 'electrovibration-panel' next to surface or effects, expected one of the two",
     ),
     "sensation too": (
         scene() + "[sensation]\nreference_force_n = 1e-5\n",
-        "sensation: found a table beside [scene], expected one of the two",
+        "sensation: found a table next to [scene], expected one of the two",
     ),
     "at rest": (
         changed(scene(), {'kind = "slide"': 'kind = "press"', 'speed_m_per_s = "50 mm/s"\n': ""}),

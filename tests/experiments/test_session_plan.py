@@ -229,7 +229,7 @@ def test_practice_that_never_meets_its_criterion_ends():
         ('[plan]\nsessions = ["force_n"]', "plan.sessions: found 'force_n', expected a factor (frequency_hz)"),
         (
             '[plan]\nbetween = ["frequency_hz"]\nsessions = ["frequency_hz"]',
-            "plan.sessions: found 'frequency_hz', which stands in plan.between too, expected each factor once",
+            "plan.sessions: found 'frequency_hz', which is in plan.between too, expected each factor once",
         ),
         ('[plan]\norders = { latin = ["frequency_hz"] }', "plan.orders: found 'latin', expected one of williams"),
         ('[plan]\norders = { random = ["hz"] }', "plan.orders.random: found 'hz', expected a factor (frequency_hz)"),
