@@ -28,24 +28,7 @@ def _template() -> "Template":
 
 
 def _values(sight: Sight, drawn: Drawn) -> dict[str, Any]:
-    progress = sight.progress
-    return {
-        "title": view.title(sight),
-        "state": sight.state,
-        "written_s": sight.written_s,
-        "alerts": view.alerts(sight),
-        "shares": view.shares(sight),
-        "where": list(view.where(sight)),
-        "level_plots": view.level_plots(progress),
-        "curve": drawn.curve,
-        "touch": drawn.touch,
-        "reasons": view.reasons(progress),
-        "unit": view.unit(progress),
-        "touches": [view.touch_row(touch) for touch in reversed(progress.touches)],
-        "quality": list(view.quality(progress)),
-        "devices": list(view.devices(sight)),
-        "conditions": view.condition_rows(progress),
-    }
+    return {"view": view, "sight": sight, "progress": sight.progress, "drawn": drawn}
 
 
 def page(sight: Sight, drawn: Drawn) -> str:

@@ -29,7 +29,7 @@ CLAIMED = [
 ]
 
 
-def test_every_built_in_study_has_its_bench_in_the_docs():
+def test_docs_have_bench_of_each_study():
     on_cards = ["time-reversal-threshold", "time-reversal-patterns", "force-loss"]
     assert [study for study, _, _ in CLAIMED] == [
         *("tutorial", "electrovibration-threshold", "grating-roughness"),

@@ -19,13 +19,13 @@ def files(root):
 
 
 @pytest.mark.parametrize("name", DATA_SETS)
-def test_it_is_sound(capsys, name):
+def test_recorded_data_set_is_valid(capsys, name):
     status, said, out = call(capsys, "validate", RECORDED / name)
     assert (status, said) == (0, ""), out
 
 
 @pytest.mark.parametrize("name", DATA_SETS)
-def test_its_protocol_asks_what_it_asked(capsys, name):
+def test_recorded_protocol_replays(capsys, name):
     assert call(capsys, "replay", RECORDED / name)[:2] == (0, "")
 
 
@@ -33,7 +33,7 @@ SLOW = {"inquiries": pytest.mark.slow}
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW.get(str(name), ())) for name in DATA_SETS])
-def test_it_is_analysed(capsys, name):
+def test_recorded_data_set_is_analysed(capsys, name):
     status, said, out = call(capsys, "analyse", RECORDED / name)
     assert (status, said) == (0, "")
     assert out

@@ -193,7 +193,7 @@ IN_ENGLISH = {
 
 @pytest.mark.parametrize(("language", "told"), [("fr", IN_FRENCH), ("en", IN_ENGLISH), ("de", IN_GERMAN)])
 @pytest.mark.parametrize("name", IN_FRENCH)
-def test_a_session_has_the_words_of_its_study_in_its_language(tmp_path, capsys, monkeypatch, name, language, told):
+def test_session_shows_study_texts_in_language(tmp_path, capsys, monkeypatch, name, language, told):
     (tmp_path / "s.toml").write_text(shortened(name), "utf-8")
     (tmp_path / "bench.toml").write_text(f'[screen]\nlanguage = "{language}"\n', "utf-8")
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 60))
@@ -203,7 +203,7 @@ def test_a_session_has_the_words_of_its_study_in_its_language(tmp_path, capsys, 
     assert all(each in out for each in told[name]), out
 
 
-def test_every_text_of_a_built_in_study_has_a_translation():
+def test_built_in_study_texts_are_translated():
     for path in builtin().values():
         study = parse(path.read_bytes(), path.name)
         for words in study.translations.values():

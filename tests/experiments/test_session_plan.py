@@ -57,7 +57,7 @@ sizes = st.lists(st.integers(2, 4), min_size=1, max_size=3)
 
 @given(sizes=sizes)
 @examples(25)
-def test_over_all_squares_each_level_precedes_each_other_equally_often(sizes):
+def test_williams_orders_balance_predecessors(sizes):
     """Orders are counted within each run of the fastest factor."""
     factors = {f"f{n}": tuple(range(size)) for n, size in enumerate(sizes)}
     crossing = Crossing(factors, dict.fromkeys(factors, "williams"))
@@ -81,7 +81,7 @@ def test_nested_levels_belong_to_their_outer_level():
     assert sorted(cell["hz"] for cell in cells if cell["wave"] == "sine") == [30, 60]
 
 
-def test_a_balanced_order_over_an_unequal_design_is_refused():
+def test_williams_order_of_unequal_design_is_refused():
     with pytest.raises(InvalidParameter, match=r"williams order over an unequal design \(2 or 3 levels\), expected as"):
         Crossing({"w": ("a", "b"), "hz": (1, 2)}, {"hz": "williams"}, {"w": {"b": {"hz": (1, 2, 3)}}})
 
@@ -89,7 +89,7 @@ def test_a_balanced_order_over_an_unequal_design_is_refused():
 # --- plans
 
 
-def test_the_plan_is_a_pure_function_of_study_number_and_seed():
+def test_plan_depends_on_study_number_and_seed():
     drawn = study(more='\n[plan]\norders = { random = ["frequency_hz"] }\n')
     plans = [session_cells(drawn, None, 17, 1, seed) for seed in (3, 3)]
     assert plans[0] == plans[1]
@@ -97,7 +97,7 @@ def test_the_plan_is_a_pure_function_of_study_number_and_seed():
     assert len(orders) == 2
 
 
-def test_groups_by_number_meet_one_level_each_and_the_same_orders():
+def test_groups_have_one_level_and_same_orders():
     grouped = study(
         ("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\nforce_n = [0.5, 1.0]"),
         ("force_n = 1.0\n", ""),
@@ -112,7 +112,7 @@ def test_groups_by_number_meet_one_level_each_and_the_same_orders():
     assert orders[0] == orders[1] != orders[2] == orders[3]
 
 
-def test_sessions_hold_one_level_each_and_together_all_cells():
+def test_sessions_split_the_cells_by_level():
     split = study(
         ("trial_s = 5.0", 'trial_s = 5.0\ncounterbalance = ["frequency_hz"]'),
         more='\n[plan]\nsessions = ["frequency_hz"]\n',
@@ -123,7 +123,7 @@ def test_sessions_hold_one_level_each_and_together_all_cells():
         session_cells(split, None, 2, 3, 0)
 
 
-def test_a_simulation_runs_every_session_of_the_plan(tmp_path):
+def test_simulation_runs_every_planned_session(tmp_path):
     content = f'{TUTORIAL}\n[plan]\nsessions = ["frequency_hz"]\n'.encode()
     recorded = list(simulate(Simulation(content, "s.toml", tmp_path / "d", 2, 1)))
     assert [each.trials.name[:25] for each in recorded] == [
@@ -143,7 +143,7 @@ def test_orders_change_with_participant_across_sessions():
     assert first == [[60, 240], [240, 60]]
 
 
-def test_interleaved_factors_share_a_block_and_are_told_apart_by_their_track():
+def test_interleaved_factors_share_block_in_tracks():
     made = experiment(more='\n[plan]\ninterleave = ["frequency_hz"]\n')
     (block,) = made.parts(1, np.random.default_rng(1))
     assert [track.name for track in block.tracks] == ["frequency_hz=60", "frequency_hz=240"]
@@ -183,7 +183,7 @@ def test_conditions_that_share_a_posterior_run_interleaved():
     assert felt == {"frequency_hz=60": 12, "frequency_hz=240": 12}
 
 
-def test_a_dry_run_counts_trials_items_and_time():
+def test_dry_run_counts_trials_items_and_time():
     made = wire(load("hybrid-button")[0], "hybrid-button")
     blocks = plan(made, 1)
     assert [(block.n_trials_at_most, block.n_items) for block in blocks] == [(4, 12), (4, 12), (4, 12), (0, 6)]
@@ -203,7 +203,7 @@ def test_practice_comes_first_and_is_marked():
     assert set(said) & {"right", "wrong"}
 
 
-def test_practice_goes_round_its_levels_and_counts_the_last_answers_only():
+def test_practice_cycles_levels_and_counts_last_answers():
     rule, levels = Practice(levels=(3.0, 2.0, 1.0), n_correct=2, n_of=2, n_trials=9), []
     for answer in (1, 0, 1, 0, 1, 1):
         assert rule.ending is None
@@ -251,7 +251,7 @@ def test_an_impossible_plan_is_refused_in_one_sentence(more, sentence):
     assert "\n" not in str(refused.value)
 
 
-def test_a_form_of_the_studys_own_is_used():
+def test_custom_form_is_used():
     memory = Memory()
     made = experiment(more=OWN_FORM)
     run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
@@ -259,7 +259,7 @@ def test_a_form_of_the_studys_own_is_used():
     assert asked == [("mine", "A", "rating"), ("mine", "B", "rating")]
 
 
-def test_an_unknown_form_is_told_the_studys_own_and_the_shipped_ones():
+def test_unknown_form_error_lists_custom_and_shipped():
     with pytest.raises(InvalidParameter) as refused:
         experiment(more=OWN_FORM.replace('form = "mine"', 'form = "mime"'))
     message = str(refused.value)

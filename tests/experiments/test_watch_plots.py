@@ -23,7 +23,7 @@ from tactometry.trials.trial import Trial
 PRESS = Press("tone", 12.0, 1.0, 1.0, 0.2, 0.5, 20.0)
 
 
-def test_the_curve_is_of_the_present_condition_without_practice():
+def test_curve_counts_present_condition_without_practice():
     def rows(n, yes, **known):
         return [Trial(1, n + i, {"f": 1.0}, "staircase", 5.0 * i, "dB", "yes_no", i > 2, **known) for i in range(yes)]
 
@@ -46,7 +46,7 @@ def test_curve_has_alternatives_of_other_conditions():
     assert (answers.cell.n_choices, answers.n) == (3, 6)
 
 
-def test_a_rating_of_one_is_no_yes():
+def test_rating_of_one_is_neutral():
     progress = with_row(Progress(), Trial(1, 1, {}, "attrakdiff", 24.0, "dB", "rating", 1.0, item="PQ1"))
     assert [mark.kind for mark in view.level_plots(progress)[0].marks] == ["neutral"]
 
@@ -125,7 +125,7 @@ def test_last_touch_is_drawn_with_its_band(tmp_path):
     assert force.x.low == pytest.approx(-1.0)
 
 
-def test_a_touch_whose_gate_stayed_shut_shows_no_stimulus(tmp_path):
+def test_touch_with_closed_gate_shows_no_stimulus(tmp_path):
     """A finger without a position is lost before anything plays."""
     touch = kept_touch(tmp_path)
     lost = replace(touch.answer, level_delivered=None, digest=None, valid=False, invalid_reason="sensor_lost")
@@ -133,7 +133,7 @@ def test_a_touch_whose_gate_stayed_shut_shows_no_stimulus(tmp_path):
     assert [area.kind for area in (*force.areas, *place.areas)] == ["wanted"]
 
 
-def test_traces_that_are_damaged_or_gone_are_told(tmp_path):
+def test_damaged_or_missing_traces_are_reported(tmp_path):
     touch = kept_touch(tmp_path)
     file = tmp_path / touch.answer.trace[0].file
     file.write_bytes(file.read_bytes()[:-10])
@@ -142,6 +142,6 @@ def test_traces_that_are_damaged_or_gone_are_told(tmp_path):
     assert "force_physio" in draw_touch(tmp_path, touch).problem
 
 
-def test_a_touch_without_samples_has_no_plot(tmp_path):
+def test_touch_without_samples_has_no_plot(tmp_path):
     touch = AnsweredTouch(PRESS, Touched(10.0, 12.0, "0"))
     assert draw_touch(tmp_path, touch) == TouchDrawn()
