@@ -31,11 +31,7 @@ from .procedure_table import without
 FORCE = "contact_force_n"
 STATED_BY_STIMULUS: Final = ("setup", "places", "duration_s")
 """Fields of a surface that the stimulus sets."""
-SUCH_AS: Final = {
-    "electrovibration": "electrovibration-panel",
-    "time_reversal": "a4-screen",
-    "hybrid": "hybrid-screen",
-}
+SUCH_AS: Final = {"electrovibration": "electrovibration-panel", "time_reversal": "a4-screen", "hybrid": "hybrid-screen"}
 TONE: Final = ("frequency_hz", "duration_s", "ramp_s")
 SILENT: Final = {"kind": "electrovibration", "frequency_hz": 1.0}
 """Placeholder for the tone of a panel, which the played stimulus replaces."""

@@ -168,10 +168,7 @@ def test_packed_streams_have_no_ramps(tmp_path):
         (('kind = "lsl"', "kind = 1"), "sensors.hand.kind: found 1, expected one of lsl, serial, udp, audio, touch, "),
         (('kind = "lsl"\n', ""), "sensors.hand.kind: found no such key, expected one of lsl"),
         (('stream = "force"\n', ""), "sensors.hand.stream: found no such key, expected a text"),
-        (
-            ('"5 ms"', '"60 ms"'),
-            "sensors.hand.delay_s: found 0.06, expected a number from 0 to 0.05",
-        ),
+        (('"5 ms"', '"60 ms"'), "sensors.hand.delay_s: found 0.06, expected a number from 0 to 0.05"),
         (('"5 ms"', "-1"), r"sensors.hand.delay_s: found -1\.0, expected a number from 0 to 0.05"),
         (("n_channels = 3", "n_chanels = 3"), "sensors.hand.n_chanels: found an unknown key.*mean 'n_channels'"),
         (("[limits]", "[limit]"), "limit: found an unknown key, expected one of screen, .*mean 'limits'"),

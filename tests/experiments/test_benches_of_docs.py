@@ -8,10 +8,7 @@ import pytest
 from command_line import call
 from places import DOCS
 
-from tactometry.experiments.bench.bench_file import (
-    load_bench,
-    parse_bench,
-)
+from tactometry.experiments.bench.bench_file import load_bench, parse_bench
 from tactometry.experiments.bench.preflight import _strongest
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load

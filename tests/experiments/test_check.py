@@ -290,8 +290,7 @@ def test_unrunnable_study_is_status_1_with_working_devices():
 
 
 @pytest.mark.parametrize(
-    "output",
-    [{"kind": "file", "folder": "x"}, {"kind": "packed", "path": "x", "n_channels": 32, "rate_hz": 1e6}],
+    "output", [{"kind": "file", "folder": "x"}, {"kind": "packed", "path": "x", "n_channels": 32, "rate_hz": 1e6}]
 )
 def test_test_tone_is_within_limits(output):
     gain = gain_table("packed x", 30.0, 1.0)

@@ -8,10 +8,7 @@ from benches import gain_table
 from command_line import call
 
 from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.experiments.bench.bench_file import (
-    device_facts,
-    parse_bench,
-)
+from tactometry.experiments.bench.bench_file import device_facts, parse_bench
 from tactometry.safety.limits import Limits
 
 STUDY = Limits(200.0)

@@ -19,10 +19,7 @@ from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact, one_sided_contacts
 from tactometry.stimuli.time_reversal.stimulus.contact_force import FINER, contact_force_n
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
-from tactometry.stimuli.time_reversal.stimulus.sensation import (
-    FocusReading,
-    displacement_at_focus_m,
-)
+from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading, displacement_at_focus_m
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 SETUP = "setup = { n_transducers = 8, modes_to_hz = 22e3, rate_hz = 50e3, learnt_s = 3e-3, tau_s = 1.5e-3 }"

@@ -178,16 +178,8 @@ FLAWS = [
     ("code = 2, words", "code = 1, words", "forms.habits: items[0].options[1].code: found 1, expected a whole number"),
     ("code = 2, words", "code = 0, words", "forms.habits: items[0].options[1].code: found 0, expected a whole number"),
     ("code = 2, words", "code = 1987, words", "options[1].code: found 1987, expected a whole number from 1 to 9"),
-    (
-        'fr = "moins souvent" } },\n]',
-        'fr = "moins souvent" } },\n]\nlow = 0',
-        "low: found 0.0 with high None,",
-    ),
-    (
-        'form = "habits"',
-        'form = "habits"\nidentifies = true',
-        "identifies: found true with no number in",
-    ),
+    ('fr = "moins souvent" } },\n]', 'fr = "moins souvent" } },\n]\nlow = 0', "low: found 0.0 with high None,"),
+    ('form = "habits"', 'form = "habits"\nidentifies = true', "identifies: found true with no number in"),
     ('en = "less often"', 'en = " "', "forms.habits: items[0].options[1].words.en: found a text that says nothing"),
     ('kind = "yes_no"', 'kind = "rating"\nform = "habits"', "task.form: found 'habits', a form of choices, expected"),
     ('kind = "yes_no"', 'kind = "rating"\nform = "demographics"', "task.form: found 'demographics', a form of choices"),

@@ -171,10 +171,7 @@ UNCHECKED = f"""        Unchecked = type("Unchecked", (Signal,), {{"__post_init_
             (SIGNAL, SIGNAL.replace("[None]", "[None] * 1j")),
             "Signal.samples: found values of type complex128, expected real numbers",
         ),
-        (
-            (SIGNAL, UNCHECKED),
-            "Signal.samples: found values of type complex128",
-        ),
+        ((SIGNAL, UNCHECKED), "Signal.samples: found values of type complex128"),
         (
             ("    level_unit: str\n", "    unit: str = 'V'\n"),
             "stimulus.kind: found 'mine:Chirp', which lacks level_unit",

@@ -145,10 +145,7 @@ def test_variant_of_factor_changes_scene():
 
 SENTENCES = {
     "unknown key": (scene(acuracy=0.1), "scene.acuracy: found an unknown key"),
-    "unknown effect": (
-        scene('{ kind = "frictoin" }'),
-        "scene.effects[0].kind: found 'frictoin', expected one of ",
-    ),
+    "unknown effect": (scene('{ kind = "frictoin" }'), "scene.effects[0].kind: found 'frictoin', expected one of "),
     "effect of another surface": (
         scene('{ kind = "one_bit" }'),
         "scene.effects[0]: found 'one_bit', which 'electrovibration' does not know, expected an effect of ",
@@ -165,10 +162,7 @@ SENTENCES = {
         scene(*list(EFFECT_LINES.values())[:2]),
         "scene: outputs: found nothing that gives 'sensation_db'",
     ),
-    "no law": (
-        scene(*list(EFFECT_LINES.values())[1:]),
-        "add the effect force_law and name one of the four laws",
-    ),
+    "no law": (scene(*list(EFFECT_LINES.values())[1:]), "add the effect force_law and name one of the four laws"),
     "accuracy out of range": (
         scene(accuracy=0.0),
         "scene.accuracy: found 0.0, expected a number above 0 and at most 1",
