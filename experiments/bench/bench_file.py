@@ -1,4 +1,4 @@
-"""Bench files: strict reading of the screen, output, sensors and limits of one bench."""
+"""Bench files and their strict reading."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
@@ -110,7 +110,7 @@ class BenchFile:
         )
 
     def check_gate(self) -> None:
-        """Refuse a connected output that nothing stops when the finger leaves, unless the file says so.
+        """Refuse a connected output without a sensor that can stop it.
 
         Raises
         ------
@@ -129,7 +129,7 @@ class BenchFile:
         expect(is_live, "force.sensor", recording, "a sensor; nothing was played")
 
     def check_stop(self, study: Limits) -> None:
-        """Raise `LimitExceeded` if the stop of a connected output may take longer than the limits allow."""
+        """Raise `LimitExceeded` if a connected output may stop too late."""
         if self.output.settings.connected:
             self.limits_with(study).check_stop(self.stop_delay_s)
 
@@ -177,7 +177,7 @@ class BenchFile:
 
 
 def device_facts(bench: BenchFile, devices: Devices) -> Facts:
-    """Return the journal's facts about devices: calibrations with date and author, load, counts, delays, drifts."""
+    """Return facts about devices and calibrations for the journal."""
     gain, load = bench.output.gain, bench.output.load
     facts: Facts = {
         "output_volts_per_unit": None if gain is None else gain.load_volts_per_unit,
@@ -198,7 +198,7 @@ def device_facts(bench: BenchFile, devices: Devices) -> Facts:
 
 
 def _stated(bench: BenchFile) -> Facts:
-    """Return the values of screen, sensors and calibrations by key, so that a later sitting can list changes."""
+    """Return the values of the bench file that later sittings compare."""
     parts = {"screen": bench.screen, "force": bench.force, "position": bench.position, **bench.sensors}
     return {
         f"bench_{part}_{key}": value
@@ -270,7 +270,7 @@ def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, 
 
 
 def _part(kind: type[T], table: Mapping[str, Any], path: str, **inner: Callable[[], object]) -> T:
-    """Build a part of the bench with its inner parts, and report all mistakes together."""
+    """Build a part of the bench and its inner parts with all mistakes."""
     found, made = Gathered(), {}
     for name, build_inner in inner.items():
         with found.part():

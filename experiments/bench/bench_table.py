@@ -26,12 +26,12 @@ def table_toml(name: str, values: Mapping[str, object]) -> str:
 
 
 def stated_in(path: Path, name: str) -> dict[str, Any]:
-    """Return a table of a bench file, such as ``output.gain``, or {}. Raises `InvalidFile` if it cannot be read."""
+    """Return a table of a readable bench file (``output.gain``), or {}."""
     return _within(read_table(path, "a bench file"), name)
 
 
 def with_values(text: str, name: str, values: Mapping[str, object]) -> str:
-    """Return a bench file's text with keys of a table set, or removed if None, and the rest unchanged.
+    """Return a bench file's text with keys set, or removed if None.
 
     >>> print(with_values("# ours\\n[screen]\\nheight_m = 0.3  # by ruler\\n", "screen", {"height_m": 0.298}), end="")
     # ours

@@ -27,7 +27,7 @@ CLIPPED: Final = 0.999
 
 @dataclass(frozen=True)
 class Microphone:
-    """Sensor channels that record the point (`channel`) and the drive (`reference`) in a calibration.
+    """Sensor channels of a point (`channel`) and the drive (`reference`).
 
     A count of 1 is `units_per_count` m, m/s or m/s^2 at the point, and `volts_per_count` V at the load.
     """
@@ -71,7 +71,7 @@ class Learning:
 
 
 class Heard(NamedTuple):
-    """Responses to one channel, (1, 1, n_samples): one per repetition, and one from the silence before them."""
+    """Responses (1, 1, n_samples) of repetitions, and of the silence before."""
 
     repeats: tuple[Responses, ...]
     quiet: Responses
@@ -95,7 +95,7 @@ class Quality(NamedTuple):
 
 
 def quality(heard: Heard, band_hz: tuple[float, float]) -> Quality:
-    """Compute the quality of a channel's displacement responses, at least two, in a band.
+    """Compute the quality of at least two responses in a band.
 
     Examples
     --------
@@ -214,7 +214,7 @@ def _record(listener: Listener, microphone: Microphone, end_s: float) -> FloatAr
 def _response(
     learning: Learning, microphone: Microphone, recorded: FloatArray, heard: FloatArray | None = None
 ) -> Responses:
-    """Return the response in a recording, or the apparent response in the recording `heard` at another time."""
+    """Return the response in a recording, or in one `heard` earlier."""
     heard = recorded if heard is None else heard
     drive = recorded[microphone.reference] * microphone.volts_per_count
     point = heard[microphone.channel] * microphone.units_per_count

@@ -139,7 +139,7 @@ def _output_findings(
 
 
 def _current_of_a_stop(output: Guarded, limits: Limits, load: Load) -> Finding:
-    """Report the largest current of a stop, which has no limit, because a stop must never be refused."""
+    """Report the largest current of a stop, which is never refused."""
     what = "largest current of a stop, no limit holds"
     if output.driver.fall_s == 0:
         return Finding("output", what, "that of one step of the device, as fast as the amplifier follows")
@@ -174,7 +174,7 @@ def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Itera
 
 
 def tone_of(output: Guarded) -> Signal:
-    """Return a tone with ramps at `TONE_PART` of the limit, or for a one-bit output a square wave at its supply."""
+    """Return a tone at `TONE_PART` of the limit, or a one-bit square wave."""
     n_channels, rate_hz = output.driver.n_channels or 1, output.driver.rate_hz or 48_000.0
     if output.driver.one_bit:
         bits = np.where(np.arange(1000) // 10 % 2, -1.0, 1.0)

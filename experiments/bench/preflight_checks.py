@@ -1,4 +1,4 @@
-"""Preflight checks of the computer, disk, display, keyboard, and sensors at rest."""
+"""Preflight checks of the computer, the display and sensors at rest."""
 
 import os
 import shutil
@@ -123,7 +123,7 @@ def display(screen: DisplayTable, folder: Path) -> Iterator[Finding]:
 def key_to_record_s(
     screen: Display, page: Page, record: Callable[[], None], n_keys: int, within_s: float
 ) -> list[float]:
-    """Measure the time from each key press to its record on the disk, s, read and drawn as in a session.
+    """Measure the time from key presses to their records on the disk, s.
 
     The page is shown until `n_keys` were pressed or `within_s` are over. `record` returns when a record is on disk.
     """
@@ -241,7 +241,10 @@ def _at_rest(sensor: StreamedSensor, part: PositionPart, slides: list[Sliding]) 
 
 
 def _at_full_scale(counts: FloatArray) -> Iterator[Finding]:
-    """Find samples at the largest count of a sensor of few bits, which it sends at overload or without a finger."""
+    """Find samples at the largest count of a sensor with few bits.
+
+    Such sensors send it at overload or without a finger.
+    """
     for axis in np.rint(counts).T:
         bits = int(axis.max()).bit_length() if axis.max() > 0 else 0
         if bits in FEW_BITS and axis.max() == 2**bits - 1:
@@ -269,7 +272,7 @@ def _band_m_per_s(slide: Sliding) -> float:
 
 
 def fastest_m_per_s(times_s: FloatArray, along_m: FloatArray) -> float | None:
-    """Return the highest speed that the gate of a slide measures along its path, or None without any.
+    """Return the highest speed that the gate of a slide measures, or None.
 
     >>> time_s = np.arange(200) / 1000
     >>> round(fastest_m_per_s(time_s, 0.05 * time_s), 9)

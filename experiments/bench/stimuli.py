@@ -1,4 +1,4 @@
-"""Stimuli of a study as a bench plays them: from learned responses, and switched for a two-voltage board."""
+"""Stimuli of a study as a bench plays them."""
 
 import math
 from collections.abc import Mapping
@@ -48,7 +48,7 @@ class OnChannels:
 
 @dataclass(frozen=True)
 class CommandedSupply:
-    """Switched stimulus whose supply falls with the level, from `highest` down to a share of `lowest_part`.
+    """Switched stimulus whose supply falls with the level from `highest` on.
 
     Drives are proportional to the supply. Below this share, bursts and pulses become shorter.
     """
@@ -149,7 +149,7 @@ def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
 
 
 def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:
-    """Return the stimuli by name, with those of plates computed from learned responses if there are any.
+    """Return the stimuli by name, those of plates from learned responses.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimu
 
 
 def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
-    """Return the journal's facts about the responses: file, digest, date and author."""
+    """Return facts about the responses for the journal."""
     if learnt is None:
         return {}
     from tactometry.provenance import sha256
@@ -198,7 +198,7 @@ def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
 
 
 def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices) -> None:
-    """Refuse a texture without a position sensor, or with an output that cannot follow a finger.
+    """Refuse a texture that position sensor or output cannot follow.
 
     Raises
     ------

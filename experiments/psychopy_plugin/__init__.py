@@ -1,1 +1,1 @@
-"""PsychoPy plug-in: touches, stimuli, questions and procedures of a study in scripts and Builder experiments."""
+"""PsychoPy plug-in for scripts and Builder experiments."""

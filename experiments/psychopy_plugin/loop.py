@@ -1,4 +1,4 @@
-"""A procedure as a PsychoPy loop: iterated over, answered, and known to its experiment handler."""
+"""A procedure as a PsychoPy loop, with rows for its data."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -11,7 +11,7 @@ from tactometry.session.answer import Played, Touched
 
 
 class Loop:
-    """Levels until the procedure has finished. A level without an answer is repeated.
+    """Levels until the procedure ends, repeated if they have no answer.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Loop:
         return self.procedure.level
 
     def addResponse(self, result: int | bool, intensity: float | None = None) -> None:  # noqa: N802 - PsychoPy's name
-        """Answer the present level (1: felt, or correct), or the level `intensity` that was delivered instead.
+        """Answer the present or delivered level with 1 (felt, correct) or 0.
 
         Raises
         ------
@@ -141,7 +141,7 @@ def of_stimulus(played: Played) -> Values:
 
 
 def of_trial(outcome: TrialOutcome) -> Values:
-    """Return the row of a trial: the touch whose level counts, and the first answer.
+    """Return the row of a trial, with its counted touch and first answer.
 
     >>> of_trial(TrialOutcome((), replies=()))
     {'valid': 0}
@@ -159,7 +159,7 @@ def of_trial(outcome: TrialOutcome) -> Values:
 
 
 def of_reply(form: Questionnaire | ChoiceForm, reply: Reply) -> dict[str, float | str | None]:
-    """Return the row of a questionnaire's item, with the category of questions about a person, if possible in English.
+    """Return the row of an item, with the category of a choice.
 
     >>> from tactometry.questionnaire import load_choices
     >>> of_reply(load_choices("demographics"), Reply(None, 1.0, item="handedness"))

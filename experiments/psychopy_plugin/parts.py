@@ -1,4 +1,4 @@
-"""Objects of Builder components in an experiment: started by their routines and polled in each frame."""
+"""Objects of Builder components in an experiment."""
 
 import atexit
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ Factors = Mapping[str, float | str]
 
 @cache
 def study_of(window: Any, study: str, bench: str) -> PsychoPyStudy:
-    """Return the study that all components with the same study and bench share, closed with the program."""
+    """Return the study that components with the same files share."""
     shared = PsychoPyStudy(window, study, bench or None)
     atexit.register(shared.close)
     return shared
@@ -33,7 +33,7 @@ class StudyPart:
 
 
 class TouchPart(StudyPart):
-    """Touch on pages of Tactometry and, if it `asks`, the answer to the study's question."""
+    """Touch on pages of Tactometry, with the study's question if it `asks`."""
 
     def __init__(self, window: Any, study: str, bench: str, factors: Factors, *, asks: bool) -> None:
         super().__init__(window, study, bench, factors)
@@ -54,7 +54,7 @@ class TouchPart(StudyPart):
 
 
 class StimulusPart(StudyPart):
-    """Stimulus that plays during a routine. `stopped` if Escape was pressed while a sensor paused it."""
+    """Stimulus that plays during a routine, `stopped` by Escape."""
 
     _beside: ConcurrentPlay | None = None
     stopped = False

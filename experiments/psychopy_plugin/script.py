@@ -1,4 +1,4 @@
-"""Touches, stimuli, questions and procedures of a study in the window of a PsychoPy script."""
+"""Study in the window of a PsychoPy script."""
 
 import os
 import sys
@@ -35,14 +35,14 @@ SHOWN_CELLS = 3
 
 
 class PauseTerminal(ExperimenterTerminal):
-    """Terminal that prints why a session pauses, but no trials, and accepts no orders."""
+    """Terminal that prints why a session pauses, but no trials."""
 
     def add(self, words: str) -> None:
         del words
 
 
 class PsychoPyStudy:
-    """A study and a bench in the window of a script, whose state each call restores.
+    """Study and bench in the window of a script, restored after each call.
 
     The limits of study and bench guard the output, as in a session; limits of duty count from the start.
 
@@ -87,11 +87,11 @@ class PsychoPyStudy:
         self.close()
 
     def close(self) -> None:
-        """Set the output to zero and close the devices, but not the window. May be called more than once."""
+        """Set the output to zero and close the devices, any number of times."""
         self._rig.close()
 
     def touch(self, level: float | None, **factors: float | str) -> Touched:
-        """Guide the finger through a touch of the cell with these `factors`. A `level` of None is a blank.
+        """Guide the finger through a touch of a cell; the level None is blank.
 
         Raises
         ------
@@ -115,7 +115,7 @@ class PsychoPyStudy:
         return self._carry_out(self.experiment.task.trial(shown, self._rng))
 
     def begin(self, level: float | None, **factors: float | str) -> ConcurrentPlay:
-        """Begin to play while the script draws, whether or not a finger touches: `look` each frame, then `end`."""
+        """Begin to play, touched or not: `look` each frame, then `end`."""
         return self._rig.begin(self._play_request(level, factors))
 
     def play(self, level: float | None, **factors: float | str) -> Played:
@@ -123,7 +123,7 @@ class PsychoPyStudy:
         return self._rig.answer(self._play_request(level, factors))
 
     def questionnaire(self, name: str, experiment: Any = None) -> dict[str, float | None]:
-        """Return the answers to a custom or shipped questionnaire by item, None for open ones.
+        """Return answers to a questionnaire by item, None for open ones.
 
         Answers to questions about a person (`demographics`, or ``kind = "choices"``) are the codes of categories. In
         PsychoPy's handler of an `experiment`, each item has a row: `NAME.item`, `NAME.response`, and `NAME.category`.
@@ -171,12 +171,12 @@ class PsychoPyStudy:
         return self._carry_out(fill_in(form, self._rng, shuffled=False))
 
     def procedure(self, **factors: float | str) -> Procedure:
-        """Return the study's procedure at its start, a value whose `after(answer, delivered)` is the next one."""
+        """Return the study's procedure at its start, as an immutable value."""
         [procedure] = self._cell(factors).procedure.for_tracks([""], self._rng)
         return procedure
 
     def loop(self, name: str, **factors: float | str) -> Loop:
-        """Return the study's procedure as a PsychoPy loop with this name in the data."""
+        """Return the study's procedure as a PsychoPy loop of this name."""
         return Loop(name, self.procedure(**factors), self.experiment.table.options.n_attempts)
 
     def _carry_out(self, course: Course[T]) -> T:

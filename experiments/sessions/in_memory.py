@@ -47,7 +47,7 @@ class Collector:
 
 
 def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
-    """Return the trials of one session of one simulated participant with a given seed.
+    """Return the trials of a simulated session with a given seed.
 
     >>> from ..study.experiment import wire
     >>> from ..study.study_file import load
@@ -62,7 +62,7 @@ def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
 
 
 def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
-    """Simulate all sessions as input of `analysis.pipeline.analyse_trials`, with the cells of a recorded data set.
+    """Simulate sessions in memory as a recorded data set would be read.
 
     >>> from ..study.experiment import wire
     >>> from ..study.study_file import load
@@ -74,7 +74,7 @@ def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
 
 
 def trials_of(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Trials:
-    """Simulate all sessions as `simulated_trials` on `n_jobs` processes, or on the Dask cluster at `scheduler`.
+    """Simulate all sessions as `simulated_trials`, on several processes.
 
     The result does not depend on where it is computed.
 
@@ -99,7 +99,7 @@ def _table(experiment: Experiment, who: Who) -> tuple[Path, pd.DataFrame]:
 
 
 def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> pd.DataFrame:
-    """Return the trials file of a session as it would be read, with floats in numeric columns."""
+    """Return the trials file of a session as it would be read."""
     known = [values_of(trial, session, SIMULATED) for trial in trials]
     by_name = {column.name: [values.get(column.name) for values in known] for column in columns}
     table = pd.DataFrame({name: _column(name, values) for name, values in by_name.items()})
@@ -107,7 +107,7 @@ def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column])
 
 
 def _column(name: str, values: Sequence[Value]) -> Any:
-    """Return the numbers of a numeric column, else the text of the cells, which the analysis checks."""
+    """Return the numbers of a numeric column, else the text of its cells."""
     if name in NUMERIC and all(value is None or isinstance(value, int | float) for value in values):
         numbers = np.array(values, dtype=np.float64)  # None becomes NaN
         if np.isfinite(numbers).sum() == len(values) - values.count(None):

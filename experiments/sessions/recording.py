@@ -26,7 +26,7 @@ from ..study.rehearsal import flaw
 
 @dataclass(frozen=True)
 class Who:
-    """Participant of a session. A `seed` of None means a new one, or the recorded one."""
+    """Participant of a session; the seed None means new or recorded."""
 
     participant: str
     session: int = 1
@@ -53,7 +53,7 @@ class Who:
 
 @dataclass(frozen=True)
 class Recorded:
-    """Result of a sitting: files, counts of trials in all and before it, procedures, and a repair of the journal."""
+    """Result of a sitting, with counts of trials in all and before it."""
 
     trials: Path
     tally: Tally
@@ -79,7 +79,7 @@ class Recorded:
 
 @dataclass(frozen=True)
 class RigKind:
-    """Factory of a rig for a seed and a log, and the ground truth of a simulated participant.
+    """Factory of a rig, and ground truth of a simulated participant.
 
     `simulated_time` rigs leave no time stamp, so that the same seed gives the same bytes.
     """

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def rig_kind(name: str, experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "RigKind":
-    """Return the rig that the function of this name builds (one of `tactometry.trials.columns.RIGS`)."""
+    """Return the rig that the function of this name in this module builds."""
     kind: RigKind = globals()[name](experiment, who, bench_file)
     return kind
 
@@ -38,7 +38,7 @@ def check_needs(kind: "RigKind", experiment: "Experiment", who: "Who", bench_fil
 
 
 def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | None" = None) -> "Equipment":
-    """Return the devices of a bench, still closed. The output continues the exposure recorded in the log."""
+    """Return the closed devices of a bench, with the exposure of the log."""
     from datetime import date
 
     from tactometry.devices.outputs.output import check_format

@@ -23,7 +23,7 @@ MOST_PARTICIPANTS = 100_000
 
 @dataclass(frozen=True)
 class Simulation:
-    """Simulated participants of a study. `code_from` is the folder of custom observer code."""
+    """Simulated participants, with custom code from `code_from`."""
 
     study_toml: bytes
     where: str
@@ -56,7 +56,7 @@ class Simulation:
         return _wired(self.study_toml, self.where, self.code_from, state)
 
     def check(self) -> Experiment:
-        """Raise `InvalidParameter` before a process starts if custom code is not allowed."""
+        """Raise `InvalidParameter` for custom code that is not allowed."""
         experiment = self.experiment()
         with rewording(lambda words: f"{self.where}, {words}"):
             experiment.check_allowed()
@@ -77,7 +77,7 @@ def _wired(study_toml: bytes, where: str, code_from: Path | None, state: str) ->
 
 
 def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Recorded]:
-    """Yield each finished session, from `n_jobs` processes or the Dask cluster at `scheduler`.
+    """Yield finished sessions from `n_jobs` processes or a Dask cluster.
 
     The result does not depend on where it is computed.
     """

@@ -132,12 +132,12 @@ class Wiring:
         return OwnStimulus(stimulus, stated["kind"]) if kind is OWN else stimulus
 
     def _located(self, table: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return a table with its `path` as seen from the current folder, unless only data are read."""
+        """Return a table with its `path` as seen from the current folder."""
         path = table.get("path")
         return {**table, "path": self.study.beside(path)} if self._plays and isinstance(path, str) else table
 
     def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
-        """Name a stimulus by all factors that change it. Journals contain the name."""
+        """Name a stimulus by all factors that change it, for journals."""
         of_variants = {name: level for name, level in factors.items() if name in self.study.variants}
         named = _fields(factors, stimulus_class) | of_variants
         return ", ".join([kind, *(f"{key}={cell_text(level)}" for key, level in named.items())])
@@ -150,7 +150,7 @@ class Wiring:
         return self._procedures[key]
 
     def _felt(self, kind: StimulusKind, of: Mapping[str, Mapping[str, Any]], stimulus: Any, touch: Touch) -> Sensation:
-        """Return the sensation through the study's scene, or the default one of the stimulus."""
+        """Return the sensation through the scene of study or stimulus."""
         if is_own(of["sensation"].get("kind")):
             both = "a table next to a custom [sensation]"
             expect(not of["scene"], "scene", both, "one of the two; remove one")

@@ -45,7 +45,7 @@ def check_forces(limits: Limits, conditions: Iterable[Condition]) -> None:
 
 
 def check_signal(limits: Limits, strongest: Strongest) -> None:
-    """Refuse a signal beyond the limits, first by its length, because it may be too long to compute."""
+    """Refuse a signal beyond the limits, its length first."""
     stimulus = strongest.stimulus
     duration_s = getattr(stimulus, "duration_s", 0.0)
     longest = f"at most limits.duration_s, {limits.longest_s:g} s; shorten the stimulus, or raise the limit"

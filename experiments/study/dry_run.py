@@ -75,7 +75,10 @@ def _n_trials(block: Block) -> Iterator[int]:
 
 
 def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
-    """Return the longest duration of a session (s), from times per trial, `ITEM_S` per item, rests and caps."""
+    """Return the longest duration of a session, s.
+
+    It adds times per trial, `ITEM_S` per item and rests, up to `longest_s` of plan and task.
+    """
     most_s, parts_s = experiment.study.plan.longest_s, [_longest_block_s(experiment, block) for block in blocks]
     return min(sum(parts_s), inf if most_s is None else most_s + max(parts_s, default=0.0))
 

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Experiment(SessionPlan):
-    """Wired study with built tables, named stimuli and checked levels. `where` is its name or file."""
+    """Wired study (name or file `where`) with checked levels."""
 
     people: Population
     where: str
@@ -57,7 +57,7 @@ class Experiment(SessionPlan):
         return self.table.task
 
     def words_in(self, language: str) -> dict[str, str]:
-        """Return the participant texts of study, prompt and questions about a person, which replace shipped ones."""
+        """Return the participant texts that replace shipped ones."""
         kind = self.table.kind
         asked = messages_of(kind, self.table.task_kind.questions)
         of_choices = {name: text for form in self.choices for name, text in words_of(form, language).items()}
@@ -130,7 +130,7 @@ class Experiment(SessionPlan):
 
     @cached_property
     def felt(self) -> str:
-        """Effects through which simulated participants feel, by stimulus if they differ; empty without a scene."""
+        """Effects of the scenes, by stimulus if they differ; else empty."""
         by_stimulus = {cell.condition.stimulus: cell.sensation for cell in self.cells.values()}
         scenes = {name: scene_in_words(skin.scene) for name, skin in by_stimulus.items() if isinstance(skin, FeltScene)}
         firsts = {words: name for name, words in reversed(scenes.items())}
@@ -138,7 +138,7 @@ class Experiment(SessionPlan):
         return " | ".join(words if alike else f"{name}: {words}" for words, name in reversed(firsts.items()))
 
     def check_allowed(self) -> None:
-        """Raise `InvalidParameter` if the observer or a sensation model is custom code that is not allowed."""
+        """Raise `InvalidParameter` for custom code that is not allowed."""
         self.people.check_allowed()
         for cell in self.cells.values():
             if isinstance(cell.sensation, Unseen):
@@ -207,7 +207,7 @@ class Experiment(SessionPlan):
         return rendering(self.bank, self.study.limits)
 
     def design(self, study_toml: bytes) -> StudyDescription:
-        """Describe the study for the files of a data set, with a warning of identifying answers."""
+        """Describe the study for the files of a data set."""
         study = self.study
         columns = table_columns([_factor_column(name) for name in study.factors], self._optional())
         numbers = ", ".join(name for form in self.choices for name in form.numbers)
@@ -319,7 +319,7 @@ def _cells(wiring: Wiring, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
 
 
 def _tracks_per_cell(study: Study, table: TaskTable) -> float:
-    """Return the number of tracks per cell. Alternatives share a track, or have one per combination."""
+    """Return the number of tracks per cell, of which alternatives share some."""
     if table.over is None:
         return 1
     n_levels = len(study.factors[table.over])

@@ -1,4 +1,4 @@
-"""Predictions for a study: felt effects, effects left out, weak conditions, and fingers that lose contact."""
+"""Predictions of felt effects, omitted effects and contact loss."""
 
 import math
 import textwrap
@@ -107,7 +107,7 @@ class FeltEffects:
 
 
 def felt_effects(experiment: Experiment) -> list[FeltEffects]:
-    """Predict the first stimulus of each choice of effects. Empty for a study without a scene."""
+    """Predict the first stimulus of each choice of effects in a scene."""
     firsts: dict[object, tuple[WiredCell, Scene]] = {}
     for cell in experiment.cells.values():
         if isinstance(cell.sensation, FeltScene):
@@ -190,12 +190,12 @@ class Pressed(Protocol):
         """Names of the fingers that share the force of a touch."""
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """Return (n_samples,) or (n_fingers, n_samples), in addition to the pressing force."""
+        """Return the force beyond the pressing one, ([n_fingers,] n_samples)."""
 
 
 @dataclass(frozen=True)
 class FingerOfStudy:
-    """Finger (or tip) that the strongest stimulus pulls most at a pressing force.
+    """Finger or tip with the strongest pull at a pressing force.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ class FingerOfStudy:
 
 
 def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
-    """Return the case nearest to lifting off per finger (or tip) and force. Empty for a study without a focus."""
+    """Return the case nearest to lifting off per finger (or tip) and force."""
     nearest: dict[tuple[float, str], tuple[float, Strongest, Callable[[Signal], float]]] = {}
     strongest = {one.name: one for one in experiment.strongest()}
     for name, sensation, contact in _touches(experiment):
@@ -269,7 +269,10 @@ def _pull_of(sensation: Pressed, contact: Contact, number: int) -> Callable[[Sig
 def _pulled(
     force_n: float, presser: str, pull_n: float, strongest: Strongest, pull_of: Callable[[Signal], float]
 ) -> FingerOfStudy:
-    """Find the level at which pull and pressing force are equal, by steps that are exact for a linear contact."""
+    """Find the level at which pull and pressing force are equal.
+
+    Each step is exact if the pull is proportional to the amplitude.
+    """
     stimulus, level, pulled_n = strongest.stimulus, strongest.level, pull_n
     in_db = stimulus.level_unit.startswith("dB")
     for _ in range(STEPS):
@@ -319,7 +322,7 @@ class StudyPrediction:
 
 
 def predict(experiment: Experiment) -> StudyPrediction:
-    """Predict what participants feel of a study at its strongest levels, and which fingers lose contact.
+    """Predict sensation and contact at a study's strongest levels.
 
     >>> from .experiment import wire
     >>> from .study_file import load

@@ -1,4 +1,4 @@
-"""Scenes through which simulated participants feel: sensation models, the table `[scene]`, and words for reports.
+"""Sensation models of scenes, and the table `[scene]`.
 
 A study states what is played in `[stimulus]` and who touches it in `[touch]`. The scene is the physics between them.
 """
@@ -53,7 +53,7 @@ class FeltOnPlate(FeltScene):
     """Sensation on a moving plate, with the force between finger and plate."""
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """Return the force of a linear contact in addition to the pressing force, (n_fingers, n_samples)."""
+        """Return the force beyond the pressing one, (n_fingers, n_samples)."""
         force_n: FloatArray = self._pressed.run({"signal": signal, "contact": contact})[FORCE]
         return force_n
 
@@ -84,7 +84,7 @@ def felt(scene: Scene) -> FeltScene:
 
 
 def scene_in_words(scene: Scene) -> str:
-    """List the effects that are felt, values of the surface other than defaults, and the tolerated error."""
+    """List felt effects, values that are not defaults, and the accuracy."""
     off, surface = scene.felt().off(), scene.surface
     effects = ", ".join(effect_in_words(effect) for effect in scene.effects if effect not in off)
 
@@ -95,7 +95,7 @@ def scene_in_words(scene: Scene) -> str:
 
 
 def effect_in_words(effect: Effect) -> str:
-    """Name an effect as a scene file does, with the values that are not its defaults.
+    """Name an effect with the values that are not its defaults.
 
     >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
     >>> from tactometry.stimuli.scenes.effects.focus_detection import FocusDetection
@@ -110,7 +110,7 @@ def effect_in_words(effect: Effect) -> str:
 
 
 def _deviations(values: Mapping[str, Any], usual: Mapping[str, Any]) -> Iterator[str]:
-    """Yield values that differ from the usual ones, those of dataclasses field by field."""
+    """Yield values that differ from the usual ones, also within dataclasses."""
     for name, value in values.items():
         if name in STATED_BY_STIMULUS or value == usual.get(name, value):
             continue
@@ -222,7 +222,7 @@ def _parts_of_table(read: SceneTable, surface: str) -> Parts:
 
 
 def _parts_of_scene(name: str, surface: str) -> Parts:
-    """Return the surface and effects of a built-in scene or a scene file, without parts that the stimulus states."""
+    """Return the surface and effects of a scene file, without played parts."""
     from tactometry.stimuli.scenes.file import load_scene  # imports the modules of its effects
 
     with rewording(lambda words: words.replace("FILE", "scene.name", 1)):

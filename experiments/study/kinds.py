@@ -1,4 +1,4 @@
-"""Kinds of procedures and stimuli by name, with the target string of a class, imported only when a study uses it."""
+"""Kinds of procedures and stimuli, whose classes are imported when used."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ProcedureKind:
-    """Kind of procedure: target string of its class, and a valid example table with levels from 0 to 40.
+    """Kind of procedure: target string, and table with levels from 0 to 40.
 
     `rule` is the method that returns the rule, if the class itself is not a rule. `can_be_shared` means that tracks can
     share answers, `takes_easy_trials` that levels follow the answers, so that easy trials can be added.

@@ -21,7 +21,7 @@ def _is_level(value: object) -> bool:
 
 
 def _plain_signal(signal: Signal) -> Signal:
-    """Rebuild a signal of a subclass, which may have skipped the checks of its samples."""
+    """Rebuild a signal of a subclass, whose checks may be missing."""
     return signal if type(signal) is Signal else Signal(signal.samples, signal.rate_hz, signal.unit)
 
 
@@ -35,7 +35,7 @@ CALLS: Final = {
 
 @dataclass(frozen=True)
 class OwnStimulus:
-    """Instance of a custom stimulus class (`target`, ``module:Class``) whose signals are checked."""
+    """Custom stimulus of a class ``module:Class`` with checked signals."""
 
     made: Any
     target: str
@@ -54,7 +54,7 @@ class OwnStimulus:
         return str(self.made.level_unit)
 
     def at(self, level: float) -> Signal:
-        """Return the signal of a level, in V and of the stated duration. Raises `InvalidParameter` otherwise."""
+        """Return the signal of a level; raise unless in V and as long as stated."""
         signal: Signal = self.made.at(level)
         where = f"{self.target}.at({level:g})"
         expect(signal.unit == "V", where, f"a signal in {signal.unit!r}", f"one in 'V', at the load; {WAY}")
@@ -88,7 +88,7 @@ def stimulus_class(
     *,
     plays: bool,
 ) -> Any:
-    """Return the class of `[stimulus]`, or a placeholder with its table unless it `plays`.
+    """Return the class of `[stimulus]`, or a placeholder unless it `plays`.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def stimulus_class(
 
 
 def sensation_class(table: Mapping[str, Any], code_from: Path | None) -> Any:
-    """Return the class of `[sensation]`, or a placeholder with its table if its code is not allowed.
+    """Return the class of `[sensation]`, or a placeholder if not allowed.
 
     Raises
     ------

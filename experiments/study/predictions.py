@@ -43,7 +43,7 @@ def contact_of(cell: WiredCell) -> Contact:
 
 
 def played(cell: WiredCell, level: float, speed_m_per_s: float) -> Signal:
-    """Return the signal of a level, under a finger that slides straight on if the signal follows it."""
+    """Return the signal of a level under a finger that slides straight on."""
     signal = cell.stimulus.at(level)
     return felt_under(cell.stimulus, signal, *straight_way(signal.duration_s, speed_m_per_s, TRAJECTORY_M))
 
@@ -54,7 +54,7 @@ def felt_db(cell: WiredCell, level: float, contact: Contact) -> float:
 
 
 def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact: Contact | None = None) -> LevelTable:
-    """Return sensation levels (dB) by level through a cell's scene, or else its stimulus's own model.
+    """Return sensation levels (dB) by level through a cell's sensation model.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def unfelt(experiment: Experiment, *, simulated: bool = False) -> Iterator[Unfel
 
 @dataclass(frozen=True)
 class PredictedJnd:
-    """JND of one condition in the unit of the level, or None if it is larger than the levels allow.
+    """JND of a condition in the unit of the level; None beyond the levels.
 
     Lapses are left out. If the skin model `feels_touch`, so are variations of force and speed between touches.
     """

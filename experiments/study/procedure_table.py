@@ -72,7 +72,7 @@ class ReadyProcedure:
 
 
 def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
-    """Build the rule of the table `procedure`. Raises `InvalidParameter` for unknown keys and invalid values."""
+    """Build the rule of the table `procedure`, or raise `InvalidParameter`."""
     kind: ProcedureKind = kind_of(table, "procedure", PROCEDURES)
     reader, of_tracks = resolve(kind.table), fields_of(TracksTable)
     check_keys(table, (*fields_of(reader), *of_tracks, "kind"), "procedure", read_by=reader)

@@ -36,7 +36,7 @@ def check_prompt(prompt: Prompt, where: str) -> None:
 
 
 def by_language(prompt: Prompt) -> dict[str, str]:
-    """Return a prompt by language. Languages without one show the English prompt.
+    """Return a prompt by language, English if none is stated.
 
     >>> by_language("Rough?"), by_language({"fr": "Rugueux ?"}), by_language("")
     ({'en': 'Rough?'}, {'fr': 'Rugueux ?'}, {})

@@ -1,4 +1,4 @@
-"""Checks of the texts, prompts and images of a study, on all pages of its sessions."""
+"""Checks of a study's texts, prompts and images on all pages."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -129,7 +129,7 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
 
 
 def flaw(experiment: Experiment, root: Path) -> str | None:
-    """Return the error in the texts of a study that already has sessions, because they can no longer be corrected.
+    """Return the error in the texts of a study that already has sessions.
 
     Raises
     ------

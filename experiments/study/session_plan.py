@@ -42,7 +42,7 @@ def nested_levels(study: Study) -> dict[str, dict[float | str, dict[str, Levels]
 
 
 def crossing_of(study: Study, over: str | None, factors: Mapping[str, Sequence[float | str]]) -> Crossing[float | str]:
-    """Return the order of factors, from the slowest to the fastest: sessions, counterbalanced, interleaved."""
+    """Return the factors in order, those of sessions the slowest."""
     plan = study.plan
     slow = [*plan.between, *plan.sessions, *study.counterbalance]
     rest = [name for name in factors if name not in plan.interleave]
@@ -54,7 +54,7 @@ def crossing_of(study: Study, over: str | None, factors: Mapping[str, Sequence[f
 def session_cells(
     study: Study, over: str | None, number: int, n_session: int, seed: int
 ) -> list[dict[str, float | str]]:
-    """Return the ordered cells of a participant's session, without the factor `over`.
+    """Return the ordered cells of a session, without the factor `over`.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def session_cells(
 
 
 def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list[list[dict[str, float | str]]]:
-    """Return the cells of every planned session of a participant, or of one if all are the same."""
+    """Return the cells of every session of a participant that differs."""
     plan = study.plan
     groups = combinations({name: study.factors[name] for name in plan.between})
     # Participants go through the groups in turn, and within each group through the rows of its orders.
@@ -84,7 +84,7 @@ def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list
 
 @dataclass(frozen=True)
 class SessionPlan:
-    """Parts of a study's sessions: the cells of the whole design, and forms by inquiry."""
+    """Parts of a study's sessions, from its cells and forms by inquiry."""
 
     study: Study
     table: TaskTable
@@ -93,7 +93,7 @@ class SessionPlan:
     forms: Mapping[str, Questionnaire | ChoiceForm]
 
     def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
-        """Return practice, blocks and questionnaires of a participant's session in order.
+        """Return practice, blocks and questionnaires of a session in order.
 
         `rng` shuffles within blocks.
         """
@@ -123,7 +123,7 @@ class SessionPlan:
         return [replace(first, tracks=(track,), options=options, practice=True)]
 
     def _block(self, group: Sequence[Factors], rng: np.random.Generator) -> Block:
-        """Return a block of interleaved cells, all with the procedure of the first one."""
+        """Return a block of interleaved cells with the first one's procedure."""
         conditions = dict(named for factors in group for named in self._conditions(factors))
         procedures = self._cell(group[0]).procedure.for_tracks(list(conditions), rng)
         tracks = [
@@ -138,7 +138,7 @@ class SessionPlan:
         return self.cells[key_of(full)]
 
     def _conditions(self, factors: Factors) -> Iterator[tuple[str, Condition]]:
-        """Yield the conditions of a cell with the names of their tracks: one, or one per choice of alternatives."""
+        """Yield the conditions of a cell with the names of their tracks."""
         condition, over = self._cell(factors).condition, self.table.over
         name = ", ".join(f"{key}={cell_text(factors[key])}" for key in self.study.plan.interleave)
         if over is None:

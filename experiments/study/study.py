@@ -200,7 +200,7 @@ class Study:
         return tuple(f"study, {warning_of(f'limits.{name}')}" for name in self.limits.switched_off)
 
     def beside(self, path: str) -> str:
-        """Return the path of a file that the study names, as seen from the study file or else the current folder.
+        """Return a file's path as seen from the study, or else as it is.
 
         A data set contains a copy of the study without its files.
         """
@@ -208,7 +208,7 @@ class Study:
         return path if Path(path).exists() and not located.exists() else str(located)
 
     def words_in(self, language: str) -> dict[str, str]:
-        """Return the study's texts in a two-letter language, in which translations override `texts`."""
+        """Return the study's texts in a two-letter language."""
         return self.texts | self.translations.get(language, {})
 
 

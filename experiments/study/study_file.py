@@ -47,7 +47,7 @@ def parse(content: bytes, where: str) -> Study:
 
 
 def _check_the_rest(table: Mapping[str, Any], wrong: Collection[str]) -> None:
-    """Wire a study without its `wrong` keys, to find mistakes in its other tables too."""
+    """Find mistakes in the other tables of a study with `wrong` keys."""
     from .experiment import wire
 
     stand_ins = {"name": "study", "title": "", "description": "", "limits": {}}
@@ -100,7 +100,7 @@ def folder_of(study: str) -> Path:
 
 
 def load(study: str) -> tuple[Study, bytes]:
-    """Read a study by name or path, and the bytes of its file with inserted questionnaires."""
+    """Read a study, and the bytes of its file with inserted questionnaires."""
     path = locate(study)
     content = with_forms(read_file(path, "a study file", LARGEST_FILE), path)
     return parse(content, str(path) if study not in shipped() else study), content

@@ -52,7 +52,7 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
 
 
 def choices_named(study: Study, name: str) -> ChoiceForm | None:
-    """Return a custom or shipped form of choices, or None without one of this name.
+    """Return a custom or shipped form of choices, or None without one.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
 
 @dataclass(frozen=True)
 class TaskTable:
-    """Built table `task`: the task, block options, the factor of its alternatives, and a custom prompt."""
+    """Built table `task`, with block options and a custom prompt."""
 
     kind: str
     task: Task
@@ -106,7 +106,7 @@ class TaskTable:
 
 
 def task_of(study: Study) -> TaskTable:
-    """Build the table `task`. Raises `InvalidParameter` for unknown keys and invalid values."""
+    """Build the table `task`, or raise `InvalidParameter`."""
     task_kind: TaskKind = kind_of(study.task, "task", TASKS)
     of_kind = fields_of(task_kind.table)
     names = ("kind", *of_kind, *fields_of(BlockOptions), *fields_of(PromptTable))

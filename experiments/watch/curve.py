@@ -35,7 +35,7 @@ FEWEST_ANSWERS = 6
 
 @dataclass(frozen=True)
 class Answers:
-    """Counted answers in a condition, and the unit and standard of their levels."""
+    """Counted answers in a condition, with unit and standard of levels."""
 
     cell: Cell
     unit: str
@@ -91,7 +91,7 @@ def fit_of(answers: Answers) -> ThresholdFit:
 
 
 def band_of(answers: Answers) -> CurveBand | None:
-    """Return the posterior band of the curve with the same options; None with one level."""
+    """Return the posterior band of the same curve; None with one level."""
     cell, curve = answers.cell, CURVES[answers.cell.task]
     return curve_band(
         cell.levels,
@@ -105,7 +105,7 @@ def band_of(answers: Answers) -> CurveBand | None:
 
 
 def curve_plot(answers: Answers) -> Plot:
-    """Plot the rates at their levels, the curve in its band, the threshold and the standard."""
+    """Plot rates, the curve in its band, the threshold and the standard."""
     cell, band, fit = answers.cell, band_of(answers), fit_of(answers)
     x, y = ruler_over(cell.levels, LEFT, RIGHT, margin=0.02), Ruler(-0.03, 1.03, BOTTOM, TOP)
     label = CURVES[cell.task].rate_label

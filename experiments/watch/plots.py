@@ -1,4 +1,4 @@
-"""Plots as values that a template draws as SVG, in the units of its view box. The style sheet sets colours."""
+"""Plots as values that a template draws as SVG in view box units."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -45,7 +45,7 @@ class Ruler:
 
 
 def ruler_over(values: Iterable[float], start: float, end: float, margin: float = 0.06) -> Ruler:
-    """Return an axis over all values with a margin. A single value is centered."""
+    """Return an axis over values with a margin, or centered on one value."""
     known = list(values) or [0.0, 1.0]
     low, high = min(known), max(known)
     spread = high - low if high - low > 1e-9 * max(abs(low), abs(high)) else 2.0 * max(abs(high), 1.0)
@@ -55,7 +55,7 @@ def ruler_over(values: Iterable[float], start: float, end: float, margin: float 
 
 
 class Mark(NamedTuple):
-    """Symbol at a position; `kind` is its shape: yes, no, neutral, invalid, reversal or rate."""
+    """Symbol: yes, no, neutral, invalid, reversal or rate (`kind`)."""
 
     x: float
     y: float
@@ -64,7 +64,7 @@ class Mark(NamedTuple):
 
 
 class Stroke(NamedTuple):
-    """Line or outline of an area, with its points as SVG writes them and its class in the style sheet."""
+    """Line or area: SVG points, and class in the style sheet."""
 
     points: str
     kind: str
@@ -72,7 +72,7 @@ class Stroke(NamedTuple):
 
 @dataclass(frozen=True)
 class Plot:
-    """Plot with its content as text for screen readers. Lines and areas are added in drawing order."""
+    """Plot, with its content as text for screen readers."""
 
     name: str
     title: str
@@ -121,7 +121,7 @@ def success(trial: Trial) -> bool | None:
 
 
 def levels_plot(name: str, title: str, track: TrackProgress) -> Plot | None:
-    """Plot the levels of a track against the number of the presentation; None without one."""
+    """Plot the levels of a track by presentation; None without one."""
     shown = [(n, trial.level, trial) for n, trial in enumerate(track.presented, 1) if trial.level is not None]
     if not shown:
         return None

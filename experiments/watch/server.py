@@ -1,4 +1,4 @@
-"""Read-only server of the page at the loopback, for requests with its token.
+"""Read-only loopback server of the page for requests with its token.
 
 Each request is checked first. A host other than the loopback (a foreign name that was made to lead here), another
 page as the origin, or a wrong token get no content.
@@ -75,7 +75,7 @@ def refusal(headers: Mapping[str, str], path: str, port: int, token: str) -> int
 
 
 def combined(headers: Iterable[tuple[bytes, bytes]]) -> dict[str, str]:
-    """Combine values of the same name with commas, so that a repeated header has none of the expected values.
+    """Join repeated headers by commas, which no expected value has.
 
     >>> combined([(b"host", b"127.0.0.1:8000"), (b"origin", b"null"), (b"origin", b"null")])
     {'host': '127.0.0.1:8000', 'origin': 'null, null'}
@@ -88,7 +88,7 @@ def combined(headers: Iterable[tuple[bytes, bytes]]) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Guard:
-    """Middleware that answers refused requests (`refusal`) without the application."""
+    """Middleware that refuses requests before the application."""
 
     app: App
     port: int
@@ -105,7 +105,7 @@ class Guard:
 
 
 async def news(scenery: Scenery) -> AsyncIterator[bytes]:
-    """Yield changed sections as server-sent events. An error ends the connection, which the page reports."""
+    """Yield changed sections as server-sent events."""
     shown: Mapping[str, str] = {}
     while True:
         sections = scenery.sections()
@@ -192,7 +192,7 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
 
 
 def _bound(port: int) -> socket.socket:
-    """Return a socket at a port of the loopback, which no other computer reaches."""
+    """Return a socket at a loopback port."""
     found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

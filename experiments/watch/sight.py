@@ -89,7 +89,7 @@ def _after(sight: Sight, line: Line) -> Sight:
 
 @dataclass(frozen=True)
 class TouchDrawn:
-    """Plots of the samples of the last touch, or the reason why they cannot be read."""
+    """Plots of the last touch, or the reason why there are none."""
 
     plots: "tuple[Plot, ...]" = ()
     problem: str = ""

@@ -1,4 +1,4 @@
-"""Plots of sensor samples during the last touch, from its request to its end."""
+"""Plots of sensor samples during the last touch."""
 
 from pathlib import Path
 
@@ -28,7 +28,7 @@ def draw_touch(root: Path, touch: AnsweredTouch) -> TouchDrawn:
 
 
 def samples_plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | None:
-    """Plot a sensor over time with a line per axis, or return None without a known sample.
+    """Plot a sensor over time with a line per axis; None if empty.
 
     Parameters
     ----------

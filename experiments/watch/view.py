@@ -133,7 +133,7 @@ def _answer(trial: Trial) -> str:
 
 
 def level_plots(progress: Progress) -> list[Plot]:
-    """Return a plot for each track of the present block, the present one first."""
+    """Return plots of the tracks in the present block, the present one first."""
     last = last_presented(progress)
     if last is None:
         return []

@@ -24,7 +24,7 @@ TRY_AGAIN_S = 15.0
 
 
 class Watcher:
-    """Follower of the newest journal of a data set, of one `participant` or `session` if given.
+    """Follower of a data set's newest journal (of one session if given).
 
     The folder `root` need not exist yet. `clock` returns monotonic seconds.
     """

@@ -9,7 +9,7 @@ import pytest
 from command_line import call, output, refused
 from places import ROOT
 from study_texts import TUTORIAL
-from tables import trial_rows
+from tables import contents, trial_rows
 
 from tactometry.errors import Terminated
 from tactometry.user_code import guarded
@@ -32,10 +32,6 @@ def study(tmp_path):
     (place / "beside.py").write_text("BIAS = 0.5\n")
     (place / "own.toml").write_text(OWN)
     return place / "own.toml"
-
-
-def contents(root):
-    return {path.relative_to(root): path.read_bytes() for path in sorted(root.rglob("*")) if path.is_file()}
 
 
 def test_own_observer_answers_when_allowed(study, tmp_path, capsys):
@@ -107,11 +103,7 @@ def test_cluster_finds_own_observer_by_study_path(study, tmp_path, capsys):
     ("kind", "code", "sentence"),
     [
         ("mine:Guesser", None, "but no file mine.py in"),
-        (
-            "mine:Guesser",
-            "1 / 0\n",
-            "mine.py, line 1 (ZeroDivisionError: division by zero), expected a module that runs",
-        ),
+        ("mine:Guesser", "1 / 0\n", "mine.py, line 1 (ZeroDivisionError: division by zero), expected a module that"),
         ("mine:Guesser", "raise SystemExit(0)\n", "mine.py, line 1 (SystemExit: 0), expected a module that runs"),
         ("mine:Guesser", "Guesser = 3\n", "no dataclass 'Guesser' in mine.py"),
         (

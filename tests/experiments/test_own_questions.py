@@ -44,8 +44,7 @@ def test_own_questionnaire_data_need_no_files(own, tmp_path, capsys):
 
 
 def test_console_shows_prompts_of_study(own, tmp_path, capsys, monkeypatch):
-    answers = "1\n" * 40
-    monkeypatch.setattr("sys.stdin", io.StringIO(answers + "\n".join(["5"] * 100)))
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40 + "5\n" * 100))
     run = ("run", own, "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
     _, _, said = call(capsys, *run)
     assert "Was there a buzz?" in said
@@ -97,16 +96,8 @@ def test_file_without_questionnaire_is_refused_by_name(own, tmp_path, capsys, fl
     [
         ('path = "roughness.toml"', 'path = "roughness.toml"\nlow = 1.0', "forms.roughness.low: found an unknown key"),
         ('path = "roughness.toml"', "path = 3", "forms.roughness.path: found 3, expected a text, the name of a file"),
-        (
-            'path = "roughness.toml"',
-            'path = " "',
-            "forms.roughness.path: found ' ', no name, expected the name of a file",
-        ),
-        (
-            'path = "roughness.toml"',
-            'path = ""',
-            "forms.roughness.path: found '', no name, expected the name of a file",
-        ),
+        ('path = "roughness.toml"', 'path = " "', "forms.roughness.path: found ' ', no name, expected the name of a"),
+        ('path = "roughness.toml"', 'path = ""', "forms.roughness.path: found '', no name, expected the name of a"),
         ('path = "roughness.toml"', 'path = "."', "forms.roughness.path: found '.', a folder, expected the name of"),
         ('prompt = "The sheet', 'prompt = " " # "The sheet', "inquiries.rough.prompt: found a text that says nothing"),
     ],

@@ -7,15 +7,12 @@ from pathlib import Path
 import pytest
 from command_line import call
 from places import RECORDED
+from tables import contents
 
 from tactometry.experiments.data_sets.traces import read_traces
 
 DATA_SETS = sorted(path.name for path in RECORDED.iterdir() if path.is_dir())
 SIMULATED = [name for name in DATA_SETS if "bench" not in name and "console" not in name]
-
-
-def files(root):
-    return {path.relative_to(root): path.read_bytes() for path in root.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("name", DATA_SETS)
@@ -55,7 +52,7 @@ def test_resuming_what_is_complete_changes_nothing(capsys, tmp_path, name):
         words = ("run", root / "study.toml", "--participant", "P01", "--session", session, "--rig", "simulated")
         status, said, _ = call(capsys, *words, "--out", root, "--resume")
         assert (status, said) == (0, "")
-    assert files(root) == files(RECORDED / name)
+    assert contents(root) == contents(RECORDED / name)
 
 
 def test_an_unfinished_session_goes_on(capsys, tmp_path, monkeypatch):

@@ -8,6 +8,7 @@ import catalogue
 import numpy as np
 import pytest
 from memory import Memory
+from tables import contents
 from tutorial_session import EXPERIMENT, journal_of, live
 
 from tactometry.config.quantity import si
@@ -23,10 +24,6 @@ from tactometry.session.request import Record, Wait
 from tactometry.session.run import replay, run
 from tactometry.signal import Signal
 from tactometry.trials.cells import cell
-
-
-def contents(root):
-    return {path: path.read_bytes() for path in sorted(root.rglob("*")) if path.is_file()}
 
 
 def one_block(rng):

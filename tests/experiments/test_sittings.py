@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from places import RECORDED
 from sound_sitting import SOUND, Attended, sit
+from tables import contents
 from tutorial_session import EXPERIMENT, STUDY, TOML, WHO, journal_of
 
 from tactometry.analysis.pipeline import analyse
@@ -54,13 +55,8 @@ def test_sittings_without_trials_are_kept(tmp_path):
     for n in range(4):
         sit(tmp_path, {**SOUND, "output_volts_per_unit": 100.0 * n}, stops_at=1, resume=n > 0)
     sit(tmp_path, SOUND, resume=True)
-    assert [head.facts["output_volts_per_unit"] for head in read(journal_of(tmp_path)).sittings] == [
-        0.0,
-        100.0,
-        200.0,
-        300.0,
-        200.0,
-    ]
+    found = [head.facts["output_volts_per_unit"] for head in read(journal_of(tmp_path)).sittings]
+    assert found == [0.0, 100.0, 200.0, 300.0, 200.0]
     assert validate(tmp_path).defects == ()
 
 
@@ -212,38 +208,34 @@ def simulate(root, who):
     return record(EXPERIMENT, TOML, root, who, simulated(EXPERIMENT, who))
 
 
-def files(root):
-    return {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}
-
-
 def test_simulated_participant_among_people_is_refused(tmp_path):
     sit(tmp_path, SOUND)
-    before = files(tmp_path)
+    before = contents(tmp_path)
     with pytest.raises(
         InvalidFile, match="found sessions of people, expected none beside those of the rig 'simulated'"
     ):
         simulate(tmp_path, Who("P02", seed=1))
-    assert files(tmp_path) == before
+    assert contents(tmp_path) == before
 
 
 def test_so_is_one_of_the_same_code(tmp_path):
     sit(tmp_path, SOUND)
-    before, other = files(tmp_path), Who(WHO.participant, seed=2)
+    before, other = contents(tmp_path), Who(WHO.participant, seed=2)
     with pytest.raises(InvalidFile, match="found sessions of people, expected none beside those of the rig"):
         simulate(tmp_path, other)
     with pytest.raises(InvalidParameter, match="--rig: found simulated, but this session began with bench"):
         record(EXPERIMENT, TOML, tmp_path, other, simulated(EXPERIMENT, other), resume=True)
-    assert files(tmp_path) == before
+    assert contents(tmp_path) == before
 
 
 @pytest.mark.parametrize("is_older", [False, True], ids=["marked", "recorded before"])
 def test_people_among_simulated_participants_are_refused(tmp_path, lived, is_older):
     root = Path(shutil.copytree(RECORDED / "yes-no", tmp_path / "older")) if is_older else lived
-    before = files(root)
+    before = contents(root)
     given = older(root) if is_older else {}
     with pytest.raises(InvalidFile, match="found sessions of simulated participants, expected none beside"):
         sit(root, SOUND, **{**given, "who": Who("P77", seed=1)})
-    assert files(root) == before
+    assert contents(root) == before
 
 
 def test_simulated_data_set_is_described_as_such(lived, tmp_path):
