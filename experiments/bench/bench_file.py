@@ -1,4 +1,4 @@
-"""Bench files: the screen, the output, the sensors and the limits of one bench, strictly read."""
+"""Bench files and their strict reading."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
@@ -89,12 +89,11 @@ class BenchFile:
         Raises
         ------
         InvalidParameter
-            If a channel is not one of its sensor, or nothing that knows of the finger gates a connected output that
-            is touched.
+            If a sensor has no such channel, or no sensor gates a connected output that is touched.
         DeviceFailed
             If a calibration is older than the file allows, or was not made with this output.
         """
-        if touched:  # before a driver is made: nothing plays under a finger that nobody watches
+        if touched:  # checked before a driver exists
             self.check_gate()
             self.check_stop(study)
         driver = self.output.settings.driver(self.output.gain)
@@ -111,12 +110,12 @@ class BenchFile:
         )
 
     def check_gate(self) -> None:
-        """Refuse a connected output that nothing stops when the finger leaves, unless the file says so.
+        """Refuse a connected output without a sensor that can stop it.
 
         Raises
         ------
         InvalidParameter
-            If there is no force sensor and `ungated` is not stated, or both are, or the sensor is a recording.
+            If there is no force sensor and no `ungated`, or both, or the sensor is a recording.
         """
         if not self.output.settings.connected:
             return
@@ -130,13 +129,7 @@ class BenchFile:
         expect(is_live, "force.sensor", recording, "a sensor; nothing was played")
 
     def check_stop(self, study: Limits) -> None:
-        """Refuse a connected output whose stop may take longer than the limits allow.
-
-        Raises
-        ------
-        LimitExceeded
-            If its worst-case delay, by the file, is above the limit.
-        """
+        """Raise `LimitExceeded` if a connected output may stop too late."""
         if self.output.settings.connected:
             self.limits_with(study).check_stop(self.stop_delay_s)
 
@@ -154,16 +147,12 @@ class BenchFile:
             "output.shared = true: other programs may play to the output and change its volume": is_shared,
             "force.release = false: a force sensor that is stuck in its band is not found out": not self.release,
         }
-        said = [words for words, is_said in allowed.items() if is_said]
-        return tuple(f"bench file, {words}" for words in (*said, *map(warning_of, self._switched_off)))
-
-    @property
-    def _switched_off(self) -> tuple[str, ...]:
-        """The keys of limits that are "unlimited"."""
         measured = {"output.gain": self.output.gain, "force": None if self.force is None else self.force.calibration}
         ages = [part for part, one in measured.items() if one is not None and isinstance(one.max_age_days, Unlimited)]
         limits = () if self.limits is None else self.limits.switched_off
-        return (*(f"limits.{name}" for name in limits), *(f"{part}.max_age_days" for part in ages))
+        unlimited = (*(f"limits.{name}" for name in limits), *(f"{part}.max_age_days" for part in ages))
+        said = [words for words, is_said in allowed.items() if is_said]
+        return tuple(f"bench file, {words}" for words in (*said, *map(warning_of, unlimited)))
 
     @property
     def release(self) -> bool:
@@ -188,10 +177,7 @@ class BenchFile:
 
 
 def device_facts(bench: BenchFile, devices: Devices) -> Facts:
-    """Return the journal's facts about devices.
-
-    They are calibrations with date and author, load, counts, delays and drifts.
-    """
+    """Return facts about devices and calibrations for the journal."""
     gain, load = bench.output.gain, bench.output.load
     facts: Facts = {
         "output_volts_per_unit": None if gain is None else gain.load_volts_per_unit,
@@ -212,10 +198,7 @@ def device_facts(bench: BenchFile, devices: Devices) -> Facts:
 
 
 def _stated(bench: BenchFile) -> Facts:
-    """Return the values of screen, sensors and calibrations by separate keys.
-
-    A later sitting can then report which value changed.
-    """
+    """Return the values of the bench file that later sittings compare."""
     parts = {"screen": bench.screen, "force": bench.force, "position": bench.position, **bench.sensors}
     return {
         f"bench_{part}_{key}": value
@@ -226,13 +209,13 @@ def _stated(bench: BenchFile) -> Facts:
 
 
 def _scalars(table: Mapping[str, Any]) -> Iterator[tuple[str, Fact]]:
-    """Yield the keys of nested tables whose values a journal can hold."""
+    """Yield the values of nested tables that a journal can contain."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from ((f"{key}_{inner}", fact) for inner, fact in _scalars(value))
         elif isinstance(value, Unlimited):
             yield key, str(value)
-        elif value is not None and value != () and value not in (inf, -inf):  # not stated; JSON has no such number
+        elif value is not None and value != () and value not in (inf, -inf):  # JSON has no infinity
             yield key, value if isinstance(value, bool | int | float | str) else str(value)
 
 
@@ -247,7 +230,7 @@ def load_bench(path: Path | None) -> BenchFile:
     Raises
     ------
     InvalidFile
-        If the file cannot be read, or holds anything unknown or impossible.
+        If the file cannot be read, or a key or value is invalid.
     """
     if path is None:
         return BenchFile()
@@ -262,7 +245,7 @@ def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
     Raises
     ------
     InvalidParameter
-        If anything is unknown, missing or impossible; the sentence opens with the key path.
+        If a key or value is invalid; the message starts with the key path.
 
     Examples
     --------
@@ -287,10 +270,7 @@ def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, 
 
 
 def _part(kind: type[T], table: Mapping[str, Any], path: str, **inner: Callable[[], object]) -> T:
-    """Build a part of the bench with its inner parts.
-
-    All mistakes in them are raised together.
-    """
+    """Build a part of the bench and its inner parts with all mistakes."""
     found, made = Gathered(), {}
     for name, build_inner in inner.items():
         with found.part():

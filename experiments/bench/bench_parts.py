@@ -1,12 +1,12 @@
-"""The parts of a bench file: what each of its tables holds."""
+"""Tables of a bench file."""
 
 import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated
 
-from annotated_types import Ge
+from annotated_types import Ge, Interval
 
-from tactometry.arguments.constraints import Finite, constrained
+from tactometry.arguments.constraints import Finite, Share, constrained
 from tactometry.arguments.require import expect, not_zero, one_of, some
 from tactometry.devices.kinds import OutputSettings
 from tactometry.devices.outputs.gain import Gain, required_gain
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from tactometry.rigs.window import Window
 
 LONGEST_DELAY_S = 0.05
-"""Of a sensor: half of the time after which a silent one is lost (unverified default)."""
+"""Half of the time after which a silent sensor is lost, as a stop comes so much later (unverified default)."""
 
 
 @dataclass(frozen=True)
@@ -48,19 +48,15 @@ class DisplayTable:
     """
 
     fullscreen: bool = True
-    width_px: int = 1280
-    height_px: int = 800
-    height_m: float | None = None
+    width_px: Annotated[int, Ge(320)] = 1280
+    height_px: Annotated[int, Ge(320)] = 800
+    height_m: Annotated[float, Interval(gt=0, lt=10)] | None = None
     language: str = "en"
     dry_run: bool = True
     screen: Annotated[int, Ge(0)] = 0
 
     def __post_init__(self) -> None:
-        expect(self.width_px >= 320, "DisplayTable.width_px", self.width_px, "at least 320 pixels")
-        expect(self.height_px >= 320, "DisplayTable.height_px", self.height_px, "at least 320 pixels")
         one_of("DisplayTable.language", self.language, languages())
-        if self.height_m is not None:
-            expect(0 < self.height_m < 10, "DisplayTable.height_m", f"{self.height_m:g}", "above 0 and below 10 m")
 
     def window(self) -> "Window":
         """Open the window of a participant.
@@ -78,6 +74,7 @@ class DisplayTable:
 
 
 @dataclass(frozen=True)
+@constrained
 class OutputPart:
     """The output, its gain and load, and the ramps of its signals.
 
@@ -98,16 +95,16 @@ class OutputPart:
     settings: OutputSettings = field(default_factory=NullSettings)
     gain: Gain | None = None
     load: Load | None = None
-    ramp_s: float = RAMP_S
+    ramp_s: Share = RAMP_S
     ungated: bool = False
 
     def __post_init__(self) -> None:
         if self.settings.connected:
             required_gain(self.gain, "OutputPart.gain")
-        expect(0 <= self.ramp_s <= 1, "OutputPart.ramp_s", f"{self.ramp_s:g}", "from 0 to 1 s")
 
 
 @dataclass(frozen=True)
+@constrained
 class SensorPart:
     """A sensor and the delay of its time stamps.
 
@@ -120,11 +117,7 @@ class SensorPart:
     """
 
     settings: SensorSettings
-    delay_s: float = 0.0
-
-    def __post_init__(self) -> None:
-        expected = f"from 0 to {LONGEST_DELAY_S:g} s: a stop comes so much later"
-        expect(0 <= self.delay_s <= LONGEST_DELAY_S, "SensorPart.delay_s", f"{self.delay_s:g}", expected)
+    delay_s: Annotated[float, Interval(ge=0, le=LONGEST_DELAY_S)] = 0.0
 
     def reader(self) -> Reader:
         return Reader(self.settings.source(), self.delay_s)
@@ -137,11 +130,11 @@ class ForcePart:
     Parameters
     ----------
     sensor : str
-        The name of one of `[sensors]`.
+        Name of a sensor in `[sensors]`.
     calibration : ForceCalibration
-        From counts to newtons.
+        Conversion of counts to newtons.
     channel : int
-        Of the sensor, from 0.
+        Channel of the sensor, from 0.
     release : bool
         Whether the force must leave its band between touches.
     """
@@ -160,7 +153,7 @@ class PositionPart:
     Parameters
     ----------
     sensor : str
-        The name of one of `[sensors]`.
+        Name of a sensor in `[sensors]`.
     channels : tuple of int
         Channels of the sensor, from 0, one for each axis. A slide's path lies along the first.
     metres_per_count : float

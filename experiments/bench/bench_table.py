@@ -26,20 +26,12 @@ def table_toml(name: str, values: Mapping[str, object]) -> str:
 
 
 def stated_in(path: Path, name: str) -> dict[str, Any]:
-    """Return a table of a bench file, such as ``output.gain``, or {}.
-
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read.
-    """
+    """Return a table of a readable bench file (``output.gain``), or {}."""
     return _within(read_table(path, "a bench file"), name)
 
 
 def with_values(text: str, name: str, values: Mapping[str, object]) -> str:
-    """Return a bench file's text with keys of a table set, or removed if None.
-
-    Everything else stays as it was.
+    """Return a bench file's text with keys set, or removed if None.
 
     >>> print(with_values("# ours\\n[screen]\\nheight_m = 0.3  # by ruler\\n", "screen", {"height_m": 0.298}), end="")
     # ours
@@ -71,11 +63,11 @@ def write_values(path: Path, name: str, values: Mapping[str, object]) -> None:
     Raises
     ------
     InvalidFile
-        If it cannot be read, or would be no bench file with these keys: the old one stands.
+        If it cannot be read, or would be no bench file with these keys.
     DeviceFailed
-        If it cannot be written: the old one stands.
+        If it cannot be written.
     """
-    file = path.resolve()  # of a link, what it leads to
+    file = path.resolve()  # the target of a link
     before = read_file(file, "a bench file", LARGEST_FILE).decode("utf-8-sig")
     with errors_in(path):
         after = _edited(before, name, values)
@@ -87,7 +79,10 @@ def _edited(before: str, name: str, values: Mapping[str, object]) -> str:
     """Edit a bench file's text, and check the result."""
     from tomlkit.exceptions import TOMLKitError
 
-    wanted = _without_none({**_within(tomllib.loads(before), name), **values})
+    kept = {
+        key: value for key, value in {**_within(tomllib.loads(before), name), **values}.items() if value is not None
+    }
+    wanted = {key: list(value) if isinstance(value, tuple) else value for key, value in kept.items()}
     try:
         after = with_values(before, name, values)
         is_done = _within(tomllib.loads(after), name) == wanted
@@ -103,15 +98,8 @@ def _within(tables: Mapping[str, Any], name: str) -> dict[str, Any]:
     return dict(tables)
 
 
-def _without_none(values: Mapping[str, object]) -> dict[str, object]:
-    kept = {key: value for key, value in values.items() if value is not None}
-    return {key: list(value) if isinstance(value, tuple) else value for key, value in kept.items()}
-
-
 def _item(value: object) -> Any:
     import tomlkit
 
-    if isinstance(value, Unlimited):
-        return tomlkit.item(str(value))
     plain: Any = list(value) if isinstance(value, tuple) else value
-    return tomlkit.item(plain)
+    return tomlkit.item(str(value) if isinstance(value, Unlimited) else plain)

@@ -7,7 +7,6 @@ from datetime import date
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.require import expect
 from tactometry.devices.sensors.reader import Reader
@@ -16,18 +15,16 @@ from tactometry.rigs.pages.layout import bar_page
 from tactometry.rigs.pages.page import Display, Input
 from tactometry.rigs.pages.presenter import Presenter, reason_to_end
 from tactometry.rigs.texts import texts_in
-from tactometry.signal import Signal
-
-FloatArray = NDArray[np.float64]
+from tactometry.signal import FloatArray, Signal
 
 STANDARD_GRAVITY_M_PER_S2: Final = 9.80665
 FIRST_SAMPLE_WITHIN_S: Final = 5.0
 TONE_HZ: Final = 100.0
 RESIDUAL_AT_MOST: Final = 0.05
-"""Largest part by which a measured voltage may be off the line of a gain, and a force off its fit as a part of the
-largest: limits and gates are as exact as they are (unverified default)."""
+"""Largest relative residual of a gain, and of a force as a part of the largest: limits and gates are as exact as these
+fits (unverified default)."""
 BAR_PART: Final = 0.5
-"""The bar that is measured on a display, as a part of its height."""
+"""Length of the bar that is measured on a display, as a part of its height."""
 BAR_WORDS: Final = """Measure the white bar
 
 Hold a ruler against the screen and read
@@ -39,7 +36,7 @@ in metres, once this page is closed."""
 
 @dataclass(frozen=True, eq=False)
 class ForceFit:
-    """Fitted force polynomial (N, N per count, ...) and its residual, N."""
+    """Fitted force polynomial (N, N per count, ...) with its points."""
 
     counts: FloatArray
     forces_n: FloatArray
@@ -88,18 +85,12 @@ def fit_force(
     forces_n = mass * gravity_m_per_s2
     fitted = np.polynomial.Polynomial.fit(count, forces_n, degree).convert().coef
     fit = ForceFit(count, forces_n, tuple(float(c) for c in np.pad(fitted, (0, degree + 1 - len(fitted)))))
-    _expect_near(fit, mass, residual_at_most)
-    return fit
-
-
-def _expect_near(fit: ForceFit, masses_kg: FloatArray, residual_at_most: float) -> None:
     off = np.abs(fit.residuals_n) / fit.forces_n.max()
     worst = int(np.argmax(off))
-    place = (
-        f"{fit.counts[worst]:.6g} counts at {masses_kg[worst]:g} kg, {off[worst]:.1%} of the largest force off the fit"
-    )
+    place = f"{count[worst]:.6g} counts at {mass[worst]:g} kg, {off[worst]:.1%} of the largest force off the fit"
     most = f"at most {100 * residual_at_most:g}%; weigh again, or fit a higher degree"
     expect(off[worst] <= residual_at_most, "fit_force", place, most)
+    return fit
 
 
 class GainFit(NamedTuple):
@@ -139,7 +130,7 @@ def fit_gain(units: Sequence[float], volts: Sequence[float], *, residual_at_most
 
 
 def show_bar(screen: Display) -> None:
-    """Show the bar that is to be measured until a key is pressed or the screen is touched.
+    """Show the measured bar until a key is pressed or the screen is touched.
 
     Raises
     ------
@@ -170,9 +161,7 @@ def display_height_m(bar_m: float) -> float:
 def force_values(fit: ForceFit, sensor: str, channel: int, on: date, by: str) -> dict[str, object]:
     """Return the fit as keys of ``[force]`` of a bench file.
 
-    The force is unknown outside the range of the weights' counts.
-
-    The calibration is stated as a polynomial. The keys of its other forms are None.
+    The force is unknown outside the range of the weights' counts. Keys of other forms of a calibration are None.
     """
     span = float(np.ptp(fit.counts))
     low, high = float(fit.counts.min()) - 0.1 * span, float(fit.counts.max()) + 0.1 * span
@@ -193,12 +182,11 @@ def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
     """
     reader.check_channels("channel", channel)
     listener = reader.listen()
-    # a board may begin a while after its line was opened
+    # A board may begin to send some time after its line was opened.
     first = next(listener.blocks(time.perf_counter() + FIRST_SAMPLE_WITHIN_S), None)
     if first is None:
-        raise DeviceFailed(
-            f"{reader.source.name}: found no sample in {FIRST_SAMPLE_WITHIN_S:g} s, expected a sensor that sends"
-        )
+        silent = f"found no sample in {FIRST_SAMPLE_WITHIN_S:g} s, expected a sensor that sends"
+        raise DeviceFailed(f"{reader.source.name}: {silent}")
     time.sleep(duration_s)
     return float(np.concatenate([first.values, listener.read().values])[:, channel].mean())
 

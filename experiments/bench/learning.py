@@ -5,40 +5,31 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from annotated_types import Ge
 
-from tactometry.arguments.require import expect, whole
+from tactometry.arguments.constraints import constrained
+from tactometry.arguments.require import expect
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.sensors.reader import Listener, Reader
 from tactometry.errors import DeviceFailed, count_of
-from tactometry.signal import Signal
+from tactometry.signal import FloatArray, Signal
 from tactometry.stimuli.time_reversal.responses.learning import Excitation, as_displacement, deconvolve
 from tactometry.stimuli.time_reversal.responses.responses import Responses
 
-FloatArray = NDArray[np.float64]
-
 LEAD_S: Final = 0.1
 REPEATABILITY: Final = 0.9
-"""Of a focus from one response, what must be left through the next (unverified default)."""
+"""Smallest share of a focus from one response that the next one must keep (unverified default)."""
 CLIPPED: Final = 0.999
 
 
 @dataclass(frozen=True)
 class Microphone:
-    """Sensor channels that record the point and the drive in a calibration.
+    """Sensor channels of a point (`channel`) and the drive (`reference`).
 
-    Parameters
-    ----------
-    reader : Reader
-    channel, reference : int
-        Of the sensor, from 0.
-    units_per_count : float
-        m, m/s or m/s^2 for a count of 1 on `channel`.
-    volts_per_count : float
-        V at the load for a count of 1 on `reference`.
+    A count of 1 is `units_per_count` m, m/s or m/s^2 at the point, and `volts_per_count` V at the load.
     """
 
     reader: Reader
@@ -55,13 +46,13 @@ class Microphone:
 
 
 @dataclass(frozen=True)
+@constrained
 class Learning:
     """Settings for learning responses.
 
-    Each of `channels` plays the excitation at `voltage_v` in turn, and `duration_s` of the response is kept.
-
+    Each of `channels` plays the excitation `n_repeats` times at `voltage_v`, and `duration_s` of the response is kept.
     `reference_output` is an output channel that also carries the drive, for a cable back to the reference. Without it,
-    the reference must record whichever channel plays. Each channel plays `n_repeats` times.
+    the reference must record whichever channel plays.
     """
 
     excitation: Excitation
@@ -71,10 +62,7 @@ class Learning:
     quantity: str = "displacement"
     reference_output: int | None = None
     regularisation: float = 1e-6
-    n_repeats: int = 2
-
-    def __post_init__(self) -> None:
-        whole("Learning", lowest=1, n_repeats=self.n_repeats)
+    n_repeats: Annotated[int, Ge(1)] = 2
 
     @property
     def recorded_s(self) -> float:
@@ -83,10 +71,7 @@ class Learning:
 
 
 class Heard(NamedTuple):
-    """Responses to one channel, of shape (1, 1, n_samples).
-
-    There is one for each repetition, and one computed from the silence before all of them.
-    """
+    """Responses (1, 1, n_samples) of repetitions, and of the silence before."""
 
     repeats: tuple[Responses, ...]
     quiet: Responses
@@ -100,9 +85,9 @@ class Heard(NamedTuple):
 class Quality(NamedTuple):
     """Quality of the measured responses of a channel.
 
-    `snr_db` is the energy of its response over that of the quiet, taken for a response; infinite where the quiet holds
-    nothing. `repeatability` is the smallest normalised correlation of two of its responses: as a drive is a response
-    turned back, the part of its focus that is left when the other response is the true one.
+    `snr_db` is the energy of its response over that of the silence, taken as a response; infinite without noise.
+    `repeatability` is the smallest normalised correlation of two of its responses: the share of a focus, driven with
+    one response, that is left if the other one is true.
     """
 
     snr_db: float
@@ -110,9 +95,7 @@ class Quality(NamedTuple):
 
 
 def quality(heard: Heard, band_hz: tuple[float, float]) -> Quality:
-    """Compute the quality of a channel's displacement responses in a band.
-
-    The channel must have been measured at least twice.
+    """Compute the quality of at least two responses in a band.
 
     Examples
     --------
@@ -127,9 +110,8 @@ def quality(heard: Heard, band_hz: tuple[float, float]) -> Quality:
     with np.errstate(divide="ignore", invalid="ignore"):
         snr_db = 10 * np.log10(np.mean(energies) / noise) if noise else math.inf
     pairs = combinations(zip(repeats, energies, strict=True), 2)
-    return Quality(
-        float(snr_db), min(float(a @ b) / math.sqrt(e * f) for (a, e), (b, f) in pairs) if all(energies) else 0.0
-    )
+    alike = [float(a @ b) / math.sqrt(e * f) for (a, e), (b, f) in pairs] if all(energies) else [0.0]
+    return Quality(float(snr_db), min(alike))
 
 
 def repeatable(
@@ -144,19 +126,16 @@ def repeatable(
     """
     for channel, each in heard:
         found = quality(each, band_hz)
-        if found.repeatability < at_least:
-            raise DeviceFailed(
-                f"channel {channel}: found a repeatability of {found.repeatability:.3f} at a signal-to-noise ratio of "
-                f"{found.snr_db:.1f} dB, expected at least {at_least:g}; play louder or longer, and let nothing move; "
-                "nothing was written"
-            )
+        words = f"a repeatability of {found.repeatability:.3f} at a signal-to-noise ratio of {found.snr_db:.1f} dB"
+        cure = f"at least {at_least:g}; play louder or longer, and let nothing move; nothing was written"
+        expect(found.repeatability >= at_least, f"channel {channel}", words, cure, DeviceFailed)
         yield each, found
 
 
 def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterator[Heard]:
-    """Measure the responses to each channel in turn.
+    """Measure the responses to each channel in turn, with open devices.
 
-    Both devices are open, and silent for the length of a recording.
+    First, the silence is recorded.
 
     Raises
     ------
@@ -167,11 +146,9 @@ def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterat
     """
     rate_hz = microphone.reader.source.rate_hz
     excitation_hz, output_hz = learning.excitation.rate_hz, output.driver.rate_hz
-    if excitation_hz != rate_hz or output_hz not in (None, rate_hz):
-        raise DeviceFailed(
-            f"calibrate: found an excitation at {excitation_hz:g} Hz, an output at {output_hz} Hz and a sensor at "
-            f"{rate_hz:g} Hz, expected one rate; nothing was played"
-        )
+    rates = f"an excitation at {excitation_hz:g} Hz, an output at {output_hz} Hz and a sensor at {rate_hz:g} Hz"
+    is_one = excitation_hz == rate_hz and output_hz in (None, rate_hz)
+    expect(is_one, "calibrate", rates, "one rate; nothing was played", DeviceFailed)
     listener = microphone.reader.listen()
     quiet = _record(listener, microphone, time.perf_counter() + learning.recorded_s)
     for channel in learning.channels:
@@ -185,7 +162,7 @@ def _played(
     learning: Learning, signal: Signal, output: Guarded, listener: Listener, microphone: Microphone
 ) -> FloatArray:
     """Play a signal and return its recording, (n_channels, n_samples)."""
-    listener.read()  # what came before is not of this recording
+    listener.read()  # discard samples from before this recording
     time.sleep(LEAD_S)
     onset_s = output.play(signal)
     recorded = _record(listener, microphone, onset_s + learning.recorded_s - LEAD_S)
@@ -194,18 +171,10 @@ def _played(
 
 
 def expect_whole(output: Guarded) -> None:
-    """Refuse an output that played with gaps.
-
-    Raises
-    ------
-    DeviceFailed
-        If the driver tells of any.
-    """
+    """Raise `DeviceFailed` if an output played with gaps."""
     if n_gaps := output.n_gaps():
-        found = f"{count_of(n_gaps, 'gap')} in what was played"
-        raise DeviceFailed(
-            f"output {output.name!r}: found {found}, expected none; close other programs and begin again"
-        )
+        found = f"found {count_of(n_gaps, 'gap')} in what was played, expected none"
+        raise DeviceFailed(f"output {output.name!r}: {found}; close other programs and begin again")
 
 
 def join(responses: Sequence[Responses]) -> Responses:
@@ -245,15 +214,13 @@ def _record(listener: Listener, microphone: Microphone, end_s: float) -> FloatAr
 def _response(
     learning: Learning, microphone: Microphone, recorded: FloatArray, heard: FloatArray | None = None
 ) -> Responses:
-    """The response in a recording; of what was `heard` at another time, what it would be taken for."""
+    """Return the response in a recording, or in one `heard` earlier."""
     heard = recorded if heard is None else heard
     drive = recorded[microphone.reference] * microphone.volts_per_count
     point = heard[microphone.channel] * microphone.units_per_count
     if not (recorded[microphone.channel].any() and drive.any()):
-        raise DeviceFailed(
-            f"{microphone.reader.source.name}: the channel or its reference heard nothing, expected both to; check the "
-            "cables"
-        )
+        name = microphone.reader.source.name
+        raise DeviceFailed(f"{name}: the channel or its reference heard nothing, expected both to; check the cables")
     n = math.ceil(learning.duration_s * learning.excitation.rate_hz)
     response = deconvolve(drive, point, n, regularisation=learning.regularisation)
     return Responses(response[None, None], learning.excitation.rate_hz, learning.quantity)

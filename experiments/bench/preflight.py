@@ -1,4 +1,4 @@
-"""Preflight: sensors and output tested before a participant comes."""
+"""Preflight: tests of sensors and output before a participant arrives."""
 
 import time
 from collections.abc import Iterator
@@ -46,14 +46,13 @@ def check(
     Parameters
     ----------
     study : str, optional
-        Name or path; its limits hold beside those of the bench.
-    bench : BenchFile
+        Name or path; its limits apply in addition to those of the bench.
     folder : Path
-        Where data would be written.
+        Folder for the data.
     hands_off : bool
-        Whether somebody said that nobody touches the surface: a connected output plays nothing without it.
+        Whether the experimenter stated that nobody touches the surface, as a connected output requires.
     allow_code : bool
-        Whether code of one's own that the study names may run.
+        Whether custom code that the study names may run.
     """
     findings, experiment = _study(study, allow_code=allow_code) if study is not None else ([], None)
     limits = experiment.study.limits if experiment is not None else bench.limits
@@ -82,7 +81,7 @@ def _study(study: str, *, allow_code: bool) -> tuple[list[Finding], Experiment |
 def devices(
     bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
 ) -> Iterator[Finding]:
-    # Without limits anywhere a volt is the most that is tried; hands are off, so that no gate of force is asked for.
+    # Without any limits, at most 1 V is played. Nobody touches the surface, so that no force gate is needed.
     connected = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today(), touched=False)
     for name, reader in connected.readers.items():
         yield from findings_of(f"sensor {name}", _sensor(name, reader))
@@ -116,15 +115,11 @@ def _stream(part: str, reader: Reader, blocks: list[SampleBlock], ages_s: list[f
     yield duration(part, "largest gap", float(np.diff(times_s).max()), MAX_GAP_S)
     yield duration(part, "latency, median", float(np.median(ages_s)), LATENCY_AT_MOST_S)
     counted = {key: value for key, value in reader.facts().items() if value not in {None, 0}}
-    yield Finding(part, "counts", ", ".join(f"{key} {_short(value)}" for key, value in counted.items()))
-
-
-def _short(value: str | float | None) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    words = (f"{key} {f'{value:.4g}' if isinstance(value, float) else value}" for key, value in counted.items())
+    yield Finding(part, "counts", ", ".join(words))
 
 
 def _gate(bench: BenchFile) -> Iterator[Finding]:
-    """Check that a sensor stops the output when the finger leaves."""
     for words in bench.cautions:
         yield Finding("output", "caution", words)
     bench.check_gate()
@@ -133,10 +128,6 @@ def _gate(bench: BenchFile) -> Iterator[Finding]:
 def _output_findings(
     output: Guarded, bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
 ) -> Iterator[Finding]:
-    """Check the tone and the strongest stimuli.
-
-    Missing limits that the load requires are reported once and end the checks.
-    """
     if output.limits is not None and output.driver.connected:
         yield duration("output", "worst-case stop, by the bench file", bench.stop_delay_s, output.limits.longest_stop_s)
     if output.limits is not None and output.load is not None:
@@ -148,10 +139,7 @@ def _output_findings(
 
 
 def _current_of_a_stop(output: Guarded, limits: Limits, load: Load) -> Finding:
-    """Report the largest current of a stop, which has no limit.
-
-    A stop must never be refused.
-    """
+    """Report the largest current of a stop, which is never refused."""
     what = "largest current of a stop, no limit holds"
     if output.driver.fall_s == 0:
         return Finding("output", what, "that of one step of the device, as fast as the amplifier follows")
@@ -186,10 +174,7 @@ def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Itera
 
 
 def tone_of(output: Guarded) -> Signal:
-    """Return a tone with ramps at a part of the voltage limit.
-
-    For a one-bit output, it is a thousand samples at the supply voltage.
-    """
+    """Return a tone at `TONE_PART` of the limit, or a one-bit square wave."""
     n_channels, rate_hz = output.driver.n_channels or 1, output.driver.rate_hz or 48_000.0
     if output.driver.one_bit:
         bits = np.where(np.arange(1000) // 10 % 2, -1.0, 1.0)

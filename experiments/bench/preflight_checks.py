@@ -1,10 +1,10 @@
-"""Preflight of the computer: its disk, its display and the keyboard."""
+"""Preflight checks of the computer, the display and sensors at rest."""
 
 import os
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +17,6 @@ from tactometry.errors import TactometryError
 from tactometry.gates import SpeedGate
 from tactometry.protocols.tasks.touch import Sliding
 from tactometry.rigs.frame_timing import timing_of
-from tactometry.rigs.keyboard import ConnectedScreen
 from tactometry.rigs.pages.layout import marker_page, message_page
 from tactometry.rigs.pages.page import Display, KeyDown, Page
 from tactometry.rigs.texts import texts_in
@@ -44,15 +43,15 @@ class Finding:
 
 FREE_BYTES = 10**9
 SYNC_AT_MOST_S = 0.1
-"""A trial's record on disk, longest of ten (unverified default)."""
+"""Largest time to write a trial's record to the disk, of ten (unverified default)."""
 N_FRAMES = 60
 DROPPED_AT_MOST = 0.01
-"""Part of the frames that may be dropped (unverified default)."""
+"""Largest share of dropped frames (unverified default)."""
 PERIOD: Final = "frame_period"
 N_KEYS, KEYS_WITHIN_S = 3, 10.0
-"""So many keys are asked for, and waited for no longer."""
+"""Number of requested key presses, and the longest wait for them."""
 KEY_TO_RECORD_AT_MOST_S = 0.05
-"""Three frames: one until the key is seen, and the disk (unverified default)."""
+"""Three frames: one until the key is read, and the disk (unverified default)."""
 
 
 def computer() -> Iterator[Finding]:
@@ -82,13 +81,13 @@ def disk(folder: Path) -> Iterator[Finding]:
 
 
 def _longest_sync_s(folder: Path, n_records: int = 10) -> float:
-    took_s = []
+    longest_s = 0.0
     with recorder(folder) as record:
         for _ in range(n_records):
             begin_s = time.perf_counter()
             record()
-            took_s.append(time.perf_counter() - begin_s)
-    return max(took_s)
+            longest_s = max(longest_s, time.perf_counter() - begin_s)
+    return longest_s
 
 
 @contextmanager
@@ -115,31 +114,18 @@ def display(screen: DisplayTable, folder: Path) -> Iterator[Finding]:
         facts, screens = window.facts(), window.screens()
         timing = timing_of(window.frame_intervals_s(), window.period_s)
         pressed = _try_keys(window, screen.language, folder)
-    yield from _screens(screen, screens)
+    participant = f", the participant's is screen {screen.screen}" if len(screens) > 1 else ""
+    yield Finding("display", "connected", f"{'; '.join(map(str, screens))}{participant}", fine=True)
     yield from _screen_findings(screen, facts, timing)
     yield pressed
-
-
-def _screens(screen: DisplayTable, there: Sequence[ConnectedScreen]) -> Iterator[Finding]:
-    """List the connected screens and the participant's one."""
-    words = "; ".join(map(str, there))
-    taken = f", the participant's is screen {screen.screen}" if len(there) > 1 else ""
-    yield Finding("display", "connected", f"{words}{taken}", fine=True)
 
 
 def key_to_record_s(
     screen: Display, page: Page, record: Callable[[], None], n_keys: int, within_s: float
 ) -> list[float]:
-    """Measure the time from each key press to its record on the disk, s.
+    """Measure the time from key presses to their records on the disk, s.
 
-    Keys are read and pages drawn as in a session.
-
-    Parameters
-    ----------
-    screen, page
-        What is shown until `n_keys` were pressed or `within_s` are over.
-    record : callable
-        Returns when a record is on the disk.
+    The page is shown until `n_keys` were pressed or `within_s` are over. `record` returns when a record is on disk.
     """
     delays_s: list[float] = []
     onset_s = screen.present(page)
@@ -171,20 +157,18 @@ def _try_keys(screen: Display, language: str, folder: Path) -> Finding:
 def _screen_findings(screen: DisplayTable, facts: Facts, timing: Mapping[str, int | float | None]) -> Iterator[Finding]:
     size = f"{facts['display_width_px']} x {facts['display_height_px']} px"
     yield Finding("display", "size", size, fine=True)
-    height = "not measured" if screen.height_m is None else f"{screen.height_m:g} m"
-    yield Finding("display", "height", height)
+    yield Finding("display", "height", "not measured" if screen.height_m is None else f"{screen.height_m:g} m")
     yield _period(facts)
     interval_ms = [f"{1e3 * float(timing[f'frame_interval_{name}_s'] or 0):.1f}" for name in ("median", "p99", "max")]
     yield Finding("display", "frame interval", f"{interval_ms[0]} ms, p99 {interval_ms[1]}, longest {interval_ms[2]}")
     n_dropped, n_frames = int(timing["n_dropped_frames"] or 0), int(timing["n_frames"] or 0)
-    n_due = n_frames + n_dropped
-    fine = n_dropped <= DROPPED_AT_MOST * n_due
-    yield Finding("display", "dropped frames", f"{n_dropped} of {n_due}", f"at most {DROPPED_AT_MOST:.0%}", fine)
+    found, n_due = f"{n_dropped} of {n_frames + n_dropped}", n_frames + n_dropped
+    few = n_dropped <= DROPPED_AT_MOST * n_due
+    yield Finding("display", "dropped frames", found, f"at most {DROPPED_AT_MOST:.0%}", few)
     yield Finding("display", "keyboard", str(facts["keyboard"]), fine=True)
 
 
 def _period(facts: Facts) -> Finding:
-    """Compare the measured frame period with that of the screen's mode."""
     measured, expected = (f"{1e3 * float(facts[name] or 0):.2f} ms" for name in (f"{PERIOD}_measured_s", f"{PERIOD}_s"))
     if facts["frames_paced_in_software"]:
         return Finding("display", "frame period", f"{expected}, in software: there is no vertical blank")
@@ -257,7 +241,10 @@ def _at_rest(sensor: StreamedSensor, part: PositionPart, slides: list[Sliding]) 
 
 
 def _at_full_scale(counts: FloatArray) -> Iterator[Finding]:
-    """Find samples at the largest count of a sensor of few bits, which it sends at overload or without a finger."""
+    """Find samples at the largest count of a sensor with few bits.
+
+    Such sensors send it at overload or without a finger.
+    """
     for axis in np.rint(counts).T:
         bits = int(axis.max()).bit_length() if axis.max() > 0 else 0
         if bits in FEW_BITS and axis.max() == 2**bits - 1:
@@ -268,7 +255,6 @@ def _at_full_scale(counts: FloatArray) -> Iterator[Finding]:
 
 
 def _speed(found_m_per_s: float | None, slides: list[Sliding]) -> Finding:
-    """Check that the measured speed at rest is below a slide's tolerance."""
     least = [_band_m_per_s(slide) for slide in slides if slide.speed_tolerance is not None]
     if found_m_per_s is None:
         return Finding("position", "speed, at rest", "not known", "a sensor without gaps", fine=False, device=True)
@@ -286,7 +272,7 @@ def _band_m_per_s(slide: Sliding) -> float:
 
 
 def fastest_m_per_s(times_s: FloatArray, along_m: FloatArray) -> float | None:
-    """The highest speed at which the gate of a slide hears a finger move along its path; None where it hears none.
+    """Return the highest speed that the gate of a slide measures, or None.
 
     >>> time_s = np.arange(200) / 1000
     >>> round(fastest_m_per_s(time_s, 0.05 * time_s), 9)

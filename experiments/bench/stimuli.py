@@ -1,4 +1,4 @@
-"""The stimuli of a study as a bench plays them: from learnt responses, and switched, where a board has two voltages."""
+"""Stimuli of a study as a bench plays them."""
 
 import math
 from collections.abc import Mapping
@@ -34,9 +34,9 @@ class OnChannels:
         return self.stimulus.level_unit
 
     def at(self, level: float) -> Signal:
-        """Return the stimulus's signal on the output's channels.
+        """Return the signal on the output's channels.
 
-        A signal with another number of channels is returned as it is, and the output refuses it.
+        A signal with another number of channels is unchanged, so that the output refuses it.
         """
         signal = self.stimulus.at(level)
         if signal.samples.shape[0] != len(self.channels):
@@ -48,10 +48,9 @@ class OnChannels:
 
 @dataclass(frozen=True)
 class CommandedSupply:
-    """A switched stimulus whose supply falls with the level from `highest` on, down to `lowest_part` of what it was.
+    """Switched stimulus whose supply falls with the level from `highest` on.
 
-    Drives are in proportion to their supply: the levels down to there are switched alike, below it bursts and pulses
-    are shorter.
+    Drives are proportional to the supply. Below this share, bursts and pulses become shorter.
     """
 
     stimulus: Stimulus
@@ -74,10 +73,8 @@ class CommandedSupply:
 class Board:
     """Board that switches between `supply_v`, its negative and off.
 
-    Its channels move plates, except that of an `electrode`.
-
-    The level of a focus is set by the length of bursts, that of an electrovibration carrier by the width of pulses. If
-    the supply can be commanded down to `lowest_supply_v`, it is lowered first.
+    Its channels move plates, except that of an `electrode`. The length of bursts sets the level of a focus, the width
+    of pulses that of an electrovibration carrier. A supply with a `lowest_supply_v` is lowered first.
     """
 
     supply_v: float
@@ -87,7 +84,10 @@ class Board:
     lowest_supply_v: float | None = None
 
     def made(self, stimulus: Stimulus, highest: float) -> Stimulus:
-        """The stimulus as this board makes it up to a level; what it cannot make stays, and the output refuses it."""
+        """Return a stimulus as switched by this board up to a level.
+
+        A stimulus that it cannot switch is unchanged, so that the output refuses it.
+        """
         switched = self._switched(stimulus)
         if switched is stimulus or self.lowest_supply_v is None:
             return switched
@@ -115,44 +115,41 @@ class Board:
 
 
 def board_of(output: OutputPart) -> Board | None:
-    """The board of a bench, where its output is one."""
-    if not output.settings.connected:
+    """Return the board of a bench, or None for another output."""
+    settings, gain = output.settings, output.gain
+    if not settings.connected or gain is None:
         return None
     from tactometry.devices.outputs.packed import PackedSettings
 
-    settings, gain = output.settings, output.gain
-    if not isinstance(settings, PackedSettings) or gain is None:
+    if not isinstance(settings, PackedSettings):
         return None
-    clock_and_channels = settings.rate_hz, settings.n_channels, settings.electrode
-    return Board(gain.load_volts_per_unit, *clock_and_channels, settings.lowest_supply_v)
+    supply_v, channels = gain.load_volts_per_unit, (settings.n_channels, settings.electrode)
+    return Board(supply_v, settings.rate_hz, *channels, settings.lowest_supply_v)
 
 
 def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
-    """The stimuli by name, as this bench plays them.
+    """Return the stimuli by name, as this bench plays them.
 
     Raises
     ------
     InvalidFile, InvalidParameter
-        If the responses that were learnt cannot be read or do not suit a stimulus, or its board cannot switch one.
+        If learned responses cannot be read or do not suit a stimulus, or the board cannot switch one.
     """
     bank, board = bank_of(experiment, bench.time_reversal), board_of(bench.output)
     if board is None:
         return bank
-    return {name: _switch(name, stimulus, experiment.bounds(name), board) for name, stimulus in bank.items()}
-
-
-def _switch(name: str, stimulus: Stimulus, bounds: tuple[float, float], board: Board) -> Stimulus:
-    """Switch a stimulus and check its lowest level."""
-    lowest, highest = bounds
-    with rewording(lambda words: f"output, {name}: {words}; nothing was played"):
-        made = board.made(stimulus, highest)
-        if made is not stimulus:
-            made.at(lowest)
-        return made
+    switched = {}
+    for name, stimulus in bank.items():
+        lowest, highest = experiment.bounds(name)
+        with rewording(partial("output, {}: {}; nothing was played".format, name)):
+            switched[name] = board.made(stimulus, highest)
+            if switched[name] is not stimulus:
+                switched[name].at(lowest)
+    return switched
 
 
 def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:
-    """The stimuli by name; the kinds `focus`, `pattern` and `hybrid` from the learnt responses, where there are any.
+    """Return the stimuli by name, those of plates from learned responses.
 
     Raises
     ------
@@ -187,10 +184,7 @@ def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimu
 
 
 def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
-    """Return the journal's facts about the responses.
-
-    They are the file, its digest, and when and by whom it was measured.
-    """
+    """Return facts about the responses for the journal."""
     if learnt is None:
         return {}
     from tactometry.provenance import sha256
@@ -204,14 +198,14 @@ def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
 
 
 def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices) -> None:
-    """Refuse a texture where nothing tells where the finger is, or the output cannot follow it.
+    """Refuse a texture that position sensor or output cannot follow.
 
     Raises
     ------
     InvalidParameter
         If there is no position sensor, it is a recording, or too slow for the texture at the speed of the touch.
     DeviceFailed
-        If the output takes no signal that follows a finger.
+        If the output accepts no signal that follows a finger.
     """
     driver = devices.output.driver
     for cell in experiment.cells.values() if driver.emits else ():

@@ -114,7 +114,7 @@ def study_tables() -> Iterator[KeyTable]:
     image, of_image = "tactometry.rigs.texts:ImageTable", {"path": "setup.png"}
     yield KeyTable("images", "[images.MESSAGE]", image, example=of_image, samples={"sha256": DIGEST})
     yield limits("limits", "[limits]")
-    yield KeyTable("study.scene", "[scene]", f"{read}.scene_table:SceneTable", samples=_OF_SCENE)
+    yield KeyTable("study.scene", "[scene]", f"{read}.felt_scene:SceneTable", samples=_OF_SCENE)
     yield from _surfaces()
     yield from analysis_tables("analysis", "[analysis]")
 

@@ -1,4 +1,4 @@
-"""Built-in scenes: files that hold numbers, nothing else."""
+"""Built-in scene files."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ FOLDER = Path(__file__).parent
 
 
 def names() -> list[str]:
-    """The built-in scenes.
+    """Return the names of the built-in scenes.
 
     >>> "electrovibration-panel" in names()
     True
@@ -18,13 +18,7 @@ def names() -> list[str]:
 
 
 def path_of(scene: str) -> Path:
-    """The file of a scene: a built-in name or a path.
-
-    Raises
-    ------
-    InvalidParameter
-        If it is neither.
-    """
+    """Return the file of a scene, or raise `InvalidParameter`."""
     if scene in names():
         return FOLDER / f"{scene}.toml"
     hint = nearest(scene, names())

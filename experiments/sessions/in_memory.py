@@ -27,7 +27,7 @@ from .simulation import Simulation
 
 NUMERIC: Final = frozenset((*NUMBERS, *COUNTS, *FLAGS))
 NOWHERE: Final = Path("simulated in memory")
-"""In place of the folder of a data set, in what is told of its rows."""
+"""Printed instead of the folder of a data set."""
 
 
 class Collector:
@@ -43,13 +43,11 @@ class Collector:
             self.trials.append(request.trial)
 
     def finish(self) -> None:
-        """There is nothing to close."""
+        pass
 
 
 def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
-    """Return the trials of one session of one simulated participant.
-
-    `who.seed` must be given.
+    """Return the trials of a simulated session with a given seed.
 
     >>> from ..study.experiment import wire
     >>> from ..study.study_file import load
@@ -64,9 +62,7 @@ def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
 
 
 def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
-    """Simulate all sessions as input of `analysis.pipeline.analyse_trials`.
-
-    Each cell equals that of the data set that a recording would write.
+    """Simulate sessions in memory as a recorded data set would be read.
 
     >>> from ..study.experiment import wire
     >>> from ..study.study_file import load
@@ -78,9 +74,7 @@ def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
 
 
 def trials_of(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Trials:
-    """Simulate all sessions here, on `n_jobs` processes or a Dask cluster.
-
-    `scheduler` is the cluster's address. The format is that of `simulated_trials`.
+    """Simulate all sessions as `simulated_trials`, on several processes.
 
     The result does not depend on where it is computed.
 
@@ -105,7 +99,7 @@ def _table(experiment: Experiment, who: Who) -> tuple[Path, pd.DataFrame]:
 
 
 def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> pd.DataFrame:
-    """Return a table as the trials file of a session would be read, with floats where the analysis needs numbers."""
+    """Return the trials file of a session as it would be read."""
     known = [values_of(trial, session, SIMULATED) for trial in trials]
     by_name = {column.name: [values.get(column.name) for values in known] for column in columns}
     table = pd.DataFrame({name: _column(name, values) for name, values in by_name.items()})
@@ -113,7 +107,7 @@ def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column])
 
 
 def _column(name: str, values: Sequence[Value]) -> Any:
-    """Return floats for numbers of a column of numbers, else the text of the cells, which the analysis checks."""
+    """Return the numbers of a numeric column, else the text of its cells."""
     if name in NUMERIC and all(value is None or isinstance(value, int | float) for value in values):
         numbers = np.array(values, dtype=np.float64)  # None becomes NaN
         if np.isfinite(numbers).sum() == len(values) - values.count(None):

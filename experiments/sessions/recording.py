@@ -26,10 +26,7 @@ from ..study.rehearsal import flaw
 
 @dataclass(frozen=True)
 class Who:
-    """Participant of a session.
-
-    `number` serves counterbalancing. A `seed` of None means a new one, or the recorded one.
-    """
+    """Participant of a session; the seed None means new or recorded."""
 
     participant: str
     session: int = 1
@@ -38,7 +35,7 @@ class Who:
 
     @property
     def counterbalancing_number(self) -> int:
-        """Given number, else the trailing digits of the code.
+        """The given number, else the trailing digits of the code.
 
         >>> Who("P017").counterbalancing_number
         17
@@ -56,11 +53,7 @@ class Who:
 
 @dataclass(frozen=True)
 class Recorded:
-    """Result of a sitting.
-
-    It has the folder, the number of trials in all and before it (each repeated trial counted once), how each procedure
-    ended, and what was repaired.
-    """
+    """Result of a sitting, with counts of trials in all and before it."""
 
     trials: Path
     tally: Tally
@@ -86,9 +79,7 @@ class Recorded:
 
 @dataclass(frozen=True)
 class RigKind:
-    """Factory of a rig for a seed and a log, and facts on the participant.
-
-    The facts are the ground truth of a simulated participant.
+    """Factory of a rig, and ground truth of a simulated participant.
 
     `simulated_time` rigs leave no time stamp, so that the same seed gives the same bytes.
     """
@@ -129,7 +120,7 @@ def record(
     InvalidFile
         If the session is recorded already and `resume` is not given, or `root` holds another study.
     InvalidParameter
-        If `who` asks for another seed or number than the recorded one, or was erased and `allow_erased` is not given.
+        If the seed or number differs from the recorded one, or the participant was erased without `allow_erased`.
     """
     design, session = experiment.design(study_toml), Session(who.participant, who.session, experiment.study.name)
     number = who.counterbalancing_number
@@ -138,7 +129,7 @@ def record(
     if flawed:
         tell(flawed)
     withdrawal = Withdrawal(root, session)
-    # The session is ours before any device opens, and closed after the last of them, whatever fails between.
+    # The session is locked before any device opens, and closed after the last of them, whatever fails between.
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
         refuse_erased(root, [who.participant], allowed=allow_erased)  # erased before the session was locked
@@ -159,18 +150,18 @@ def record(
 
 
 def _made(kind: RigKind, seed: int, keeper: OpenSession, withdrawal: Withdrawal) -> Rig:
-    """Open the rig; a session whose rig cannot open leaves no data set behind."""
+    """Open the rig. A session whose rig cannot open leaves no data set."""
     try:
         return kind.make(seed, keeper)
     except BaseException:
-        withdrawal.undo()  # before the journal is closed: until then nobody else begins this session
+        withdrawal.undo()  # before the journal is closed, while no other process can begin this session
         raise
 
 
 def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None:
     """Write the head of a sitting, and report changes since the last one."""
     if keeper.journal.recording.complete:
-        return  # a session that is over begins no sitting
+        return  # a completed session begins no sitting
     changed = [phrase for last in keeper.journal.recording.sittings[-1:] for phrase in differences(last, head)]
     if changed:
         tell(f"this sitting is not as the last one: {'; '.join(changed)}")
@@ -178,17 +169,16 @@ def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None
 
 
 def _session_seed(head: Head | None, who: Who, kind: RigKind) -> int:
-    """Return the seed of the session, the recorded one if it is resumed."""
     number = who.counterbalancing_number
     if head is None:
         return secrets.randbelow(2**32) if who.seed is None else who.seed
     if kind.name != head.rig:
         raise InvalidParameter(f"--rig: found {kind.name}, but this session began with {head.rig}; go on with that")
-    asked = {"seed": head.seed if who.seed is None else who.seed, "number": number}
-    for name, value in asked.items():
-        if value != getattr(head, name):
+    seed = head.seed if who.seed is None else who.seed
+    for name, value, begun in (("seed", seed, head.seed), ("number", number, head.number)):
+        if value != begun:
             raise InvalidParameter(
-                f"--{name}: found {value}, but this session began with {getattr(head, name)}; leave it out to go on"
+                f"--{name}: found {value}, but this session began with {begun}; leave it out to go on"
             )
     return head.seed
 

@@ -1,4 +1,4 @@
-"""The rigs of `tactometry run`, made from a study and a bench file."""
+"""Rigs of `tactometry run`, built from a study and a bench file."""
 
 import sys
 from contextlib import ExitStack
@@ -9,7 +9,7 @@ import click
 
 from tactometry.records.description import SIMULATED
 
-# Rigs and their devices are imported where one is made: a command that makes none starts without their libraries.
+# Rigs and devices are imported when one is built, so that other commands start without their libraries.
 if TYPE_CHECKING:
     from tactometry.rigs.device_rig import Equipment
     from tactometry.session.event import EventLog
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def rig_kind(name: str, experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "RigKind":
-    """How the rig of this name, one of `tactometry.trials.columns.RIGS`, is made: by the function of its name here."""
+    """Return the rig that the function of this name in this module builds."""
     kind: RigKind = globals()[name](experiment, who, bench_file)
     return kind
 
@@ -38,10 +38,7 @@ def check_needs(kind: "RigKind", experiment: "Experiment", who: "Who", bench_fil
 
 
 def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | None" = None) -> "Equipment":
-    """Return the devices of a bench, still closed.
-
-    The output continues the count of what the session already played, as recorded in the log.
-    """
+    """Return the closed devices of a bench, with the exposure of the log."""
     from datetime import date
 
     from tactometry.devices.outputs.output import check_format

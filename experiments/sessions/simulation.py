@@ -23,10 +23,7 @@ MOST_PARTICIPANTS = 100_000
 
 @dataclass(frozen=True)
 class Simulation:
-    """Simulated participants of a study, given as the bytes of its file.
-
-    `code_from` is the folder from which custom code of an observer is imported.
-    """
+    """Simulated participants, with custom code from `code_from`."""
 
     study_toml: bytes
     where: str
@@ -59,13 +56,7 @@ class Simulation:
         return _wired(self.study_toml, self.where, self.code_from, state)
 
     def check(self) -> Experiment:
-        """Check that the study can be simulated before a process starts.
-
-        Raises
-        ------
-        InvalidParameter
-            If its people, or what they feel by, are a class of one's own that is not allowed.
-        """
+        """Raise `InvalidParameter` for custom code that is not allowed."""
         experiment = self.experiment()
         with rewording(lambda words: f"{self.where}, {words}"):
             experiment.check_allowed()
@@ -86,16 +77,14 @@ def _wired(study_toml: bytes, where: str, code_from: Path | None, state: str) ->
 
 
 def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Recorded]:
-    """Yield each session as it is finished.
-
-    They run here, on `n_jobs` processes, or on the Dask cluster at `scheduler`.
+    """Yield finished sessions from `n_jobs` processes or a Dask cluster.
 
     The result does not depend on where it is computed.
     """
     flaw(simulation.check(), simulation.root)
     codes = [who.participant for who in simulation.sessions()]
     refuse_erased(simulation.root, codes, allowed=simulation.allow_erased)
-    if n_jobs != 1 or scheduler is not None:  # a process that is kept, or on another machine, is in a folder of its own
+    if n_jobs != 1 or scheduler is not None:  # other processes may run in another folder
         simulation = replace(simulation, root=simulation.root.absolute())
     with workers(n_jobs, scheduler) as spread:
         yield from spread(simulation.record, simulation.sessions())

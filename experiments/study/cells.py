@@ -16,7 +16,7 @@ from tactometry.signal import Stimulus
 from tactometry.trials.cells import cell as cell_text
 from tactometry.user_code import is_own
 
-from .felt_scene import felt
+from .felt_scene import felt, felt_scene
 from .kinds import DEFAULT_SCENE, OWN, STIMULI, TOUCHES, StimulusKind
 from .own_parts import OwnStimulus, sensation_class, stimulus_class as own_stimulus_class
 from .procedure_table import ReadyProcedure, rule_of, without
@@ -59,10 +59,9 @@ def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
 
 
 class Wiring:
-    """Wirer of a study's cells, which builds shared parts once.
+    """Builder of a study's cells, which builds shared parts once.
 
-    Custom code is imported from a folder, or refused without one. Without `plays`, neither custom code nor files are
-    needed.
+    Custom code is imported from a folder, or refused without one. Without `plays`, custom code and files are unused.
     """
 
     def __init__(self, study: Study, code_from: Path | None = None, *, plays: bool = True) -> None:
@@ -76,7 +75,7 @@ class Wiring:
         Raises
         ------
         InvalidParameter
-            If a table holds what its kind does not know, or a factor changes nothing.
+            If a table has an unknown key or invalid value, or a factor changes nothing.
         """
         of = tables(self.study, factors)
         found = Gathered()
@@ -90,23 +89,17 @@ class Wiring:
     def _played(
         self, of: Mapping[str, Mapping[str, Any]], factors: Factors
     ) -> tuple[Condition, Stimulus, StimulusKind, Sensation]:
-        """Return what a cell plays, its kind and what is felt of it."""
         touch_class = resolve(kind_of(of["touch"], "touch", TOUCHES))
         kind, stimulus_class = self._kind(of["stimulus"], factors, touch_class)
-        expect(
-            not (kind.stands and touch_class is Sliding),
-            "touch.kind",
-            f"'slide' with the stimulus {of['stimulus']['kind']!r}",
-            "'press': a finger that slides leaves a focus; take 'hybrid' for a focus and friction at once",
-        )
+        slides, found = touch_class is Sliding, f"'slide' with the stimulus {of['stimulus']['kind']!r}"
+        pressed = "'press': a finger that slides leaves a focus; take 'hybrid' for a focus and friction at once"
+        expect(not (kind.stands and slides), "touch.kind", found, pressed)
         resting = "'slide': a finger that rests feels no texture"
-        expect(not kind.follows or touch_class is Sliding, "touch.kind", "'press' with a texture", resting)
+        expect(not kind.follows or slides, "touch.kind", "'press' with a texture", resting)
         self._check_effect(factors, of, stimulus_class, touch_class)
         stimulus = self._stimulus(kind, of["stimulus"], factors, stimulus_class)
-        # A touch lasts as long as what is felt: no file states it twice.
-        touch: Touch = build(
-            touch_class, _keys(of["touch"], factors, touch_class), "touch", duration_s=stimulus.duration_s
-        )
+        stated = _keys(of["touch"], factors, touch_class)
+        touch: Touch = build(touch_class, stated, "touch", duration_s=stimulus.duration_s)
         if kind.follows and isinstance(touch, Sliding):
             with rewording(lambda words: words.replace(stimulus_class.__name__, "stimulus", 1)):
                 stimulus.check_motion(touch.speed_m_per_s)
@@ -120,7 +113,6 @@ class Wiring:
         return condition, stimulus, kind, self._felt(kind, of, stimulus, touch)
 
     def _kind(self, table: Mapping[str, Any], factors: Factors, touch_class: type) -> tuple[StimulusKind, Any]:
-        """Return the kind of a stimulus and its class."""
         if not is_own(table.get("kind")):
             kind: StimulusKind = kind_of(table, "stimulus", STIMULI)
             return kind, resolve(kind.stimulus)
@@ -129,7 +121,6 @@ class Wiring:
         return OWN, own_stimulus_class(table, of_stimulus, of_touch, self._code_from, plays=self._plays)
 
     def _stimulus(self, kind: StimulusKind, stated: Mapping[str, Any], factors: Factors, stimulus_class: Any) -> Any:
-        """Build a stimulus after its parts."""
         table = self._located(_keys(stated, factors, stimulus_class))
         parts = {
             key: build_kind(self._located(as_table(table.get(key, {}), f"stimulus.{key}")), f"stimulus.{key}", kinds)
@@ -141,42 +132,33 @@ class Wiring:
         return OwnStimulus(stimulus, stated["kind"]) if kind is OWN else stimulus
 
     def _located(self, table: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return a table with its `path` as a path from the current folder; data are read without the files."""
+        """Return a table with its `path` as seen from the current folder."""
         path = table.get("path")
         return {**table, "path": self.study.beside(path)} if self._plays and isinstance(path, str) else table
 
     def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
-        """Name a stimulus by all factors that change it.
-
-        Journals contain the name, and cells with the same name share a stimulus.
-        """
-        of_stimulus = _fields(factors, stimulus_class)
+        """Name a stimulus by all factors that change it, for journals."""
         of_variants = {name: level for name, level in factors.items() if name in self.study.variants}
-        return ", ".join(
-            [kind, *(f"{key}={cell_text(level)}" for key, level in {**of_stimulus, **of_variants}.items())]
-        )
+        named = _fields(factors, stimulus_class) | of_variants
+        return ", ".join([kind, *(f"{key}={cell_text(level)}" for key, level in named.items())])
 
     def procedure(self, table: Mapping[str, Any]) -> ReadyProcedure:
         """Build a procedure once: tables of QUEST+ take longer than the rest."""
-        key = repr(table)  # a table holds lists, which have no hash
+        key = repr(table)  # lists in a table have no hash
         if key not in self._procedures:
             self._procedures[key] = rule_of(table)
         return self._procedures[key]
 
     def _felt(self, kind: StimulusKind, of: Mapping[str, Mapping[str, Any]], stimulus: Any, touch: Touch) -> Sensation:
-        """Return the sensation through the study's or the stimulus's scene.
-
-        `[sensation]` contains values for the effects of the stimulus's scene.
-        """
+        """Return the sensation through the scene of study or stimulus."""
         if is_own(of["sensation"].get("kind")):
-            expect(not of["scene"], "scene", "a table beside a [sensation] of one's own", "one of the two; remove one")
+            both = "a table next to a custom [sensation]"
+            expect(not of["scene"], "scene", both, "one of the two; remove one")
             return self._own_sensation(of["sensation"])
         if not of["scene"]:
             return self._by_default(kind, of["sensation"], stimulus)
-        from .scene_table import felt_scene
-
-        one = "one of the two: the scene's effects hold such keys; remove one"
-        expect(not of["sensation"], "sensation", "a table beside [scene]", one)
+        one = "one of the two: the scene's effects have such keys; remove one"
+        expect(not of["sensation"], "sensation", "a table next to [scene]", one)
         scene = felt_scene(of["scene"], kind.surface, stimulus, touch)
         return self._sensations.setdefault(repr(scene), scene)
 
@@ -192,7 +174,12 @@ class Wiring:
         key = repr((kind.sensation, table, shared, stimulus.duration_s))
         if key not in self._sensations:
             model = build(resolve(kind.sensation), table, "sensation", **shared)
-            self._sensations[key] = _default_scene(model, stimulus.duration_s) if kind.surface else model
+            if kind.surface:
+                with rewording(lambda words: f"sensation: {words}"):
+                    scene = resolve(DEFAULT_SCENE)(model, stimulus.duration_s)
+                    scene.felt().resolve()
+                model = felt(scene)
+            self._sensations[key] = model
         return self._sensations[key]
 
     def _check_effect(
@@ -206,15 +193,8 @@ class Wiring:
                     f"({', '.join(dict.fromkeys(known))}){nearest(name, known)}"
                 )
             for where in ("stimulus", "touch"):
-                twice = "a value that is a factor too"
-                expect(name not in of[where], f"{where}.{name}", twice, "one of the two; remove it here or in factors")
-
-
-def _default_scene(model: Any, duration_s: float) -> Sensation:
-    with rewording(lambda words: f"sensation: {words}"):
-        scene = resolve(DEFAULT_SCENE)(model, duration_s)
-        scene.felt().resolve()
-    return felt(scene)
+                one = "one of the two; remove it here or in factors"
+                expect(name not in of[where], f"{where}.{name}", "a value that is a factor too", one)
 
 
 def _keys(table: Mapping[str, Any], factors: Factors, kind: type) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Checks of a wired study: limits, places, and the guess rates of its rules."""
+"""Checks of a wired study: limits and places."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
@@ -13,13 +13,11 @@ from tactometry.safety.limits import Limits
 from tactometry.session.request import Play
 from tactometry.signal import Signal, Stimulus
 
-from .cells import WiredCell, tables
-from .procedure_table import check_guess_rates
+from .cells import WiredCell
 from .session_plan import Key, places_of
-from .study import Study
 
 MOST_SAMPLES = 100_000_000
-"""What a stimulus may hold: 800 MB."""
+"""Largest size of a stimulus: 800 MB."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +45,7 @@ def check_forces(limits: Limits, conditions: Iterable[Condition]) -> None:
 
 
 def check_signal(limits: Limits, strongest: Strongest) -> None:
-    """Refuse a signal beyond the limits.
-
-    Its length is checked first, as it may have too many samples to compute.
-    """
+    """Refuse a signal beyond the limits, its length first."""
     stimulus = strongest.stimulus
     duration_s = getattr(stimulus, "duration_s", 0.0)
     longest = f"at most limits.duration_s, {limits.longest_s:g} s; shorten the stimulus, or raise the limit"
@@ -65,12 +60,6 @@ def _within_limits(finding: str) -> AbstractContextManager[None]:
     return rewording(lambda words: f"{finding}, expected one within the limits ({words})")
 
 
-def check_rules(study: Study, cells: Iterable[WiredCell]) -> None:
-    """Refuse rules whose guess rate contradicts the task (`check_guess_rates`)."""
-    for cell in cells:
-        check_guess_rates(tables(study, cell.condition.factors)["procedure"], study.task)
-
-
 def check_places(over: str | None, cells: Mapping[Key, WiredCell]) -> None:
     """Refuse alternatives of a trial that share a place."""
     together: dict[Key, list[frozenset[Place]]] = defaultdict(list)
@@ -80,4 +69,4 @@ def check_places(over: str | None, cells: Mapping[Key, WiredCell]) -> None:
     for alternatives in together.values() if over else ():
         n, n_apart = len(alternatives), len(set(alternatives))
         found = f"{n} alternatives of {over!r} at {count_of(n_apart, 'place')}"
-        expect(n == n_apart, "task.over", found, "no more answers than places; give each a place of its own")
+        expect(n == n_apart, "task.over", found, "no more answers than places; give each a separate place")

@@ -14,17 +14,16 @@ from .experiment import Experiment
 from .session_plan import stream
 
 ITEM_S = 5.0
-"""What an item of a questionnaire takes a participant (unverified default)."""
+"""Assumed time for an item of a questionnaire (unverified default)."""
 LONG_S, LONGEST_S = 3 * 3600.0, 24 * 3600.0
-"""A session that lasts longer is told, or refused."""
+"""Longer sessions are warned of, or refused."""
 
 
 @dataclass(frozen=True)
 class PlannedBlock:
     """Planned part of a session.
 
-    It has its number, factors, procedure or questionnaire, number of interleaved tracks, and the largest numbers of
-    trials (catch trials included) and items.
+    `procedure` may be a questionnaire. `n_trials_at_most` includes catch trials. `n_items` are those of questionnaires.
     """
 
     block: int
@@ -69,20 +68,16 @@ def _planned_block(number: int, part: Part) -> PlannedBlock:
 
 
 def _n_trials(block: Block) -> Iterator[int]:
-    rate = block.catch_rate
+    # Of each group of this many trials, exactly one is a catch trial.
+    n_group = max(round(1 / block.catch_rate), 2) if block.catch_rate else inf
     for track in block.tracks:
-        n_stimuli = track.procedure.n_trials_at_most
-        if rate == 0:
-            yield n_stimuli
-        else:
-            n_group = max(round(1 / rate), 2)  # of each group of trials exactly one is a catch trial
-            yield round(n_stimuli / (1 - 1 / n_group))
+        yield round(track.procedure.n_trials_at_most / (1 - 1 / n_group))
 
 
 def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
     """Return the longest duration of a session, s.
 
-    It adds the study's time per trial, `ITEM_S` per item, and rests. `longest_s` of the plan and of the task cap it.
+    It adds times per trial, `ITEM_S` per item and rests, up to `longest_s` of plan and task.
     """
     most_s, parts_s = experiment.study.plan.longest_s, [_longest_block_s(experiment, block) for block in blocks]
     return min(sum(parts_s), inf if most_s is None else most_s + max(parts_s, default=0.0))

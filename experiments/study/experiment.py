@@ -4,13 +4,11 @@ import itertools
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from math import comb
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from tactometry.arguments.require import at_most
 from tactometry.config.quantity import unit_suffix, units
@@ -33,13 +31,13 @@ from tactometry.trials.columns import Column, table_columns
 from tactometry.trials.tasks import TASKS
 from tactometry.user_code import not_allowed
 
-from .cells import WiredCell, Wiring
-from .checks import Strongest, check_forces, check_places, check_rules, check_signal
+from .cells import WiredCell, Wiring, tables
+from .checks import Strongest, check_forces, check_places, check_signal
 from .felt_scene import FeltScene, scene_in_words
 from .own_parts import Unseen
-from .procedure_table import practice_of
+from .procedure_table import check_guess_rates, practice_of
 from .prompts import messages_of, texts_of
-from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
+from .session_plan import Factors, Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
 from .study import Study
 from .task_table import DECISIONS, TaskTable, asked_form, dimensions_of, task_of
 
@@ -49,10 +47,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Experiment(SessionPlan):
-    """Wired study with built tables, named stimuli and checked levels.
-
-    `where` is its name or file.
-    """
+    """Wired study (name or file `where`) with checked levels."""
 
     people: Population
     where: str
@@ -62,10 +57,7 @@ class Experiment(SessionPlan):
         return self.table.task
 
     def words_in(self, language: str) -> dict[str, str]:
-        """Return the study's participant texts in a language.
-
-        They replace the shipped texts. The prompt overrides the study's texts, and questions about a person add theirs.
-        """
+        """Return the participant texts that replace shipped ones."""
         kind = self.table.kind
         asked = messages_of(kind, self.table.task_kind.questions)
         of_choices = {name: text for form in self.choices for name, text in words_of(form, language).items()}
@@ -133,12 +125,12 @@ class Experiment(SessionPlan):
         return session(parts, rng, self.study.plan.longest_s, consent=self.study.consent)
 
     def sensation(self) -> Sensation:
-        """Sensation model of the first cell's stimulus."""
+        """Return the sensation model of the first cell's stimulus."""
         return next(iter(self.cells.values())).sensation
 
     @cached_property
     def felt(self) -> str:
-        """Through which effects simulated participants feel; by stimulus, where they differ; empty without a scene."""
+        """Effects of the scenes, by stimulus if they differ; else empty."""
         by_stimulus = {cell.condition.stimulus: cell.sensation for cell in self.cells.values()}
         scenes = {name: scene_in_words(skin.scene) for name, skin in by_stimulus.items() if isinstance(skin, FeltScene)}
         firsts = {words: name for name, words in reversed(scenes.items())}
@@ -146,13 +138,7 @@ class Experiment(SessionPlan):
         return " | ".join(words if alike else f"{name}: {words}" for words, name in reversed(firsts.items()))
 
     def check_allowed(self) -> None:
-        """Refuse to simulate with custom code that is not allowed.
-
-        Raises
-        ------
-        InvalidParameter
-            If the observer, or a model of what is felt, is such.
-        """
+        """Raise `InvalidParameter` for custom code that is not allowed."""
         self.people.check_allowed()
         for cell in self.cells.values():
             if isinstance(cell.sensation, Unseen):
@@ -165,24 +151,15 @@ class Experiment(SessionPlan):
         return self.people.person(stream(seed, participant, "traits"))
 
     def feelings(self, participant: str, seed: int) -> dict[Meeting, Feeling]:
-        """Return how a simulated participant feels each cell.
-
-        Cells with the same contact are felt like the first of them.
-        """
-
-        def draws(*words: str) -> np.random.Generator:
-            return stream(seed, participant, *words)
-
-        person = self.simulated_person(participant, seed)
-        felt: dict[Meeting, Feeling] = {}
-        for cell in self.cells.values():
-            met = _meeting_of(cell)
-            if met not in felt:
-                felt[met] = self.people.feeling(person, cell.condition.factors, cell.modality, draws)
-        return felt
+        """Return how a simulated participant feels each contact."""
+        person, draws = self.simulated_person(participant, seed), partial(stream, seed, participant)
+        return {
+            met: self.people.feeling(person, cell.condition.factors, cell.modality, draws)
+            for met, cell in self._met.items()
+        }
 
     def simulated_rig(self, participant: str, n_session: int, seed: int) -> SimulatedRig:
-        # Each trial has a stream of its own, so that a session that is resumed goes on as it would have gone.
+        # Each trial has a separate stream, so that a resumed session continues unchanged.
         person, finger = self.simulated_person(participant, seed), self.study.finger
         return SimulatedRig(
             self.bank,
@@ -201,29 +178,28 @@ class Experiment(SessionPlan):
         )
 
     def _rater(self, participant: str, seed: int) -> "Rater | None":
-        """Return the simulated questionnaire rater, if the study defines one."""
         if self.people.raters is None:
             return None
         from tactometry.observers.raters import Rater
 
-        def draws(*words: str) -> np.random.Generator:
-            return stream(seed, participant, *words)
-
-        return Rater(self.people.raters, draws, dimensions_of(self.questionnaires), self._met_factors.__getitem__)
+        factors: dict[object, Factors] = {met: cell.condition.factors for met, cell in self._met.items()}
+        draws = partial(stream, seed, participant)
+        return Rater(self.people.raters, draws, dimensions_of(self.questionnaires), factors.__getitem__)
 
     @cached_property
-    def _met_factors(self) -> dict[object, Mapping[str, float | str]]:
-        """Return the factors of the first cell with the same contact."""
-        factors: dict[object, Mapping[str, float | str]] = {}
+    def _met(self) -> dict[Meeting, WiredCell]:
+        """Return the first cell of each contact."""
+        met: dict[Meeting, WiredCell] = {}
         for cell in self.cells.values():
-            factors.setdefault(_meeting_of(cell), cell.condition.factors)
-        return factors
+            condition = cell.condition
+            request = condition.touch.request(condition.stimulus, None, None)
+            met.setdefault(meeting(condition.stimulus, request), cell)
+        return met
 
     def _shift(self, participant: str, n_session: int, seed: int) -> Callable[[int, Sequence[Answer]], Shift]:
         """Return the shift of a simulated participant after some trials."""
-        return lambda n_trials, answers: self.people.shift(
-            n_trials, answers, lambda *words: stream(seed, participant, n_session, *words)
-        )
+        draws = partial(stream, seed, participant, n_session)
+        return lambda n_trials, answers: self.people.shift(n_trials, answers, draws)
 
     @cached_property
     def _rendered(self) -> Rendering:
@@ -233,16 +209,11 @@ class Experiment(SessionPlan):
     def design(self, study_toml: bytes) -> StudyDescription:
         """Describe the study for the files of a data set."""
         study = self.study
-        factors = [_factor_column(name) for name in study.factors]
-        return StudyDescription(
-            study.name, study.title, self._described(), table_columns(factors, self._optional()), study_toml
-        )
-
-    def _described(self) -> str:
-        """Return the study's description without identifying answers."""
+        columns = table_columns([_factor_column(name) for name in study.factors], self._optional())
         numbers = ", ".join(name for form in self.choices for name in form.numbers)
-        said = f"Answers could tell who a participant is: {numbers}." if numbers else ""
-        return f"{self.study.description} {said}".strip() if said else self.study.description
+        said = f" Answers could tell who a participant is: {numbers}." if numbers else ""
+        description = f"{study.description}{said}".strip() if said else study.description
+        return StudyDescription(study.name, study.title, description, columns, study_toml)
 
     def _optional(self) -> list[str]:
         """Return the optional columns that apply to the study."""
@@ -286,16 +257,16 @@ def wire(
     Parameters
     ----------
     simulated : bool
-        Whether participants may be: without it the code of an observer is not imported.
+        Whether participants may be simulated. Otherwise custom observer code is not imported.
     plays : bool
-        Whether a stimulus may be: without it data are read, and neither files nor code of one's own are asked for.
+        Whether stimuli may be played. Otherwise data are read, without files of stimuli or custom code.
     begun : bool
-        Whether a session of it began: then its rule stays, whatever guess rate it assumes.
+        Whether a session has begun. Then the rule remains, even with an inconsistent guess rate.
 
     Raises
     ------
     InvalidParameter
-        If a table holds what its kind does not know, or a level would pass a limit; `where` opens the sentence.
+        If a table has an unknown key or invalid value, or a level would pass a limit; the message starts with `where`.
     """
     with rewording(lambda words: f"{where}, {words}"):
         experiment = _build(study, where, code_from, simulated=simulated, plays=plays)
@@ -306,8 +277,8 @@ def wire(
                 check_signal(study.limits, strongest)
         for cell in experiment.cells.values():
             experiment.table.task_kind.check_levels(experiment.task, *cell.procedure.rule.bounds)
-        if plays and not begun:
-            check_rules(study, experiment.cells.values())
+        for cell in experiment.cells.values() if plays and not begun else ():
+            check_guess_rates(tables(study, cell.condition.factors)["procedure"], study.task)
         return experiment
 
 
@@ -319,9 +290,9 @@ def _build(study: Study, where: str, code_from: Path | None, *, simulated: bool,
     n_tracks = 1 if found.errors else _tracks_per_cell(study, table)
     cells = found.made(lambda: dict(_cells(Wiring(study, code_from, plays=plays), n_tracks)))
     found.end()
-    crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
+    crossing_of(study, table.over, study.factors)  # refuses impossible orders
     forms = {name: asked_form(study, name) for name in study.inquiries}
-    questionnaires_of(study.forms)  # those that nothing asks must be sound too
+    questionnaires_of(study.forms)  # unused forms must be valid too
     choice_forms_of(study.forms)
     experiment = Experiment(study, table, cells, practice, forms, people, where)
     people.check(_levels_of(cells), "observer")
@@ -330,13 +301,7 @@ def _build(study: Study, where: str, code_from: Path | None, *, simulated: bool,
     return experiment
 
 
-def _meeting_of(cell: WiredCell) -> Meeting:
-    condition = cell.condition
-    return meeting(condition.stimulus, condition.touch.request(condition.stimulus, None, None))
-
-
 def _levels_of(cells: Mapping[Key, WiredCell]) -> dict[str, list[float | str]]:
-    """Return the levels that the factors have in any cell."""
     levels: dict[str, list[float | str]] = defaultdict(list)
     for name, level in dict.fromkeys(itertools.chain.from_iterable(cells)):
         levels[name].append(level)
@@ -354,10 +319,7 @@ def _cells(wiring: Wiring, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
 
 
 def _tracks_per_cell(study: Study, table: TaskTable) -> float:
-    """Return the number of tracks per cell.
-
-    Alternatives share a track, or have one for each choice of some of them.
-    """
+    """Return the number of tracks per cell, of which alternatives share some."""
     if table.over is None:
         return 1
     n_levels = len(study.factors[table.over])

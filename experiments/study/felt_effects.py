@@ -1,32 +1,39 @@
-"""Predictions for a study: effects felt and left out, conditions too weak to feel, fingers that lose contact."""
+"""Predictions of felt effects, omitted effects and contact loss."""
 
+import math
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 from math import inf
-from typing import Any
+from typing import Any, Final, Protocol, runtime_checkable
+
+import numpy as np
 
 from tactometry.config.strict import fields_of, is_required
 from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter
+from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.loading import resolve
 from tactometry.signal import Signal
+from tactometry.stimuli.arrays import FloatArray
 from tactometry.stimuli.composition.effect import Effect, Surface
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.explain import error_in_words
 from tactometry.stimuli.scenes.scene import Scene
 
 from .cells import WiredCell
-from .contact_loss import FingerOfStudy, pulled_fingers
+from .checks import Strongest
 from .experiment import Experiment
 from .felt_scene import FeltScene
 from .predictions import PredictedJnd, Unfelt, contact_of, played, predicted_jnds, unfelt
 
 WIDTH = 100
 SLIDING_M_PER_S = 0.05
-"""Of a finger that moves at all, where a study asks for one at rest."""
+"""Assumed speed of a sliding finger in studies with a finger at rest."""
 LONGEST_S = 1.0
-"""An effect that is left out is computed if it takes no longer than this (predicted)."""
+"""Longest predicted computing time of an effect that is left out."""
+STEPS: Final = 4
+CLOSE: Final = 1e-3
+"""Accepted difference of pull over pressing force from 1. A voltage needs one step, lengths of bursts a few."""
 
 
 @dataclass(frozen=True)
@@ -35,13 +42,12 @@ class LeftOut:
 
     Parameters
     ----------
-    effect : str
     instead_of : tuple of str
-        Effects of the scene that it would take the place of.
+        Effects of the scene that it would replace.
     change_db : float or None
-        By how much the sensation level would be higher with it, at its defaults; None where that is not known.
+        Change of the sensation level with the effect at its defaults, None if unknown.
     why : str
-        Why it is not.
+        Reason why the change is unknown.
     """
 
     effect: str
@@ -57,8 +63,6 @@ class LeftOut:
         'receptors (instead of sensitivity) +12.6 dB'
         >>> LeftOut("weber_fraction", change_db=-1e-15).words
         'weber_fraction +0 dB'
-        >>> LeftOut("receptors", change_db=4e-16).words
-        'receptors +0 dB'
         """
         place = f" (instead of {', '.join(self.instead_of)})" if self.instead_of else ""
         change = f" ({self.why})" if self.change_db is None else f" {round(self.change_db, 6) + 0.0:+.3g} dB"
@@ -67,7 +71,10 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class FeltEffects:
-    """Predicted sensation of a stimulus at its highest level and touch."""
+    """Predicted sensation of a stimulus at its highest level and touch.
+
+    `finger_rests` is True if nothing is felt because the finger is at rest.
+    """
 
     stimulus: str
     level: str
@@ -78,7 +85,6 @@ class FeltEffects:
     sensation_db: float
     rests_on: tuple[str, ...] = ()
     finger_rests: bool = False
-    """Whether that is why nothing is felt."""
 
     @property
     def lines(self) -> list[str]:
@@ -101,10 +107,7 @@ class FeltEffects:
 
 
 def felt_effects(experiment: Experiment) -> list[FeltEffects]:
-    """Predict the first stimulus of each choice of effects.
-
-    Empty for a study without a scene.
-    """
+    """Predict the first stimulus of each choice of effects in a scene."""
     firsts: dict[object, tuple[WiredCell, Scene]] = {}
     for cell in experiment.cells.values():
         if isinstance(cell.sensation, FeltScene):
@@ -120,9 +123,10 @@ def _explanation(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
     felt_db, felt = scene.sensation(signal, contact), scene.felt()
     off = felt.off()
     idle = (LeftOut(effect.kind, why="no output needs it") for effect in off)
+    speed = f"{1e3 * contact.speed_m_per_s:g} mm/s" if contact.speed_m_per_s else "at rest"
     return FeltEffects(
         cell.condition.stimulus,
-        f"{level:g} {cell.stimulus.level_unit}, {_in_words(contact)}",
+        f"{level:g} {cell.stimulus.level_unit}, {contact.force_n:g} N, {speed}",
         tuple(effect.kind for effect in scene.effects if effect not in off),
         (*idle, *_left_out(scene, signal, contact, felt_db)),
         felt.assumed(),
@@ -141,13 +145,7 @@ def _is_felt_in_motion(cell: WiredCell, scene: Scene, level: float, contact: Con
     return scene.sensation(played(cell, level, SLIDING_M_PER_S), sliding) > -inf
 
 
-def _in_words(contact: Contact) -> str:
-    speed = f", {1e3 * contact.speed_m_per_s:g} mm/s" if contact.speed_m_per_s else ", at rest"
-    return f"{contact.force_n:g} N{speed}"
-
-
 def _left_out(scene: Scene, signal: Signal, contact: Contact, felt_db: float) -> Iterator[LeftOut]:
-    """Return the surface's effects that the scene leaves out."""
     named = {effect.kind for effect in scene.effects}
     for kind in scene.surface.effects:
         effect_class = resolve(EFFECTS[kind])
@@ -168,13 +166,12 @@ def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: C
         with_it = replace(scene, effects=(*others, added))
         if added in with_it.felt().off():
             return LeftOut(kind, instead_of, why="nothing that is felt needs it")
-        predicted_s = with_it.felt().resolve().predicted_s
-        if predicted_s > LONGEST_S:
+        if with_it.felt().resolve().predicted_s > LONGEST_S:
             return LeftOut(kind, instead_of, why="not computed")
         with_it_db = with_it.sensation(signal, contact)
     except InvalidParameter:
         return LeftOut(kind, instead_of, why="does not go with the others")
-    if -inf in (felt_db, with_it_db):  # no difference that is a number
+    if -inf in (felt_db, with_it_db):  # the difference is no number
         felt_with_it = "not felt with it" if with_it_db == -inf else "felt with it"
         return LeftOut(kind, instead_of, why=f"{felt_with_it} either" if felt_db == with_it_db else felt_with_it)
     return LeftOut(kind, instead_of, with_it_db - felt_db)
@@ -184,13 +181,116 @@ def _exclude(surface: Surface, effect: Effect, other: type[Effect]) -> bool:
     return effect.slot == other.slot or effect.kind in surface.excluded(other) or other.kind in surface.excluded(effect)
 
 
+@runtime_checkable
+class Pressed(Protocol):
+    """Sensation model that computes the force between plate and fingers."""
+
+    @property
+    def pressers(self) -> tuple[str, ...]:
+        """Names of the fingers that share the force of a touch."""
+
+    def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
+        """Return the force beyond the pressing one, ([n_fingers,] n_samples)."""
+
+
+@dataclass(frozen=True)
+class FingerOfStudy:
+    """Finger or tip with the strongest pull at a pressing force.
+
+    Parameters
+    ----------
+    level, pull_n : float
+        Highest level of the study, and the largest pull of the plate there.
+    first_level : float
+        Level at which the pull equals the pressing force.
+    presser : str
+        Name of the finger or tip.
+    """
+
+    stimulus: str
+    level_unit: str
+    force_n: float
+    level: float
+    pull_n: float
+    first_level: float
+    presser: str
+
+    @property
+    def lifts_off(self) -> bool:
+        """True if contact is lost at the highest level of the study."""
+        return self.pull_n > self.force_n
+
+    @property
+    def line(self) -> str:
+        """The prediction in one sentence."""
+        at = f"at {self.level:g} {self.level_unit} ({self.stimulus})"
+        pulled = f"the plate would pull a {self.presser} of {self.force_n:g} N by {self.pull_n:.2g} N"
+        if not self.lifts_off:
+            return f"contact holds: {at} {pulled} at most"
+        first = f"{self.first_level:.3g} {self.level_unit}"
+        return f"contact is lost: {at} {pulled}, so that it lifts off, from {first} on"
+
+
+def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
+    """Return the case nearest to lifting off per finger (or tip) and force."""
+    nearest: dict[tuple[float, str], tuple[float, Strongest, Callable[[Signal], float]]] = {}
+    strongest = {one.name: one for one in experiment.strongest()}
+    for name, sensation, contact in _touches(experiment):
+        share_n = contact.force_n / len(sensation.pressers)
+        pulls_n = _pulls_n(sensation, contact, strongest[name].signal)
+        for number, presser in enumerate(sensation.pressers):
+            if pulls_n[number] > nearest.get((share_n, presser), (0.0,))[0]:
+                pull_of = _pull_of(sensation, contact, number)
+                nearest[share_n, presser] = pulls_n[number], strongest[name], pull_of
+    return [_pulled(force_n, presser, *nearest[force_n, presser]) for force_n, presser in sorted(nearest)]
+
+
+def _touches(experiment: Experiment) -> Iterator[tuple[str, Pressed, Contact]]:
+    """Yield each stimulus once per plate model and force."""
+    touches = {}
+    for cell in experiment.cells.values():
+        force_n = getattr(cell.condition.touch, "force_n", 0.0)
+        if isinstance(cell.sensation, Pressed) and force_n > 0:
+            touches[cell.condition.stimulus, repr(cell.sensation), force_n] = cell.sensation
+    for (name, _, force_n), sensation in touches.items():
+        yield name, sensation, Contact(force_n)
+
+
+def _pulls_n(sensation: Pressed, contact: Contact, signal: Signal) -> list[float]:
+    """Return the largest pull of the plate on each finger, N."""
+    lowest_n = np.atleast_2d(sensation.contact_force_n(signal, contact)).min(axis=1, initial=0.0)
+    return [max(-force_n, 0.0) for force_n in lowest_n.tolist()]
+
+
+def _pull_of(sensation: Pressed, contact: Contact, number: int) -> Callable[[Signal], float]:
+    return lambda signal: _pulls_n(sensation, contact, signal)[number]
+
+
+def _pulled(
+    force_n: float, presser: str, pull_n: float, strongest: Strongest, pull_of: Callable[[Signal], float]
+) -> FingerOfStudy:
+    """Find the level at which pull and pressing force are equal.
+
+    Each step is exact if the pull is proportional to the amplitude.
+    """
+    stimulus, level, pulled_n = strongest.stimulus, strongest.level, pull_n
+    in_db = stimulus.level_unit.startswith("dB")
+    for _ in range(STEPS):
+        level = level - 20 * math.log10(pulled_n / force_n) if in_db else level * force_n / pulled_n
+        try:
+            pulled_n = pull_of(stimulus.at(level))
+        except LimitExceeded:
+            break
+        if abs(pulled_n / force_n - 1) < CLOSE:
+            break
+    return FingerOfStudy(
+        strongest.name, stimulus.level_unit, force_n, strongest.level, pull_n, first_level=level, presser=presser
+    )
+
+
 @dataclass(frozen=True)
 class StudyPrediction:
-    """Predictions for a study.
-
-    Effects felt per stimulus, fingers that are pulled, names of the models, conditions too weak to feel, and the just
-    noticeable differences of a comparison.
-    """
+    """Predictions for a study; `models` are the names of its sensation models."""
 
     effects: tuple[FeltEffects, ...]
     fingers: tuple[FingerOfStudy, ...]
@@ -212,15 +312,17 @@ class StudyPrediction:
 
     @property
     def record(self) -> dict[str, list[dict[str, Any]]]:
-        """Prediction for JSON; contact, unfelt and jnd only where there are any."""
-        contact, unfelt = [asdict(finger) for finger in self.fingers], [asdict(one) for one in self.unfelt]
-        jnds = [asdict(one) for one in self.jnds]
-        further = {name: told for name, told in (("contact", contact), ("unfelt", unfelt), ("jnd", jnds)) if told}
-        return {"felt": [asdict(effects) for effects in self.effects], **further}
+        """Prediction for JSON; contact, unfelt and jnd only if there are any."""
+        further = {"contact": self.fingers, "unfelt": self.unfelt, "jnd": self.jnds}
+        parts: dict[str, tuple[Any, ...]] = {
+            "felt": self.effects,
+            **{name: found for name, found in further.items() if found},
+        }
+        return {name: [asdict(one) for one in found] for name, found in parts.items()}
 
 
 def predict(experiment: Experiment) -> StudyPrediction:
-    """Predict what participants feel of a study at its strongest levels, and which fingers lose contact.
+    """Predict sensation and contact at a study's strongest levels.
 
     >>> from .experiment import wire
     >>> from .study_file import load

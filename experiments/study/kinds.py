@@ -1,7 +1,4 @@
-"""Kinds of procedures and stimuli that a study can name.
-
-Each kind has the target string of its class. The class is imported only when a study uses it.
-"""
+"""Kinds of procedures and stimuli, whose classes are imported when used."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,11 +13,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ProcedureKind:
-    """Kind of procedure with the target string of its class.
+    """Kind of procedure: target string, and table with levels from 0 to 40.
 
-    It also has a valid example table (levels from 0 to 40) and the method that returns the rule, if the class itself is
-    not a rule. Two flags state whether tracks can share answers, and whether levels follow the answers (so that easy
-    trials can be added).
+    `rule` is the method that returns the rule, if the class itself is not a rule. `can_be_shared` means that tracks can
+    share answers, `takes_easy_trials` that levels follow the answers, so that easy trials can be added.
     """
 
     table: str

@@ -1,4 +1,4 @@
-"""Custom stimulus and sensation classes in a file next to the study."""
+"""Custom stimulus and sensation classes from a file next to the study."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, make_dataclass
@@ -13,7 +13,7 @@ from tactometry.signal import Signal
 from tactometry.user_code import REMEDY, Expected, class_beside, guarded, not_allowed
 
 STATED: Final = ("duration_s", "level_unit")
-"""What a study states of such a stimulus, so that its data are read without the code."""
+"""Keys of a custom stimulus that the study must state, so that its data can be read without the code."""
 
 
 def _is_level(value: object) -> bool:
@@ -21,7 +21,7 @@ def _is_level(value: object) -> bool:
 
 
 def _plain_signal(signal: Signal) -> Signal:
-    """Rebuild a signal of a subclass, which may have skipped the checks of its samples."""
+    """Rebuild a signal of a subclass, whose checks may be missing."""
     return signal if type(signal) is Signal else Signal(signal.samples, signal.rate_hz, signal.unit)
 
 
@@ -30,20 +30,12 @@ CALLS: Final = {
     "sensation_db": Expected("a number in dB, or -inf for nothing", lambda value, _: _is_level(value), float),
     "__post_init__": None,
 }
-"""What they are asked, and what they answer."""
+"""Checked methods and their results."""
 
 
 @dataclass(frozen=True)
 class OwnStimulus:
-    """Custom stimulus whose signals are checked against the study.
-
-    Parameters
-    ----------
-    made : Any
-        A value of the class.
-    target : str
-        ``module:Class``.
-    """
+    """Custom stimulus of a class ``module:Class`` with checked signals."""
 
     made: Any
     target: str
@@ -62,13 +54,7 @@ class OwnStimulus:
         return str(self.made.level_unit)
 
     def at(self, level: float) -> Signal:
-        """Return the signal of a level, in V and of the stated duration.
-
-        Raises
-        ------
-        InvalidParameter
-            If it is another, or the code fails.
-        """
+        """Return the signal of a level; raise unless in V and as long as stated."""
         signal: Signal = self.made.at(level)
         where = f"{self.target}.at({level:g})"
         expect(signal.unit == "V", where, f"a signal in {signal.unit!r}", f"one in 'V', at the load; {REMEDY}")
@@ -79,22 +65,13 @@ class OwnStimulus:
 
 
 class Unseen:
-    """Placeholder for a class whose code must not run.
-
-    Its data can be read, but nothing can be played or felt.
-    """
+    """Placeholder for a class whose code must not run. Its data can be read."""
 
     target: str
     where: str
 
     def at(self, level: float) -> Signal:
-        """Nothing.
-
-        Raises
-        ------
-        InvalidParameter
-            Always, as `sensation_db`.
-        """
+        """Raise `InvalidParameter`."""
         del level
         raise not_allowed(self.where, self.target, "a stimulus")
 
@@ -111,21 +88,19 @@ def stimulus_class(
     *,
     plays: bool,
 ) -> Any:
-    """Return the class of `[stimulus]`, or a placeholder with its table.
-
-    The placeholder is used where nothing is to be played.
+    """Return the class of `[stimulus]`, or a placeholder unless it `plays`.
 
     Parameters
     ----------
     factors : collection of str
-        Those that no variant and no key of the touch stands for: keys of the stimulus.
+        Factors that are keys of the stimulus.
     of_touch : collection of str
-        The keys of the touch.
+        Keys of the touch.
 
     Raises
     ------
     InvalidParameter
-        If there is no such class, it lacks what is needed, or its code is not allowed and would be played.
+        If there is no such class, it lacks a required member, or its code is not allowed.
     """
     target, where = table["kind"], "stimulus.kind"
     for name in STATED:
@@ -145,14 +120,12 @@ def stimulus_class(
 
 
 def sensation_class(table: Mapping[str, Any], code_from: Path | None) -> Any:
-    """Return the class of `[sensation]`, or a placeholder with its table.
-
-    The placeholder is used where its code is not allowed.
+    """Return the class of `[sensation]`, or a placeholder if not allowed.
 
     Raises
     ------
     InvalidParameter
-        If there is no such class, or it cannot be asked what is felt.
+        If there is no such class, or it has no `sensation_db`.
     """
     target, where = table["kind"], "sensation.kind"
     if code_from is None:

@@ -31,7 +31,7 @@ SILENT_DB = -200.0
 TOLERATED_DB = 0.05
 """A level this far below the threshold is printed as at it."""
 NEAR_DB = 10.0
-"""A standard less than this above the threshold is near it: two standard deviations between people (unverified
+"""Distance below which a standard is near the threshold: two standard deviations between participants (unverified
 default)."""
 JND_PER_SD = NormalDist().inv_cdf(0.75)
 
@@ -43,10 +43,7 @@ def contact_of(cell: WiredCell) -> Contact:
 
 
 def played(cell: WiredCell, level: float, speed_m_per_s: float) -> Signal:
-    """Return the signal of a level.
-
-    If the signal follows the finger, the finger slides straight on.
-    """
+    """Return the signal of a level under a finger that slides straight on."""
     signal = cell.stimulus.at(level)
     return felt_under(cell.stimulus, signal, *straight_way(signal.duration_s, speed_m_per_s, TRAJECTORY_M))
 
@@ -57,24 +54,20 @@ def felt_db(cell: WiredCell, level: float, contact: Contact) -> float:
 
 
 def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact: Contact | None = None) -> LevelTable:
-    """Return sensation levels (dB) by level through a cell's scene.
-
-    Without a scene, the stimulus's own model is used.
+    """Return sensation levels (dB) by level through a cell's sensation model.
 
     Parameters
     ----------
     levels : (n_levels,) sequence of float
         Rising; levels between them are interpolated. By default the levels of the rule, or `N_LEVELS` over its range.
     contact : Contact
-        By default the contact that the cell asks for.
+        By default the contact that the cell requests.
     """
     contact = contact_of(cell) if contact is None else contact
     rule = cell.procedure.rule
     if not levels:
-        levels = (
-            sorted(set(rule.levels)) if isinstance(rule, OfLevels) else np.linspace(*rule.bounds, N_LEVELS).tolist()
-        )
-
+        over_range = np.linspace(*rule.bounds, N_LEVELS).tolist()
+        levels = sorted(set(rule.levels)) if isinstance(rule, OfLevels) else over_range
     sensations_db = [max(felt_db(cell, level, contact), SILENT_DB) for level in levels]
     return LevelTable(np.asarray(levels, dtype=np.float64), np.asarray(sensations_db))
 
@@ -83,7 +76,7 @@ def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact:
 class Unfelt:
     """Condition with an imperceptible strongest level or a weak standard.
 
-    `felt_db` is the sensation level there.
+    `sensation_db` is the sensation level there, None if nothing is felt.
     """
 
     condition: str
@@ -102,33 +95,29 @@ class Unfelt:
         >>> Unfelt("", "40 dB re 1 V", 2.5, is_standard=True).line.partition(":")[2][:67]
         ' the standard (40 dB re 1 V) is 2.5 dB above the predicted threshol'
         """
-        where = f" at {self.condition}" if self.condition else ""
-        if self.is_standard:
-            return f"WARNING: the standard ({self.level}) is {self._distance}{where}: some participants may not feel it"
-        if self.sensation_db is None:
-            return f"WARNING: even the strongest level ({self.level}) is not felt at all{where}"
-        return f"WARNING: even the strongest level ({self.level}) is {self._distance}{where}"
-
-    @property
-    def _distance(self) -> str:
-        if self.sensation_db is None:
-            return "not felt at all"
-        side = "below" if self.sensation_db < 0 else "above"
-        return f"{abs(self.sensation_db):.1f} dB {side} the predicted threshold"
+        level = f"the standard ({self.level})" if self.is_standard else f"even the strongest level ({self.level})"
+        distance = "not felt at all"
+        if self.sensation_db is not None:
+            side = "below" if self.sensation_db < 0 else "above"
+            distance = f"{abs(self.sensation_db):.1f} dB {side} the predicted threshold"
+        effect = ": some participants may not feel it" if self.is_standard else ""
+        return f"WARNING: {level} is {distance}{_at(self.condition)}{effect}"
 
 
 def unfelt(experiment: Experiment, *, simulated: bool = False) -> Iterator[Unfelt]:
     """Yield conditions whose strongest level or standard is too weak.
 
-    The physics predicts it; of `simulated` participants the thresholds that their observer states.
+    The physics predicts it. With `simulated`, thresholds that the observer states are used if there are any.
     """
-    middle = experiment.people.middle
+    middle, task = experiment.people.middle, experiment.task
     for cell in experiment.cells.values():
         if isinstance(cell.sensation, Unseen):  # its code may not run
             continue
-        factors = cell.condition.factors
-        feeling = middle.stated(factors) if simulated and isinstance(middle, Stated) else Feeling()
-        for level, lowest_db, is_standard in _levels(experiment, cell):
+        checked = [(cell.procedure.rule.bounds[1], -TOLERATED_DB, False)]
+        if isinstance(task, AgainstStandard):
+            checked.append((task.standard_level, NEAR_DB, True))
+        feeling = middle.stated(cell.condition.factors) if simulated and isinstance(middle, Stated) else Feeling()
+        for level, lowest_db, is_standard in checked:
             felt = feeling.felt_db(level, partial(felt_db, cell, level, contact_of(cell)))
             if felt < lowest_db:
                 text = f"{level:g} {cell.stimulus.level_unit}"
@@ -136,21 +125,9 @@ def unfelt(experiment: Experiment, *, simulated: bool = False) -> Iterator[Unfel
                 break
 
 
-def _levels(experiment: Experiment, cell: WiredCell) -> Iterator[tuple[float, float, bool]]:
-    """Yield the strongest level and the standard.
-
-    Each comes with the lowest sensation level that needs no warning.
-    """
-    yield cell.procedure.rule.bounds[1], -TOLERATED_DB, False
-    if isinstance(experiment.task, AgainstStandard):
-        yield experiment.task.standard_level, NEAR_DB, True
-
-
 @dataclass(frozen=True)
 class PredictedJnd:
-    """JND of one condition in the unit of the level.
-
-    It is None if it is larger than the levels allow.
+    """JND of a condition in the unit of the level; None beyond the levels.
 
     Lapses are left out. If the skin model `feels_touch`, so are variations of force and speed between touches.
     """
@@ -167,11 +144,10 @@ class PredictedJnd:
         >>> PredictedJnd("force_n 1", "40 dB re 1 V", 1.234).line
         'predicted JND at the standard of 40 dB re 1 V: 1.23 dB at force_n 1 (steady touch; varying ones add to it)'
         """
-        where = f" at {self.condition}" if self.condition else ""
         unit = self.standard.partition(" ")[2].partition(" re ")[0]
         size = "above the highest level" if self.jnd is None else f"{self.jnd:.2f} {unit}".rstrip()
         steady = " (steady touch; varying ones add to it)" if self.feels_touch else ""
-        return f"predicted JND at the standard of {self.standard}: {size}{where}{steady}"
+        return f"predicted JND at the standard of {self.standard}: {size}{_at(self.condition)}{steady}"
 
 
 def predicted_jnds(experiment: Experiment) -> Iterator[PredictedJnd]:
@@ -210,3 +186,7 @@ def _of_signal(cell: WiredCell, people: SignalDetectionObserver, standard: float
 
 def _name(cell: WiredCell) -> str:
     return ", ".join(f"{factor} {cell_text(value)}" for factor, value in cell.condition.factors.items())
+
+
+def _at(condition: str) -> str:
+    return f" at {condition}" if condition else ""

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from annotated_types import Interval
 
+from tactometry.arguments.constraints import constrained
 from tactometry.arguments.require import expect
 from tactometry.config.strict import build, check_keys, fields_of, kind_of
 from tactometry.errors import rewording
@@ -18,12 +20,12 @@ from .kinds import PROCEDURES, ProcedureKind
 
 GUESS_RATE_TOLERANCE = 0.05
 HIGHEST_FALSE_ALARMS = 0.3
-"""Of the guess rates of a rule, against those of its task (unverified defaults)."""
+"""Largest difference of a rule's guess rate from chance, and largest one for "yes" answers (unverified defaults)."""
 SAYS_YES = {
     "yes_no": "the rate of false alarms, as 0.02",
     "comparison": "the rate of 'more' far below the standard, as 0.02",
 }
-"""Expected guess rate of tasks in which it is no chance level."""
+"""Expected guess rate of tasks without a chance level."""
 
 
 def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
@@ -32,6 +34,7 @@ def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
+@constrained
 class TracksTable:
     """Settings for the tracks of a procedure, alongside its own keys.
 
@@ -47,7 +50,7 @@ class TracksTable:
     """
 
     shared: bool = False
-    easy_share: float = 0.0
+    easy_share: Annotated[float, Interval(ge=0, le=0.5)] = 0.0
     easy_level: float | None = None
 
 
@@ -69,13 +72,7 @@ class ReadyProcedure:
 
 
 def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
-    """Build the rule of the table `procedure`.
-
-    Raises
-    ------
-    InvalidParameter
-        If it holds what its kind does not know.
-    """
+    """Build the rule of the table `procedure`, or raise `InvalidParameter`."""
     kind: ProcedureKind = kind_of(table, "procedure", PROCEDURES)
     reader, of_tracks = resolve(kind.table), fields_of(TracksTable)
     check_keys(table, (*fields_of(reader), *of_tracks, "kind"), "procedure", read_by=reader)
@@ -92,7 +89,6 @@ def _check_tracks(tracks: TracksTable, name: str, rule: Rule[Any]) -> None:
     may_share = PROCEDURES[name].can_be_shared or not tracks.shared
     expect(may_share, "procedure.shared", f"true with {name}", f"it with {able} only")
     share, level = tracks.easy_share, tracks.easy_level
-    expect(0 <= share <= 0.5, "procedure.easy_share", f"{share:g}", "a share from 0 to 0.5")
     adaptive = "0: its levels do not follow the answers, so add an easy one to them; remove the key"
     expect(PROCEDURES[name].takes_easy_trials or not share, "procedure.easy_share", f"{share:g} with {name}", adaptive)
     expect(level is None or share > 0, "procedure.easy_level", f"{level} without easy_share", "a share of easy trials")

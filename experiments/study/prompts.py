@@ -7,14 +7,14 @@ from tactometry.arguments.require import expect
 from tactometry.questionnaire import Questionnaire
 
 Prompt = str | dict[str, str]
-"""A text for every language, or one for each, by its two letters."""
+"""Text for every language, or texts by two-letter language code."""
 ASKED_BY = {"magnitude": ("how_strong",), "adjustment": ("adjust",), "measurement": ("vibrometer_nm",)}
-"""The messages of tasks that ask for no choice."""
+"""Messages of tasks without a choice."""
 
 
 @dataclass(frozen=True)
 class PromptTable:
-    """The key `prompt` of the table `task`.
+    """Key `prompt` of the table `task`.
 
     Parameters
     ----------
@@ -29,22 +29,14 @@ class PromptTable:
 
 
 def check_prompt(prompt: Prompt, where: str) -> None:
-    """Refuse a prompt with an empty text.
-
-    Raises
-    ------
-    InvalidParameter
-        If a text is empty.
-    """
+    """Raise `InvalidParameter` for a prompt with an empty text."""
     texts = prompt.values() if isinstance(prompt, dict) else [prompt or "?"]
     says_something = all(text.strip() for text in texts)
     expect(says_something, where, "a text that says nothing", "what participants are asked; or leave it out")
 
 
 def by_language(prompt: Prompt) -> dict[str, str]:
-    """Return a prompt by language.
-
-    The English prompt is shown in languages without one.
+    """Return a prompt by language, English if none is stated.
 
     >>> by_language("Rough?"), by_language({"fr": "Rugueux ?"}), by_language("")
     ({'en': 'Rough?'}, {'fr': 'Rugueux ?'}, {})

@@ -1,4 +1,4 @@
-"""All pages of a study's sessions, composed before the first begins."""
+"""Checks of a study's texts, prompts and images on all pages."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -26,23 +26,20 @@ def rehearse(experiment: Experiment) -> None:
     Raises
     ------
     InvalidParameter
-        If a key of the task has no effect, or a text has the name of none or cannot be filled on a page that will show
-        it.
+        If a key of the task has no effect, or a text has an unknown name or cannot be filled in on its page.
     """
-    with rewording(lambda words: f"{experiment.where}, {words}"):
-        _rehearse(experiment)
-
-
-def _rehearse(experiment: Experiment) -> None:
-    _refuse_idle(experiment)
     study = experiment.study
-    shown = {page.message for page in _pages(experiment)} | WITHIN_BLOCKS if study.images else set()
-    for name in study.images:
-        one_of("images", name, sorted(shown))
-    _rehearse_texts(experiment, "texts", study.texts, study.texts, "en")
-    _rehearse_prompts(experiment)
-    for language, words in study.translations.items():
-        _rehearse_texts(experiment, f"translations.{language}", words, study.words_in(language), language)
+    with rewording(lambda words: f"{experiment.where}, {words}"):
+        _refuse_idle(experiment)
+        shown = {page.message for page in _pages(experiment)} | WITHIN_BLOCKS if study.images else set()
+        for name in study.images:
+            one_of("images", name, sorted(shown))
+        _rehearse_texts(experiment, "texts", study.texts, study.texts, "en")
+        for where, prompt in _prompts(experiment).items():
+            for language in prompt:
+                one_of(f"{where}: language", language, languages())
+        for language, words in study.translations.items():
+            _rehearse_texts(experiment, f"translations.{language}", words, study.words_in(language), language)
 
 
 def _rehearse_texts(
@@ -50,7 +47,7 @@ def _rehearse_texts(
 ) -> None:
     """Check that each custom text has a page and can be filled in there."""
     with rewording(lambda said: f"{where}: {said}"):
-        texts = replace(texts_in(language, words), shipped={})  # with them to fall back on, no text would be refused
+        texts = replace(texts_in(language, words), shipped={})  # no shipped text may replace a flawed one
     known = texts_in(language, {})
     levels = {level for levels in experiment.study.factors.values() for level in levels if isinstance(level, str)}
     names = sorted({*known.messages, *known.labels, *levels})
@@ -67,26 +64,17 @@ def _rehearse_texts(
             _fill(texts, Show(name) if is_page else name, where)
 
 
-def _rehearse_prompts(experiment: Experiment) -> None:
-    """Refuse prompts in an unknown language, which no page would show."""
-    for where, words in _prompts(experiment).items():
-        for language in words:
-            one_of(f"{where}: language", language, languages())
-
-
 def _prompts(experiment: Experiment) -> dict[str, dict[str, str]]:
-    """Return the prompts of each key by language."""
     inquiries = {f"inquiries.{name}.prompt": of.prompt for name, of in experiment.study.inquiries.items()}
     prompts = {"task.prompt": experiment.table.prompt} | inquiries
     return {where: by_language(prompt) for where, prompt in prompts.items() if prompt}
 
 
 def _refuse_idle(experiment: Experiment) -> None:
-    """Refuse keys that have no effect in any session."""
     options, study = experiment.table.options, experiment.study
     for name in ("title", "description"):
         is_text = bool(getattr(study, name).strip())
-        expect(is_text, name, "nothing", "a text, which stands in the data set's description")
+        expect(is_text, name, "nothing", "a text for the data set's description")
     if options.rest_s is not None:
         alone = f"{options.rest_s:g} s without rest_after"
         comes = options.rest_after is not None or options.rest_every_s is not None
@@ -116,7 +104,7 @@ def page_images(experiment: Experiment) -> dict[str, PageImage]:
     Raises
     ------
     InvalidParameter
-        If a file is missing, another than the study states, or no image.
+        If a file is missing, differs from the one that the study states, or is no image.
     """
     study = experiment.study
     located = {name: replace(table, path=study.beside(table.path)) for name, table in study.images.items()}
@@ -130,7 +118,7 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
     Raises
     ------
     InvalidParameter
-        If a questionnaire has none, or a prompt has none and none in English, which would stand in their place.
+        If a questionnaire has none, or a prompt has none in this language or English.
     """
     asked: tuple[Questionnaire | ChoiceForm, ...] = (*experiment.questionnaires, *experiment.choices)
     forms = {f"questionnaire {form.name}": (form.languages, language in form.languages) for form in asked}
@@ -143,12 +131,10 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
 def flaw(experiment: Experiment, root: Path) -> str | None:
     """Return the error in the texts of a study that already has sessions.
 
-    Their texts can no longer be corrected, so the error is raised only for a new data set.
-
     Raises
     ------
     InvalidParameter
-        As `rehearse`, where no session has begun.
+        As `rehearse`, before the first session.
     """
     try:
         rehearse(experiment)

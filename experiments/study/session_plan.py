@@ -42,10 +42,7 @@ def nested_levels(study: Study) -> dict[str, dict[float | str, dict[str, Levels]
 
 
 def crossing_of(study: Study, over: str | None, factors: Mapping[str, Sequence[float | str]]) -> Crossing[float | str]:
-    """Return the order of factors, from the slowest to the fastest.
-
-    Factors of sessions come first, then counterbalanced ones, then interleaved ones.
-    """
+    """Return the factors in order, those of sessions the slowest."""
     plan = study.plan
     slow = [*plan.between, *plan.sessions, *study.counterbalance]
     rest = [name for name in factors if name not in plan.interleave]
@@ -57,9 +54,7 @@ def crossing_of(study: Study, over: str | None, factors: Mapping[str, Sequence[f
 def session_cells(
     study: Study, over: str | None, number: int, n_session: int, seed: int
 ) -> list[dict[str, float | str]]:
-    """Return the ordered cells of a participant's session.
-
-    The factor `over` is left out.
+    """Return the ordered cells of a session, without the factor `over`.
 
     Raises
     ------
@@ -75,10 +70,7 @@ def session_cells(
 
 
 def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list[list[dict[str, float | str]]]:
-    """Return the cells of every planned session of a participant.
-
-    There is one session if all are the same.
-    """
+    """Return the cells of every session of a participant that differs."""
     plan = study.plan
     groups = combinations({name: study.factors[name] for name in plan.between})
     # Participants go through the groups in turn, and within each group through the rows of its orders.
@@ -92,19 +84,7 @@ def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list
 
 @dataclass(frozen=True)
 class SessionPlan:
-    """Parts of a study's sessions, built once for all of them.
-
-    Parameters
-    ----------
-    study : Study
-    table : TaskTable
-    cells : mapping of Key to WiredCell
-        Of the whole design.
-    practice : Practice or None
-        The rule of the practice before the first block.
-    forms : mapping of str to Questionnaire or ChoiceForm
-        Those of the inquiries, by the name of the inquiry.
-    """
+    """Parts of a study's sessions, from its cells and forms by inquiry."""
 
     study: Study
     table: TaskTable
@@ -113,10 +93,9 @@ class SessionPlan:
     forms: Mapping[str, Questionnaire | ChoiceForm]
 
     def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
-        """Return the ordered parts of a participant's session.
+        """Return practice, blocks and questionnaires of a session in order.
 
-        They are practice, the blocks, and the questionnaires before, between and after them. `rng` shuffles within
-        blocks.
+        `rng` shuffles within blocks.
         """
         factors = session_cells(self.study, self.table.over, number, n_session, seed)
         blocks = [self._block(list(group), rng) for _, group in itertools.groupby(factors, self._slow)]
@@ -144,10 +123,7 @@ class SessionPlan:
         return [replace(first, tracks=(track,), options=options, practice=True)]
 
     def _block(self, group: Sequence[Factors], rng: np.random.Generator) -> Block:
-        """Return a block of interleaved cells.
-
-        All tracks use the procedure of the first cell.
-        """
+        """Return a block of interleaved cells with the first one's procedure."""
         conditions = dict(named for factors in group for named in self._conditions(factors))
         procedures = self._cell(group[0]).procedure.for_tracks(list(conditions), rng)
         tracks = [
@@ -157,15 +133,12 @@ class SessionPlan:
         return Block(tuple(tracks), self.table.task, self.table.options)
 
     def _cell(self, factors: Factors) -> WiredCell:
-        over = self.table.over  # its alternatives share a cell's touch and procedure: the first stands for them
+        over = self.table.over  # alternatives share touch and procedure of the first one
         full = factors if over is None else {**factors, over: self.study.factors[over][0]}
         return self.cells[key_of(full)]
 
     def _conditions(self, factors: Factors) -> Iterator[tuple[str, Condition]]:
-        """Yield the conditions of a cell with the names of their tracks.
-
-        There is one track, or one for all alternatives, or one for each choice of some of them.
-        """
+        """Yield the conditions of a cell with the names of their tracks."""
         condition, over = self._cell(factors).condition, self.table.over
         name = ", ".join(f"{key}={cell_text(factors[key])}" for key in self.study.plan.interleave)
         if over is None:

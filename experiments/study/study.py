@@ -6,7 +6,8 @@ from math import inf, isfinite, prod
 from pathlib import Path
 from typing import Any
 
-from tactometry.arguments.require import expect, first_repeat, one_of, positive, without_none
+from tactometry.arguments.constraints import Positive, constrained
+from tactometry.arguments.require import expect, first_repeat, one_of
 from tactometry.arguments.unlimited import warning_of
 from tactometry.config.strict import build
 from tactometry.errors import InvalidParameter, nearest, rewording
@@ -22,6 +23,7 @@ Levels = tuple[float | str, ...]
 
 
 @dataclass(frozen=True)
+@constrained
 class PlanTable:
     """How cells become sessions and blocks, in addition to `counterbalance`.
 
@@ -44,19 +46,16 @@ class PlanTable:
     sessions: tuple[str, ...] = ()
     interleave: tuple[str, ...] = ()
     orders: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    longest_s: float | None = None
-
-    def __post_init__(self) -> None:
-        positive("PlanTable", **without_none({"longest_s": self.longest_s}))
+    longest_s: Positive | None = None
 
     @property
     def rules(self) -> dict[str, str]:
-        """Rule of each factor that has one here."""
+        """Rules by factor."""
         return {name: rule for rule, names in self.orders.items() for name in names}
 
     @property
     def named(self) -> tuple[tuple[str, str], ...]:
-        """Named factors with their keys."""
+        """Keys with each factor that they name."""
         lists = {"between": self.between, "sessions": self.sessions, "interleave": self.interleave}
         orders = {f"orders.{rule}": names for rule, names in self.orders.items()}
         return tuple((key, name) for key, names in (lists | orders).items() for name in names)
@@ -201,18 +200,15 @@ class Study:
         return tuple(f"study, {warning_of(f'limits.{name}')}" for name in self.limits.switched_off)
 
     def beside(self, path: str) -> str:
-        """Return the path of a file that the study names, relative to the study file.
+        """Return a file's path as seen from the study, or else as it is.
 
-        A data set contains a copy of the study without its files: these are then found from the current folder.
+        A data set contains a copy of the study without its files.
         """
         located = self._folder / path
         return path if Path(path).exists() and not located.exists() else str(located)
 
     def words_in(self, language: str) -> dict[str, str]:
-        """Return the study's texts in a two-letter language.
-
-        Translations override `texts`.
-        """
+        """Return the study's texts in a two-letter language."""
         return self.texts | self.translations.get(language, {})
 
 
@@ -270,13 +266,13 @@ def _check_places(plan: PlanTable) -> None:
     placed: dict[str, str] = {}
     for key in ("between", "sessions", "interleave"):
         for name in getattr(plan, key):
-            twice = f"{name!r}, which stands in plan.{placed.get(name)} too"
+            twice = f"{name!r}, which is in plan.{placed.get(name)} too"
             expect(name not in placed, f"plan.{key}", twice, "each factor once")
             placed[name] = key
 
 
 LONGEST_NAME, MOST_CELLS = 100, 2000
-"""A study's name stands in names of files; each combination of levels is wired and asked."""
+"""A study's name is part of file names. Each combination of levels is wired."""
 VARIED = ("stimulus", "touch", "procedure", "sensation", "scene")
 
 

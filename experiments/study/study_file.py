@@ -18,7 +18,7 @@ from .study import Study
 
 FOLDER = Path(__file__).parents[1]
 PATH: Final = "path"
-"""Key of the file that holds a questionnaire of a study."""
+"""Key of the file of a questionnaire."""
 
 
 def parse(content: bytes, where: str) -> Study:
@@ -29,8 +29,7 @@ def parse(content: bytes, where: str) -> Study:
     Raises
     ------
     InvalidFile
-        If the bytes are no TOML in UTF-8, or the study holds anything unknown, missing or impossible: one sentence
-        with the place, what was found, what was expected and the nearest valid name.
+        If the bytes are no TOML in UTF-8, or a key or value is invalid.
     """
     table = table_of(content, where, "a study file")
     with errors_in(where):
@@ -48,7 +47,7 @@ def parse(content: bytes, where: str) -> Study:
 
 
 def _check_the_rest(table: Mapping[str, Any], wrong: Collection[str]) -> None:
-    """Wire a study without its `wrong` keys, to find the mistakes in its other tables as well."""
+    """Find mistakes in the other tables of a study with `wrong` keys."""
     from .experiment import wire
 
     stand_ins = {"name": "study", "title": "", "description": "", "limits": {}}
@@ -58,7 +57,7 @@ def _check_the_rest(table: Mapping[str, Any], wrong: Collection[str]) -> None:
         wire(build(Study, stand_ins | rest, ""), "", plays=False)
     except (InvalidParameter, InvalidFile) as error:
         found.add(reworded(error, InvalidParameter, lambda words: words.removeprefix(", ")))
-    # A table that is missing here, or a number that could not be read, makes mistakes that are none.
+    # Errors about a table or number that was left out here are spurious.
     spurious = re.compile(r"\b(limits|nan)\b" if "limits" in wrong else r"\bnan\b")
     found.errors = [error for error in found.errors if _first_key(error) in rest and not spurious.search(str(error))]
     found.end()
@@ -101,10 +100,7 @@ def folder_of(study: str) -> Path:
 
 
 def load(study: str) -> tuple[Study, bytes]:
-    """Read a study by name or path, and the bytes of its file.
-
-    Questionnaires in files next to it are inserted.
-    """
+    """Read a study, and the bytes of its file with inserted questionnaires."""
     path = locate(study)
     content = with_forms(read_file(path, "a study file", LARGEST_FILE), path)
     return parse(content, str(path) if study not in shipped() else study), content
@@ -113,17 +109,14 @@ def load(study: str) -> tuple[Study, bytes]:
 def with_forms(content: bytes, path: Path) -> bytes:
     """Insert the tables of `[forms.NAME]` files into a study file's bytes.
 
-    A study without such files is unchanged.
-
     Raises
     ------
     InvalidFile
-        If such a file cannot be read, or is no questionnaire; the sentence opens with it.
+        If such a file cannot be read, or is no questionnaire; the message starts with it.
     """
     forms = table_of(content, str(path), "a study file").get("forms")
-    named = {}
-    if isinstance(forms, Mapping):
-        named = {name: form for name, form in forms.items() if isinstance(form, Mapping) and PATH in form}
+    tables = forms if isinstance(forms, Mapping) else {}
+    named = {name: form for name, form in tables.items() if isinstance(form, Mapping) and PATH in form}
     if not named:
         return content
     import tomlkit
@@ -138,7 +131,6 @@ def with_forms(content: bytes, path: Path) -> bytes:
 
 
 def _check_path(folder: Path, named: object, where: str) -> None:
-    """Refuse a path that is a folder or empty."""
     expect(isinstance(named, str), where, repr(named), "a text, the name of a file")
     is_folder = not str(named).strip() or (folder / str(named)).is_dir()
     what = "a folder" if str(named).strip() else "no name"

@@ -28,11 +28,11 @@ from .prompts import Prompt, PromptTable, prompted
 from .study import Study, no_such
 
 TASKS: Mapping[str, TaskKind] = {name: resolve(f"tactometry.protocols.tasks.{name}:TASK") for name in TASK_ROWS}
-"""Every task by its name, which is that of its file."""
+"""Tasks by the names of their files."""
 DECISIONS: Mapping[str, Decision] = {
     question: decision for kind in TASKS.values() for question, decision in kind.questions.items()
 }
-"""How a simulated participant answers each question of any task."""
+"""Decisions of simulated participants by question."""
 
 
 def form_of(study: Study, name: str, path: str) -> Questionnaire:
@@ -41,7 +41,7 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
     Raises
     ------
     InvalidParameter
-        If there is none of that name, or it is no scale.
+        If there is no form of that name, or it is no scale.
     """
     is_scale = not is_choices(study.forms.get(name)) and (name in study.forms or name not in shipped_choices())
     expect(is_scale, path, f"{name!r}, a form of choices", "a questionnaire on a scale; ask it by an inquiry")
@@ -52,14 +52,12 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
 
 
 def choices_named(study: Study, name: str) -> ChoiceForm | None:
-    """Return a custom or shipped form of choices.
-
-    None if the name is that of another kind of form, or unknown.
+    """Return a custom or shipped form of choices, or None without one.
 
     Raises
     ------
     InvalidParameter
-        If the study's own is no sound one.
+        If the custom form is invalid.
     """
     if name in study.forms:
         return choice_forms_of({name: study.forms[name]}).get(name)
@@ -72,7 +70,7 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
     Raises
     ------
     InvalidParameter
-        If there is no form of its name, or a form of choices is to be asked in a way that only scales have.
+        If there is no form of its name, or a form of choices has a key that only scales have.
     """
     table, path = study.inquiries[inquiry], f"inquiries.{inquiry}"
     one_of(f"{path}.form", table.form, (*study.forms, *shipped_names(), *shipped_choices()))
@@ -82,9 +80,9 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
         return prompted(form_of(study, table.form, f"{path}.form"), table.prompt)
     once = "'start': questions about a person come once, before anything is felt"
     expect(table.after == "start", f"{path}.after", f"{table.after!r} with a form of {KIND}", once)
-    for key in ("prompt", "shuffled"):
+    for key, value in {"prompt": table.prompt, "shuffled": table.shuffled}.items():
         alone = f"none: a form of {KIND} has the words and the order of its items"
-        expect(not getattr(table, key), f"{path}.{key}", repr(getattr(table, key)), alone)
+        expect(not value, f"{path}.{key}", repr(value), alone)
     numbers = ", ".join(form.numbers) or "no number"
     said = "true where numbers are asked, which could tell who somebody is; or ask in bands, without it"
     found = f"{str(table.identifies).lower()} with {numbers} in {form.name!r}"
@@ -94,10 +92,7 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
 
 @dataclass(frozen=True)
 class TaskTable:
-    """Built table `task`.
-
-    It contains the task, how blocks present it, the factor of its alternatives, and custom prompts.
-    """
+    """Built table `task`, with block options and a custom prompt."""
 
     kind: str
     task: Task
@@ -111,21 +106,18 @@ class TaskTable:
 
 
 def task_of(study: Study) -> TaskTable:
-    """Build the table `task`.
-
-    Raises
-    ------
-    InvalidParameter
-        If it holds what its kind does not know.
-    """
+    """Build the table `task`, or raise `InvalidParameter`."""
     task_kind: TaskKind = kind_of(study.task, "task", TASKS)
-    common, of_kind = fields_of(BlockOptions), fields_of(task_kind.table)
-    of_prompt = fields_of(PromptTable)
-    names = ("kind", *of_kind, *common, *of_prompt)
+    of_kind = fields_of(task_kind.table)
+    names = ("kind", *of_kind, *fields_of(BlockOptions), *fields_of(PromptTable))
     check_keys(study.task, names, "task", read_by=task_kind.table if of_kind else BlockOptions)
-    prompt = build(PromptTable, {key: study.task[key] for key in of_prompt if key in study.task}, "task").prompt
-    options = build(BlockOptions, {key: study.task[key] for key in common if key in study.task}, "task")
-    keys: Any = build(task_kind.table, {key: study.task[key] for key in of_kind if key in study.task}, "task")
+
+    def keys_of(kind: type) -> dict[str, Any]:
+        return {key: study.task[key] for key in fields_of(kind) if key in study.task}
+
+    prompt = build(PromptTable, keys_of(PromptTable), "task").prompt
+    options = build(BlockOptions, keys_of(BlockOptions), "task")
+    keys: Any = build(task_kind.table, keys_of(task_kind.table), "task")
     task = task_kind.made(keys, lambda name: prompted(form_of(study, name, "task.form"), prompt))
     table = TaskTable(study.task["kind"], task, options, keys.over if isinstance(keys, Over) else None, prompt)
     _check(study, table)

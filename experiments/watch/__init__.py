@@ -1,1 +1,1 @@
-"""A page that follows a session while it runs: what the journal holds, in a browser on the same computer, read-only."""
+"""Read-only page in a local browser that follows a session."""

@@ -1,10 +1,10 @@
-"""The page and its sections as HTML, from what is seen."""
+"""HTML of the page and its sections."""
 
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from . import view
-from .files import page_text
 from .sight import Drawn, Sight
 
 if TYPE_CHECKING:
@@ -16,37 +16,23 @@ SECTIONS: Final = ("title", "alerts", "where", "levels", "curve", "touch", "touc
 
 @cache
 def _template() -> "Template":
-    from jinja2 import Environment, StrictUndefined
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    parts: Any = environment.from_string(page_text("parts.html")).module
+    files = FileSystemLoader(Path(__file__).parent)
+    environment = Environment(
+        loader=files, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    parts: Any = environment.get_template("parts.html").module
     environment.globals |= {"plot": parts.plot, "named": parts.named}
-    return environment.from_string(page_text("page.html"))
+    return environment.get_template("page.html")
 
 
 def _values(sight: Sight, drawn: Drawn) -> dict[str, Any]:
-    progress = sight.progress
-    return {
-        "title": view.title(sight),
-        "state": sight.state,
-        "written_s": sight.written_s,
-        "alerts": view.alerts(sight),
-        "shares": view.shares(sight),
-        "where": list(view.where(sight)),
-        "level_plots": view.level_plots(progress),
-        "curve": drawn.curve,
-        "touch": drawn.touch,
-        "reasons": view.reasons(progress),
-        "unit": view.unit(progress),
-        "touches": view.touch_rows(progress),
-        "quality": list(view.quality(progress)),
-        "devices": list(view.devices(sight)),
-        "conditions": view.condition_rows(progress),
-    }
+    return {"view": view, "sight": sight, "progress": sight.progress, "drawn": drawn}
 
 
 def page(sight: Sight, drawn: Drawn) -> str:
-    """The whole page."""
+    """Return the HTML of the whole page."""
     return _template().render(_values(sight, drawn))
 
 

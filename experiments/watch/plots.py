@@ -1,8 +1,9 @@
-"""Plots as values: what a template draws as SVG, in the units of its view box. Nothing here knows a colour."""
+"""Plots as values that a template draws as SVG in view box units."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from tactometry.analysis.wording import condition_name, in_unit, plain_text, with_unit
 from tactometry.errors import count_of
@@ -10,10 +11,10 @@ from tactometry.session.progress import Progress, TrackProgress
 from tactometry.trials.tasks import TASKS, YES_OR_NO
 from tactometry.trials.trial import Trial
 
-WIDTH, HEIGHT = 640.0, 300.0
 LEFT, RIGHT, TOP, BOTTOM = 62.0, 626.0, 14.0, 252.0
 MOST_TICKS = 6
 STEPS = (1.0, 2.0, 2.5, 5.0, 10.0, 20.0)
+Points = Iterable[tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Ruler:
     def at(self, value: float) -> float:
         """Return the position of a value, clipped to the ends of the axis."""
         share = (min(max(value, self.low), self.high) - self.low) / (self.high - self.low)
-        return round(self.start + share * (self.end - self.start), 2)
+        return round(float(self.start + share * (self.end - self.start)), 2)
 
     @property
     def ticks(self) -> tuple[float, ...]:
@@ -44,10 +45,7 @@ class Ruler:
 
 
 def ruler_over(values: Iterable[float], start: float, end: float, margin: float = 0.06) -> Ruler:
-    """Return an axis over all values with a margin.
-
-    A single value is centered.
-    """
+    """Return an axis over values with a margin, or centered on one value."""
     known = list(values) or [0.0, 1.0]
     low, high = min(known), max(known)
     spread = high - low if high - low > 1e-9 * max(abs(low), abs(high)) else 2.0 * max(abs(high), 1.0)
@@ -56,9 +54,8 @@ def ruler_over(values: Iterable[float], start: float, end: float, margin: float 
     return Ruler(middle - half, middle + half, start, end)
 
 
-@dataclass(frozen=True)
-class Mark:
-    """A symbol at its place; `kind` names its shape: yes, no, neutral, invalid, reversal, rate."""
+class Mark(NamedTuple):
+    """Symbol: yes, no, neutral, invalid, reversal or rate (`kind`)."""
 
     x: float
     y: float
@@ -66,9 +63,8 @@ class Mark:
     size: float = 5.0
 
 
-@dataclass(frozen=True)
-class Stroke:
-    """A line, or an area, by the points of its polyline; `kind` names its look."""
+class Stroke(NamedTuple):
+    """Line or area: SVG points, and class in the style sheet."""
 
     points: str
     kind: str
@@ -76,7 +72,7 @@ class Stroke:
 
 @dataclass(frozen=True)
 class Plot:
-    """A plot with its name and what it shows in words, for who does not see it."""
+    """Plot, with its content as text for screen readers."""
 
     name: str
     title: str
@@ -85,20 +81,28 @@ class Plot:
     y_label: str
     x: Ruler
     y: Ruler
-    marks: tuple[Mark, ...] = ()
-    strokes: tuple[Stroke, ...] = ()
-    areas: tuple[Stroke, ...] = ()
+    marks: list[Mark] = field(default_factory=list)
+    strokes: list[Stroke] = field(default_factory=list)
+    areas: list[Stroke] = field(default_factory=list)
 
-    width, height = WIDTH, HEIGHT
+    width, height = 640.0, 300.0
 
+    def line(self, kind: str, points: Points) -> None:
+        self.strokes.append(self._stroke(kind, points))
 
-def polyline(x: Ruler, y: Ruler, points: Iterable[tuple[float, float]]) -> str:
-    """The points of a line as SVG writes them."""
-    return " ".join(f"{x.at(a):g},{y.at(b):g}" for a, b in points)
+    def area(self, kind: str, corners: Points) -> None:
+        self.areas.append(self._stroke(kind, corners))
+
+    def box(self, kind: str, across: tuple[float, float], up: tuple[float, float]) -> None:
+        (left, right), (low, high) = across, up
+        self.area(kind, [(left, low), (right, low), (right, high), (left, high)])
+
+    def _stroke(self, kind: str, points: Points) -> Stroke:
+        return Stroke(" ".join(f"{self.x.at(a):g},{self.y.at(b):g}" for a, b in points), kind)
 
 
 def last_presented(progress: Progress) -> Trial | None:
-    """The row that was recorded last, answers to a questionnaire on its own left out."""
+    """Return the last row that is not an answer to a separate questionnaire."""
     last = progress.last
     if last is None or not last.is_form:
         return last
@@ -109,11 +113,37 @@ def last_presented(progress: Progress) -> Trial | None:
 def success(trial: Trial) -> bool | None:
     """Return True for an answer that the psychometric function counts.
 
-    That is "yes", "more" or "different" where the task asks for it, else a correct answer; None without an answer.
+    That is "yes", "more" or "different" in tasks with such answers, else a correct answer; None without an answer.
     """
     if TASKS[trial.task].response is YES_OR_NO:
         return None if trial.response is None else trial.response == 1
     return trial.correct
+
+
+def levels_plot(name: str, title: str, track: TrackProgress) -> Plot | None:
+    """Plot the levels of a track by presentation; None without one."""
+    shown = [(n, trial.level, trial) for n, trial in enumerate(track.presented, 1) if trial.level is not None]
+    if not shown:
+        return None
+    n_presented, (_, last_level, last) = len(track.presented), shown[-1]
+    x = ruler_over([0.5, max(n_presented, 10) + 0.5], LEFT, RIGHT, margin=0.0)
+    y = ruler_over((each for _, each, _ in shown), BOTTOM, TOP)
+    turned = f", {count_of(len(track.reversals), 'reversal')}" if track.reversals else ""
+    level = in_unit(plain_text(last_level), last.level_unit)
+    plot = Plot(
+        name=name,
+        title=title,
+        words=f"{count_of(n_presented, 'presentation')}{turned}; the last level was {level}.",
+        x_label="presentation",
+        y_label=with_unit("level", last.level_unit),
+        x=x,
+        y=y,
+    )
+    at = [(x.at(n), y.at(each), trial) for n, each, trial in shown]
+    plot.marks.extend(Mark(a, b, "reversal", 9.0) for a, b, trial in at if trial in track.reversals)
+    plot.marks.extend(Mark(a, b, _kind(trial)) for a, b, trial in at)
+    plot.line("path", [(n, each) for n, each, trial in shown if trial.valid])
+    return plot
 
 
 def _kind(trial: Trial) -> str:
@@ -122,78 +152,8 @@ def _kind(trial: Trial) -> str:
     return {True: "yes", False: "no", None: "neutral"}[success(trial)]
 
 
-def levels_plot(name: str, title: str, track: TrackProgress) -> Plot | None:
-    """The levels of a track against the number of the presentation; None without one."""
-    shown = [(n, trial) for n, trial in enumerate(track.presented, 1) if trial.level is not None]
-    if not shown:
-        return None
-    unit, turning = shown[-1][1].level_unit, track.reversals
-    x = ruler_over([0.5, max(len(track.presented), 10) + 0.5], LEFT, RIGHT, margin=0.0)
-    y = ruler_over((float(trial.level or 0.0) for _, trial in shown), BOTTOM, TOP)
-    at = [(x.at(n), y.at(float(trial.level or 0.0)), trial) for n, trial in shown]
-    rings = [Mark(a, b, "reversal", 9.0) for a, b, trial in at if trial in turning]
-    answered = [(float(n), float(trial.level or 0.0)) for n, trial in shown if trial.valid]
-    return Plot(
-        name=name,
-        title=title,
-        words=_levels_words(shown[-1][1], len(track.presented), len(turning), unit),
-        x_label="presentation",
-        y_label=with_unit("level", unit),
-        x=x,
-        y=y,
-        marks=(*rings, *(Mark(a, b, _kind(trial)) for a, b, trial in at)),
-        strokes=(Stroke(polyline(x, y, answered), "path"),),
-    )
-
-
-def _levels_words(last: Trial, n_presented: int, n_reversals: int, unit: str) -> str:
-    turned = f", {count_of(n_reversals, 'reversal')}" if n_reversals else ""
-    level = "" if last.level is None else f"; the last level was {in_unit(plain_text(last.level), unit)}"
-    return f"{count_of(n_presented, 'presentation')}{turned}{level}."
-
-
-def samples_plot(
-    name: str,
-    title: str,
-    label: str,
-    lines: Sequence[Sequence[tuple[float, float]]],
-    wanted: tuple[float, float] | None = None,
-    playing_s: tuple[float, float] | None = None,
-    further: str = "",
-) -> Plot | None:
-    """Plot a sensor over time with a line per axis, or return None if empty.
-
-    It marks the `wanted` band and the time of the stimulus, and adds `further` text.
-    """
-    values = [value for line in lines for _, value in line if math.isfinite(value)]
-    times_s = [time_s for line in lines for time_s, _ in line]
-    if not values:
-        return None
-    x = ruler_over(times_s, LEFT, RIGHT, margin=0.0)
-    y = ruler_over([*values, *(wanted or ())], BOTTOM, TOP)
-    band = () if wanted is None else (_box(x, y, (x.low, x.high), wanted, "wanted"),)
-    played = () if playing_s is None else (_box(x, y, playing_s, (y.low, y.high), "playing"),)
-    known = ([(a, b) for a, b in line if math.isfinite(b)] for line in lines)
-    return Plot(
-        name=name,
-        title=title,
-        words=f"From {plain_text(round(min(values), 4))} to {plain_text(round(max(values), 4))}. {further}".strip(),
-        x_label="time since the onset (s)",
-        y_label=label,
-        x=x,
-        y=y,
-        strokes=tuple(Stroke(polyline(x, y, line), f"axis{n}") for n, line in enumerate(known, 1)),
-        areas=(*played, *band),
-    )
-
-
-def _box(x: Ruler, y: Ruler, across: tuple[float, float], up: tuple[float, float], kind: str) -> Stroke:
-    corners = [(across[0], up[0]), (across[1], up[0]), (across[1], up[1]), (across[0], up[1])]
-    return Stroke(polyline(x, y, corners), kind)
-
-
 def condition_words(factors: Mapping[str, float | str]) -> str:
-    """A condition in words; empty without factors.
+    """Name a condition; empty without factors.
 
     >>> condition_words({"frequency_hz": 240.0, "force_n": ""})
     '240 Hz'

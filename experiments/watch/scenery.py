@@ -10,7 +10,7 @@ from tactometry.session.progress import AnsweredTouch, Progress
 from .sight import Drawn, Sight, TouchDrawn
 from .watcher import Watcher
 
-if TYPE_CHECKING:  # the libraries of the analysis take seconds to load, and the address is to be told at once
+if TYPE_CHECKING:  # the libraries of the analysis take seconds to load, and the address is printed first
     from .curve import Answers
 
 CURVE_EVERY_S = 8.0
@@ -18,14 +18,7 @@ CURVE_EVERY_S = 8.0
 
 
 class Scenery:
-    """Looks through a watcher, and draws.
-
-    Parameters
-    ----------
-    watcher : Watcher
-    clock : callable
-        Seconds, which never go back.
-    """
+    """Page of a watched data set. `clock` returns monotonic seconds."""
 
     def __init__(self, watcher: Watcher, clock: Callable[[], float] = time.monotonic) -> None:
         self._watcher, self._clock = watcher, clock
@@ -37,7 +30,7 @@ class Scenery:
         self._shown: tuple[Sight, Drawn, Mapping[str, str]] | None = None
 
     def page(self) -> str:
-        """The page as it is now."""
+        """Return the HTML of the page in its present state."""
         from .page import page
 
         self._look()
@@ -55,28 +48,24 @@ class Scenery:
     def _look(self) -> None:
         self._sight = self._watcher.look()
         now_s, progress = self._clock(), self._sight.progress
-        self._draw_touch(next(reversed(progress.touches), None))
+        touch = next(reversed(progress.touches), None)
+        if touch is not self._touch:
+            self._touch = touch
+            self._draw_touch(touch)
         if progress is not self._curve_of and now_s >= self._due_s:
             self._curve_of = progress
-            if self._draw_curve(progress):
-                self._due_s = now_s + CURVE_EVERY_S
+            self._draw_curve(progress, now_s)
 
     def _draw_touch(self, touch: AnsweredTouch | None) -> None:
-        if touch is self._touch:
-            return
         from .traces import draw_touch
 
-        self._touch = touch
         drawn = TouchDrawn() if touch is None else draw_touch(self._watcher.root, touch)
         self._drawn = replace(self._drawn, touch=drawn)
 
-    def _draw_curve(self, progress: Progress) -> bool:
-        """Redraw the curve, and return True if it changed."""
+    def _draw_curve(self, progress: Progress, now_s: float) -> None:
         from .curve import answers_of, curve_plot
 
         answers = answers_of(progress)
-        if answers == self._answers:
-            return False
-        self._answers = answers
-        self._drawn = replace(self._drawn, curve=None if answers is None else curve_plot(answers))
-        return True
+        if answers != self._answers:
+            self._answers, self._due_s = answers, now_s + CURVE_EVERY_S
+            self._drawn = replace(self._drawn, curve=None if answers is None else curve_plot(answers))

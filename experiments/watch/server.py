@@ -1,7 +1,7 @@
-"""The page's server: on the loopback alone, read-only, for whoever has its token.
+"""Read-only loopback server of the page for requests with its token.
 
-What it answers is decided before anything is looked at: a host that is not the loopback's (the name of a foreign page
-that was made to lead here), another page as the origin, or a wrong token get nothing.
+Each request is checked first. A host other than the loopback (a foreign name that was made to lead here), another
+page as the origin, or a wrong token get no content.
 """
 
 import asyncio
@@ -13,11 +13,11 @@ import warnings
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping, MutableMapping
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 from tactometry.errors import DeviceFailed, library_needed
 
-from .files import SERVED, page_text
 from .scenery import Scenery
 
 if TYPE_CHECKING:
@@ -41,13 +41,19 @@ HEADERS: Final = {
     "X-Content-Type-Options": "nosniff",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
+SERVED: Final = {"page.css": "text/css", "page.js": "text/javascript"}
+"""Files that a browser requests, with their media types."""
 LOOK_EVERY_S = 0.5
 NO_LIBRARY: Final = "watch: found no library for its page ({error}); pip install 'tactometry[watch]'"
 
 
 def refusal(headers: Mapping[str, str], path: str, port: int, token: str) -> int | None:
-    """The status with which a request is refused, by its headers (names in small letters) and its path; None: it may
-    come in.
+    """Return the status of a refused request, or None for one that is allowed.
+
+    Parameters
+    ----------
+    headers : mapping of str to str
+        By lower-case names.
 
     >>> refusal({"host": "127.0.0.1:8000"}, "/t/", 8000, "t"), refusal({"host": "127.0.0.1:8000"}, "/", 8000, "t")
     (None, 404)
@@ -69,7 +75,7 @@ def refusal(headers: Mapping[str, str], path: str, port: int, token: str) -> int
 
 
 def combined(headers: Iterable[tuple[bytes, bytes]]) -> dict[str, str]:
-    """Combine values of the same name with commas, so that a repeated header has none of the expected values.
+    """Join repeated headers by commas, which no expected value has.
 
     >>> combined([(b"host", b"127.0.0.1:8000"), (b"origin", b"null"), (b"origin", b"null")])
     {'host': '127.0.0.1:8000', 'origin': 'null, null'}
@@ -82,7 +88,7 @@ def combined(headers: Iterable[tuple[bytes, bytes]]) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Guard:
-    """Lets in what `refusal` does not refuse."""
+    """Middleware that refuses requests before the application."""
 
     app: App
     port: int
@@ -99,10 +105,7 @@ class Guard:
 
 
 async def news(scenery: Scenery) -> AsyncIterator[bytes]:
-    """The sections that change, each time they do, for one who listens.
-
-    Whatever fails here ends the connection, and the page says so.
-    """
+    """Yield changed sections as server-sent events."""
     shown: Mapping[str, str] = {}
     while True:
         sections = scenery.sections()
@@ -133,7 +136,8 @@ def application(scenery: Scenery, port: int, token: str) -> "Starlette":
 
     async def file(request: "HttpRequest") -> "Response":
         name = request.url.path.rpartition("/")[2]
-        return Response(page_text(name), media_type=SERVED[name], headers=HEADERS)
+        text = (files(__package__) / name).read_text("utf-8")
+        return Response(text, media_type=SERVED[name], headers=HEADERS)
 
     async def events(request: "HttpRequest") -> "Response":
         del request
@@ -151,12 +155,10 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
 
     Parameters
     ----------
-    scenery : Scenery
     port : int
-        0: any that is free.
-    tell : callable
+        0 selects any free port.
     until : binary file, optional
-        Read to its end by a thread.
+        Stream that a thread reads to its end.
 
     Raises
     ------
@@ -183,14 +185,14 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
         server = uvicorn.Server(config)
         if until is not None:
             threading.Thread(target=_end_with, args=(until, server), daemon=True).start()
-        # Ctrl-C is how it ends, also before the loop has begun, of which Python would tell that nobody awaited it.
+        # Ctrl-C ends it, also before the loop has begun, when Python warns of a coroutine that was never awaited.
         with warnings.catch_warnings(action="ignore", category=RuntimeWarning), suppress(KeyboardInterrupt):
             tell(f"http://{LOOPBACK}:{port}/{token}/")
             server.run(sockets=[listening])
 
 
 def _bound(port: int) -> socket.socket:
-    """A socket at a port of the loopback, which no other computer reaches."""
+    """Return a socket at a loopback port."""
     found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

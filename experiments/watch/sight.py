@@ -1,7 +1,4 @@
-"""State of a session, folded over the lines of its journal.
-
-The study supplies what the journal does not contain.
-"""
+"""State of a session, folded over the lines of its journal."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
@@ -19,27 +16,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sight:
-    """A session as it is seen.
+    """A session as the page shows it.
 
     Parameters
     ----------
     name : str
-        Of the journal; empty: there is none yet.
+        Name of the journal; empty before there is one.
     heads : tuple of Head
-        Those of its sittings.
-    progress : Progress
-    complete : bool
-        Whether the journal says that the session is over.
-    halted : bool
-        Whether its sitting was stopped, and nothing was asked since.
+        Heads of the sittings.
+    complete, halted : bool
+        Whether the journal states that the session is over, or that its sitting was stopped.
     abandoned : bool
         Whether no process writes the journal any more, though it neither ended nor was stopped.
     written_s : float
-        When the journal was written last, s since 1970.
+        Time when the journal was written last, s since 1970.
     problem : str
-        Why it cannot be read; empty where it can.
+        Reason why the journal cannot be read, else empty.
     parts : tuple of PartAhead
-        What its study plans; empty where that is not known.
+        Plan of the study, which the journal does not contain; empty if unknown.
     """
 
     name: str = ""
@@ -53,7 +47,7 @@ class Sight:
     parts: tuple[PartAhead, ...] = ()
 
     def after(self, lines: Iterable[Line]) -> "Sight":
-        """With more lines of the journal."""
+        """Return the state after more lines of the journal."""
         return reduce(_after, lines, self)
 
     @property
@@ -70,20 +64,15 @@ class Sight:
         >>> Sight("a", abandoned=True).state
         'ended without closing'
         """
-        if self.problem or not self.name:
-            return "cannot be read" if self.problem else "no session yet"
-        if self.complete:
-            return "over"
-        if self.halted:
-            return "stopped"
-        if self.abandoned:
-            return "ended without closing"
-        return "running" if self.progress.paused is None else "paused"
-
-    @property
-    def warning(self) -> str | None:
-        """Warning for the experimenter, None once the session is complete."""
-        return None if self.complete else self.progress.warning(self.parts)
+        states = {
+            "cannot be read": bool(self.problem),
+            "no session yet": not self.name,
+            "over": self.complete,
+            "stopped": self.halted,
+            "ended without closing": self.abandoned,
+            "paused": self.progress.paused is not None,
+        }
+        return next((state for state, applies in states.items() if applies), "running")
 
 
 def _after(sight: Sight, line: Line) -> Sight:
@@ -94,13 +83,13 @@ def _after(sight: Sight, line: Line) -> Sight:
             return replace(sight, progress=sight.progress.after(request, answer), halted=False)
         case Event():
             return replace(sight, progress=sight.progress.after_event(line), halted=line.kind == "stop" or sight.halted)
-        case _:  # marks on a page that nobody has left yet
+        case _:  # marks on a page that is still shown
             return replace(sight, halted=False)
 
 
 @dataclass(frozen=True)
 class TouchDrawn:
-    """The samples of the last touch, or why they can't be read."""
+    """Plots of the last touch, or the reason why there are none."""
 
     plots: "tuple[Plot, ...]" = ()
     problem: str = ""
@@ -108,7 +97,7 @@ class TouchDrawn:
 
 @dataclass(frozen=True)
 class Drawn:
-    """The curve of the present condition, and the last touch."""
+    """Plots of the present condition's curve and of the last touch."""
 
     curve: "Plot | None" = None
     touch: TouchDrawn = field(default_factory=TouchDrawn)

@@ -1,17 +1,16 @@
-"""Plots of sensor samples during the last touch, from its request to its end."""
+"""Plots of sensor samples during the last touch."""
 
 from pathlib import Path
 
 import numpy as np
 
-from tactometry.analysis.wording import number_text
+from tactometry.analysis.wording import number_text, plain_text
 from tactometry.errors import InvalidFile
 from tactometry.records.traces import kind_of, read_part
 from tactometry.session.progress import AnsweredTouch
-from tactometry.session.request import Press, Slide
 from tactometry.signal import FloatArray
 
-from .plots import Plot, samples_plot
+from .plots import BOTTOM, LEFT, RIGHT, TOP, Plot, ruler_over
 from .sight import TouchDrawn
 
 MOST_BINS = 150
@@ -20,36 +19,47 @@ LABELS = {"force": ("Force", "force (N)"), "position": ("Position", "position (m
 
 def draw_touch(root: Path, touch: AnsweredTouch) -> TouchDrawn:
     """Plot the recorded samples of a touch, or state why they are unreadable."""
-    plots: list[Plot] = []
+    kinds = [(kind_of(part), part) for part in touch.answer.trace]
     try:
-        for part in touch.answer.trace:
-            kind = kind_of(part)
-            if kind in LABELS:
-                plot = _plot(kind, read_part(root, part), touch)
-                plots += [] if plot is None else [plot]
+        plots = [samples_plot(kind, read_part(root, part), touch) for kind, part in kinds if kind in LABELS]
     except InvalidFile as error:
         return TouchDrawn(problem=str(error))
-    return TouchDrawn(tuple(plots))
+    return TouchDrawn(tuple(plot for plot in plots if plot is not None))
 
 
-def _plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | None:
-    """Plot time stamps (s of the session) and values against onset time."""
-    title, label = LABELS[kind]
+def samples_plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | None:
+    """Plot a sensor over time with a line per axis; None if empty.
+
+    Parameters
+    ----------
+    rows : (n_samples, 1 + n_axes) array
+        Time stamps (s of the session) and values.
+    touch : AnsweredTouch
+        Its requested force and the time of its stimulus are drawn as areas.
+    """
     times_s, values = rows[:, 0] - touch.answer.onset_s, rows[:, 1:]
-    played_s = (0.0, touch.request.duration_s) if touch.answer.played else None
-    return samples_plot(
-        kind,
-        title,
-        label,
-        [thinned(times_s, along) for along in values.T],
-        wanted=_band(touch.request) if kind == "force" else None,
-        playing_s=played_s,
-        further=_health(times_s, values),
+    known, request = values[np.isfinite(values)], touch.request
+    if not known.size:
+        return None
+    band = (request.target_n * (1 - request.tolerance), request.target_n * (1 + request.tolerance))
+    wanted = band if kind == "force" else None
+    low, high = float(known.min()), float(known.max())
+    plot = Plot(
+        name=kind,
+        title=LABELS[kind][0],
+        words=f"From {plain_text(round(low, 4))} to {plain_text(round(high, 4))}. {_health(times_s, values)}".strip(),
+        x_label="time since the onset (s)",
+        y_label=LABELS[kind][1],
+        x=ruler_over(times_s.tolist(), LEFT, RIGHT, margin=0.0),
+        y=ruler_over([low, high, *(wanted or ())], BOTTOM, TOP),
     )
-
-
-def _band(request: Press | Slide) -> tuple[float, float]:
-    return request.target_n * (1 - request.tolerance), request.target_n * (1 + request.tolerance)
+    if touch.answer.played:
+        plot.box("playing", (0.0, request.duration_s), (plot.y.low, plot.y.high))
+    if wanted is not None:
+        plot.box("wanted", (plot.x.low, plot.x.high), wanted)
+    for n, along in enumerate(values.T, 1):
+        plot.line(f"axis{n}", thinned(times_s, along))
+    return plot
 
 
 def _health(times_s: FloatArray, values: FloatArray) -> str:
@@ -63,7 +73,7 @@ def _health(times_s: FloatArray, values: FloatArray) -> str:
 
 
 def thinned(times_s: FloatArray, values: FloatArray, n_bins: int = MOST_BINS) -> list[tuple[float, float]]:
-    """Return fewer points that draw the same line as all samples.
+    """Return fewer points that draw the same line as all known samples.
 
     Each bin keeps its lowest and its highest sample.
 
@@ -73,6 +83,5 @@ def thinned(times_s: FloatArray, values: FloatArray, n_bins: int = MOST_BINS) ->
     known = np.flatnonzero(np.isfinite(values))
     if len(known) > 2 * n_bins:
         bins = np.array_split(known, n_bins)
-        ends = [(bin_[values[bin_].argmin()], bin_[values[bin_].argmax()]) for bin_ in bins]
-        known = np.unique(ends)
+        known = np.unique([(each[values[each].argmin()], each[values[each].argmax()]) for each in bins])
     return list(zip(times_s[known].tolist(), values[known].tolist(), strict=True))

@@ -1,8 +1,9 @@
-"""Words, numbers and plots of the page, before they become HTML."""
+"""Text, numbers and plots of the page, before they become HTML."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import ceil
+from typing import NamedTuple
 
 from tactometry.analysis.wording import in_unit, level_of, number_text, plain_text, split_unit
 from tactometry.errors import count_of
@@ -15,16 +16,16 @@ from .plots import Plot, condition_words, last_presented, levels_plot
 from .sight import Sight
 
 MOST_PLOTS = 4
-"""So many interleaved tracks are drawn."""
+"""Largest number of interleaved tracks with a plot."""
 MOST_DROPPED = 0.01
-"""A larger part of dropped frames is marked (unverified default)."""
+"""A larger share of dropped frames is marked (unverified default)."""
 DEVICES = ("rig", "output", "force_sensor", "position_sensor", "frame_period_s", "output_volts_per_unit", "felt")
-"""Facts of a head that say on what a session runs."""
+"""Facts of a head that describe the devices of a session."""
+DELAYS = {"gate_delay_s": "From gate to decision", "key_to_record_s": "From key to disk"}
 
 
-@dataclass(frozen=True)
-class Named:
-    """A name with its value; `mark`: whoever looks on should see to it."""
+class Named(NamedTuple):
+    """Name and value; `mark` draws the experimenter's attention."""
 
     name: str
     value: str
@@ -41,7 +42,7 @@ def minutes(lasting_s: float) -> str:
 
 
 def title(sight: Sight) -> str:
-    """Whose session it is."""
+    """Return the participant, session and study."""
     head = sight.head
     if head is None:
         return sight.name or "no session yet"
@@ -51,19 +52,21 @@ def title(sight: Sight) -> str:
 
 def alerts(sight: Sight) -> list[str]:
     """Return the alerts at the top of the page."""
-    found = [sight.problem, f"Careful: {sight.warning}." if sight.warning else ""]
+    progress = sight.progress
+    warning = None if sight.complete else progress.warning(sight.parts)
+    found = [sight.problem, f"Careful: {warning}." if warning else ""]
     if sight.state == "ended without closing":
         found.append("The session ended without closing: no process records it; run goes on with --resume.")
-    elif sight.progress.paused is not None and not (sight.complete or sight.halted):
-        found.append(f"Paused: {sight.progress.paused}.")
+    elif progress.paused is not None and not (sight.complete or sight.halted):
+        found.append(f"Paused: {progress.paused}.")
     if sight.halted:
-        found.append(f"Stopped: {' '.join(sight.progress.stopped[-1:])}; run goes on with --resume.")
-    return [*filter(None, found), *(f"{text[:1].upper()}{text[1:]}." for text in sight.progress.aborted)]
+        found.append(f"Stopped: {' '.join(progress.stopped[-1:])}; run goes on with --resume.")
+    return [*filter(None, found), *(f"{text[:1].upper()}{text[1:]}." for text in progress.aborted)]
 
 
 @dataclass(frozen=True)
 class Share:
-    """How much of what is planned is done: `n` of at most `of`."""
+    """Number of counted trials, and the largest planned number."""
 
     name: str
     n: int
@@ -75,18 +78,12 @@ class Share:
 
 
 def shares(sight: Sight) -> list[Share]:
-    """Trials of the present part, and of the session, that count."""
+    """Return the progress of the present part and of the session."""
     progress, parts = sight.progress, sight.parts
-    if not any(part.n_trials for part in parts):
-        return []
-    here = [Share("Trials of this part", progress.n_valid(progress.part), _part(sight).n_trials)]
+    present = parts[progress.part - 1] if 0 < progress.part <= len(parts) else PartAhead()
+    here = Share("Trials of this part", progress.n_valid(progress.part), present.n_trials)
     of_all = Share("Trials of the session", progress.n_valid(), sum(part.n_trials for part in parts))
-    return [*(share for share in here if share.of), of_all]
-
-
-def _part(sight: Sight) -> PartAhead:
-    n = sight.progress.part
-    return sight.parts[n - 1] if 0 < n <= len(sight.parts) else PartAhead()
+    return [share for share in (here, of_all) if share.of]
 
 
 def where(sight: Sight) -> Iterator[Named]:
@@ -136,7 +133,7 @@ def _answer(trial: Trial) -> str:
 
 
 def level_plots(progress: Progress) -> list[Plot]:
-    """A plot for each track of the present block, the present one first."""
+    """Return plots of the tracks in the present block, the present one first."""
     last = last_presented(progress)
     if last is None:
         return []
@@ -148,15 +145,14 @@ def level_plots(progress: Progress) -> list[Plot]:
 
 def _title(track: TrackProgress, name: str | None) -> str:
     last = track.presented[-1]
-    # of the track's name, what the condition does not tell
+    # A track's name repeats factors of the condition.
     labels = [part for part in (name or "").split(", ") if part.partition("=")[0] not in last.factors]
     practice = "practice" if last.practice else ""
     return ", ".join(filter(None, (last.procedure.replace("_", " "), practice, condition_words(last.factors), *labels)))
 
 
-@dataclass(frozen=True)
-class TouchRow:
-    """A touch as a row of cells."""
+class TouchRow(NamedTuple):
+    """Cells of a touch."""
 
     level: str
     outcome: str
@@ -165,17 +161,12 @@ class TouchRow:
     valid: bool
 
 
-def touch_rows(progress: Progress) -> list[TouchRow]:
-    """The last touches, the newest first."""
-    return [_touch_row(touch) for touch in reversed(progress.touches)]
-
-
-def _touch_row(touch: AnsweredTouch) -> TouchRow:
-    answer = touch.answer
-    level = "blank" if touch.request.level is None else plain_text(touch.request.level)
+def touch_row(touch: AnsweredTouch) -> TouchRow:
+    """Return a touch as a row of the table."""
+    answer, level = touch.answer, touch.request.level
     reason = "not valid" if answer.invalid_reason is None else REASON_WORDS[answer.invalid_reason]
     return TouchRow(
-        level,
+        "blank" if level is None else plain_text(level),
         "valid" if answer.valid else reason,
         _kept(answer.force_mean_n, "N", answer.force_in_band),
         _kept(answer.speed_mean_m_per_s, "m/s", answer.speed_in_band),
@@ -184,7 +175,7 @@ def _touch_row(touch: AnsweredTouch) -> TouchRow:
 
 
 def _kept(mean: float | None, unit: str, in_band: float | None) -> str:
-    """A mean, and for which part of the touch it was in its band.
+    """Return a mean, and the share of the touch in its band.
 
     >>> _kept(1.0123, "N", 0.954), _kept(None, "N", None)
     ('1.01 N, 95 %', '')
@@ -194,7 +185,7 @@ def _kept(mean: float | None, unit: str, in_band: float | None) -> str:
 
 
 def reasons(progress: Progress) -> str:
-    """How many touches did not count, by their reasons."""
+    """Return the number of invalid touches by reason."""
     if not progress.n_touches:
         return ""
     n_lost = sum(progress.reasons.values())
@@ -205,7 +196,7 @@ def reasons(progress: Progress) -> str:
 
 
 def quality(progress: Progress) -> Iterator[Named]:
-    """How well screen, output and sensors do."""
+    """Yield the quality of the screen, the output and the sensors."""
     if progress.n_frames:
         n_due = progress.n_frames + progress.n_dropped_frames
         share = progress.n_dropped_frames / n_due
@@ -214,9 +205,8 @@ def quality(progress: Progress) -> Iterator[Named]:
     yield Named("Gaps in the output", str(progress.n_gaps), progress.n_gaps > 0)
     n_lost = progress.reasons.get("sensor_lost", 0)
     yield Named("Touches with a silent sensor", str(n_lost), n_lost > 0)
-    names = {"gate_delay_s": "From gate to decision", "key_to_record_s": "From key to disk"}
     for key, (last_s, longest_s) in progress.timing.items():
-        yield Named(names[key], f"{_ms(last_s)}, longest {_ms(longest_s)}")
+        yield Named(DELAYS[key], f"{_ms(last_s)}, longest {_ms(longest_s)}")
     for device, facts in progress.clocks.items():
         yield Named(f"Clock of {device}", _clock(facts))
 
@@ -236,7 +226,7 @@ def _clock(facts: Mapping[str, Fact]) -> str:
 
 
 def devices(sight: Sight) -> Iterator[Named]:
-    """On what it runs, as its head says."""
+    """Yield the devices of the session from its head."""
     facts = {} if sight.head is None else sight.head.facts
     for name in DEVICES:
         value = facts.get(name)
@@ -244,9 +234,8 @@ def devices(sight: Sight) -> Iterator[Named]:
             yield Named(split_unit(name)[0], level_of(name, value))
 
 
-@dataclass(frozen=True)
-class ConditionRow:
-    """A track as a row of cells."""
+class ConditionRow(NamedTuple):
+    """Cells of a track."""
 
     part: int
     condition: str
@@ -258,30 +247,24 @@ class ConditionRow:
 
 
 def condition_rows(progress: Progress) -> list[ConditionRow]:
-    """All tracks, the newest first."""
+    """Return all tracks, the newest first."""
     last = progress.last
-    present = None if last is None or last.is_form else (last.block, last.track)
+    present = None if last is None or last.is_form or progress.over else (last.block, last.track)
     has_one_unit = bool(unit(progress))
-    return [
-        _condition_row(key, track, is_present=key == present and not progress.over, with_unit=not has_one_unit)
-        for key, track in reversed(list(progress.tracks.items()))
-    ]
-
-
-def _condition_row(
-    key: tuple[int, str | None], track: TrackProgress, *, is_present: bool, with_unit: bool
-) -> ConditionRow:
-    block, name = key
-    last, answered = track.presented[-1], track.answered
-    n_valid = sum(trial.valid for trial in track.presented)
-    n_reversals = len(track.reversals)
-    state = "aborted" if track.aborted else "now" if is_present else ""
-    return ConditionRow(
-        block,
-        " · ".join(filter(None, ("practice" if last.practice else "", condition_words(last.factors), name or ""))),
-        n_valid,
-        len(track.presented) - n_valid,
-        str(n_reversals) if n_reversals else "",
-        in_unit(plain_text(answered[-1].level), last.level_unit if with_unit else "") if answered else "",
-        state,
-    )
+    rows = []
+    for (block, name), track in reversed(list(progress.tracks.items())):
+        shown, answered = track.presented[-1], track.answered
+        n_valid = sum(trial.valid for trial in track.presented)
+        labels = "practice" if shown.practice else "", condition_words(shown.factors), name or ""
+        level = in_unit(plain_text(answered[-1].level), "" if has_one_unit else shown.level_unit) if answered else ""
+        row = ConditionRow(
+            block,
+            " · ".join(filter(None, labels)),
+            n_valid,
+            len(track.presented) - n_valid,
+            str(len(track.reversals) or ""),
+            level,
+            "aborted" if track.aborted else "now" if (block, name) == present else "",
+        )
+        rows.append(row)
+    return rows

@@ -16,26 +16,17 @@ from tactometry.session.progress import PartAhead
 from .sight import Sight
 
 LOOK_AROUND_S = 3.0
-"""How often it is looked for a newer journal."""
+"""Interval between searches for a newer journal."""
 QUIET_S = 10.0
 """A journal that was written this lately has a process that writes it."""
 TRY_AGAIN_S = 15.0
-"""A journal that could not be read is read again as a whole, which takes a while: so long later at the earliest."""
+"""Delay before an unreadable journal is read again as a whole, which is slow."""
 
 
 class Watcher:
-    """Follower of the newest journal of a data set.
+    """Follower of a data set's newest journal (of one session if given).
 
-    `participant` and `session` restrict it to theirs.
-
-    Parameters
-    ----------
-    root : Path
-        Of the data set; it may be yet to come.
-    participant, session
-        Whose sessions; None: any.
-    clock : callable
-        Seconds, which never go back.
+    The folder `root` need not exist yet. `clock` returns monotonic seconds.
     """
 
     def __init__(
@@ -68,24 +59,26 @@ class Watcher:
     @property
     def finds(self) -> bool:
         """Return True if there is a session to follow."""
-        return any(map(self._is_wanted, _journals(self.root)))
+        return bool(self._journals())
+
+    def _journals(self) -> list[Path]:
+        try:
+            return [path for path in sessions(self.root) if self._wanted.items() <= keys_of(path.stem).items()]
+        except InvalidFile:  # the next search may succeed
+            return []
 
     def _choose(self) -> None:
-        newest = max(filter(self._is_wanted, _journals(self.root)), key=_written_s, default=None)
+        newest = max(self._journals(), key=_written_s, default=None)
         if newest is not None and (self._follower is None or newest != self._follower.path):
             self._follower, self._sight, self._again_s = Follower(newest), Sight(newest.stem), -float("inf")
 
     def _check_alive(self, follower: Follower) -> None:
-        """See whether a process still writes the journal."""
         sight = self._sight
         is_quiet = time.time() - sight.written_s > QUIET_S
         ended = sight.complete or sight.halted or not sight.name
         abandoned = not ended and is_quiet and not is_written(follower.path)
         if abandoned != sight.abandoned:
             self._sight = replace(sight, abandoned=abandoned)
-
-    def _is_wanted(self, journal: Path) -> bool:
-        return self._wanted.items() <= keys_of(journal.stem).items()
 
     def _read(self, follower: Follower, now_s: float) -> None:
         try:
@@ -103,17 +96,10 @@ class Watcher:
         self._sight = replace(seen, complete=news.complete, abandoned=False, written_s=written_s, parts=parts)
 
 
-def _journals(root: Path) -> list[Path]:
-    try:
-        return sessions(root)
-    except InvalidFile:  # it is looked again
-        return []
-
-
 def _written_s(path: Path) -> float:
     try:
         return path.stat().st_mtime
-    except OSError:  # it went away just now
+    except OSError:  # the file was just removed
         return 0.0
 
 

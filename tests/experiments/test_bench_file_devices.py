@@ -87,7 +87,7 @@ def read(tmp_path, text):
     return load_bench(path)
 
 
-def test_a_whole_bench_is_read_with_its_units(tmp_path):
+def test_bench_file_is_read_with_units(tmp_path):
     bench = read(tmp_path, WHOLE)
     assert bench.screen.height_m == pytest.approx(0.298)
     assert bench.output.settings == AudioSettings(192e3, "interface", (0, 1))
@@ -102,7 +102,7 @@ def test_a_whole_bench_is_read_with_its_units(tmp_path):
     assert bench.time_reversal == Learnt("learnt.npz")
 
 
-def test_its_devices_are_guarded_calibrated_and_share_a_reader(tmp_path):
+def test_bench_devices_are_guarded_and_share_reader(tmp_path):
     devices = read(tmp_path, WHOLE).devices(STUDY, TODAY)
     assert devices.output.limits == Limits(100.0, current_peak_a=1e-3, duty=0.5, session_s=3600.0)
     assert devices.output.load.capacitance_f == 1e-9
@@ -128,7 +128,7 @@ def test_bench_is_null_without_a_file():
     assert devices.force is None
 
 
-def test_a_connected_output_needs_limits_of_its_own(tmp_path):
+def test_connected_output_needs_bench_limits(tmp_path):
     limits = WHOLE[WHOLE.index("[limits]") : WHOLE.index("[sensors")]
     output = read(tmp_path, WHOLE.replace(limits, "")).devices(STUDY, TODAY).output
     with pytest.raises(LimitExceeded, match="found no limits.*state them in the bench.*nothing was played"):
@@ -149,7 +149,7 @@ def test_an_old_calibration_is_a_failed_device(tmp_path, today, message):
 
 
 @pytest.mark.parametrize(("age", "owner"), [("90", r"output\.gain\.max_age_days"), ("60", r"force\.max_age_days")])
-def test_an_age_below_0_is_refused_with_the_file(tmp_path, age, owner):
+def test_negative_calibration_age_is_refused(tmp_path, age, owner):
     with pytest.raises(InvalidFile, match=f"{owner}: found -3, expected a whole number, at least 0"):
         read(tmp_path, WHOLE.replace(f"max_age_days = {age}", "max_age_days = -3"))
 
@@ -168,11 +168,8 @@ def test_packed_streams_have_no_ramps(tmp_path):
         (('kind = "lsl"', "kind = 1"), "sensors.hand.kind: found 1, expected one of lsl, serial, udp, audio, touch, "),
         (('kind = "lsl"\n', ""), "sensors.hand.kind: found no such key, expected one of lsl"),
         (('stream = "force"\n', ""), "sensors.hand.stream: found no such key, expected a text"),
-        (
-            ('"5 ms"', '"60 ms"'),
-            "sensors.hand.delay_s: found 0.06, expected from 0 to 0.05 s: a stop comes so much later",
-        ),
-        (('"5 ms"', "-1"), "sensors.hand.delay_s: found -1, expected from 0 to 0.05 s"),
+        (('"5 ms"', '"60 ms"'), "sensors.hand.delay_s: found 0.06, expected a number from 0 to 0.05"),
+        (('"5 ms"', "-1"), r"sensors.hand.delay_s: found -1\.0, expected a number from 0 to 0.05"),
         (("n_channels = 3", "n_chanels = 3"), "sensors.hand.n_chanels: found an unknown key.*mean 'n_channels'"),
         (("[limits]", "[limit]"), "limit: found an unknown key, expected one of screen, .*mean 'limits'"),
         (('"1 mA"', '"1 mV"'), "limits.current_peak_a: found '1 mV', expected a number in A"),
@@ -250,7 +247,7 @@ def test_impossible_number_is_refused_with_the_file(part, table, name, value):
         (("channels = [0, 1]\nmetres", "channels = [0, -1]\nmetres"), "position.channels: found -1, expected from 0"),
     ],
 )
-def test_a_channel_is_one_of_its_sensor(tmp_path, change, message):
+def test_unknown_sensor_channel_is_refused(tmp_path, change, message):
     assert change[0] in WHOLE
     with pytest.raises(InvalidParameter, match=message):
         read(tmp_path, WHOLE.replace(*change)).devices(STUDY, TODAY)
@@ -284,7 +281,7 @@ def test_unplayable_study_opens_no_window(tmp_path, capsys, settings, wanted):
     assert (status, wanted in said, "nothing was played" in said) == (3, True, True), said
 
 
-def test_responses_that_are_not_there_end_a_session_before_its_window(tmp_path, capsys):
+def test_missing_responses_end_session_before_window(tmp_path, capsys):
     bench = tmp_path / "bench.toml"
     bench.write_text('[time_reversal]\nresponses = "nothing.npz"\n')
     said = refused(capsys, "run", "tutorial", "--participant", "P01", "--bench", bench, "--out", tmp_path / "d")

@@ -8,10 +8,7 @@ import pytest
 from command_line import call
 from places import DOCS
 
-from tactometry.experiments.bench.bench_file import (
-    load_bench,
-    parse_bench,
-)
+from tactometry.experiments.bench.bench_file import load_bench, parse_bench
 from tactometry.experiments.bench.preflight import _strongest
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load
@@ -29,7 +26,7 @@ CLAIMED = [
 ]
 
 
-def test_every_built_in_study_has_its_bench_in_the_docs():
+def test_docs_have_bench_of_each_study():
     on_cards = ["time-reversal-threshold", "time-reversal-patterns", "force-loss"]
     assert [study for study, _, _ in CLAIMED] == [
         *("tutorial", "electrovibration-threshold", "grating-roughness"),

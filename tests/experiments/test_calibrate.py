@@ -16,7 +16,7 @@ from tactometry.experiments.bench.bench_file import parse_bench
 
 
 @pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
-def test_a_force_sensor_is_calibrated_by_weights(calibrate, tmp_path, artefacts):
+def test_force_sensor_is_calibrated_by_weights(calibrate, tmp_path, artefacts):
     device = Emulator("serial", tmp_path, profile="1:500")
     port = f'[sensors.hand]\nkind = "serial"\nport = "{device.port}"\nrate_hz = 1000\nn_channels = 3\n'
     (tmp_path / "bench.toml").write_text(port, encoding="utf-8")
@@ -69,7 +69,7 @@ def test_an_output_gain_is_measured_at_the_load(calibrate, tmp_path):
 
 
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
-def test_tones_are_played_at_the_load_and_the_voltages_asked_for(calibrate, alsa, tmp_path):
+def test_gain_calibration_plays_tones_and_requests_voltages(calibrate, alsa, tmp_path):
     bench = LOOPBACK.replace('"pulse"', '"tofile"')
     too_old = gain_toml("audio another, int16", 20.0, 1.0, date(2020, 1, 1), max_age_days=1)
     gain = bench[bench.index("[output.gain]") : bench.index("[output.load]")]
@@ -84,7 +84,7 @@ def test_tones_are_played_at_the_load_and_the_voltages_asked_for(calibrate, alsa
     assert "--measured-v: found '1,x', expected numbers" in refused.stderr
 
 
-def test_a_display_is_measured_by_its_bar(calibrate):
+def test_display_is_measured_by_its_bar(calibrate):
     assert calibrate("display", "--bar-m", "0.149").stdout == "[screen]\nheight_m = 0.298\n"
 
 
@@ -134,7 +134,7 @@ LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
         (["display", "--bar-m", "0.1", "--write"], "--write: found no bench file, expected --bench with the file"),
     ],
 )
-def test_a_bad_calibration_is_one_sentence(calibrate, tmp_path, arguments, message):
+def test_bad_calibration_is_refused_in_one_line(calibrate, tmp_path, arguments, message):
     (tmp_path / "b.toml").write_text("", encoding="utf-8")
     sensor = (
         "[output.gain]\nvolts_per_unit = 1.0\namplifier_gain = 1.0\n"

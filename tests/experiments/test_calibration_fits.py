@@ -20,7 +20,7 @@ TODAY = date(2026, 11, 21)
 
 
 @given(st.floats(-5, 5), st.floats(1e-4, 1.0), st.booleans(), st.floats(-1e-6, 1e-6))
-def test_the_polynomial_of_a_sensor_is_recovered(offset_n, slope, falling, bend):
+def test_force_fit_recovers_polynomial(offset_n, slope, falling, bend):
     slope = -slope if falling else slope
     counts = np.linspace(-20.0, 20.0, 9)
     forces_n = offset_n + slope * counts + bend * counts**2
@@ -40,7 +40,7 @@ def test_residuals_are_what_the_fit_leaves():
 
 
 @given(st.floats(0.1, 500), st.lists(st.floats(0.01, 1.0), min_size=2, max_size=9))
-def test_a_gain_is_recovered(volts_per_unit, units):
+def test_gain_fit_recovers_gain(volts_per_unit, units):
     fit = fit_gain(units, [volts_per_unit * unit for unit in units])
     assert fit.volts_per_unit == pytest.approx(volts_per_unit, rel=1e-12)
     assert fit.residual_rms_v < 1e-9 * volts_per_unit
@@ -80,13 +80,13 @@ def test_printed_calibration_is_a_bench_file():
     assert np.isnan(forces_n[2])
 
 
-def test_the_tone_of_a_gain_has_its_part_and_ramps():
+def test_gain_tone_has_peak_and_ramps():
     played = tone(0.05 * 200.0, 2, 48e3, 3.0, 0.3)
     assert played.peak == pytest.approx(10.0, rel=1e-3)
     assert np.abs(played.samples[:, [0, -1]]).max() < 1e-2
 
 
-def test_the_figures_are_drawn(artefacts):
+def test_calibration_figures_are_drawn(artefacts):
     counts = np.array([0.0, 100.0, 200.0, 300.0, 500.0])
     force_figure(fit_force([0.0, 0.101, 0.199, 0.301, 0.5], counts), artefacts / "force_fit.png")
     responses = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=150e3, duration_s=7e-3, f_max_hz=60e3)

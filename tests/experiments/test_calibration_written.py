@@ -40,7 +40,7 @@ GAIN = ["gain", "--bench", "bench.toml", "--by", "ZG", "--parts", "0.1,0.2", "--
         "gain.volts_per_unit = 1.0 # data sheet\ngain.amplifier_gain = 50.0\ngain.max_age_days = 20",
     ],
 )
-def test_a_gain_is_written_into_the_bench_file_and_all_else_stays(calibrate, tmp_path, gain):
+def test_gain_is_written_and_the_rest_kept(calibrate, tmp_path, gain):
     file, before = tmp_path / "bench.toml", STATED.format(gain=gain)
     file.write_text(before, encoding="utf-8")
     done = calibrate(*GAIN)
@@ -57,7 +57,7 @@ def test_a_gain_is_written_into_the_bench_file_and_all_else_stays(calibrate, tmp
     assert file.read_text(encoding="utf-8") == after
 
 
-def test_weights_take_the_place_of_another_form_of_calibration(calibrate, tmp_path):
+def test_weights_replace_other_form_of_calibration(calibrate, tmp_path):
     file = tmp_path / "bench.toml"
     file.write_bytes(STATED.format(gain=IN_ITS_TABLE).replace("\n", "\r\n").encode())
     typed = ["--weights-kg", "0,0.1,0.2", "--counts", "0,100,200", "--gravity-m-per-s2", "10", "--by", "ZG", "--write"]
@@ -71,7 +71,7 @@ def test_weights_take_the_place_of_another_form_of_calibration(calibrate, tmp_pa
     assert after.count(b"\n") == after.count(b"\r\n")
 
 
-def test_a_display_is_written_where_the_file_has_no_screen(calibrate, tmp_path):
+def test_display_height_is_written_without_screen_table(calibrate, tmp_path):
     (tmp_path / "bench.toml").write_text("# ours\n[limits]\nvoltage_peak_v = 1\n", encoding="utf-8")
     assert calibrate("display", "--bar-m", "0.149", "--bench", "bench.toml", "--write").returncode == 0
     bench = load_bench(tmp_path / "bench.toml")
@@ -92,7 +92,7 @@ def test_refused_calibration_is_not_written(calibrate, tmp_path):
 def test_file_is_kept_when_the_result_is_no_bench(tmp_path):
     file = tmp_path / "bench.toml"
     file.write_text("[screen]\nwidth_px = 800\n", encoding="utf-8")
-    with pytest.raises(InvalidFile, match="screen.width_px: found 3, expected at least 320 pixels"):
+    with pytest.raises(InvalidFile, match="screen.width_px: found 3, expected a whole number, at least 320"):
         write_values(file, "screen", {"width_px": 3})
     assert file.read_text(encoding="utf-8") == "[screen]\nwidth_px = 800\n"
     linked = tmp_path / "linked.toml"

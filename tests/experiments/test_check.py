@@ -139,7 +139,7 @@ def test_check_plays_nothing_before_hands_are_off(tmp_path, alsa):
 @pytest.mark.parametrize(
     ("typed", "sure"), [("hands off", True), (" Hands Off ", True), ("yes", False), ("", False), (None, False)]
 )
-def test_hands_are_off_where_somebody_types_it_at_a_terminal(monkeypatch, capsys, typed, sure):
+def test_hands_off_is_confirmed_at_a_terminal(monkeypatch, capsys, typed, sure):
     terminal = io.StringIO("" if typed is None else f"{typed}\n")
     terminal.isatty = lambda: typed is not None
     monkeypatch.setattr("sys.stdin", terminal)
@@ -177,7 +177,7 @@ def test_too_strong_practice_stimulus_is_named(tmp_path):
 
 
 @pytest.mark.parametrize("hands_off", [False, True])
-def test_limits_that_nobody_stated_are_said_once_whatever_plays(tmp_path, hands_off):
+def test_missing_limits_are_reported_once(tmp_path, hands_off):
     """The message appears once for all conditions, also without a study."""
     bench = load(tmp_path, AUDIO + GAIN + LOAD + LIMITS.replace("duration_s = 10.0", "").replace("session_s", "#"))
     for study in (None, wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")):
@@ -187,7 +187,7 @@ def test_limits_that_nobody_stated_are_said_once_whatever_plays(tmp_path, hands_
         assert exit_status(told) == 3
 
 
-def test_conditions_that_differ_in_the_touch_alone_share_their_strongest_stimulus(tmp_path):
+def test_conditions_share_strongest_stimulus(tmp_path):
     study = wire(load_numbers("electrovibration-threshold")[0], "electrovibration-threshold")
     bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 200.0\n')
     found = [each for each in devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
@@ -270,14 +270,14 @@ def test_check_reports_position_and_speed_of_the_gate(monkeypatch, tmp_path, met
     assert (speed.fine, speed.expected) == (fine, "at most 10 mm/s, what a slide's speed may be off" if change else "")
 
 
-def test_a_slide_without_a_position_is_told(tmp_path):
+def test_check_reports_slide_without_position(tmp_path):
     study = wire(parse(TUTORIAL.encode(), "tutorial"), "tutorial")
     bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n')
     said = [each for each in devices(bench, study.study.limits, study, hands_off=False) if each.part == "position"]
     assert [(each.found, each.fine) for each in said] == [("not measured: the bench file has no [position]", None)]
 
 
-def test_a_long_sentence_stands_below_the_table_of_a_narrow_terminal():
+def test_long_message_is_printed_below_narrow_table():
     words = "serial no/line: cannot open the line (No such file or directory), expected a device to read"
     text = _table([Finding("disk", "free", "1 GB", fine=True), Finding("sensor hand", "failed", words, fine=False)])
     assert text.splitlines()[-2:] == [f"sensor hand: {words}", "1 failed"]
@@ -290,10 +290,9 @@ def test_unrunnable_study_is_status_1_with_working_devices():
 
 
 @pytest.mark.parametrize(
-    "output",
-    [{"kind": "file", "folder": "x"}, {"kind": "packed", "path": "x", "n_channels": 32, "rate_hz": 1e6}],
+    "output", [{"kind": "file", "folder": "x"}, {"kind": "packed", "path": "x", "n_channels": 32, "rate_hz": 1e6}]
 )
-def test_the_test_tone_keeps_the_limits(output):
+def test_test_tone_is_within_limits(output):
     gain = gain_table("packed x", 30.0, 1.0)
     bench = parse_bench({"output": {**output, "gain": gain}, "limits": {"voltage_peak_v": 80.0}})
     tone = tone_of(bench.devices(Limits(50.0), date.today(), touched=False).output)

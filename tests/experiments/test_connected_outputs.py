@@ -8,10 +8,7 @@ from benches import gain_table
 from command_line import call
 
 from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.experiments.bench.bench_file import (
-    device_facts,
-    parse_bench,
-)
+from tactometry.experiments.bench.bench_file import device_facts, parse_bench
 from tactometry.safety.limits import Limits
 
 STUDY = Limits(200.0)
@@ -74,7 +71,7 @@ def test_amplified_output_needs_a_gain(tmp_path, capsys, kind):
         ),
     ],
 )
-def test_a_gain_is_dated_signed_and_bound_to_its_output(kind, change, message):
+def test_gain_needs_date_author_and_output(kind, change, message):
     gain = {
         key: value
         for key, value in {**gain_table(CHAINS[kind]), "measured_on": TODAY, **change}.items()
@@ -85,7 +82,7 @@ def test_a_gain_is_dated_signed_and_bound_to_its_output(kind, change, message):
 
 
 @per_kind
-def test_a_measured_gain_is_taken_on_the_last_day_of_its_age(kind):
+def test_gain_is_valid_on_last_day(kind):
     gain = {**gain_table(CHAINS[kind]), "measured_on": date(2025, 11, 21)}
     assert bench_of(kind, gain).devices(STUDY, TODAY).output.driver.full_scale_v == 100.0
 
@@ -96,7 +93,7 @@ def test_file_output_needs_no_gain():
 
 
 @pytest.mark.parametrize("device", ["", " ", "default", "Default", "sysdefault"])
-def test_a_sound_card_has_a_name(device):
+def test_sound_card_needs_a_name(device):
     for tables in (
         {"output": {**OUTPUTS["audio"], "device": device}},
         {"sensors": {"s": {**OUTPUTS["audio"], "device": device}}},
@@ -132,6 +129,6 @@ def test_ungated_output_is_reported(kind):
     assert device_facts(ungated, devices)["output_ungated"] is True
 
 
-def test_a_recording_may_gate_what_leads_nowhere():
+def test_recording_may_gate_unconnected_output():
     bench = parse_bench({"sensors": RECORDED, "force": FORCE["force"]})
     assert bench.devices(STUDY, TODAY).force.name == "recorded old.csv"

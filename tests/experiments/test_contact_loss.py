@@ -9,8 +9,8 @@ from scipy.signal import lsim, resample
 from study_texts import changed, wired
 
 from tactometry.contact import Contact
-from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.felt_effects import pulled_fingers
 from tactometry.experiments.study.study_file import load
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.finger import Contactor
@@ -19,10 +19,7 @@ from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact, one_sided_contacts
 from tactometry.stimuli.time_reversal.stimulus.contact_force import FINER, contact_force_n
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
-from tactometry.stimuli.time_reversal.stimulus.sensation import (
-    FocusReading,
-    displacement_at_focus_m,
-)
+from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading, displacement_at_focus_m
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 SETUP = "setup = { n_transducers = 8, modes_to_hz = 22e3, rate_hz = 50e3, learnt_s = 3e-3, tau_s = 1.5e-3 }"
@@ -83,7 +80,7 @@ def test_held_contact_force_equals_time_steps(study):
     assert stepped == pytest.approx(by_step, abs=1e-2 * np.abs(force).max())
 
 
-def test_every_pressing_force_has_one_sentence_in_dry_run_and_explanation(tmp_path, capsys):
+def test_dry_run_predicts_contact_of_each_force(tmp_path, capsys):
     file = tmp_path / "s.toml"
     file.write_text(SMALL.replace("levels = [10.0", "levels = [-30.0, 10.0"))
     said = output(capsys, "run", file, "--participant", "P01", "--dry-run")
@@ -96,7 +93,7 @@ def test_every_pressing_force_has_one_sentence_in_dry_run_and_explanation(tmp_pa
     assert output(capsys, *simulated).count("so that it lifts off, from ") == 3
 
 
-def test_a_check_tells_whether_contact_is_lost(tmp_path):
+def test_check_predicts_contact_loss(tmp_path):
     from tactometry.experiments.bench.preflight import _study
 
     file = tmp_path / "s.toml"
@@ -108,7 +105,7 @@ def test_a_check_tells_whether_contact_is_lost(tmp_path):
     assert all(finding.found.startswith("contact holds: at -30 dB re 1 um (focus)") for finding in told[1:])
 
 
-def test_levels_that_are_lengths_of_bursts_have_a_first_level_too():
+def test_burst_lengths_have_first_level():
     at_supply = wired(SMALL.replace("f_max_hz = 20e3", "f_max_hz = 20e3\nsupply_v = 1.5e3"))
     *_, firm = pulled_fingers(at_supply)
     cell = next(iter(at_supply.cells.values()))
@@ -128,7 +125,7 @@ def soft_tip():
     return FocusReading(SCREEN, contactor="soft", diameter_m=0.02), loads
 
 
-def test_the_force_of_a_soft_tip_is_that_of_all_its_parts(soft_tip):
+def test_soft_tip_force_is_sum_of_parts(soft_tip):
     reading, loads = soft_tip
     told, stepped = reading.contact_force_n(played(-40.0), PRESSED), parts_of_a_tip(loads, played(-40.0))
     answered = stepped.contact_force_n.sum(axis=0) - PRESSED.force_n
@@ -177,7 +174,7 @@ TWO_FINGERS = changed(
 TWO_FINGERS = "\n".join(line for line in TWO_FINGERS.splitlines() if not line.startswith('"0.0') or '"0.01"' in line)
 
 
-def test_fingers_that_share_a_force_are_told_each_as_they_answer_together():
+def test_coupled_fingers_equal_joint_simulation():
     """Compare with both contacts simulated together, coupled by the plate."""
     study = wired(TWO_FINGERS)
     cell = next(cell for cell in study.cells.values() if cell.condition.factors["place"] == "index")
@@ -195,7 +192,7 @@ def test_fingers_that_share_a_force_are_told_each_as_they_answer_together():
     assert np.abs(alone - told[1]).max() > 0.05 * np.abs(alone).max()
 
 
-def test_contact_is_told_for_each_finger_of_a_study():
+def test_contact_is_predicted_for_each_finger():
     index, middle = pulled_fingers(wired(TWO_FINGERS))
     assert (index.presser, middle.presser) == ("finger at index", "finger at middle")
     assert index.force_n == middle.force_n == 0.5

@@ -61,7 +61,7 @@ def test_each_question_has_a_page_and_a_row(study, tmp_path, capsys, monkeypatch
     assert [session.complete for session in replay_data_set(root)] == [True]
 
 
-def test_an_answer_is_on_the_disk_and_not_asked_for_again(study, tmp_path, capsys, monkeypatch):
+def test_stored_answer_is_not_requested_again(study, tmp_path, capsys, monkeypatch):
     root = tmp_path / "d"
     on_console(monkeypatch, capsys, study, root, "yes\n3\n2\n")  # the input ends at the third question
     assert [row["response"] for row in trial_rows(root)] == ["3", "2"]
@@ -75,7 +75,7 @@ def test_an_answer_is_on_the_disk_and_not_asked_for_again(study, tmp_path, capsy
     assert [name.rpartition(".")[2] for name in asked if name.startswith(ABOUT)] == ITEMS
 
 
-def test_data_of_simulated_participants_are_valid_replay_and_are_counted(simulated, tmp_path, capsys):
+def test_simulated_demographics_are_valid_and_counted(simulated, tmp_path, capsys):
     for command in ("validate", "replay"):
         output(capsys, command, simulated)
     report = tmp_path / "report.html"
@@ -103,7 +103,7 @@ YEARS = '\n[[forms.habits.items]]\nid = "age_years"\nprompt = { en = "Years?", f
 ALLOWED = STUDY.replace('form = "habits"', 'form = "habits"\nidentifies = true')
 
 
-def test_numeric_question_is_asked_and_documented(study, tmp_path, capsys, monkeypatch):
+def test_numeric_question_is_shown_and_documented(study, tmp_path, capsys, monkeypatch):
     study.write_text(ALLOWED + YEARS, "utf-8")
     root = tmp_path / "d"
     status, errors, said = on_console(monkeypatch, capsys, study, root, "yes\n3\n1\n0\n1\n1\n17\n37\n" + "1\n" * 40)
@@ -135,7 +135,7 @@ def test_untypable_number_is_refused(study, tmp_path, capsys, low, high):
     assert "expected a number from 0 on, below high, and high at most 999999999" in said
 
 
-def test_bounds_without_a_whole_number_between_them_are_answered_too(study, tmp_path, capsys):
+def test_bounds_without_whole_number_are_answered(study, tmp_path, capsys):
     study.write_text(ALLOWED + YEARS.replace("= 18", "= 0.2").replace("= 99", "= 0.8"), "utf-8")
     output(capsys, "simulate", study, "--participants", 4, "--seed", 1, "--out", tmp_path / "d")
     said = {row["response"] for row in trial_rows(tmp_path / "d") if row["item"] == "age_years"}
@@ -150,7 +150,7 @@ def test_identifying_number_is_refused_without_permission(study, tmp_path, capsy
 
 @pytest.mark.parametrize("language", languages())
 @pytest.mark.parametrize("name", shipped_choices())
-def test_shipped_questions_have_words_in_every_language_of_the_pages(name, language):
+def test_shipped_questions_exist_in_every_language(name, language):
     assert language in load_choices(name).languages
     study = TUTORIAL + INQUIRY
     texts = texts_in(language, wire(parse(study.encode(), "s.toml"), "s.toml").words_in(language))
@@ -178,16 +178,8 @@ FLAWS = [
     ("code = 2, words", "code = 1, words", "forms.habits: items[0].options[1].code: found 1, expected a whole number"),
     ("code = 2, words", "code = 0, words", "forms.habits: items[0].options[1].code: found 0, expected a whole number"),
     ("code = 2, words", "code = 1987, words", "options[1].code: found 1987, expected a whole number from 1 to 9"),
-    (
-        'fr = "moins souvent" } },\n]',
-        'fr = "moins souvent" } },\n]\nlow = 0',
-        "low: found 0.0 with high None,",
-    ),
-    (
-        'form = "habits"',
-        'form = "habits"\nidentifies = true',
-        "identifies: found true with no number in",
-    ),
+    ('fr = "moins souvent" } },\n]', 'fr = "moins souvent" } },\n]\nlow = 0', "low: found 0.0 with high None,"),
+    ('form = "habits"', 'form = "habits"\nidentifies = true', "identifies: found true with no number in"),
     ('en = "less often"', 'en = " "', "forms.habits: items[0].options[1].words.en: found an empty text"),
     ('kind = "yes_no"', 'kind = "rating"\nform = "habits"', "task.form: found 'habits', a form of choices, expected"),
     ('kind = "yes_no"', 'kind = "rating"\nform = "demographics"', "task.form: found 'demographics', a form of choices"),

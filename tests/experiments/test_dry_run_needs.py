@@ -72,7 +72,7 @@ def test_dry_run_checks_own_code_of_simulated_participant(here, capsys):
     assert (dry[0], "--allow-code" in dry[1]) == (2, True)
 
 
-def test_image_is_found_beside_its_study(here, monkeypatch):
+def test_image_is_found_next_to_study(here, monkeypatch):
     (here / "elsewhere").mkdir()
     monkeypatch.chdir(here / "elsewhere")
     Image.new("L", (2, 1)).save(here / "tone.png")

@@ -5,6 +5,7 @@ import shutil
 import pytest
 from command_line import refused
 from places import RECORDED
+from tables import contents
 
 from tactometry.errors import InvalidFile
 from tactometry.experiments.data_sets.erasing import erase
@@ -31,10 +32,6 @@ def with_link(tmp_path, data_set, part):
     (root / part).rename(elsewhere)
     (root / part).symlink_to(elsewhere)
     return root
-
-
-def contents(folder):
-    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("part", ["data", "journals", "traces"])

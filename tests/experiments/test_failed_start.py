@@ -6,6 +6,7 @@ import sys
 from dataclasses import replace
 
 import pytest
+from tables import contents
 from tutorial_session import EXPERIMENT, TOML, WHO, live
 
 from tactometry.errors import DeviceFailed
@@ -23,10 +24,6 @@ def failing(root, error, who=WHO, *, resume=False):
         record(EXPERIMENT, TOML, root, who, replace(simulated(EXPERIMENT, who), make=make), resume=resume)
 
 
-def files_of(root):
-    return {path.relative_to(root): path.read_bytes() for path in root.rglob("*") if path.is_file()}
-
-
 @pytest.mark.parametrize("error", [DeviceFailed("no sensor"), KeyboardInterrupt()], ids=repr)
 def test_failed_start_leaves_no_folder(tmp_path, error):
     failing(tmp_path / "data", error)
@@ -40,9 +37,9 @@ def test_failed_start_leaves_given_folder_empty(tmp_path):
 
 def test_failed_start_leaves_other_sessions_unchanged(tmp_path):
     live(tmp_path)
-    before = files_of(tmp_path)
+    before = contents(tmp_path)
     failing(tmp_path, DeviceFailed("no sensor"), Who("P02", seed=1))
-    assert files_of(tmp_path) == before
+    assert contents(tmp_path) == before
 
 
 def test_failed_resume_keeps_recorded_trials(journal):

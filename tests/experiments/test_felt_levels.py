@@ -16,14 +16,14 @@ def cells():
     return tuple(wire(study, "study").cells.values())
 
 
-def test_a_table_holds_what_the_scene_tells_of_the_levels(cells):
+def test_level_table_equals_scene_at_levels(cells):
     cell, levels = cells[0], (10.0, 20.0, 35.0)
     table = level_table(cell, levels, Contact(0.5, 0.05))
     assert table.felt[0].tolist() == [felt_db(cell, level, Contact(0.5, 0.05)) for level in levels]
     assert (np.diff(table.felt[0]) > 0).all()
 
 
-def test_between_its_levels_a_table_is_near_what_the_scene_tells(cells):
+def test_level_table_interpolates_scene(cells):
     cell = cells[0]
     table, (low, high) = level_table(cell), cell.procedure.rule.bounds
     assert len(table.levels) in (N_LEVELS, len(getattr(cell.procedure.rule, "levels", ())))

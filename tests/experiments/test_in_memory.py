@@ -26,7 +26,7 @@ def simulation(name: str) -> Simulation:
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_its_trials_are_those_that_its_data_set_reads_back_as(capsys, tmp_path, name):
+def test_trials_in_memory_equal_recorded_trials(capsys, tmp_path, name):
     assert call(capsys, "simulate", name, "--participants", 2, "--seed", 3, "--out", tmp_path)[0] == 0
     kept, study = read_trials(tmp_path), simulation(name)
     made = simulated_trials(study.experiment(), study.sessions())
@@ -60,20 +60,20 @@ def test_column_is_typed_when_every_number_is_finite(name, values, is_typed):
     assert is_numeric_dtype(in_memory._column(name, values)) is is_typed
 
 
-def test_it_is_the_same_on_two_processes():
+def test_trials_in_memory_equal_on_two_processes():
     study = simulation("tutorial")
     here, spread = simulated_trials(study.experiment(), study.sessions()), trials_of(study, n_jobs=2)
     assert (spread.factors, spread.n_files, spread.notes) == (here.factors, here.n_files, here.notes)
     pd.testing.assert_frame_equal(spread.rows, here.rows)
 
 
-def test_a_session_is_its_journal(capsys, tmp_path):
+def test_session_in_memory_equals_journal(capsys, tmp_path):
     assert call(capsys, "simulate", "tutorial", "--participants", 1, "--seed", 3, "--out", tmp_path)[0] == 0
     (journal,) = (tmp_path / "journals").glob("*.jsonl")
     assert simulated_session(simulation("tutorial").experiment(), Who("P01", seed=3)) == read(journal).trials
 
 
-def test_it_is_analysed_as_simulated(tmp_path, monkeypatch):
+def test_trials_in_memory_are_analysed_as_simulated(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     study = simulation("tutorial")
     analysis = analyse_trials(simulated_trials(study.experiment(), study.sessions()))
@@ -91,7 +91,7 @@ def test_sessions_share_what_they_render(monkeypatch):
     assert len(made) == len(set(made)) > 0
 
 
-def test_a_process_wires_a_study_once():
+def test_process_wires_a_study_once():
     assert simulation("tutorial").experiment() is simulation("tutorial").experiment()
 
 

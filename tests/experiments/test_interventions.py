@@ -61,7 +61,7 @@ SAID = [
 ]
 
 
-def test_the_table_holds_what_counts_and_the_summary_how_it_ended(wanted):
+def test_table_and_summary_state_interventions(wanted):
     root, said, recorded = wanted
     assert said == SAID
     lost = [
@@ -83,7 +83,7 @@ def test_events_table_holds_orders_and_results(wanted):
     assert (orders[0]["block"], orders[0]["trial"], orders[0]["attempt"]) == ("1", "2", "1")
 
 
-def test_the_data_set_is_sound_and_replays(wanted):
+def test_data_set_with_interventions_replays(wanted):
     root = wanted[0]
     assert validate(root).defects == ()
     [replayed] = replay_data_set(root)
@@ -106,19 +106,19 @@ def test_forged_discarded_trial_is_found(lived):
         replay_data_set(lived)
 
 
-def test_the_analysis_counts_what_was_taken_back_as_not_valid(wanted):
+def test_retracted_trials_count_as_invalid(wanted):
     from tactometry.analysis.reading.trials import read_trials, used_rows
 
     assert len(used_rows(read_trials(wanted[0]))) == sum(row["valid"] == "1" for row in trial_rows(wanted[0]))
 
 
-def test_the_report_tells_what_the_experimenter_did(wanted):
+def test_report_lists_interventions(wanted):
     page = render(analyse(wanted[0]))
     assert page.index("<h3>What happened in them</h3>") > page.index("<h2>How the sessions went</h2>")
     assert all(f">{said}</td>" in page for said in SAID)
 
 
-def test_the_report_names_each_order_before_what_came_of_it(wanted):
+def test_report_lists_orders_before_their_effects(wanted):
     course = analyse(wanted[0]).table("happenings")
     told = [text for kind, text in zip(course["trial_type"], course["text"], strict=True) if kind == "order"]
     assert told == ["invalidate trial 2", "rest", "skip", "invalidate trial 13", "end"]

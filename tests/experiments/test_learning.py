@@ -100,7 +100,7 @@ def wire_of(gain):
 
 
 @pytest.mark.parametrize("quantity", ["displacement", "velocity"])
-def test_a_simulated_plate_is_learnt_through_its_vibrometer_at_40_db(quantity):
+def test_simulated_plate_is_learned_at_40_db(quantity):
     rate_hz, focus = 150e3, [(0.121, 0.093)]
     channels = [0, 9, 18, 27]
     true, heard = (
@@ -146,7 +146,7 @@ def test_learning_reports_the_remaining_focus():
         list(repeatable([(7, heard)], (200.0, 4900.0), 0.9))
 
 
-def test_the_quiet_is_compared_with_the_response():
+def test_snr_compares_silence_with_response():
     """Noise at a tenth of the amplitude is 20 dB below in any band."""
     rng = np.random.default_rng(3)
     shape, noise = rng.standard_normal((2, 1, 1, 4096))
@@ -182,7 +182,7 @@ def test_clipped_or_silent_recording_is_refused():
         Microphone(reader, 0, 2, 1.0, 1.0)
 
 
-def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):
+def test_real_loopback_is_learned_as_a_wire(sink, tmp_path, artefacts):
     """Output 0 leads to the sensor, output 1 to the reference.
 
     The signal passes PortAudio, PulseAudio's sink and its monitor.

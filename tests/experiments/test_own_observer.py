@@ -9,7 +9,7 @@ import pytest
 from command_line import call, output, refused
 from places import ROOT
 from study_texts import TUTORIAL
-from tables import trial_rows
+from tables import contents, trial_rows
 
 from tactometry.errors import Terminated
 from tactometry.user_code import guarded
@@ -34,18 +34,14 @@ def study(tmp_path):
     return place / "own.toml"
 
 
-def contents(root):
-    return {path.relative_to(root): path.read_bytes() for path in sorted(root.rglob("*")) if path.is_file()}
-
-
-def test_it_answers_where_it_is_allowed(study, tmp_path, capsys):
+def test_own_observer_answers_when_allowed(study, tmp_path, capsys):
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     answers = [float(row["response"]) for row in trial_rows(tmp_path / "d") if row["response"]]
     assert len(answers) > 90
     assert 0.75 < sum(answers) / len(answers) < 1.0  # 0.9, 0.03 of standard error
 
 
-def test_it_answers_a_session_too(study, tmp_path, capsys):
+def test_own_observer_answers_a_session(study, tmp_path, capsys):
     words = ("run", study, "--participant", "P01", "--rig", "simulated", "--seed", "4", "--out")
     assert call(capsys, *words, tmp_path / "d", "--allow-code")[0] == 0
     code, said, _ = call(capsys, *words, tmp_path / "other")
@@ -55,7 +51,7 @@ def test_it_answers_a_session_too(study, tmp_path, capsys):
     assert not (tmp_path / "other").exists()
 
 
-def test_without_the_word_nothing_of_it_runs_or_is_written(study, tmp_path, capsys):
+def test_own_observer_does_not_run_without_permission(study, tmp_path, capsys):
     (study.parent / "mine.py").write_text("raise SystemExit('it ran')\n")
     code, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d")
     assert code == 2
@@ -65,7 +61,7 @@ def test_without_the_word_nothing_of_it_runs_or_is_written(study, tmp_path, caps
     assert call(capsys, *words)[0] == 0
 
 
-def test_its_data_are_read_by_everything_without_its_code(study, tmp_path, capsys):
+def test_own_observer_data_are_read_without_code(study, tmp_path, capsys):
     root = tmp_path / "d"
     output(capsys, "simulate", study, *ALL, "--out", root, "--allow-code")
     (study.parent / "mine.py").unlink()
@@ -85,7 +81,7 @@ def test_any_number_of_workers_gives_the_same_bytes(study, tmp_path, capsys, mon
 
 
 @pytest.mark.slow
-def test_a_cluster_finds_it_by_the_path_of_the_study(study, tmp_path, capsys):
+def test_cluster_finds_own_observer_by_study_path(study, tmp_path, capsys):
     pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "one", "--allow-code")
     (tmp_path / "cluster.py").write_text(
@@ -107,11 +103,7 @@ def test_a_cluster_finds_it_by_the_path_of_the_study(study, tmp_path, capsys):
     ("kind", "code", "sentence"),
     [
         ("mine:Guesser", None, "but no file mine.py in"),
-        (
-            "mine:Guesser",
-            "1 / 0\n",
-            "mine.py, line 1 (ZeroDivisionError: division by zero), expected a module that runs",
-        ),
+        ("mine:Guesser", "1 / 0\n", "mine.py, line 1 (ZeroDivisionError: division by zero), expected a module that"),
         ("mine:Guesser", "raise SystemExit(0)\n", "mine.py, line 1 (SystemExit: 0), expected a module that runs"),
         ("mine:Guesser", "Guesser = 3\n", "no dataclass 'Guesser' in mine.py"),
         (
@@ -123,7 +115,7 @@ def test_a_cluster_finds_it_by_the_path_of_the_study(study, tmp_path, capsys):
         ("../mine:Guesser", CODE, "expected module:Class"),
     ],
 )
-def test_code_that_is_no_observer_is_refused_in_one_sentence(study, tmp_path, capsys, kind, code, sentence):
+def test_flawed_own_observer_is_refused(study, tmp_path, capsys, kind, code, sentence):
     study.write_text(OWN.replace("mine:Guesser", kind))
     (study.parent / "mine.py").unlink() if code is None else (study.parent / "mine.py").write_text(code)
     said = refused(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
@@ -191,7 +183,7 @@ def test_session_continues_after_own_observer_failed(study, tmp_path, capsys, bo
     assert call(capsys, "validate", tmp_path / "d")[0] == 0
 
 
-def test_a_person_of_another_class_is_guarded_too(study, tmp_path, capsys):
+def test_participant_of_other_class_is_guarded(study, tmp_path, capsys):
     (study.parent / "mine.py").write_text(
         CODE.replace("return self\n", "return Person(self.bias)\n")
         + "\n\n@dataclass(frozen=True, slots=True)\nclass Person(Guesser):\n"
@@ -202,7 +194,7 @@ def test_a_person_of_another_class_is_guarded_too(study, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("form", ["bids", "jspsych", "psych-ds", "psychopy", "r"])
-def test_data_of_observers_say_that_they_are_simulated_wherever_they_go(study, tmp_path, capsys, form):
+def test_exports_state_that_data_are_simulated(study, tmp_path, capsys, form):
     """Each table contains the rig, or its description states it."""
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     out = tmp_path / form

@@ -30,7 +30,7 @@ def own(tmp_path):
     return tmp_path / "studies" / "own.toml"
 
 
-def test_the_example_is_simulated_replayed_scored_and_exported_without_its_files(own, tmp_path, capsys):
+def test_own_questionnaire_data_need_no_files(own, tmp_path, capsys):
     root = tmp_path / "d"
     output(capsys, "simulate", own, "--participants", 3, "--seed", 1, "--out", root)
     shutil.rmtree(own.parent)
@@ -43,9 +43,8 @@ def test_the_example_is_simulated_replayed_scored_and_exported_without_its_files
     output(capsys, "export", root, "--to", "psychopy", "--out", tmp_path / "e")
 
 
-def test_a_participant_is_asked_in_the_words_of_the_study(own, tmp_path, capsys, monkeypatch):
-    answers = "1\n" * 40
-    monkeypatch.setattr("sys.stdin", io.StringIO(answers + "\n".join(["5"] * 100)))
+def test_console_shows_prompts_of_study(own, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40 + "5\n" * 100))
     run = ("run", own, "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
     _, _, said = call(capsys, *run)
     assert "Was there a buzz?" in said
@@ -58,7 +57,7 @@ def test_prompt_falls_back_to_english(own, language, asked):
     assert wire(load(str(own))[0], "own.toml").words_in(language)["felt"] == asked
 
 
-def test_a_prompt_without_words_for_the_language_of_the_bench_is_refused(own, tmp_path, capsys):
+def test_prompt_without_bench_language_is_refused(own, tmp_path, capsys):
     own.write_text(own.read_text("utf-8").replace('{ en = "Was there a buzz?", fr', "{ fr"), "utf-8")
     said = refused(capsys, "run", own, "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
     assert (
@@ -67,7 +66,7 @@ def test_a_prompt_without_words_for_the_language_of_the_bench_is_refused(own, tm
     assert not (tmp_path / "d").exists()
 
 
-def test_a_study_without_such_files_keeps_its_bytes():
+def test_study_without_forms_keeps_its_bytes():
     assert load("hybrid-button")[1] == builtin()["hybrid-button"].read_bytes()
 
 
@@ -97,16 +96,8 @@ def test_file_without_questionnaire_is_refused_by_name(own, tmp_path, capsys, fl
     [
         ('path = "roughness.toml"', 'path = "roughness.toml"\nlow = 1.0', "forms.roughness.low: found an unknown key"),
         ('path = "roughness.toml"', "path = 3", "forms.roughness.path: found 3, expected a text, the name of a file"),
-        (
-            'path = "roughness.toml"',
-            'path = " "',
-            "forms.roughness.path: found ' ', no name, expected the name of a file",
-        ),
-        (
-            'path = "roughness.toml"',
-            'path = ""',
-            "forms.roughness.path: found '', no name, expected the name of a file",
-        ),
+        ('path = "roughness.toml"', 'path = " "', "forms.roughness.path: found ' ', no name, expected the name of a"),
+        ('path = "roughness.toml"', 'path = ""', "forms.roughness.path: found '', no name, expected the name of a"),
         ('path = "roughness.toml"', 'path = "."', "forms.roughness.path: found '.', a folder, expected the name of"),
         ('prompt = "The sheet', 'prompt = " " # "The sheet', "inquiries.rough.prompt: found a text that says nothing"),
     ],

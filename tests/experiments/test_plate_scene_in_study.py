@@ -11,8 +11,8 @@ from study_texts import changed, wired
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.felt_effects import felt_effects
+from tactometry.experiments.study.felt_scene import felt_scene
 from tactometry.experiments.study.kinds import STIMULI
-from tactometry.experiments.study.scene_table import felt_scene
 from tactometry.experiments.study.study_file import load
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
 
@@ -122,7 +122,7 @@ def test_measured_stimulus_takes_no_scene():
         felt_scene({"name": "a4-screen"}, reading.surface, None, None)
 
 
-def test_the_plate_of_the_page_is_felt_loaded_and_not():
+def test_documented_plate_is_felt_with_and_without_load():
     page = (DOCS / "reference" / "studies.md").read_text("utf-8").partition("On a plate that focuses")[2]
     table = page.partition("```toml\n")[2].partition("```")[0]
     told = felt_effects(of_study("time-reversal-threshold", f"\n{table}"))
@@ -154,7 +154,7 @@ def fingers_db(scene_table):
     return cell.sensation.fingers_db(cell.stimulus.at(12.0), Contact(1.0))
 
 
-def test_foci_under_fingers_are_felt_through_the_scene_of_the_study():
+def test_foci_under_fingers_use_study_scene():
     default_db = fingers_db(TWO)
     assert fingers_db(f"[scene]\n{DETECTED}") == default_db
     index_db = fingers_db(f'[scene]\nsurface = {{ fingers = ["index"] }}\n{DETECTED}')
@@ -173,7 +173,7 @@ FINGER_SENTENCES = {
 
 
 @pytest.mark.parametrize("fingers", FINGER_SENTENCES)
-def test_fingers_of_a_scene_that_rest_nowhere_are_refused(fingers):
+def test_scene_fingers_without_place_are_refused(fingers):
     text = on_fingers(f"[scene]\nsurface = {{ fingers = [{fingers}] }}\n{DETECTED}")
     with pytest.raises(InvalidParameter, match=re.escape(FINGER_SENTENCES[fingers])):
         wired(text)
@@ -188,7 +188,7 @@ MASKED = '{ kind = "masking", level_db_re_threshold = 25.0 }'
 
 
 @pytest.mark.parametrize("pattern", ["P0", "P1", "P6"])
-def test_a_masker_raises_the_threshold_of_foci_by_its_rule(pattern):
+def test_masker_raises_focus_threshold_by_rule(pattern):
     text = FOCI.replace('pattern = "P0"', f'pattern = "{pattern}"')
     studies = [wired(f"{text}\n[scene]\neffects = [{of}]\n") for of in (DETECTION, f"{DETECTION}, {MASKED}")]
     signal = next(iter(studies[0].cells.values())).stimulus.at(4.0)
@@ -196,7 +196,7 @@ def test_a_masker_raises_the_threshold_of_foci_by_its_rule(pattern):
     assert free_db - masked_db == pytest.approx(0.52 * 25.0)
 
 
-def test_a_masker_raises_the_threshold_at_each_finger():
+def test_masker_raises_threshold_at_each_finger():
     free_db = fingers_db(f"[scene]\n{DETECTED}")
     masked_db = fingers_db(f"[scene]\neffects = [{DETECTION}, {MASKED}]")
     assert [free - masked for free, masked in zip(free_db, masked_db, strict=True)] == pytest.approx([13.0, 13.0])
@@ -209,7 +209,7 @@ def hybrid_db(*more, contact=IN_MOTION, level=28.0):
     return cell.sensation.sensation_db(cell.stimulus.at(level), contact)
 
 
-def test_a_masker_raises_both_thresholds_of_a_hybrid():
+def test_masker_raises_both_hybrid_thresholds():
     for contact in (AT_REST, IN_MOTION):  # foci alone, then the stronger of both
         assert hybrid_db(contact=contact) - hybrid_db(MASKED, contact=contact) == pytest.approx(13.0)
 
@@ -223,7 +223,7 @@ def test_receptors_affect_only_friction_of_a_hybrid():
         assert cell.sensation.sensation_db(signal, contact) == pytest.approx(hybrid_db(contact=contact), abs=0.05)
 
 
-def test_foci_beside_friction_mask_each_other_where_a_study_asks_for_it():
+def test_foci_and_friction_mask_each_other_if_stated():
     foci_db, both_db = hybrid_db(contact=AT_REST), hybrid_db()
     assert both_db > foci_db > 0  # friction is the stronger one
     foci = '{ kind = "cross_masking", target = "foci" }'
@@ -248,7 +248,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("effects", REFUSED)
-def test_effects_that_foci_are_not_felt_by_are_refused_with_their_cure(effects):
+def test_effects_unfelt_by_foci_are_refused(effects):
     with pytest.raises(InvalidParameter) as refusal:
         wired(f"{FOCI}\n[scene]\neffects = [{effects}]\n")
     assert REFUSED[effects] in str(refusal.value)
@@ -259,7 +259,7 @@ def test_unknown_target_is_refused():
         hybrid_db('{ kind = "cross_masking", target = "thumb" }')
 
 
-def test_the_journal_of_a_session_with_fingers_says_what_they_felt():
+def test_journal_states_effects_felt_by_fingers():
     """Scenes of the fingers have fields that only the stimulus states."""
     from tactometry.experiments.study.felt_scene import scene_in_words
 

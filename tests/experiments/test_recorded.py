@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from command_line import call
 from places import RECORDED
+from tables import contents
 
 from tactometry.experiments.data_sets.traces import read_traces
 
@@ -14,18 +15,14 @@ DATA_SETS = sorted(path.name for path in RECORDED.iterdir() if path.is_dir())
 SIMULATED = [name for name in DATA_SETS if "bench" not in name and "console" not in name]
 
 
-def files(root):
-    return {path.relative_to(root): path.read_bytes() for path in root.rglob("*") if path.is_file()}
-
-
 @pytest.mark.parametrize("name", DATA_SETS)
-def test_it_is_sound(capsys, name):
+def test_recorded_data_set_is_valid(capsys, name):
     status, said, out = call(capsys, "validate", RECORDED / name)
     assert (status, said) == (0, ""), out
 
 
 @pytest.mark.parametrize("name", DATA_SETS)
-def test_its_protocol_asks_what_it_asked(capsys, name):
+def test_recorded_protocol_replays(capsys, name):
     assert call(capsys, "replay", RECORDED / name)[:2] == (0, "")
 
 
@@ -33,7 +30,7 @@ SLOW = {"inquiries": pytest.mark.slow}
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW.get(str(name), ())) for name in DATA_SETS])
-def test_it_is_analysed(capsys, name):
+def test_recorded_data_set_is_analysed(capsys, name):
     status, said, out = call(capsys, "analyse", RECORDED / name)
     assert (status, said) == (0, "")
     assert out
@@ -55,7 +52,7 @@ def test_resuming_what_is_complete_changes_nothing(capsys, tmp_path, name):
         words = ("run", root / "study.toml", "--participant", "P01", "--session", session, "--rig", "simulated")
         status, said, _ = call(capsys, *words, "--out", root, "--resume")
         assert (status, said) == (0, "")
-    assert files(root) == files(RECORDED / name)
+    assert contents(root) == contents(RECORDED / name)
 
 
 def test_an_unfinished_session_goes_on(capsys, tmp_path, monkeypatch):

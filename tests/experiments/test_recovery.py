@@ -67,7 +67,7 @@ def test_most_cells_have_a_threshold(recovered):
 
 
 @pytest.mark.slow
-def test_the_mean_bias_is_small_against_the_differences_between_participants(recovered):
+def test_mean_bias_is_small(recovered):
     kept = recovered.dropna(subset=["threshold"])
     errors = kept["threshold"] - kept["truth"]
     bound = 0.15 * kept["truth"].std()
@@ -75,14 +75,14 @@ def test_the_mean_bias_is_small_against_the_differences_between_participants(rec
 
 
 @pytest.mark.slow
-def test_the_intervals_hold_the_truth(recovered):
+def test_intervals_contain_ground_truth(recovered):
     inside = (recovered["interval_low"].fillna(-np.inf) <= recovered["truth"]) & (
         recovered["truth"] <= recovered["interval_high"].fillna(np.inf)
     )
     assert inside.mean() >= 0.935 - AT_1E_4 * np.sqrt(0.065 * 0.935 / len(inside))
 
 
-def test_a_finger_at_rest_is_at_chance(tmp_path):
+def test_resting_finger_is_at_chance(tmp_path):
     study = parse(ONE_CELL, "study")
     experiment = wire(replace(study, touch={**study.touch, "speed_m_per_s": 1e-20}), "study")
     sensation, condition = experiment.sensation(), experiment.conditions[0]

@@ -17,7 +17,7 @@ from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION, OF_T
 CASES = {**ELECTROVIBRATION, **TIME_REVERSAL}
 
 
-def test_effects_that_no_study_calls_for_are_not_imported(tmp_path):
+def test_unused_effects_are_not_imported(tmp_path):
     study = tmp_path / "s.toml"
     text = changed(scene(*EFFECT_LINES.values(), '{ kind = "contact_area" }'), SHORT)
     study.write_text(text, encoding="utf-8")

@@ -76,7 +76,7 @@ SENSATIONS = {
 
 
 @pytest.mark.parametrize("name", SENSATIONS)
-def test_each_key_of_the_formula_is_that_of_an_effect(name):
+def test_sensation_keys_equal_formula_and_effects(name):
     keys, kind = SENSATIONS[name]
     study = wired(f"{TUTORIAL}\n[sensation]\n{keys}\n")
     cell, plain, stated = next(iter(study.cells.values())), wired(TUTORIAL).sensation(), study.sensation()
@@ -88,7 +88,7 @@ def test_each_key_of_the_formula_is_that_of_an_effect(name):
     assert not kind or kind in {effect.kind for effect in stated.scene.effects}
 
 
-def test_a_study_tells_the_effects_of_its_default_scene():
+def test_default_scene_lists_its_effects():
     (felt,) = felt_effects(wired(TUTORIAL))
     assert felt.felt == (*LEAKY, "skin_mobility", "sensitivity")
 
@@ -131,12 +131,12 @@ def test_scene_file_equals_its_tables(tmp_path):
     assert wired(named(file)).felt == told
 
 
-def test_keys_of_the_surface_are_those_of_a_scene_file():
+def test_surface_keys_equal_those_of_scene_file():
     thicker = felt_db(scene(surface='{ insulator_thickness_m = "2 um" }'))
     assert thicker < felt_db(scene())
 
 
-def test_a_level_of_a_factor_changes_the_scene():
+def test_variant_of_factor_changes_scene():
     text = scene() + "\n[variants.frequency_hz.240.scene]\naccuracy = 0.5\n"
     accuracies = [cell.sensation.scene.accuracy for cell in wired(text).cells.values()]
     assert accuracies == [0.05, 0.5]
@@ -145,10 +145,7 @@ def test_a_level_of_a_factor_changes_the_scene():
 
 SENTENCES = {
     "unknown key": (scene(acuracy=0.1), "scene.acuracy: found an unknown key"),
-    "unknown effect": (
-        scene('{ kind = "frictoin" }'),
-        "scene.effects[0].kind: found 'frictoin', expected one of ",
-    ),
+    "unknown effect": (scene('{ kind = "frictoin" }'), "scene.effects[0].kind: found 'frictoin', expected one of "),
     "effect of another surface": (
         scene('{ kind = "one_bit" }'),
         "scene.effects[0]: found 'one_bit', which 'electrovibration' does not know, expected an effect of ",
@@ -165,11 +162,11 @@ SENTENCES = {
         scene(*list(EFFECT_LINES.values())[:2]),
         "scene: outputs: found nothing that gives 'sensation_db'",
     ),
-    "no law": (
-        scene(*list(EFFECT_LINES.values())[1:]),
-        "add the effect force_law and name one of the four laws",
+    "no law": (scene(*list(EFFECT_LINES.values())[1:]), "add the effect force_law and name one of the four laws"),
+    "accuracy out of range": (
+        scene(accuracy=0.0),
+        "scene.accuracy: found 0.0, expected a number above 0 and at most 1",
     ),
-    "accuracy out of range": (scene(accuracy=0.0), "scene.accuracy: found 0.0, expected above 0 and at most 1"),
     "accuracy out of reach": (scene(accuracy=1e-12), "loosen the accuracy"),
     "what is played": (
         scene('{ kind = "carrier" }'),
@@ -193,11 +190,11 @@ SENTENCES = {
     "scene on a plate": (named("a4-screen"), "scene.name: found 'a4-screen', a scene on 'time_reversal', expected one"),
     "both": (
         named("electrovibration-panel", "effects = []\nsurface = { area_m2 = 1e-4 }\n"),
-        "scene.name: found 'electrovibration-panel' beside surface or effects, expected one of the two",
+        "scene.name: found 'electrovibration-panel' next to surface or effects, expected one of the two",
     ),
     "sensation too": (
         scene() + "[sensation]\nreference_force_n = 1e-5\n",
-        "sensation: found a table beside [scene], expected one of the two",
+        "sensation: found a table next to [scene], expected one of the two",
     ),
     "at rest": (
         changed(scene(), {'kind = "slide"': 'kind = "press"', 'speed_m_per_s = "50 mm/s"\n': ""}),
@@ -229,7 +226,7 @@ def study(tmp_path):
     return path
 
 
-def test_a_dry_run_tells_what_is_felt_and_what_was_left_out(study, capsys):
+def test_dry_run_lists_felt_and_omitted_effects(study, capsys):
     said = output(capsys, "run", study, "--participant", "P01", "--dry-run")
     words = " ".join(said.split())
     assert "effects force_law, friction, sensitivity, contact_area (predicted error" in words
@@ -247,7 +244,7 @@ def test_a_dry_run_tells_what_is_felt_and_what_was_left_out(study, capsys):
     assert changes["air_gap"] is None
 
 
-def test_a_simulation_explains_and_replays(study, tmp_path, capsys):
+def test_simulation_with_scene_explains_and_replays(study, tmp_path, capsys):
     simulated = ("simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d", "--explain")
     assert "assumptions: " in output(capsys, *simulated)
     assert "rows agree" in output(capsys, "replay", tmp_path / "d")
@@ -265,7 +262,7 @@ def test_a_simulation_explains_and_replays(study, tmp_path, capsys):
     )
 
 
-def test_a_check_tells_what_is_felt(study):
+def test_check_reports_felt_effects(study):
     from tactometry.experiments.bench.preflight import _study
 
     findings, _ = _study(str(study), allow_code=False)
@@ -274,7 +271,7 @@ def test_a_check_tells_what_is_felt(study):
     assert "predicted for amplitude_modulated" in findings[2].found
 
 
-def test_the_table_of_the_page_is_felt():
+def test_documented_scene_table_is_felt():
     page = (DOCS / "reference" / "studies.md").read_text("utf-8").partition("## Scenes")[2]
     table = page.partition("```toml\n")[2].partition("```")[0]
     (felt,) = felt_effects(wired(f"{TUTORIAL}\n{table}"))

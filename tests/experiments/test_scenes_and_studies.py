@@ -41,7 +41,7 @@ def without(scene, kinds):
 
 
 @pytest.mark.parametrize("study", SAME)
-def test_a_study_feels_what_the_built_in_scene_of_its_surface_does(study):
+def test_study_equals_built_in_scene_of_surface(study):
     name, more = SAME[study]
     pairs = zip(wired(study).cells.values(), wired(study, f'\n[scene]\nname = "{name}"\n').cells.values(), strict=True)
     for default, named in {cell.condition.stimulus: (cell, other) for cell, other in pairs}.values():

@@ -8,6 +8,7 @@ import catalogue
 import numpy as np
 import pytest
 from memory import Memory
+from tables import contents
 from tutorial_session import EXPERIMENT, journal_of, live
 
 from tactometry.config.quantity import si
@@ -25,10 +26,6 @@ from tactometry.signal import Signal
 from tactometry.trials.cells import cell
 
 
-def contents(root):
-    return {path: path.read_bytes() for path in sorted(root.rglob("*")) if path.is_file()}
-
-
 def one_block(rng):
     return run_block(catalogue.block("yes_no", "constant_stimuli"), 1, 1, rng)
 
@@ -39,7 +36,7 @@ def a_trial():
     return memory.trials[0]
 
 
-def test_a_trial_is_synced_before_append_returns_and_other_requests_are_not(tmp_path, synced):
+def test_trials_are_synced_and_other_requests_not(tmp_path, synced):
     journal = Journal(tmp_path / "j.jsonl", resume=False)
     journal.append(Wait(1.0), Done(1.0))
     assert synced == []
@@ -48,7 +45,7 @@ def test_a_trial_is_synced_before_append_returns_and_other_requests_are_not(tmp_
     assert synced == [tmp_path / "j.jsonl"]
 
 
-def test_a_replaced_file_and_its_folder_are_synced(tmp_path, synced):
+def test_replaced_file_and_folder_are_synced(tmp_path, synced):
     write_atomically(tmp_path / "f", b"content")
     assert len(synced) == 2
     assert synced[-1] == tmp_path
@@ -63,7 +60,7 @@ def test_resuming_a_complete_session_changes_nothing(lived):
     assert recorded.tally.n_presented == len(rows)
 
 
-def test_the_trials_of_a_sitting_are_counted(tmp_path):
+def test_trials_of_a_sitting_are_counted(tmp_path):
     recorded = live(tmp_path)
     assert recorded.tally.n_presented == recorded.trials.read_bytes().count(b"\n") - 1
     assert recorded.n_trials == recorded.tally.n_presented - sum(
@@ -72,7 +69,7 @@ def test_the_trials_of_a_sitting_are_counted(tmp_path):
     assert recorded.n_resumed == 0
 
 
-def test_a_line_behind_the_end_is_refused(lived):
+def test_line_after_end_is_refused(lived):
     last = journal_of(lived).read_bytes().split(b"\n")[-2]
     with journal_of(lived).open("ab") as file:
         file.write(encode({"request": "Wait", "asked": {"duration_s": 1.0}, "answer": {"at_s": 1.0}}, checksum(last)))
@@ -80,7 +77,7 @@ def test_a_line_behind_the_end_is_refused(lived):
         read(journal_of(lived))
 
 
-def test_a_line_without_a_checksum_is_refused(lived):
+def test_line_without_checksum_is_refused(lived):
     lines = journal_of(lived).read_bytes().split(b"\n")
     lines[2] = lines[2].partition(b',"crc32"')[0] + b"}"
     journal_of(lived).write_bytes(b"\n".join(lines))
@@ -88,7 +85,7 @@ def test_a_line_without_a_checksum_is_refused(lived):
         read(journal_of(lived))
 
 
-def test_a_second_interruption_is_kept_beside_the_first(lived):
+def test_second_interruption_keeps_the_first(lived):
     for _ in range(2):
         journal_of(lived).write_bytes(journal_of(lived).read_bytes()[:-700])
         live(lived, resume=True)
@@ -96,7 +93,7 @@ def test_a_second_interruption_is_kept_beside_the_first(lived):
     assert sum("cut" in json.loads(line) for line in kept) == 2
 
 
-def test_every_column_is_described_beside_the_trials(lived):
+def test_every_trial_column_is_described(lived):
     trials = next((lived / "data").glob("*.csv"))
     described = json.loads(trials.with_suffix(".json").read_text())
     assert list(described) == trials.read_text().splitlines()[0].split(",")
@@ -112,7 +109,7 @@ def test_unreadable_journal_is_not_left_locked(lived):
     live(lived, resume=True)
 
 
-def test_after_a_full_disk_the_journal_goes_on_where_it_was(tmp_path):
+def test_journal_continues_after_full_disk(tmp_path):
     journal = Journal(tmp_path / "j.jsonl", resume=False)
     journal.append(Wait(1.0), Done(1.0))
     size, (soft, hard) = (tmp_path / "j.jsonl").stat().st_size, resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -132,7 +129,7 @@ def test_after_a_full_disk_the_journal_goes_on_where_it_was(tmp_path):
     ("value", "text"),
     [(1e20, "1e+20"), (2.0**53, "9007199254740992.0"), (-0.0, "0"), (1e15, "1000000000000000.0"), (False, "0")],
 )
-def test_a_number_reads_back_from_its_cell(value, text):
+def test_number_round_trips_through_cell(value, text):
     assert cell(value) == text
     assert float(cell(value)) == value
 
@@ -150,7 +147,7 @@ class Falling:
         raise DeviceFailed(f"{type(request).__name__}: the device fell")
 
 
-def test_a_rig_is_closed_when_it_fails():
+def test_failed_rig_is_closed():
     falling = Falling()
     with pytest.raises(DeviceFailed, match="Slide: the device fell"):
         run(one_block(np.random.default_rng()), falling, Memory())
@@ -175,12 +172,12 @@ def test_changed_trial_is_found():
         replay(one_block(np.random.default_rng(1)), Replay(entries))
 
 
-def test_a_signal_in_another_unit_than_volt_is_not_played():
+def test_signal_not_in_volt_is_refused():
     with pytest.raises(LimitExceeded, match="found a signal in 'A', expected volt"):
         catalogue.LIMITS.check(Signal(np.zeros((1, 4)), 1e3, "A"))
 
 
-def test_the_limit_holds_to_rounding():
+def test_limit_allows_rounding():
     catalogue.LIMITS.check(Signal(np.full((1, 4), 200.0 * (1 + 1e-15)), 1e3, "V"))
     with pytest.raises(LimitExceeded, match="found a peak of"):
         catalogue.LIMITS.check(Signal(np.full((1, 4), 200.0 * (1 + 1e-9)), 1e3, "V"))
@@ -209,13 +206,13 @@ def test_quantities_with_units(text, suffix, value):
         assert si(text, suffix, "x") == pytest.approx(value, rel=1e-15)
 
 
-def test_a_session_goes_on_under_its_own_number(lived):
+def test_resumed_session_keeps_its_number(lived):
     who = Who("P01", number=5, seed=1)
     with pytest.raises(InvalidParameter, match="--number: found 5, but this session began with 1"):
         live(lived, who, resume=True)
 
 
-def test_each_session_of_a_participant_has_an_order_of_its_own():
+def test_sessions_of_a_participant_differ_in_order():
     orders = []
     for n_session in (1, 2):
         memory = Memory()

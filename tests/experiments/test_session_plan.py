@@ -38,6 +38,12 @@ def experiment(*changes, more=""):
     return wire(study(*changes, more=more), "s.toml")
 
 
+def session_of(made):
+    """Run a simulated session in memory, and return its tracks and memory."""
+    memory = Memory()
+    return run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory), memory
+
+
 # --- orders
 
 
@@ -57,7 +63,7 @@ sizes = st.lists(st.integers(2, 4), min_size=1, max_size=3)
 
 @given(sizes=sizes)
 @examples(25)
-def test_over_all_squares_each_level_precedes_each_other_equally_often(sizes):
+def test_williams_orders_balance_predecessors(sizes):
     """Orders are counted within each run of the fastest factor."""
     factors = {f"f{n}": tuple(range(size)) for n, size in enumerate(sizes)}
     crossing = Crossing(factors, dict.fromkeys(factors, "williams"))
@@ -81,7 +87,7 @@ def test_nested_levels_belong_to_their_outer_level():
     assert sorted(cell["hz"] for cell in cells if cell["wave"] == "sine") == [30, 60]
 
 
-def test_a_balanced_order_over_an_unequal_design_is_refused():
+def test_williams_order_of_unequal_design_is_refused():
     with pytest.raises(InvalidParameter, match=r"williams order over an unequal design \(2 or 3 levels\), expected as"):
         Crossing({"w": ("a", "b"), "hz": (1, 2)}, {"hz": "williams"}, {"w": {"b": {"hz": (1, 2, 3)}}})
 
@@ -89,7 +95,7 @@ def test_a_balanced_order_over_an_unequal_design_is_refused():
 # --- plans
 
 
-def test_the_plan_is_a_pure_function_of_study_number_and_seed():
+def test_plan_depends_on_study_number_and_seed():
     drawn = study(more='\n[plan]\norders = { random = ["frequency_hz"] }\n')
     plans = [session_cells(drawn, None, 17, 1, seed) for seed in (3, 3)]
     assert plans[0] == plans[1]
@@ -97,33 +103,31 @@ def test_the_plan_is_a_pure_function_of_study_number_and_seed():
     assert len(orders) == 2
 
 
-def test_groups_by_number_meet_one_level_each_and_the_same_orders():
-    grouped = study(
-        ("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\nforce_n = [0.5, 1.0]"),
-        ("force_n = 1.0\n", ""),
-        ("trial_s = 5.0", 'trial_s = 5.0\ncounterbalance = ["frequency_hz"]'),
-        more='\n[plan]\nbetween = ["force_n"]\n',
-    )
-    met = [
-        [(cell["frequency_hz"], cell["force_n"]) for cell in session_cells(grouped, None, n, 1, 0)] for n in range(1, 5)
-    ]
-    assert [{force for _, force in cells} for cells in met] == [{0.5}, {1.0}, {0.5}, {1.0}]
-    orders = [[hz for hz, _ in cells] for cells in met]
+COUNTERBALANCED = ("trial_s = 5.0", 'trial_s = 5.0\ncounterbalance = ["frequency_hz"]')
+TWO_FORCES = (
+    ("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\nforce_n = [0.5, 1.0]"),
+    ("force_n = 1.0\n", ""),
+    COUNTERBALANCED,
+)
+
+
+def test_groups_have_one_level_and_same_orders():
+    grouped = study(*TWO_FORCES, more='\n[plan]\nbetween = ["force_n"]\n')
+    sessions = [session_cells(grouped, None, n, 1, 0) for n in range(1, 5)]
+    assert [{cell["force_n"] for cell in cells} for cells in sessions] == [{0.5}, {1.0}, {0.5}, {1.0}]
+    orders = [[cell["frequency_hz"] for cell in cells] for cells in sessions]
     assert orders[0] == orders[1] != orders[2] == orders[3]
 
 
-def test_sessions_hold_one_level_each_and_together_all_cells():
-    split = study(
-        ("trial_s = 5.0", 'trial_s = 5.0\ncounterbalance = ["frequency_hz"]'),
-        more='\n[plan]\nsessions = ["frequency_hz"]\n',
-    )
+def test_sessions_split_the_cells_by_level():
+    split = study(COUNTERBALANCED, more='\n[plan]\nsessions = ["frequency_hz"]\n')
     first, second = (session_cells(split, None, 2, n, 0) for n in (1, 2))
     assert [cell["frequency_hz"] for cell in (*first, *second)] == [240, 60]
     with pytest.raises(InvalidParameter, match="--session: found 3, expected from 1 to 2"):
         session_cells(split, None, 2, 3, 0)
 
 
-def test_a_simulation_runs_every_session_of_the_plan(tmp_path):
+def test_simulation_runs_every_planned_session(tmp_path):
     content = f'{TUTORIAL}\n[plan]\nsessions = ["frequency_hz"]\n'.encode()
     recorded = list(simulate(Simulation(content, "s.toml", tmp_path / "d", 2, 1)))
     assert [each.trials.name[:25] for each in recorded] == [
@@ -133,29 +137,21 @@ def test_a_simulation_runs_every_session_of_the_plan(tmp_path):
 
 
 def test_orders_change_with_participant_across_sessions():
-    split = study(
-        ("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\nforce_n = [0.5, 1.0]"),
-        ("force_n = 1.0\n", ""),
-        ("trial_s = 5.0", 'trial_s = 5.0\ncounterbalance = ["frequency_hz"]'),
-        more='\n[plan]\nsessions = ["force_n"]\n',
-    )
+    split = study(*TWO_FORCES, more='\n[plan]\nsessions = ["force_n"]\n')
     first = [[cell["frequency_hz"] for cell in session_cells(split, None, number, 1, 0)] for number in (1, 2)]
     assert first == [[60, 240], [240, 60]]
 
 
-def test_interleaved_factors_share_a_block_and_are_told_apart_by_their_track():
+def test_interleaved_factors_share_block_in_tracks():
     made = experiment(more='\n[plan]\ninterleave = ["frequency_hz"]\n')
     (block,) = made.parts(1, np.random.default_rng(1))
     assert [track.name for track in block.tracks] == ["frequency_hz=60", "frequency_hz=240"]
     assert "track" in [column.name for column in made.design(b"").columns]
-    memory = Memory()
-    run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
+    _, memory = session_of(made)
     runs = [len(list(group)) for _, group in itertools.groupby(trial.track for trial in memory.trials)]
     assert len(runs) > 4
-    assert {(trial.track, trial.factors["frequency_hz"]) for trial in memory.trials} == {
-        ("frequency_hz=60", 60.0),
-        ("frequency_hz=240", 240.0),
-    }
+    named = {(trial.track, trial.factors["frequency_hz"]) for trial in memory.trials}
+    assert named == {("frequency_hz=60", 60.0), ("frequency_hz=240", 240.0)}
 
 
 QUEST_PLUS = """kind = "quest_plus"
@@ -176,14 +172,13 @@ def test_conditions_that_share_a_posterior_run_interleaved():
     )
     (planned,) = plan(made, 1)
     assert (planned.n_tracks, planned.n_trials_at_most) == (2, 2 * 15)
-    memory = Memory()
-    tracks = run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
+    tracks, memory = session_of(made)
     assert {track.ending for track in tracks} <= {"trials", "converged", "censored_above"}
     felt = Counter(trial.track for trial in memory.trials if trial.valid and not trial.catch)
     assert felt == {"frequency_hz=60": 12, "frequency_hz=240": 12}
 
 
-def test_a_dry_run_counts_trials_items_and_time():
+def test_dry_run_counts_trials_items_and_time():
     made = wire(load("hybrid-button")[0], "hybrid-button")
     blocks = plan(made, 1)
     assert [(block.n_trials_at_most, block.n_items) for block in blocks] == [(4, 12), (4, 12), (4, 12), (0, 6)]
@@ -191,9 +186,8 @@ def test_a_dry_run_counts_trials_items_and_time():
 
 
 def test_practice_comes_first_and_is_marked():
-    made = experiment(("[60, 240]", "[240]"), more="\n[practice]\nlevels = [40]\nn_correct = 2\nn_of = 2\n")
-    memory = Memory()
-    run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
+    practice = "\n[practice]\nlevels = [40]\nn_correct = 2\nn_of = 2\n"
+    _, memory = session_of(experiment(("[60, 240]", "[240]"), more=practice))
     marks = [trial.practice for trial in memory.trials]
     assert marks == sorted(marks, reverse=True)
     assert 2 <= marks.count(True) < 20
@@ -203,7 +197,7 @@ def test_practice_comes_first_and_is_marked():
     assert set(said) & {"right", "wrong"}
 
 
-def test_practice_goes_round_its_levels_and_counts_the_last_answers_only():
+def test_practice_cycles_levels_and_counts_last_answers():
     rule, levels = Practice(levels=(3.0, 2.0, 1.0), n_correct=2, n_of=2, n_trials=9), []
     for answer in (1, 0, 1, 0, 1, 1):
         assert rule.ending is None
@@ -229,17 +223,14 @@ def test_practice_that_never_meets_its_criterion_ends():
         ('[plan]\nsessions = ["force_n"]', "plan.sessions: found 'force_n', expected a factor (frequency_hz)"),
         (
             '[plan]\nbetween = ["frequency_hz"]\nsessions = ["frequency_hz"]',
-            "plan.sessions: found 'frequency_hz', which stands in plan.between too, expected each factor once",
+            "plan.sessions: found 'frequency_hz', which is in plan.between too, expected each factor once",
         ),
         ('[plan]\norders = { latin = ["frequency_hz"] }', "plan.orders: found 'latin', expected one of williams"),
         ('[plan]\norders = { random = ["hz"] }', "plan.orders.random: found 'hz', expected a factor (frequency_hz)"),
         ("[nested.frequency_hz.61]\nfrequency_hz = [1]", "nested.frequency_hz: found '61', expected one of its levels"),
         ("[variants.frequency_hz.60.limit]\n", "variants.frequency_hz.60: found 'limit', expected a table"),
         ('[inquiries.a]\nform = "sos"', "inquiries.a.form: found 'sos', expected one of attrakdiff"),
-        (
-            '[inquiries.a]\nform = "sus"\nafter = "never"',
-            "inquiries.a.after: found 'never', expected one of start, block",
-        ),
+        ('[inquiries.a]\nform = "sus"\nafter = "never"', "inquiries.a.after: found 'never', expected one of start"),
         ("[practice]\nlevels = [34]\nn_correct = 9", "practice.n_correct: found 9, expected from 1 to 5"),
         ("[practice]\nlevels = [90]", "practice: found the highest level 90, expected one within the limits"),
     ],
@@ -251,23 +242,18 @@ def test_an_impossible_plan_is_refused_in_one_sentence(more, sentence):
     assert "\n" not in str(refused.value)
 
 
-def test_a_form_of_the_studys_own_is_used():
-    memory = Memory()
-    made = experiment(more=OWN_FORM)
-    run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
+def test_custom_form_is_used():
+    _, memory = session_of(experiment(more=OWN_FORM))
     asked = [(trial.procedure, trial.item, trial.task) for trial in memory.trials[-2:]]
     assert asked == [("mine", "A", "rating"), ("mine", "B", "rating")]
 
 
-def test_an_unknown_form_is_told_the_studys_own_and_the_shipped_ones():
+def test_unknown_form_error_lists_custom_and_shipped():
     with pytest.raises(InvalidParameter) as refused:
         experiment(more=OWN_FORM.replace('form = "mine"', 'form = "mime"'))
     message = str(refused.value)
     assert "inquiries.end.form: found 'mime', expected one of mine, attrakdiff, " in message
     assert message.endswith("; did you mean 'mine'?")
-
-
-# --- blocks of several tracks
 
 
 # --- every kind from a study file, from session to sound data set
@@ -324,10 +310,7 @@ def test_every_procedure_runs_from_a_study_file(tmp_path, kind):
         ('kind = "comparison"', "task.standard_level: found no such key, expected a number"),
         ('kind = "adjustment"\nstep = 1\nlow = 20\nhigh = 30', "procedure: found levels from 22 to 40 where an adj"),
         ('kind = "comparison"\nstandard_level = 99', "task.standard_level: found the highest level 99, expected one"),
-        (
-            'kind = "yes_no"\nn_intervals = 2',
-            "task.n_intervals: found an unknown key, expected one of kind, catch_rate",
-        ),
+        ('kind = "yes_no"\nn_intervals = 2', "task.n_intervals: found an unknown key, expected one of kind, catch_"),
         ('kind = "yes_no"\nrest_after = 0', "task.rest_after: found 0, expected a whole number, at least 1"),
         ('kind = "yes_no"\nrest_s = 0', "task.rest_s: found 0.0, expected a finite number above 0"),
         ('kind = "rating"\nform = "sus"\ncatch_rate = 0.1', "task.catch_rate: found 0.1 with rating, expected 0"),

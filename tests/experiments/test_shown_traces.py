@@ -31,7 +31,7 @@ def copied(tmp_path):
     return Path(shutil.copytree(RECORDED_TRACES, tmp_path / "d"))
 
 
-def test_show_tells_and_draws_what_happened_in_a_trial(tmp_path, capsys, monkeypatch):
+def test_show_prints_and_draws_a_trial(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (row, *_) = trial_rows(RECORDED_TRACES)
     said = output(capsys, "show", RECORDED_TRACES, "--trial", 1)
@@ -51,7 +51,7 @@ def test_show_tells_and_draws_what_happened_in_a_trial(tmp_path, capsys, monkeyp
     assert told["figure"] == "t.svg"
 
 
-def test_show_of_what_is_no_data_set_says_what_it_expects(tmp_path, capsys):
+def test_show_refuses_folder_without_data_set(tmp_path, capsys):
     for path in (tmp_path, tmp_path / "nope"):
         said = refused(capsys, "show", path, "--trial", 1)
         assert f"{path}: found no journal, expected a data set with journals/*.jsonl" in said
@@ -74,7 +74,7 @@ def test_show_draws_simulated_trials_and_blanks(tmp_path, capsys, monkeypatch):
     assert (tmp_path / f"trial-{blank['trial']}.png").stat().st_size > 1000
 
 
-def test_the_speed_of_a_figure_is_that_of_the_gate():
+def test_figure_speed_equals_gate_speed():
     touch, *_ = read_traces(RECORDED_TRACES, 1)
     times_s, speeds = speed_of(touch.position)
     assert np.all(np.diff(times_s) > 0)
@@ -82,7 +82,7 @@ def test_the_speed_of_a_figure_is_that_of_the_gate():
 
 
 @pytest.mark.skipif(VALIDATOR is None, reason="no bids-validator-deno: pip install bids-validator-deno")
-def test_bids_has_the_force_as_physio_and_the_place_as_motion(tmp_path):
+def test_bids_export_has_force_and_motion(tmp_path):
     export(RECORDED_TRACES, "bids", tmp_path / "bids", ["Ada Lovelace", "Alan Turing"])
     found = [issue for issue in issues_of(tmp_path / "bids")["issues"] if "events.tsv" not in issue["location"]]
     assert {issue["severity"] for issue in found} <= {"warning"}
@@ -119,7 +119,7 @@ def test_every_sample_is_exported_with_its_stamp(tmp_path):
     assert set(rows.columns) <= {variable["name"] for variable in described}
 
 
-def test_a_report_shows_how_force_and_speed_went_around_the_onset(copied, tmp_path, capsys):
+def test_report_shows_force_and_speed_at_onset(copied, tmp_path, capsys):
     output(capsys, "analyse", copied, "--report", tmp_path / "r.html")
     table = rows_of(tmp_path / "r_tables" / "touches.csv")
     n_valid = sum(row["valid"] == "1" for row in trial_rows(copied))
@@ -177,7 +177,7 @@ def test_touches_whose_samples_are_gone_are_counted(copied):
     assert courses["n_touches"].max() == n_valid - 1
 
 
-def test_a_touch_whose_trial_was_taken_back_is_told_as_such():
+def test_touch_of_retracted_trial_is_marked():
     (journal,) = (RECORDED_TRACES / "journals").glob("*.jsonl")
     recording = read(journal)
     first, second = touches(recording)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from places import RECORDED
 from sound_sitting import SOUND, Attended, sit
+from tables import contents
 from tutorial_session import EXPERIMENT, STUDY, TOML, WHO, journal_of
 
 from tactometry.analysis.pipeline import analyse
@@ -43,24 +44,19 @@ def test_changed_facts_of_a_sitting_are_reported(tmp_path):
     assert replay_data_set(tmp_path)[0].changes == (change,)
 
 
-def test_a_sitting_begins_when_the_last_one_had_ended(tmp_path):
+def test_sitting_begins_when_the_last_ended(tmp_path):
     sit(tmp_path, SOUND, stops_at=4)
     ended_s = [answer.at_s for request, answer in read(journal_of(tmp_path)).entries if isinstance(request, Record)]
     sit(tmp_path, SOUND, resume=True)
     assert [head.begun_s for head in read(journal_of(tmp_path)).sittings] == [0.0, ended_s[-1]]
 
 
-def test_sittings_in_which_no_trial_was_finished_are_not_forgotten(tmp_path):
+def test_sittings_without_trials_are_kept(tmp_path):
     for n in range(4):
         sit(tmp_path, {**SOUND, "output_volts_per_unit": 100.0 * n}, stops_at=1, resume=n > 0)
     sit(tmp_path, SOUND, resume=True)
-    assert [head.facts["output_volts_per_unit"] for head in read(journal_of(tmp_path)).sittings] == [
-        0.0,
-        100.0,
-        200.0,
-        300.0,
-        200.0,
-    ]
+    found = [head.facts["output_volts_per_unit"] for head in read(journal_of(tmp_path)).sittings]
+    assert found == [0.0, 100.0, 200.0, 300.0, 200.0]
     assert validate(tmp_path).defects == ()
 
 
@@ -77,7 +73,7 @@ def test_pages_that_were_read_do_not_come_again(tmp_path, monkeypatch):
     assert replay_data_set(tmp_path)[0].complete
 
 
-def test_a_complete_session_gets_no_other_head(tmp_path):
+def test_complete_session_gets_no_new_head(tmp_path):
     sit(tmp_path, SOUND)
     before = journal_of(tmp_path).read_bytes()
     assert sit(tmp_path, {}, resume=True) == []
@@ -97,13 +93,13 @@ def test_a_complete_session_gets_no_other_head(tmp_path):
         ("limit_duty", 0.030999999999999996, 0.031, False),
     ],
 )
-def test_counts_and_clocks_differ_always_and_are_not_told(whole, name, before, after, is_told):
+def test_changed_counts_and_clocks_are_not_reported(whole, name, before, after, is_told):
     head = read(journal_of(whole)).head
     found = differences(replace(head, facts={name: before}), replace(head, facts={name: after}))
     assert bool(found) == is_told
 
 
-def test_the_report_has_the_sittings_and_what_changed_between_them(tmp_path):
+def test_report_lists_sittings_and_changes(tmp_path):
     sit(tmp_path, SOUND, stops_at=4)
     sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, stops_at=3, resume=True)
     sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, resume=True)
@@ -122,7 +118,7 @@ def test_single_sitting_has_no_section(whole):
     assert "How the sessions went" not in render(analyse(whole))
 
 
-def test_another_key_of_the_bench_file_is_told(whole):
+def test_changed_bench_key_is_reported(whole):
     def facts(counts, **of_screen):
         tables = {
             "screen": of_screen,
@@ -139,7 +135,7 @@ def test_another_key_of_the_bench_file_is_told(whole):
     ]
 
 
-def test_another_version_is_told(whole):
+def test_changed_version_is_reported(whole):
     head = read(journal_of(whole)).head
     older = replace(head, versions={**head.versions, "numpy": "1.0"})
     assert differences(older, head) == [f"version of numpy was 1.0, is {head.versions['numpy']}"]
@@ -170,7 +166,7 @@ def test_session_of_an_older_version_keeps_its_format(repeated):
     assert [head.format for head in read(next((repeated / "journals").glob("*.jsonl"))).sittings] == [1, 1]
 
 
-def test_a_new_session_beside_older_ones_has_the_new_columns(repeated, capsys):
+def test_new_session_has_the_new_columns(repeated, capsys):
     from tactometry.analysis.reading.trials import read_trials
 
     given = older(repeated)
@@ -212,41 +208,37 @@ def simulate(root, who):
     return record(EXPERIMENT, TOML, root, who, simulated(EXPERIMENT, who))
 
 
-def files(root):
-    return {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}
-
-
-def test_a_simulated_participant_beside_people_is_refused_before_anything_is_written(tmp_path):
+def test_simulated_participant_among_people_is_refused(tmp_path):
     sit(tmp_path, SOUND)
-    before = files(tmp_path)
+    before = contents(tmp_path)
     with pytest.raises(
         InvalidFile, match="found sessions of people, expected none beside those of the rig 'simulated'"
     ):
         simulate(tmp_path, Who("P02", seed=1))
-    assert files(tmp_path) == before
+    assert contents(tmp_path) == before
 
 
 def test_so_is_one_of_the_same_code(tmp_path):
     sit(tmp_path, SOUND)
-    before, other = files(tmp_path), Who(WHO.participant, seed=2)
+    before, other = contents(tmp_path), Who(WHO.participant, seed=2)
     with pytest.raises(InvalidFile, match="found sessions of people, expected none beside those of the rig"):
         simulate(tmp_path, other)
     with pytest.raises(InvalidParameter, match="--rig: found simulated, but this session began with bench"):
         record(EXPERIMENT, TOML, tmp_path, other, simulated(EXPERIMENT, other), resume=True)
-    assert files(tmp_path) == before
+    assert contents(tmp_path) == before
 
 
 @pytest.mark.parametrize("is_older", [False, True], ids=["marked", "recorded before"])
-def test_people_beside_a_simulated_participant_are_refused(tmp_path, lived, is_older):
+def test_people_among_simulated_participants_are_refused(tmp_path, lived, is_older):
     root = Path(shutil.copytree(RECORDED / "yes-no", tmp_path / "older")) if is_older else lived
-    before = files(root)
+    before = contents(root)
     given = older(root) if is_older else {}
     with pytest.raises(InvalidFile, match="found sessions of simulated participants, expected none beside"):
         sit(root, SOUND, **{**given, "who": Who("P77", seed=1)})
-    assert files(root) == before
+    assert contents(root) == before
 
 
-def test_a_data_set_of_simulated_participants_says_so(lived, tmp_path):
+def test_simulated_data_set_is_described_as_such(lived, tmp_path):
     described = json.loads((lived / "dataset_description.json").read_text())
     assert described["keywords"] == ["simulated data"]
     assert described["description"] == f"{STUDY.description} Simulated participants: no person took part."
@@ -265,7 +257,7 @@ def test_added_description_is_kept(lived):
     assert validate(lived).defects == ()
 
 
-def test_a_description_without_its_study_is_somebody_elses(tmp_path):
+def test_description_without_study_is_refused(tmp_path):
     (tmp_path / "dataset_description.json").write_text("{}")
     with pytest.raises(InvalidFile, match=r"found no list 'variableMeasured'"):
         simulate(tmp_path, WHO)

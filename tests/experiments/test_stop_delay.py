@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 from benches import file_bench, gain_table
 from command_line import call
-from study_texts import TUTORIAL, changed
+from study_texts import TUTORIAL, changed, wired
 
 from tactometry.arguments.unlimited import HIGHEST, UNLIMITED, Unlimited
 from tactometry.devices.outputs.audio import AudioSettings
@@ -43,8 +43,12 @@ def bench_of(kind="audio", limits=None, gain=None, **output):
     return parse_bench({"output": {**table, "load": load}, "limits": LIMITS | (limits or {})})
 
 
-def study_text(line):
-    return changed(TUTORIAL, {"[limits]\n": f"[limits]\n{line}\n"})
+@pytest.fixture
+def unlimited(tmp_path):
+    """Write a study without a limit of force."""
+    study = tmp_path / "s.toml"
+    study.write_text(changed(TUTORIAL, {"[limits]\n": '[limits]\nforce_peak_n = "unlimited"\n'}))
+    return study
 
 
 @pytest.mark.parametrize("kind", OUTPUTS)
@@ -132,18 +136,11 @@ def test_check_states_the_current_of_a_stop():
 @pytest.mark.parametrize("name", [name for name in HIGHEST if name != "max_age_days"])
 def test_limits_of_files_refuse_implausible_numbers(table, name):
     too_high = 1.01 * HIGHEST[name]
-    read = {
-        "bench": lambda: bench_of(limits={name: too_high}),
-        "study": lambda: parse(_with_limit(name, too_high).encode(), "s.toml"),
-    }[table]
+    kept = TUTORIAL.replace("voltage_peak_v = 100.0", "") if name == "voltage_peak_v" else TUTORIAL
+    text = changed(kept, {"[limits]\n": f"[limits]\n{name} = {too_high!r}\n"})
     expected = rf'limits\.{name}: found [\d.e+-]+, expected at most [\d.e+-]+, or "unlimited"$'
     with pytest.raises((InvalidParameter, InvalidFile), match=expected):
-        read()
-
-
-def _with_limit(name, value):
-    kept = TUTORIAL.replace("voltage_peak_v = 100.0", "") if name == "voltage_peak_v" else TUTORIAL
-    return changed(kept, {"[limits]\n": f"[limits]\n{name} = {value!r}\n"})
+        bench_of(limits={name: too_high}) if table == "bench" else parse(text.encode(), "s.toml")
 
 
 @pytest.mark.parametrize("part", ["gain", "force"])
@@ -159,17 +156,10 @@ def test_calibrations_refuse_implausible_ages(part, age):
 def test_only_limits_may_be_unlimited(key):
     table, name = key.split(".")
     text = changed(TUTORIAL, {f"[{table}]\n": f'[{table}]\n{name} = "unlimited"\n'})
-    text = "\n".join(
-        line for line in text.splitlines() if not (line.startswith(f"{name} =") and "unlimited" not in line)
-    )
+    numbers = [line for line in text.splitlines() if line.startswith(f"{name} =") and "unlimited" not in line]
+    kept = "\n".join(line for line in text.splitlines() if line not in numbers)
     with pytest.raises((InvalidParameter, InvalidFile), match=rf"{name}: found 'unlimited', expected a number"):
-        _wired(text)
-
-
-def _wired(text):
-    from tactometry.experiments.study.experiment import wire
-
-    return wire(parse(text.encode(), "s.toml"), "s.toml")
+        wired(kept)
 
 
 def test_duty_window_is_at_most_an_hour():
@@ -205,11 +195,10 @@ def test_unlimited_stays_itself_in_copies_and_files():
     assert tomllib.loads(table_toml("gain", {"max_age_days": UNLIMITED})) == {"gain": {"max_age_days": "unlimited"}}
 
 
-def test_dry_run_warns_of_limits_switched_off(tmp_path, capsys):
-    study, bench = tmp_path / "s.toml", file_bench(tmp_path, 0.5)
-    study.write_text(study_text('force_peak_n = "unlimited"'))
+def test_dry_run_warns_of_limits_switched_off(unlimited, tmp_path, capsys):
+    bench = file_bench(tmp_path, 0.5)
     bench.write_text(bench.read_text().replace("[limits]", '[limits]\nforce_peak_n = "unlimited"'))
-    code, said, _ = call(capsys, "run", study, "--participant", "P01", "--bench", bench, "--dry-run")
+    code, said, _ = call(capsys, "run", unlimited, "--participant", "P01", "--bench", bench, "--dry-run")
     assert (code, said.splitlines()) == (0, [f"study, {FORCE_OFF}", f"bench file, {FORCE_OFF}"])
 
 
@@ -223,19 +212,15 @@ def test_dry_run_refuses_output_that_stops_late(tmp_path, capsys):
     assert "limits.stop_within_s: found an output that may stop after 10.006 s" in said
 
 
-def test_run_warns_of_limits_switched_off(tmp_path, capsys, monkeypatch):
-    study, bench = tmp_path / "s.toml", file_bench(tmp_path, 0.5)
-    study.write_text(study_text('force_peak_n = "unlimited"'))
+def test_run_warns_of_limits_switched_off(unlimited, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("sys.stdin", io.StringIO())
-    to = ("--rig", "console", "--bench", bench, "--out", tmp_path / "d")
-    _, said, _ = call(capsys, "run", study, "--participant", "P01", *to)
+    to = ("--rig", "console", "--bench", file_bench(tmp_path, 0.5), "--out", tmp_path / "d")
+    _, said, _ = call(capsys, "run", unlimited, "--participant", "P01", *to)
     assert f"study, {FORCE_OFF}" in said
 
 
-def test_check_warns_of_limits_switched_off(tmp_path):
-    study = tmp_path / "s.toml"
-    study.write_text(study_text('force_peak_n = "unlimited"'))
-    findings, _ = _study(str(study), allow_code=False)
+def test_check_warns_of_limits_switched_off(unlimited):
+    findings, _ = _study(str(unlimited), allow_code=False)
     findings += devices(bench_of(limits={"force_peak_n": "unlimited"}), STUDY, None, hands_off=False)
     told = [each.found for each in findings if each.what == "caution" and "switched off" in each.found]
     assert told == [f"study, {FORCE_OFF}", f"bench file, {FORCE_OFF}"]

@@ -27,19 +27,19 @@ def copied(request, tmp_path_factory):
     return request.param, root
 
 
-def test_there_are_six_of_which_a_test_knows_what_they_say():
+def test_all_six_studies_have_expected_results():
     assert list(SAYS) == TO_COPY
 
 
 @pytest.mark.parametrize("name", TO_COPY)
-def test_its_head_tells_what_it_is_for_and_how_to_try_it(name):
+def test_study_head_states_purpose_and_command(name):
     study, content = load(name)
     told = [line for line in content.decode().splitlines() if line.startswith("#")]
     assert study.name == name
     assert any(line.startswith(f"# Try it:  tactometry simulate {name} --participants") for line in told)
 
 
-def test_it_is_rehearsed(copied, capsys):
+def test_example_study_is_rehearsed(copied, capsys):
     _, root = copied
     code, said, out = call(capsys, "run", root / "mine.toml", "--participant", "P01", "--dry-run")
     assert code == 0, said
@@ -47,13 +47,13 @@ def test_it_is_rehearsed(copied, capsys):
 
 
 @pytest.mark.parametrize("command", ["validate", "replay"])
-def test_its_data_are_sound(copied, capsys, command):
+def test_example_study_data_are_valid(copied, capsys, command):
     _, root = copied
     code, said, out = call(capsys, command, root / "data")
     assert code == 0, said + out
 
 
-def test_its_analysis_answers_what_the_study_asks(copied, capsys):
+def test_example_study_analysis_has_expected_result(copied, capsys):
     name, root = copied
     code, said, out = call(capsys, "analyse", root / "data", "--report", root / "report.html")
     assert code == 0, said

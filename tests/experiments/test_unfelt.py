@@ -53,12 +53,7 @@ def weak(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("levels", "conditions"),
-    [
-        ([24, 28, 32, 36], AT_60_HZ),
-        ([28, 32, 36, 40], []),
-        ([4, 13], [*AT_60_HZ, *AT_240_HZ]),
-    ],
+    ("levels", "conditions"), [([24, 28, 32, 36], AT_60_HZ), ([28, 32, 36, 40], []), ([4, 13], [*AT_60_HZ, *AT_240_HZ])]
 )
 def test_dry_run_warns_of_each_condition_below_threshold(weak, capsys, levels, conditions):
     said = output(capsys, "run", weak(levels), "--participant", "P01", "--dry-run").splitlines()

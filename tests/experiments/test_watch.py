@@ -26,7 +26,7 @@ RECORDED = sorted(path.parent for path in (ROOT / "tests" / "recorded").glob("*/
 
 
 @pytest.mark.parametrize("root", RECORDED, ids=lambda root: root.name)
-def test_the_page_of_every_recorded_data_set_is_drawn(root):
+def test_page_draws_every_recorded_data_set(root):
     sight = Watcher(root).look()
     answers = answers_of(sight.progress)
     drawn = Drawn() if answers is None else Drawn(curve_plot(answers))
@@ -35,7 +35,7 @@ def test_the_page_of_every_recorded_data_set_is_drawn(root):
     assert all(sections(sight, drawn)[name] for name in ("title", "where", "levels", "conditions"))
 
 
-def test_the_same_sight_is_given_as_long_as_nothing_is_new(journal):
+def test_watcher_returns_same_sight_without_news(journal):
     journal.holds(20)
     watcher = Watcher(journal.root)
     sight = watcher.look()
@@ -44,7 +44,7 @@ def test_the_same_sight_is_given_as_long_as_nothing_is_new(journal):
     assert watcher.look() is not sight
 
 
-def test_a_folder_without_a_session_is_waited_for(tmp_path, journal):
+def test_watcher_waits_for_first_session(tmp_path, journal):
     clock = Clock()
     watcher = Watcher(journal.root, clock=clock)
     assert watcher.look().state == "no session yet"
@@ -97,7 +97,7 @@ def test_session_whose_process_is_gone_ended_without_closing(journal):
 
 
 @pytest.mark.parametrize("n_lines", [None, 20])
-def test_journal_that_ended_or_is_new_is_not_abandoned(journal, n_lines):
+def test_ended_or_new_journal_is_not_abandoned(journal, n_lines):
     journal.holds(n_lines)
     if n_lines is None:
         os.utime(journal.path, (0, 0))
@@ -198,7 +198,7 @@ def test_levels_of_several_units_each_have_theirs():
     assert [row.level for row in view.condition_rows(progress)] == ["7 V", "5 dB"]
 
 
-def test_marks_on_a_page_of_a_questionnaire_are_seen_past(journal):
+def test_questionnaire_marks_leave_progress_unchanged(journal):
     journal.holds(20)
     sight = Watcher(journal.root).look()
     assert sight.after([Marked("sus", (1.0, None), 3.0)]).progress == sight.progress

@@ -28,7 +28,7 @@ def test_ctrl_c_ends_it_without_a_word(journal):
         assert watch.stderr.read() == b""
 
 
-def test_its_address_is_json_where_that_is_asked_for(journal):
+def test_watch_prints_address_as_json(journal):
     journal.holds()
     command = [sys.executable, "-m", "tactometry", "watch", str(journal.root), "--json", "--until-input-ends"]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=LONGEST_WAIT_S, check=True)
@@ -59,7 +59,7 @@ def test_page_starts_before_the_data_and_ends(tmp_path):
     assert not is_served(url)
 
 
-def test_the_page_of_a_run_that_is_killed_ends_too(tmp_path):
+def test_page_ends_when_run_is_killed(tmp_path):
     with subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE, text=True) as run:
         url = run.stdout.readline().strip()
         assert is_served(url)
@@ -86,7 +86,7 @@ def test_missing_folder_is_reported_in_one_sentence(tmp_path, capfd):
     assert "nowhere: found no folder, expected a data set, or --wait" in capfd.readouterr().err
 
 
-def test_a_folder_without_a_session_is_told(tmp_path, capfd):
+def test_watch_reports_folder_without_session(tmp_path, capfd):
     with pytest.raises(SystemExit) as ended:
         main(["watch", str(tmp_path)])
     assert ended.value.code == 2

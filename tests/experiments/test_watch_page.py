@@ -15,7 +15,7 @@ def tab(tmp_path_factory):
         yield tab
 
 
-def test_the_page_follows_a_session_from_before_its_start_to_its_end(tab, journal):
+def test_page_follows_whole_session(tab, journal):
     with watched(journal.root) as page:
         tab.told.clear()
         tab.open(page.url)
@@ -33,7 +33,7 @@ def test_the_page_follows_a_session_from_before_its_start_to_its_end(tab, journa
     tab.wait_for("document.querySelector('#lost').innerText.includes('No connection')")
 
 
-def test_a_screen_reader_is_told_what_the_page_shows(tab, journal):
+def test_screen_reader_gets_page_contents(tab, journal):
     journal.holds()
     with watched(journal.root) as page:
         tab.open(page.url)

@@ -10,9 +10,9 @@ from progressed import with_row
 
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, band_of
-from tactometry.experiments.watch.plots import MOST_TICKS, levels_plot, ruler_over, samples_plot
+from tactometry.experiments.watch.plots import MOST_TICKS, levels_plot, ruler_over
 from tactometry.experiments.watch.sight import TouchDrawn
-from tactometry.experiments.watch.traces import MOST_BINS, draw_touch, thinned
+from tactometry.experiments.watch.traces import MOST_BINS, draw_touch, samples_plot, thinned
 from tactometry.records.data_set import Session
 from tactometry.records.traces import TraceFiles
 from tactometry.session.answer import Touched
@@ -20,15 +20,17 @@ from tactometry.session.progress import AnsweredTouch, Progress
 from tactometry.session.request import Press
 from tactometry.trials.trial import Trial
 
+PRESS = Press("tone", 12.0, 1.0, 1.0, 0.2, 0.5, 20.0)
 
-def test_the_curve_is_of_the_present_condition_without_practice():
+
+def test_curve_counts_present_condition_without_practice():
     def rows(n, yes, **known):
         return [Trial(1, n + i, {"f": 1.0}, "staircase", 5.0 * i, "dB", "yes_no", i > 2, **known) for i in range(yes)]
 
     caught = Trial(1, 50, {"f": 1.0}, "s", None, "dB", "yes_no", 1, catch=True)
     answers = answers_of(reduce(with_row, [*rows(1, 6), *rows(100, 6, practice=True), caught], Progress()))
-    assert sum(answers.n_trials) == 6
-    assert (answers.n_false_alarms, answers.n_catch) == (1, 1)
+    assert answers.n == 6
+    assert (answers.cell.n_false_alarms, answers.cell.n_catch) == (1, 1)
     band = band_of(answers)
     assert ((band.low <= band.median) & (band.median <= band.high)).all()
 
@@ -41,10 +43,10 @@ def test_curve_has_alternatives_of_other_conditions():
 
     others = [row(n, 1.0, 1 + n % 3) for n in range(1, 7)]
     answers = answers_of(reduce(with_row, [*others, *(row(n, 2.0, 1 + n % 2) for n in range(7, 13))], Progress()))
-    assert (answers.n_choices, sum(answers.n_trials)) == (3, 6)
+    assert (answers.cell.n_choices, answers.n) == (3, 6)
 
 
-def test_a_rating_of_one_is_no_yes():
+def test_rating_of_one_is_neutral():
     progress = with_row(Progress(), Trial(1, 1, {}, "attrakdiff", 24.0, "dB", "rating", 1.0, item="PQ1"))
     assert [mark.kind for mark in view.level_plots(progress)[0].marks] == ["neutral"]
 
@@ -80,10 +82,11 @@ def test_every_axis_has_some_round_ticks_within_it(low, exponent, share):
     assert all(ruler.low - slack <= tick <= ruler.high + slack for tick in ruler.ticks)
 
 
-def test_samples_that_were_lost_leave_no_line():
-    plot = samples_plot("force", "Force", "force (N)", [[(0.0, 1.0), (0.1, float("nan")), (0.2, 1.2)]], (0.8, 1.2))
+def test_lost_samples_are_not_drawn():
+    touch = AnsweredTouch(PRESS, Touched(10.0, 12.0, "0"))
+    plot = samples_plot("force", np.array([[10.0, 1.0], [10.1, np.nan], [10.2, 1.2]]), touch)
     assert "nan" not in plot.strokes[0].points
-    assert samples_plot("force", "Force", "force (N)", [[(0.0, float("nan"))]]) is None
+    assert samples_plot("force", np.array([[10.0, np.nan]]), touch) is None
 
 
 def test_thinning_keeps_extremes():
@@ -108,7 +111,7 @@ def kept_touch(root, n_samples=3000):
     )
     traces.close()
     answer = Touched(10.0, 12.0, "0", force_mean_n=1.0, trace=parts)
-    return AnsweredTouch(Press("tone", 12.0, 1.0, 1.0, 0.2, 0.5, 20.0), answer)
+    return AnsweredTouch(PRESS, answer)
 
 
 def test_last_touch_is_drawn_with_its_band(tmp_path):
@@ -122,7 +125,7 @@ def test_last_touch_is_drawn_with_its_band(tmp_path):
     assert force.x.low == pytest.approx(-1.0)
 
 
-def test_a_touch_whose_gate_stayed_shut_shows_no_stimulus(tmp_path):
+def test_touch_with_closed_gate_shows_no_stimulus(tmp_path):
     """A finger without a position is lost before anything plays."""
     touch = kept_touch(tmp_path)
     lost = replace(touch.answer, level_delivered=None, digest=None, valid=False, invalid_reason="sensor_lost")
@@ -130,7 +133,7 @@ def test_a_touch_whose_gate_stayed_shut_shows_no_stimulus(tmp_path):
     assert [area.kind for area in (*force.areas, *place.areas)] == ["wanted"]
 
 
-def test_traces_that_are_damaged_or_gone_are_told(tmp_path):
+def test_damaged_or_missing_traces_are_reported(tmp_path):
     touch = kept_touch(tmp_path)
     file = tmp_path / touch.answer.trace[0].file
     file.write_bytes(file.read_bytes()[:-10])
@@ -139,6 +142,6 @@ def test_traces_that_are_damaged_or_gone_are_told(tmp_path):
     assert "force_physio" in draw_touch(tmp_path, touch).problem
 
 
-def test_a_touch_without_samples_has_no_plot(tmp_path):
-    touch = AnsweredTouch(Press("tone", 12.0, 1.0, 1.0, 0.2, 0.5, 20.0), Touched(10.0, 12.0, "0"))
+def test_touch_without_samples_has_no_plot(tmp_path):
+    touch = AnsweredTouch(PRESS, Touched(10.0, 12.0, "0"))
     assert draw_touch(tmp_path, touch) == TouchDrawn()

@@ -22,7 +22,7 @@ def served(whole):
         yield page
 
 
-def test_the_page_and_its_files_are_served(served):
+def test_server_serves_page_and_files(served):
     assert served.ask()[0] == 200
     assert served.ask("page.css")[0] == served.ask("page.js")[0] == 200
     assert "P01, session 1" in served.ask()[1]
@@ -68,7 +68,7 @@ def test_repeated_headers_are_refused(served, name, values):
     connection.close()
 
 
-def test_without_its_token_nothing_is_told(served):
+def test_server_refuses_requests_without_token(served):
     for path in (
         "/",
         "/events",

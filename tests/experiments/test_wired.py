@@ -24,7 +24,7 @@ def together(first, second):
     return replace(wired(), cells={key: replace(cell, procedure=first)} | other)
 
 
-def test_a_scene_of_some_stimuli_alone_is_told_with_their_names():
+def test_scenes_of_some_stimuli_are_named():
     study = wired()
     (key, cell), *others = study.cells.items()
     words = study.felt
@@ -66,7 +66,7 @@ def test_alternatives_that_share_a_track_are_counted_once(task, n_tracks):
 
 
 @pytest.mark.parametrize(("task", "has"), [(TASK, False), ('kind = "preference"\nover = "frequency_hz"', True)])
-def test_a_study_whose_blocks_hold_several_tracks_has_their_column(task, has):
+def test_study_with_several_tracks_has_track_column(task, has):
     columns = wired([(TASK, task)]).design(b"").columns
     assert ("track" in {column.name for column in columns}) == has
 

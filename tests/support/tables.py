@@ -1,4 +1,4 @@
-"""Tables of data sets as rows of text."""
+"""Tables of data sets as rows of text, and the bytes of all files."""
 
 import csv
 
@@ -20,3 +20,8 @@ def trial_rows(root):
 def event_rows(root):
     """Return the events of a data set's sessions."""
     return rows_of(*sorted((root / "journals").glob("*_events.tsv")))
+
+
+def contents(root):
+    """Return the bytes of each file below a folder by its relative path."""
+    return {path.relative_to(root): path.read_bytes() for path in root.rglob("*") if path.is_file()}

@@ -126,7 +126,7 @@ STUDIES = {
     "more answers than places": (
         FOCI.replace('"index + middle"]', '"index + middle", "middle + index"]'),
         "s.toml, task.over: found 4 alternatives of 'place' at 3 places, expected no more answers than places; "
-        "give each a place of its own",
+        "give each a separate place",
     ),
     "patches without a side": (
         FOCUS + "[stimulus.setup]\nside_m = 0.0\n",

@@ -39,7 +39,7 @@ NAMED = {
     },
     "study/procedure_table.py": {"reader": "PROCEDURES"},
     "tactometry/questionnaire.py": {"kind": "a scale or a form of choices"},
-    "study/scene_table.py": {"played": "the surface of what is played"},
+    "study/felt_scene.py": {"played": "the surface of what is played"},
     "study/task_table.py": {"task_kind.table": "TASKS"},
     "config/strict.py": dict.fromkeys(("resolve(target)", "kind", "table_class"), "the reader itself"),
     "reference/tables.py": dict.fromkeys(("self.reader", "kinds"), "the tables themselves"),

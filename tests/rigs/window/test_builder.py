@@ -6,9 +6,9 @@ import subprocess
 import sys
 
 import pytest
-from guest_bench import hand_and_bench
 from patience import LONGEST_PROGRAM_S
 from places import ROOT
+from script_bench import hand_and_bench
 from tables import rows_of
 from window_sitting import sit
 

@@ -7,7 +7,7 @@ from patience import LONGEST_WAIT_S
 from study_texts import TUTORIAL, changed
 
 from tactometry.errors import InvalidParameter, Stopped
-from tactometry.experiments.guest.guest import Guest
+from tactometry.experiments.psychopy_plugin.script import PsychoPyStudy
 from tactometry.rigs.pages.page import Text
 from tactometry.rigs.window import Window
 
@@ -67,13 +67,13 @@ def presses(pages, hands, in_background):
 
 
 @pytest.fixture
-def guest_with(screen, tmp_path):
+def study_with(screen, tmp_path):
     made = []
 
     def make(study, bench=""):
         (tmp_path / "s.toml").write_text(study, "utf-8")
         (tmp_path / "b.toml").write_text(bench, "utf-8")
-        made.append(Guest(screen._window, tmp_path / "s.toml", tmp_path / "b.toml" if bench else None))
+        made.append(PsychoPyStudy(screen._window, tmp_path / "s.toml", tmp_path / "b.toml" if bench else None))
         return made[-1]
 
     yield make
@@ -94,45 +94,45 @@ def rows_of(experiment, form):
     return [tuple(row.get(f"{form}.{name}") for name in ("item", "response", "category")) for row in experiment.entries]
 
 
-def test_demographics_rows_include_category_labels(guest_with, presses, experiment):
-    guest = guest_with(TUTORIAL, FRENCH)
+def test_demographics_rows_include_category_labels(study_with, presses, experiment):
+    study = study_with(TUTORIAL, FRENCH)
     seen = presses("3", "1", "0")
-    assert guest.questionnaire("demographics", experiment) == {"age_band": 3.0, "handedness": 1.0, "gender": 0.0}
+    assert study.questionnaire("demographics", experiment) == {"age_band": 3.0, "handedness": 1.0, "gender": 0.0}
     rows = [("age_band", 3.0, "25 to 34"), ("handedness", 1.0, "right"), ("gender", 0.0, "")]
     assert rows_of(experiment, "demographics") == rows
     assert "De quelle main" in seen[1]
 
 
-def test_answers_before_escape_are_kept(guest_with, presses, experiment, monkeypatch):
+def test_answers_before_escape_are_kept(study_with, presses, experiment, monkeypatch):
     monkeypatch.setattr("tactometry.rigs.experimenter.supervisor.STOPPED_S", 0.05)
-    guest = guest_with(TUTORIAL)
+    study = study_with(TUTORIAL)
     presses("1", ["Escape"])
     with pytest.raises(Stopped):
-        guest.questionnaire("demographics", experiment)
+        study.questionnaire("demographics", experiment)
     assert [item for item, *_ in rows_of(experiment, "demographics")] == ["age_band"]
 
 
-def test_identifying_number_is_asked_when_study_permits(guest_with, presses, experiment):
-    guest = guest_with(TUTORIAL + HABITS + ASKED)
+def test_identifying_number_is_asked_when_study_permits(study_with, presses, experiment):
+    study = study_with(TUTORIAL + HABITS + ASKED)
     presses("2", "1", ["4", "2", "Return"])
-    assert guest.questionnaire("habits", experiment) == {"screens": 2.0, "age_years": 42.0}
+    assert study.questionnaire("habits", experiment) == {"screens": 2.0, "age_years": 42.0}
     assert rows_of(experiment, "habits") == [("screens", 2.0, "less often"), ("age_years", 42.0, "")]
 
 
-def test_identifying_number_is_refused_by_default(guest_with):
-    guest = guest_with(TUTORIAL + HABITS)
+def test_identifying_number_is_refused_by_default(study_with):
+    study = study_with(TUTORIAL + HABITS)
     with pytest.raises(InvalidParameter, match="questionnaire habits: found age_years, which could tell who somebody"):
-        guest.questionnaire("habits")
+        study.questionnaire("habits")
 
 
-def test_form_without_bench_language_is_refused(guest_with):
-    guest = guest_with(TUTORIAL + HABITS + ASKED, FRENCH)
+def test_form_without_bench_language_is_refused(study_with):
+    study = study_with(TUTORIAL + HABITS + ASKED, FRENCH)
     with pytest.raises(InvalidParameter, match="questionnaire habits: found no words in 'fr', expected one of en; "):
-        guest.questionnaire("habits")
+        study.questionnaire("habits")
 
 
-def test_trial_shows_the_study_prompt(guest_with, pages, hands, in_background):
-    guest = guest_with(changed(TUTORIAL, {'kind = "yes_no"': TOLD}), FRENCH)
+def test_trial_shows_the_study_prompt(study_with, pages, hands, in_background):
+    study = study_with(changed(TUTORIAL, {'kind = "yes_no"': TOLD}), FRENCH)
     asked = "Y avait-il un bourdonnement ?"
 
     def answer():
@@ -141,4 +141,4 @@ def test_trial_shows_the_study_prompt(guest_with, pages, hands, in_background):
         hands.tap("1")
 
     in_background(answer)
-    assert guest.trial(34.0, frequency_hz=60).replies[0].response == 1
+    assert study.trial(34.0, frequency_hz=60).replies[0].response == 1

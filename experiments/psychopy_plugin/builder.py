@@ -1,8 +1,7 @@
 """PsychoPy Builder components and a loop that generate experiment code.
 
-PsychoPy's plug-ins are entry points of a package; those of Tactometry are in pyproject.toml. Builder loads this module
-at its start, so the module imports nothing else of Tactometry. The generated code uses
-`tactometry.experiments.guest.parts`.
+They are entry points in pyproject.toml. Builder loads this module when it starts, so it imports nothing else of
+Tactometry. The generated code uses `parts`.
 """
 
 import warnings
@@ -13,36 +12,31 @@ with warnings.catch_warnings():  # ignore PsychoPy's warnings at import
     from psychopy.experiment.components import BaseComponent, Param
     from psychopy.experiment.loops import _BaseLoopHandler
 
-PARTS = "tactometry.experiments.guest.parts"
+PARTS = "tactometry.experiments.psychopy_plugin.parts"
 PLUGIN = "tactometry"
 OF_STUDY = ("study", "bench", "factors")
 
 
+def _param(value: Any, kind: str, label: str, hint: str, entry: str = "single") -> Param:
+    return Param(value, valType=kind, inputType=entry, categ="Basic", updates="constant", label=label, hint=hint)
+
+
 def _params_of_study() -> dict[str, Param]:
+    study = "A study file, or a built-in study's name: stimulus, touch, task, procedure, limits"
+    bench = "A bench file: output, force sensor, calibration. Without one nothing is played"
     return {
-        "study": Param(
-            "touch.toml", valType="str", inputType="file", categ="Basic", updates="constant",
-            label="Study", hint="A study file, or a built-in study's name: stimulus, touch, task, procedure, limits",
-        ),
-        "bench": Param(
-            "", valType="str", inputType="file", categ="Basic", updates="constant",
-            label="Bench", hint="A bench file: output, force sensor, calibration. Without one nothing is played",
-        ),
-        "factors": Param(
-            "{}", valType="code", inputType="single", categ="Basic", updates="constant",
-            label="Factors", hint="The cell of a study that has several, as {'frequency_hz': 120}",
-        ),
-    }  # fmt: skip
+        "study": _param("touch.toml", "str", "Study", study, "file"),
+        "bench": _param("", "str", "Bench", bench, "file"),
+        "factors": _param("{}", "code", "Factors", "Cell of a study with several, such as {'frequency_hz': 120}"),
+    }
 
 
 def _level() -> Param:
-    return Param(
-        "level", valType="code", inputType="single", categ="Basic", updates="constant",
-        label="Level", hint="In the unit of the stimulus; a loop of ours calls it level. None: a blank",
-    )  # fmt: skip
+    hint = "In the unit of the stimulus. Inside a study's loop, use level. None: a blank"
+    return _param("level", "code", "Level", hint)
 
 
-class _GuestComponent(BaseComponent):  # type: ignore[misc]
+class _StudyComponent(BaseComponent):  # type: ignore[misc]
     """Component with a study and a bench; it ends by itself."""
 
     categories: ClassVar = ["Touch"]
@@ -92,7 +86,7 @@ for _name, _value in %(name)s.values.items():
 """
 
 
-class GatedTouchComponent(_GuestComponent):
+class GatedTouchComponent(_StudyComponent):
     """Gated touch with an optional question, on pages of Tactometry.
 
     The participant is guided to the target force, feels the stimulus and, with `asks`, answers the study's question.
@@ -104,10 +98,8 @@ class GatedTouchComponent(_GuestComponent):
     def __init__(self, exp: Any, parentName: str, name: str = "touch", **more: Any) -> None:
         super().__init__(exp, parentName, name, **more)
         self.params["level"] = _level()
-        self.params["asks"] = Param(
-            True, valType="bool", inputType="bool", categ="Basic", updates="constant",
-            label="Ask", hint="Ask the study's question; the answer goes to the loop of ours that the routine is in",
-        )  # fmt: skip
+        hint = "Ask the study's question. The answer goes to the study's loop around the routine"
+        self.params["asks"] = _param(True, "bool", "Ask", hint, "bool")
         self.order += ["level", "asks"]
 
     @property
@@ -124,7 +116,7 @@ class GatedTouchComponent(_GuestComponent):
         buff.writeIndentedLines(code % self.params)
 
 
-class TactileStimulusComponent(_GuestComponent):
+class TactileStimulusComponent(_StudyComponent):
     """Stimulus that plays during a routine, whether or not a finger touches."""
 
     tooltip = "Tactile stimulus: plays while the routine goes on, within the limits of study and bench"
@@ -143,7 +135,7 @@ class TactileStimulusComponent(_GuestComponent):
         buff.writeIndentedLines(("%(name)s.finish()\n" + KEEP) % self.params)
 
 
-class QuestionnaireComponent(_GuestComponent):
+class QuestionnaireComponent(_StudyComponent):
     """Questionnaire on pages of Tactometry, with one data row per item."""
 
     tooltip = "Questionnaire: AttrakDiff, NASA-TLX, SUS, questions about a person, or one of the study's own"
@@ -151,10 +143,8 @@ class QuestionnaireComponent(_GuestComponent):
 
     def __init__(self, exp: Any, parentName: str, name: str = "questionnaire", **more: Any) -> None:
         super().__init__(exp, parentName, name, **more)
-        self.params["form"] = Param(
-            "attrakdiff", valType="str", inputType="single", categ="Basic", updates="constant",
-            label="Form", hint="attrakdiff, nasa-tlx, sus, demographics, ..., or one in the study's [forms]",
-        )  # fmt: skip
+        hint = "attrakdiff, nasa-tlx, sus, demographics, ..., or one in the study's [forms]"
+        self.params["form"] = _param("attrakdiff", "str", "Form", hint)
         self.order += ["form"]
 
     def writeFrameCode(self, buff: Any) -> None:  # noqa: N802
@@ -162,7 +152,7 @@ class QuestionnaireComponent(_GuestComponent):
 
 
 LOOP_START = """
-# the procedure of %(study)s: each level is the one that the answers ask for
+# procedure of %(study)s: the answers determine each level
 %(name)s = loop_of("%(name)s", win, %(study)s, %(bench)s, %(factors)s)
 thisExp.addLoop(%(name)s)
 for level in %(name)s:
@@ -191,12 +181,12 @@ class TactometryLoop(_BaseLoopHandler):  # type: ignore[misc]
         self.children: list[Any] = []
         self.params = {
             "name": Param(
-                name, valType="code", inputType="name", categ=None, label="Name", hint="Before the names of its columns"
+                name, valType="code", inputType="name", categ=None, label="Name", hint="Prefix of its columns"
             ),
             **_params_of_study(),
             "isTrials": Param(
                 True, valType="bool", inputType="bool", updates=None, allowedUpdates=None, categ=None,
-                label="Is trials", hint="A row of data for each time round",
+                label="Is trials", hint="Store a row of data for each repetition",
             ),
         }  # fmt: skip
         self.order = [*self.params]

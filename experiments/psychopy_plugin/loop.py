@@ -1,4 +1,4 @@
-"""A procedure as PsychoPy's loops are: what is iterated over, answered to, and known to its experiment handler."""
+"""A procedure as a PsychoPy loop, with rows for its data."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -11,16 +11,16 @@ from tactometry.session.answer import Played, Touched
 
 
 class Loop:
-    """Levels until the procedure has finished; one that is not answered comes again.
+    """Levels until the procedure ends, repeated if they have no answer.
 
     Parameters
     ----------
     name : str
-        Before the names of its columns.
+        Prefix of the loop's columns.
     procedure : Procedure
-        At its beginning.
+        Procedure at its start.
     n_attempts : int
-        So many levels in a row without an answer end the loop, as a track of a session.
+        Number of levels in a row without an answer that end the loop.
 
     Examples
     --------
@@ -42,12 +42,12 @@ class Loop:
         self._experiment: Any = None
 
     def setExp(self, experiment: Any) -> None:  # noqa: N802 - PsychoPy's name
-        """Called by `ExperimentHandler.addLoop`."""
+        """Set the experiment handler, as `ExperimentHandler.addLoop` does."""
         self._experiment = experiment
 
     @property
     def level(self) -> float | None:
-        """The level that is due; None at the end."""
+        """Present level, None at the end."""
         return None if self.finished else self.procedure.level
 
     @property
@@ -56,7 +56,7 @@ class Loop:
 
     @property
     def ending(self) -> str | None:
-        """How it came to its end; None if it goes on."""
+        """Reason of the end, None before it."""
         return "aborted" if self.aborted else self.procedure.ending
 
     @property
@@ -80,12 +80,12 @@ class Loop:
         return self.procedure.level
 
     def addResponse(self, result: int | bool, intensity: float | None = None) -> None:  # noqa: N802 - PsychoPy's name
-        """An answer (1: felt, or correct) to the level that is due, or to the one that was delivered in its place.
+        """Answer the present or delivered level with 1 (felt, correct) or 0.
 
         Raises
         ------
         InvalidParameter
-            If the procedure takes no such answer.
+            If the procedure accepts no such answer.
         """
         self._answer(result, intensity)
         self.addOtherData("response", int(result))
@@ -96,7 +96,7 @@ class Loop:
         self.data.append(int(result))
 
     def hear(self, outcome: TrialOutcome) -> None:
-        """Record a trial's result; an invalid trial leaves its level due."""
+        """Record a trial's result. An invalid trial repeats its level."""
         for name, value in of_trial(outcome).items():
             self.addOtherData(name, value)
         if outcome.valid and outcome.success is not None:
@@ -104,7 +104,7 @@ class Loop:
             self._answer(outcome.success, delivered)
 
     def addOtherData(self, name: str, value: Any) -> None:  # noqa: N802 - PsychoPy's name
-        """A value in the column of this name, for the row that is under way."""
+        """Store a value in a column of the present row."""
         if self._experiment is not None:
             self._experiment.addData(f"{self.name}.{name}", value)
 
@@ -112,31 +112,23 @@ class Loop:
 
 
 Values = dict[str, float | str]
-OF_A_TOUCH = (
-    "level_delivered",
-    "force_mean_n",
-    "force_sd_n",
-    "force_in_band",
-    "speed_mean_m_per_s",
-    "speed_in_band",
-    "n_gaps",
-)
+OF_A_TOUCH = ("level_delivered", "force_mean_n", "force_sd_n", "force_in_band", "speed_mean_m_per_s", "speed_in_band")
 
 
-def _stated(values: dict[str, float | str | None]) -> Values:
+def _stated(**values: float | str | None) -> Values:
     """Leave out unknown values, and write truth values as 1 and 0."""
     known = {name: value for name, value in values.items() if value is not None}
     return {name: int(value) if isinstance(value, bool) else value for name, value in known.items()}
 
 
 def of_touch(touch: Touched) -> Values:
-    """The row of a touch.
+    """Return the row of a touch.
 
     >>> of_touch(Touched(0.0, 40.0, "c0ffee", force_mean_n=0.52, valid=False, invalid_reason="timeout"))
     {'level_delivered': 40.0, 'force_mean_n': 0.52, 'valid': 0, 'invalid_reason': 'timeout'}
     """
-    measured = {name: getattr(touch, name) for name in OF_A_TOUCH}
-    return _stated(measured | {"valid": touch.valid, "invalid_reason": touch.invalid_reason})
+    measured = {name: getattr(touch, name) for name in (*OF_A_TOUCH, "n_gaps")}
+    return _stated(**measured, valid=touch.valid, invalid_reason=touch.invalid_reason)
 
 
 def of_stimulus(played: Played) -> Values:
@@ -145,27 +137,29 @@ def of_stimulus(played: Played) -> Values:
     >>> of_stimulus(Played(0.0, 40.0, "c0ffee"))
     {'level_delivered': 40.0, 'digest': 'c0ffee'}
     """
-    level, n_gaps = played.level_delivered, played.n_gaps
-    return _stated({"level_delivered": level, "n_gaps": n_gaps, "digest": played.digest or None})
+    return _stated(level_delivered=played.level_delivered, n_gaps=played.n_gaps, digest=played.digest or None)
 
 
 def of_trial(outcome: TrialOutcome) -> Values:
-    """The row of a trial: the touch whose level counts, and the first answer.
+    """Return the row of a trial, with its counted touch and first answer.
 
     >>> of_trial(TrialOutcome((), replies=()))
     {'valid': 0}
     """
-    touch = outcome.stimulus
-    reply = outcome.replies[0] if outcome.replies else None
-    answered = {} if reply is None else {"response": reply.response, "correct": outcome.correct}
-    latency_s = None if reply is None or reply.answer is None else reply.answer.latency_s
-    judged = {"valid": outcome.valid, "invalid_reason": outcome.invalid_reason, "target": outcome.target}
-    felt = {} if touch is None else of_touch(touch)
-    return felt | _stated({**judged, **answered, "latency_s": latency_s})
+    reply = outcome.replies[0] if outcome.replies else Reply(None, None)
+    row = {} if outcome.stimulus is None else of_touch(outcome.stimulus)
+    return row | _stated(
+        valid=outcome.valid,
+        invalid_reason=outcome.invalid_reason,
+        target=outcome.target,
+        response=reply.response,
+        correct=outcome.correct if outcome.replies else None,
+        latency_s=None if reply.answer is None else reply.answer.latency_s,
+    )
 
 
 def of_reply(form: Questionnaire | ChoiceForm, reply: Reply) -> dict[str, float | str | None]:
-    """The row of an item of a questionnaire; of questions about a person with the category, in English if it has that.
+    """Return the row of an item, with the category of a choice.
 
     >>> from tactometry.questionnaire import load_choices
     >>> of_reply(load_choices("demographics"), Reply(None, 1.0, item="handedness"))

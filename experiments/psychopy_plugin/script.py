@@ -1,4 +1,4 @@
-"""Touches, stimuli, questions and procedures of a study in the window of a PsychoPy script."""
+"""Study in the window of a PsychoPy script."""
 
 import os
 import sys
@@ -34,33 +34,32 @@ T = TypeVar("T")
 SHOWN_CELLS = 3
 
 
-class TellingTerminal(ExperimenterTerminal):
-    """Tells why a session pauses; of its trials the script tells itself, and takes no orders."""
+class PauseTerminal(ExperimenterTerminal):
+    """Terminal that prints why a session pauses, but no trials."""
 
     def add(self, words: str) -> None:
         del words
 
 
-class Guest:
-    """A study and a bench in the window of a script.
+class PsychoPyStudy:
+    """Study and bench in the window of a script, restored after each call.
 
-    The window is the script's, and as it was, after each call. The output is guarded by the limits of study and bench,
-    as in a session; how much a participant has had before is not known here: the limits of duty count from now.
+    The limits of study and bench guard the output, as in a session; limits of duty count from the start.
 
     Parameters
     ----------
     window : psychopy.visual.Window
     study : str or Path
-        The name of a built-in study, or a file.
+        Name of a built-in study, or a file.
     bench : str or Path, optional
-        A bench file; without one nothing is played and no force is measured.
+        Bench file. Without it, nothing is played and no force is measured.
     seed : int, optional
-        For what is drawn: intervals, orders of levels.
+        Seed of random draws (intervals, orders of levels).
 
     Raises
     ------
     InvalidFile, InvalidParameter
-        If study or bench are not sound.
+        If study or bench are invalid.
     DeviceFailed
         If a device does not open.
     """
@@ -78,7 +77,7 @@ class Guest:
         texts = texts_in(file.screen.language, self._words_in(file.screen.language))
         self._language, self._rng = file.screen.language, np.random.default_rng(seed)
         devices = equipment(self.experiment, file)
-        terminal = TellingTerminal(None, sys.stderr)
+        terminal = PauseTerminal(None, sys.stderr)
         self._rig = Bench(Window.adopt(window), devices, texts, terminal=terminal)
 
     def __enter__(self) -> Self:
@@ -88,11 +87,11 @@ class Guest:
         self.close()
 
     def close(self) -> None:
-        """Put the output to zero and close the devices; the window stays. May be called more than once."""
+        """Set the output to zero and close the devices, any number of times."""
         self._rig.close()
 
     def touch(self, level: float | None, **factors: float | str) -> Touched:
-        """One touch under the study's conditions (`level` None: a blank), on pages of ours; `factors` name the cell.
+        """Guide the finger through a touch of a cell; the level None is blank.
 
         Raises
         ------
@@ -104,7 +103,7 @@ class Guest:
         return self._rig.answer(self._touch_request(level, factors))
 
     def trial(self, level: float | None, **factors: float | str) -> TrialOutcome:
-        """One trial of the study's task: touches and the question; without an answer where a touch was not valid.
+        """Run a trial of the study's task. It has no answer if a touch is invalid.
 
         Raises
         ------
@@ -116,13 +115,7 @@ class Guest:
         return self._carry_out(self.experiment.task.trial(shown, self._rng))
 
     def begin(self, level: float | None, **factors: float | str) -> ConcurrentPlay:
-        """Begin to play with no condition on the finger, while the script draws: `look` each frame, `end` in the end.
-
-        Raises
-        ------
-        InvalidParameter
-            If the study has no such cell.
-        """
+        """Begin to play, touched or not: `look` each frame, then `end`."""
         return self._rig.begin(self._play_request(level, factors))
 
     def play(self, level: float | None, **factors: float | str) -> Played:
@@ -130,11 +123,10 @@ class Guest:
         return self._rig.answer(self._play_request(level, factors))
 
     def questionnaire(self, name: str, experiment: Any = None) -> dict[str, float | None]:
-        """The answers to a questionnaire of the study or a shipped one, by item; None where one is left open.
+        """Return answers to a questionnaire by item, None for open ones.
 
-        Of questions about a person (`demographics`, or a form of ``kind = "choices"``) they are the codes of
-        categories. With PsychoPy's handler of an `experiment`, each item has a row of its data: `NAME.item` and
-        `NAME.response`, and `NAME.category` in words of a code.
+        Answers to questions about a person (`demographics`, or ``kind = "choices"``) are the codes of categories. In
+        PsychoPy's handler of an `experiment`, each item has a row: `NAME.item`, `NAME.response`, and `NAME.category`.
 
         Raises
         ------
@@ -146,11 +138,11 @@ class Guest:
         known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"
         expect(self._language in form.languages, f"questionnaire {name}", f"no words in {self._language!r}", known)
         answers: dict[str, float | None] = {}
-        for reply in self._replies(form):  # a question about a person has its row before the next one is put
+        for reply in self._replies(form):  # each row is stored before the next question
             answers[reply.item or ""] = reply.response
-            for column, value in of_reply(form, reply).items() if experiment is not None else ():
-                experiment.addData(f"{name}.{column}", value)
             if experiment is not None:
+                for column, value in of_reply(form, reply).items():
+                    experiment.addData(f"{name}.{column}", value)
                 experiment.nextEntry()
         return answers
 
@@ -167,10 +159,10 @@ class Guest:
         form = choices_named(study, name)
         if form is None:
             return form_of(study, name, "questionnaire")
-        says_so = any(inquiry.form == name and inquiry.identifies for inquiry in study.inquiries.values())
+        is_allowed = any(inquiry.form == name and inquiry.identifies for inquiry in study.inquiries.values())
         cure = "an inquiry of the study that asks it and says identifies = true; or ask in bands"
         found = f"{', '.join(form.numbers)}, which could tell who somebody is"
-        expect(says_so or not form.numbers, f"questionnaire {name}", found, cure)
+        expect(is_allowed or not form.numbers, f"questionnaire {name}", found, cure)
         return form
 
     def _replies(self, form: Questionnaire | ChoiceForm) -> Iterable[Reply]:
@@ -179,12 +171,12 @@ class Guest:
         return self._carry_out(fill_in(form, self._rng, shuffled=False))
 
     def procedure(self, **factors: float | str) -> Procedure:
-        """The study's procedure at its beginning: a value, whose `after(answer, delivered)` is the next one."""
+        """Return the study's procedure at its start, as an immutable value."""
         [procedure] = self._cell(factors).procedure.for_tracks([""], self._rng)
         return procedure
 
     def loop(self, name: str, **factors: float | str) -> Loop:
-        """The study's procedure as a loop of PsychoPy's kind, by whose `name` a script's data know it."""
+        """Return the study's procedure as a PsychoPy loop of this name."""
         return Loop(name, self.procedure(**factors), self.experiment.table.options.n_attempts)
 
     def _carry_out(self, course: Course[T]) -> T:
@@ -201,7 +193,7 @@ class Guest:
     def _touch_request(self, level: float | None, factors: dict[str, float | str]) -> Press | Slide:
         condition = self._cell(factors).condition
         request = condition.touch.request(condition.stimulus, level, None)
-        assert not isinstance(request, Play)  # that of no study
+        assert not isinstance(request, Play)  # no study has one
         return request
 
     def _play_request(self, level: float | None, factors: dict[str, float | str]) -> Play:

@@ -4,7 +4,7 @@ import warnings
 
 import pytest
 
-from tactometry.experiments.guest.loop import Loop
+from tactometry.experiments.psychopy_plugin.loop import Loop
 from tactometry.protocols import ConstantStimuli, Staircase
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
 from tactometry.session.answer import Chosen, Touched
@@ -29,7 +29,7 @@ def answered(level, option, *, valid=True):
     return TrialOutcome((touch,), touch, (Reply(choice, option, True),), success=bool(option))
 
 
-def test_levels_are_those_of_the_procedure_and_its_end_is_told():
+def test_loop_follows_procedure_and_reports_end():
     loop, handler = begun()
     seen = []
     for level in loop:
@@ -40,14 +40,14 @@ def test_levels_are_those_of_the_procedure_and_its_end_is_told():
     assert handler.loopsUnfinished == []
 
 
-def test_the_level_that_was_delivered_counts():
+def test_delivered_level_counts():
     loop, _ = begun()
     next(loop)
     loop.hear(answered(19.0, 1))
     assert loop.procedure == begun()[0].procedure.after(1, 19.0)
 
 
-def test_an_invalid_touch_leaves_its_level_due_and_stands_in_its_row():
+def test_invalid_touch_is_recorded_and_repeats_level():
     loop, handler = begun()
     level = next(loop)
     loop.hear(answered(level, 0, valid=False))
@@ -68,7 +68,7 @@ def test_an_invalid_touch_leaves_its_level_due_and_stands_in_its_row():
 
 
 @pytest.mark.parametrize("n_attempts", [1, 5])
-def test_so_many_levels_without_an_answer_end_it(n_attempts):
+def test_levels_without_answer_end_loop(n_attempts):
     loop = Loop("s", ConstantStimuli([3.0], 9).begin(), n_attempts)
     assert len(list(loop)) == n_attempts
     assert loop.ending == "aborted"

@@ -7,15 +7,15 @@ import sys
 
 import pytest
 from command_line import call
-from guest_bench import hand_and_bench
 from page_blocks import texts_of
+from script_bench import hand_and_bench
 from tables import rows_of
 from window_sitting import sit
 
 from tactometry.analysis.reading.column_map import read_column_map
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.guest.guest import Guest
+from tactometry.experiments.psychopy_plugin.script import PsychoPyStudy
 from tactometry.questionnaire import load
 
 N_TRIALS = 4
@@ -69,20 +69,20 @@ def test_script_data_load_with_documented_column_map(sitting):
 
 
 @pytest.fixture
-def guest(screen):
-    """A guest in a window of this process, without an output."""
-    with Guest(screen._window, "tutorial") as made:
+def study(screen):
+    """A study in a window of this process, without an output."""
+    with PsychoPyStudy(screen._window, "tutorial") as made:
         yield made
 
 
-def test_unknown_cell_is_named(guest):
+def test_unknown_cell_is_named(study):
     for factors, found in ({}, "none"), ({"frequency_hz": 61}, "frequency_hz = 61"):
         with pytest.raises(InvalidParameter, match=f"found {found}, expected those of a cell: frequency_hz = 60; "):
-            guest.procedure(**factors)
+            study.procedure(**factors)
 
 
-def test_background_stimulus_ends_after_its_duration(guest):
-    beside, n_looks = guest.begin(34.0, frequency_hz=60), 0
+def test_background_stimulus_ends_after_its_duration(study):
+    beside, n_looks = study.begin(34.0, frequency_hz=60), 0
     while beside.look():
         n_looks += 1
     assert n_looks > 1
@@ -90,9 +90,9 @@ def test_background_stimulus_ends_after_its_duration(guest):
     assert beside.end().level_delivered is None  # there is no output
 
 
-def test_unknown_questionnaire_is_refused(guest):
+def test_unknown_questionnaire_is_refused(study):
     with pytest.raises(InvalidParameter, match="found 'attrackdiff', expected one of .*; did you mean 'attrakdiff'"):
-        guest.questionnaire("attrackdiff")
+        study.questionnaire("attrackdiff")
 
 
 def test_questionnaire_scores_with_documented_column_map(sitting, capsys):

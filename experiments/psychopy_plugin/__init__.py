@@ -1,0 +1,1 @@
+"""PsychoPy plug-in for scripts and Builder experiments."""
