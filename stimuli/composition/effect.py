@@ -1,7 +1,4 @@
-"""Stages, effects and surfaces of a scene, and the demand on them.
-
-A stage is sized by what is asked of all, and an effect is asked for stages: they are one contract.
-"""
+"""Stages, effects and surfaces of a scene, and the demand on them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -86,7 +83,7 @@ class Stage:
         return self.gives in self.needs
 
     def sized(self, demand: "Demand") -> "Stage":
-        """The stage with all its settings."""
+        """Return the stage with all its settings."""
         if self.size is None:
             return self
         size = self.size(demand)
@@ -94,7 +91,7 @@ class Stage:
         return replace(self, settings=settings, error=size.error, n_operations=size.n_operations)
 
     def bind(self) -> Callable[..., Any]:
-        """The callable of the run, with the settings in it."""
+        """Return the callable of the run, with its settings."""
         called = resolve(self.target)
         return called(**self.settings) if isinstance(called, type) else partial(called, **self.settings)
 
@@ -150,7 +147,7 @@ class Surroundings(Protocol):
     def outputs(self) -> tuple[str, ...]: ...
 
     def find(self, slot: str) -> "Effect | None":
-        """The effect in a slot, or None."""
+        """Return the effect in a slot, or None."""
 
 
 class Effect:
@@ -223,7 +220,7 @@ class Effect:
         return self.stages(scene)
 
     def stage(self) -> Stage:
-        """The stage that calls this value."""
+        """Return the stage that calls this value."""
         target = f"{type(self).__module__}:{type(self).__qualname__}"
         return Stage(self.stage_name or self.kind, self.reads, self.gives, target, dict(vars(self)), size=self.size)
 
@@ -369,11 +366,11 @@ class Demand:
     _known: dict[Callable[..., Any], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def find(self, slot: str) -> Effect | None:
-        """The effect in a slot, or None."""
+        """Return the effect in a slot, or None."""
         return next((effect for effect in self.effects if effect.slot == slot), None)
 
     def once(self, question: "Callable[[Demand], Answer]") -> Answer:
-        """The answer to a question that several stages have, computed when it is first asked for.
+        """Return an answer that several stages need, computed once.
 
         >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
         >>> Demand(Electrovibration(240.0), (), ("voltage_v",), (), 0.01).once(lambda demand: demand.error / 2)

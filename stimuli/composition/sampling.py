@@ -43,7 +43,7 @@ def force_rad_per_s(scene: Surroundings) -> float:
 
 
 def n_samples(scene: Surroundings, error: float) -> int:
-    """Samples of a record for an error of straight lines between them, or as many as are to be had."""
+    """Return the samples that an interpolation error needs, at most `MOST`."""
     square, linear = _terms(scene)
     # the root of square step^2 + linear step = error, without a difference of near equals
     step_s = 2 * error / (linear + sqrt(linear**2 + 4 * square * error))
@@ -52,23 +52,21 @@ def n_samples(scene: Surroundings, error: float) -> int:
 
 
 def per_sample(n_operations: float) -> Callable[[Demand], Size]:
-    """The size of a stage that does as many operations with each sample of the record."""
+    """Return the size of a stage by its operations per sample of the record."""
     return lambda demand: Size(n_operations=n_operations * demand.once(samples))
 
 
 def samples(demand: Demand) -> int:
-    """Samples of the record of a scene."""
     return n_samples(demand, demand.error)
 
 
 def record(demand: Demand) -> Size:
-    """The size of the sampling itself."""
     n = demand.once(samples)
     return Size({"n_samples": n}, chord_error(demand, n), float(n))
 
 
 def chord_error(scene: Surroundings, n: int) -> float:
-    """The bound for a number of samples."""
+    """Return the bound of the interpolation error of a number of samples."""
     square, linear = _terms(scene)
     step_s: float = scene.surface.duration_s / (n - 1)
     return square * step_s**2 + linear * step_s

@@ -66,7 +66,7 @@ def sensation_level_db(skin: Components, reference_m: float = THRESHOLD_M) -> fl
 
 
 def as_at_250_hz(parts: Components) -> Components:
-    """The components that any channel answers to, with amplitudes that are felt as strongly at 250 Hz.
+    """Scale components by their sensitivity relative to 250 Hz.
 
     >>> as_at_250_hz(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).amplitudes.round(4).tolist()
     [0.2512]
@@ -76,7 +76,7 @@ def as_at_250_hz(parts: Components) -> Components:
 
 
 def heard(parts: Components) -> Components:
-    """The components that any channel answers to.
+    """Return the components to which any channel responds.
 
     >>> heard(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).frequencies_hz
     array([125.])

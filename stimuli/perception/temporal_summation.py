@@ -76,7 +76,7 @@ def _power() -> FloatArray:
 
 
 def _neighbours(times_s: FloatArray) -> tuple[IntArray, IntArray]:
-    """The pairs of events at most `HORIZON_S` apart: indices of the later one, in order, and of the sooner one."""
+    """Return the later and earlier indices of event pairs within `HORIZON_S`."""
     index = np.arange(times_s.size)
     first = np.searchsorted(times_s, times_s - HORIZON_S)
     n_before = index - first

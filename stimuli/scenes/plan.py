@@ -74,7 +74,7 @@ class Plan:
         return tuple(times)
 
     def run(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """The outputs for the given quantities.
+        """Return the outputs for the given quantities.
 
         Stages that depend on none of them are run once for all runs of this plan.
 
@@ -174,10 +174,10 @@ ABOVE_THRESHOLD = ("sensation_db", "channels_db")
 
 @dataclass(frozen=True)
 class Result:
-    """Outputs of a plan, with the plan, what was given, the versions of the packages, and the time (s) of the run and
-    of what never changes between runs.
+    """Outputs of a plan, with its input, package versions and run times.
 
-    No stage draws at random, so that there is no seed.
+    `prepared_s` is the time of the stages that never change between runs. No stage draws at random, so that there is
+    no seed.
     """
 
     values: Mapping[str, Any]
@@ -188,7 +188,7 @@ class Result:
     versions: Mapping[str, str] = field(default_factory=versions)
 
     def unit(self, name: str) -> str:
-        """The unit of an output; its name says it.
+        """Return the unit in the name of an output.
 
         >>> Result({"peak_force_n": 1.0}, Plan((), (), ()), {}, 0.0).unit("peak_force_n")
         'N'
@@ -197,7 +197,7 @@ class Result:
 
 
 def unit_of(name: str) -> str:
-    """The unit in the name of a quantity, empty without one.
+    """Return the unit in the name of a quantity, or "".
 
     Sensation levels (dB SL) are those above the threshold of detection.
 

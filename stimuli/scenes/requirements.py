@@ -14,7 +14,7 @@ Cure = Callable[[str], str]
 def required_stages(
     outputs: Sequence[str], stages: Sequence[Stage], given: Collection[str], cure: Cure = lambda quantity: ""
 ) -> tuple[Stage, ...]:
-    """The stages without which `outputs` cannot be had, each behind those that it needs.
+    """Return the stages that `outputs` need, each after those that it needs.
 
     `stages` stand in the order in which they act. Of those that give one quantity, the last that makes it anew counts,
     and those behind it that change it; whoever else needs the quantity reads its last value. `cure` is asked

@@ -90,8 +90,10 @@ class Contactor:
         return self.kind if self.kind == "finger" else f"{self.kind} {self.diameter_m * 1e3:g} mm tip"
 
     def loads(self, plate: Plate, at_m: Point, force_n: NotNegative) -> list[PlateLoad | SprungMass]:
-        """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
-        out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it.
+        """Return the loads on the plate under a force (N); none at 0 N.
+
+        They are centred at `at_m`, without the parts beyond an edge. The force stiffens a Hertz contact; the mass of a
+        tip does not grow with it.
         """
         plate.check_holds("at_m", at_m)
         if force_n == 0:

@@ -53,7 +53,7 @@ class ForceForm:
 
 @checked
 def force_form(law: str | None, skin: Skin, area_m2: NotNegative) -> ForceForm:
-    """A law on a skin and a contact area (m^2, at least 0).
+    """Apply a force law to a skin and a contact area (m^2, at least 0).
 
     =================== ==================================================================================
     law                 force

@@ -64,7 +64,7 @@ class WithOffset:
         return Signal(np.clip(total_v, -peak_v, peak_v), signal.rate_hz, "V")
 
     def pieces(self, level: float) -> Pieces:
-        """The voltage exactly."""
+        """Return the exact voltage."""
         plain = self.waveform.pieces(level)
         constant = Pieces(np.zeros(1), plain.end_s, np.ones(1), np.zeros(1))
         constant = ramped_pieces(constant, self.waveform.ramp_s)

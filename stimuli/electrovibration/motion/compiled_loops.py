@@ -25,7 +25,7 @@ class FullSlip(NamedTuple):
 
 @compiled
 def sinusoids_at(i: int, piece: int, heights: Heights, phases: Phases) -> float:
-    """The sinusoids of a piece at node i."""
+    """Return the sum of a piece's sinusoids at node i."""
     total = 0.0
     for k in range(phases.turns.shape[1]):
         total += (phases.turns[i, k] * heights.amplitudes[piece, k]).real

@@ -113,7 +113,7 @@ class Flows:
 
 
 def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flows:
-    """The exact flows over lengths of time (n_lengths,) above 0."""
+    """Return the exact flows over lengths of time (n_lengths,) above 0."""
     # a bound of the rates of products of the circuit's states and of the driven states, above 0
     electric, driven = (np.abs(np.linalg.eigvals(m)).max(initial=0.0) for m in (circuit.matrix(), system.matrix))
     fastest_per_s = float(2 * electric + driven) or 1.0
@@ -250,7 +250,7 @@ class Timing:
 
 @lru_cache(maxsize=256)
 def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> DrivenPlan:
-    """The plan of a timing, made once: nodes, decays, turns and flows."""
+    """Plan the nodes, decays, turns and flows of a timing."""
     check_times(timing.t_s, timing.pieces)
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
     lengths = np.diff(nodes)

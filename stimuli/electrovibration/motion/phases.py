@@ -44,12 +44,11 @@ class Phases(NamedTuple):
 
 
 def heights(pieces: Pieces) -> Heights:
-    """The heights of one voltage."""
     return Heights(pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v)
 
 
 def phases(pieces: Pieces, relaxations: Relaxations, nodes: FloatArray) -> Phases:
-    """The phases of nodes (n_nodes,) within the pieces."""
+    """Return the phases of nodes (n_nodes,) within the pieces."""
     piece = pieces.index(nodes)
     since = nodes - pieces.starts_s[piece]
     rates = np.array(relaxations.rates_per_s).reshape(-1, 1)
@@ -77,7 +76,7 @@ def moving(since: FloatArray, relaxations: Relaxations) -> NDArray[np.bool_]:
 
 
 def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: FloatArray) -> FloatArray:
-    """Times asked for, 0, starts of pieces and ends of decays, ascending, up to the last time asked for."""
+    """Merge requested times, 0, starts of pieces and ends of decays in order."""
     rates = np.array([rate for rate in relaxations.rates_per_s if rate > 0])
     # (n_pieces * n_rates,), and the end of the piece of each: a decay that outlasts its piece ends with it
     decayed = (pieces.starts_s[:, None] + DECAYED / rates[None, :]).ravel()

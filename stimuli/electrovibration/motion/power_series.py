@@ -182,7 +182,6 @@ def _slip_series(skin: SkinState, contact: ContactConstants, h: float, series: S
 
 @compiled
 def _stick_series(skin: SkinState, contact: ContactConstants, h: float, series: Series) -> None:
-    """The skin goes with the finger."""
     out = series.stretch
     out.fill(0.0)
     out[0], out[1], out[2] = skin.stretch_m, skin.rate_m_per_s * h, contact.acceleration_m_per_s2 * h * h / 2
@@ -214,7 +213,7 @@ def _comes_to_rest(skin: SkinState, contact: ContactConstants, h: float, stretch
 
 @compiled
 def _strongest(contact: ContactConstants, force: FloatArray) -> FloatArray:
-    """The friction that a stuck finger can bear. Gated, the voltage does not help it to stick, only to slip."""
+    """Return the friction limit of a stuck finger, without voltage if gated."""
     coefficient = contact.kinetic if contact.gated else contact.static
     loaded = coefficient * force
     loaded[0] += coefficient * contact.force_n
@@ -232,13 +231,12 @@ def _speed(contact: ContactConstants, time: float) -> float:
 
 @compiled
 def _holding_friction(skin: SkinState, contact: ContactConstants) -> float:
-    """The friction that holds the skin to the finger."""
+    """Return the friction that holds the skin to the finger."""
     return contact.stiffness_n_per_m * skin.stretch_m + contact.damping_n_s_per_m * _speed(contact, skin.time_s)
 
 
 @compiled
 def _follow(skin: SkinState, contact: ContactConstants) -> SkinState:
-    """A skin that sticks is as fast as the finger."""
     rate = skin.rate_m_per_s if skin.direction != 0 else _speed(contact, skin.time_s)
     return SkinState(skin.stretch_m, rate, skin.direction, skin.time_s)
 
@@ -251,7 +249,7 @@ def _gives_way(skin: SkinState, contact: ContactConstants, limit_n: float) -> bo
 
 @compiled
 def _after(skin: SkinState, stretch: FloatArray, reached: float, unit_s: float, passed_s: float) -> SkinState:
-    """The skin behind `reached` of a step, which is the time `passed_s`."""
+    """Return the skin after the part `reached` of a step, the time `passed_s`."""
     rate_m_per_s = _slope(stretch, reached) / unit_s
     return SkinState(_value(stretch, reached), rate_m_per_s, skin.direction, skin.time_s + passed_s)
 
@@ -282,7 +280,7 @@ def _note(skin: SkinState, contact: ContactConstants, series: Series, row: Float
 
 @compiled
 def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit: CircuitState) -> None:
-    """The circuit at node i, from the free decays at the start of its piece."""
+    """Return the circuit at node i, from the free decays of its piece."""
     piece = phases.piece[i]
     slope = heights.slopes[piece]
     circuit.line[0], circuit.line[1] = heights.offsets[piece] + slope * phases.since[i], slope
@@ -295,7 +293,7 @@ def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit:
 
 @compiled
 def _go_on(circuit: CircuitState, layers: Layers, series: Series, reached: float, passed: float) -> None:
-    """The circuit behind `reached` of a step, which is the time `passed`."""
+    """Return the circuit after a part `reached` of a step, the time `passed`."""
     for m in range(len(layers.gains)):
         circuit.relaxed[m] = _value(series.relaxed[m], reached)
     for k in range(len(layers.omegas)):

@@ -51,7 +51,7 @@ class Relaxations:
 
     @checked
     def sampled(self, voltage_v: FloatArray, rate_hz: Positive) -> FloatArray:
-        """The output at the samples, of the shape (..., n_samples) of the input, from rest.
+        """Return the output (..., n_samples) of an input of that shape, from rest.
 
         The input is linear between its samples and jumps from 0 to its first value at time 0.
         """
@@ -164,7 +164,7 @@ class Solution:
     relaxations: Relaxations
 
     def at(self, t_s: ArrayLike) -> FloatArray:
-        """The output, of the shape of `t_s` (0 to the end), from the right at a jump.
+        """Return the output at `t_s` (0 to the end), from the right at a jump.
 
         Raises `InvalidParameter` if a time is before 0 or after the end.
         """

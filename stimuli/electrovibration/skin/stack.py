@@ -137,7 +137,10 @@ class _Series:
         return resistances[group] / (self.resistance_ohm_m2 + sum(resistances))
 
     def gain(self, pole: _Pole, group: int) -> float:
-        """``a`` of ``a p/(p + rate)``: the residue of ``[s_g/(p + r_g)]/[R + sum s_h/(p + r_h)]`` over ``-rate``."""
+        """Return a of ``a p/(p + rate)`` in a group's voltage.
+
+        It is the residue of ``[s_g/(p + r_g)]/[R + sum s_h/(p + r_h)]`` over ``-rate``.
+        """
         scaled = [s * pole.rate_per_s / d for s, d in zip(self.elastances, pole.distances_per_s, strict=True)]
         total = sum(x * (pole.rate_per_s / d) for x, d in zip(scaled, pole.distances_per_s, strict=True))
         return scaled[group] / total
@@ -151,7 +154,7 @@ class _Series:
         return poles
 
     def _between(self, low: int) -> _Pole:
-        """The zero between two rates, measured from the nearer one."""
+        """Return the zero between two rates, measured from the nearer one."""
         # a pole may lie so near to a rate that only its distance from there still holds digits
         half = (self.rates_per_s[low + 1] - self.rates_per_s[low]) / 2
         offsets = [rate - self.rates_per_s[low] for rate in self.rates_per_s]
@@ -159,7 +162,7 @@ class _Series:
         return self._from(low, half) if at_half >= 0 else self._from(low + 1, -half)
 
     def _from(self, origin: int, reach: float) -> _Pole:
-        """The zero between ``rates[origin]`` and ``rates[origin] + reach``."""
+        """Return the zero between ``rates[origin]`` and ``rates[origin] + reach``."""
         offsets = [rate - self.rates_per_s[origin] for rate in self.rates_per_s]
         others = [(s, o) for i, (s, o) in enumerate(zip(self.elastances, offsets, strict=True)) if i != origin]
 

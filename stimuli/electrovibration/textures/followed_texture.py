@@ -89,7 +89,6 @@ class FollowedTexture(Ramped):
         return self._carrier._unit()
 
     def pieces(self, level: float) -> Pieces:
-        """The carrier where its share is 1."""
         return self._carrier.pieces(level)
 
     def parts(self, x_m: Any, before: Followed | None = None) -> tuple[FloatArray, Followed]:
@@ -167,7 +166,7 @@ def share_along(texture: Texture | Velvet, path_m: FloatArray) -> FloatArray:
 
 
 def finest_period_m(texture: Texture | Velvet) -> float | None:
-    """The shortest period (m) that positions must resolve; None if there is none.
+    """Return the shortest period (m) that positions must resolve, or None.
 
     Of a sinusoidal or sawtooth grating, tufts or a band of noise it is the shortest one itself; else twice the
     narrowest part: of a square grating the part that is on or off, of a region its width, of a bump its `width_m`, of

@@ -185,7 +185,7 @@ class Noise:
     def drawn(
         cls, low_per_m: float, high_per_m: float, length_m: float, *, rng: np.random.Generator, exponent: float = 0.0
     ) -> "Noise":
-        """A texture with uniform random phases.
+        """Return a texture with uniform random phases.
 
         >>> texture = Noise.drawn(100.0, 500.0, 0.1, rng=np.random.default_rng(1))
         >>> len(texture.phases_rad)
@@ -200,7 +200,7 @@ class Noise:
         return _lines(self.low_per_m, self.high_per_m, self.length_m)
 
     def height(self, x_m: ArrayLike) -> FloatArray:
-        """The noise itself, of standard deviation 1 over a length, of the shape of `x_m`."""
+        """Return noise of standard deviation 1 over a length, at positions `x_m`."""
         lines = self.lines_per_m
         strongest = lines[-1] if self.exponent >= 0 else lines[0]
         amplitudes = (lines / strongest) ** (self.exponent / 2)

@@ -108,7 +108,7 @@ class AmplitudeModulated(Ramped):
         return np.sqrt(full) if self.modulation == "square_root" else full
 
     def pieces(self, level: float) -> Pieces:
-        """The voltage exactly, ramps included: ``sqrt((1 + c)/2) = |cos(pi f t)|`` changes sign from piece to piece."""
+        """Return the exact voltage as pieces, ramps included."""
         starts_s: FloatArray = np.zeros(1)
         signs: FloatArray = np.ones(1)
         if self.modulation == "square_root":

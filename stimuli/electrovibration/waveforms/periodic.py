@@ -58,7 +58,7 @@ class Periodic(Ramped):
         return (2 if self.corners.is_antisymmetric else 1) * self.voltage_frequency_hz
 
     def pieces(self, level: float) -> Pieces:
-        """The voltage exactly, ramps included (which then need a polygon without slopes)."""
+        """Return the exact voltage as pieces; a slope allows no ramp."""
         unit = ramped_pieces(self.corners.pieces(self.voltage_frequency_hz, self.duration_s), self.ramp_s)
         return unit.scaled(peak_voltage_v(level, self.level_unit))
 

@@ -18,8 +18,10 @@ MOST_SAMPLES = 2**28
 @checked
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before
-    the first, held after the last.
+    """A voltage in pieces, each a line plus sinusoids.
+
+    ``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before the first, held
+    after the last.
 
     Raises `InvalidParameter` if the shapes do not fit, the starts are not ascending from 0, or a value is not finite.
 
@@ -75,7 +77,7 @@ class Pieces:
         return np.asarray(self.amplitudes_v, dtype=np.complex128)
 
     def index(self, t_s: ArrayLike) -> IndexArray:
-        """The piece that holds at each time; the last one also after its end."""
+        """Return the piece at each time; the last one also after its end."""
         found = np.searchsorted(self.starts_s, np.asarray(t_s, dtype=np.float64), side="right") - 1
         return np.maximum(found, 0)
 
@@ -89,7 +91,7 @@ class Pieces:
         return np.where(t < 0, 0.0, self.value_in(self.index(t), t))
 
     def value_in(self, piece: IndexArray, t_s: FloatArray) -> FloatArray:
-        """The voltage that each `piece` has at each time, inside of it or not; arrays of one shape."""
+        """Return the voltage of each `piece` at each time, inside of it or not."""
         line = self.offsets_v[piece] + self.slopes_v_per_s[piece] * (t_s - self.starts_s[piece])
         return line + self.sinusoids(t_s, self.harmonics_v[piece])
 
@@ -151,7 +153,7 @@ def straight(times_s: ArrayLike, values_v: ArrayLike) -> Pieces:
 
 
 def ramped(pieces: Pieces, ramp_s: float) -> Pieces:
-    """The voltage with raised-cosine ramps on and off, exactly: a product of sinusoids is a sum of them.
+    """Multiply a voltage by raised-cosine ramps on and off, exactly.
 
     Raises `InvalidParameter` if the voltage has a slope: a line times a cosine is not a sum of lines and sinusoids.
     """
@@ -228,7 +230,7 @@ class Corners:
         return np.asarray(y[left] + (y[left + 1] - y[left]) * (p - x[left]) / width)
 
     def pieces(self, frequency_hz: Positive, duration_s: Positive) -> Pieces:
-        """The periodic voltage (1 V) over a duration, exactly."""
+        """Return the periodic voltage (1 V) over a duration, exactly."""
         few = duration_s * frequency_hz <= MOST_SAMPLES
         require.expect(few, "Corners.pieces.duration_s", f"{duration_s} s", f"at most {MOST_SAMPLES} periods")
         n_periods = int(np.ceil(duration_s * frequency_hz * (1 - 1e-12)))

@@ -73,7 +73,7 @@ class Ramped(Waveform):
 
 
 def peak_voltage_v(level: float, unit: LevelUnit = "dB re 1 V") -> float:
-    """The peak voltage (V) of a level: ``10**(level/20)`` in decibel re 1 V peak, the level itself in volt.
+    """Return the peak voltage (V), ``10**(level/20)`` for a level in dB.
 
     Raises `InvalidParameter` if the level is not finite or above `HIGHEST_V`, or a level in volt is negative.
 
@@ -94,7 +94,7 @@ def peak_voltage_v(level: float, unit: LevelUnit = "dB re 1 V") -> float:
 
 
 def level_db_re_1v(voltage_v: float) -> float:
-    """The level (dB re 1 V) of a peak voltage above 0.
+    """Return the level (dB re 1 V) of a peak voltage above 0.
 
     >>> round(level_db_re_1v(200.0), 2)
     46.02
@@ -104,7 +104,6 @@ def level_db_re_1v(voltage_v: float) -> float:
 
 
 def n_samples(duration_s: float, rate_hz: float) -> int:
-    """The number of samples of a signal, to the nearest one."""
     return round(duration_s * rate_hz)
 
 

@@ -73,14 +73,14 @@ def _squared(name: str, at_1v: str, gives: str) -> Stage:
 
 
 def switching_w(emission: "EmittedSignal", capacitance_f: float) -> float:
-    """The mean power during an emission of 1 V."""
+    """Return the mean power during an emission of 1 V."""
     from ...time_reversal.focusing.merit import switched_power_w
 
     return switched_power_w(emission.at_1_v, capacitance_f)
 
 
 def heat_w(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: float, loss_tangent: float) -> float:
-    """The mean power of dielectric loss during an emission of 1 V, of what of it lies in the band."""
+    """Return the mean dielectric loss in the band during an emission of 1 V."""
     from ...time_reversal.focusing.merit import dielectric_power_w
 
     longer: float = in_band.samples.shape[1] / emission.samples.shape[1]
@@ -88,5 +88,4 @@ def heat_w(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: f
 
 
 def growth_with_square(at_1v: float, voltage_v: float) -> float:
-    """Energy and power grow with the square."""
     return at_1v * voltage_v**2

@@ -90,7 +90,6 @@ class FingerDynamics(Effect):
 
 
 def slide(*drive: Any, damping_n_s_per_m: float) -> "Motion":
-    """The motion of a finger in full slip."""
     from ...electrovibration.motion.finger import sliding
     from ...electrovibration.motion.pad import Finger
 
@@ -100,7 +99,6 @@ def slide(*drive: Any, damping_n_s_per_m: float) -> "Motion":
 
 
 def stick_and_slip(*drive: Any, damping_n_s_per_m: float) -> "StickSlip":
-    """The motion of a finger that sticks and slips."""
     from ...electrovibration.motion.pad import Finger
     from ...electrovibration.motion.stick_slip import Travel, stick_slip
 

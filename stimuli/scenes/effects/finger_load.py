@@ -85,7 +85,7 @@ class FingerLoad(Effect):
         return float(one * grown / surface.plate.point_impedance_n_s_per_m)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        """The plate moves less, and still less far from the focus; a force has more of the top of the band."""
+        """Return by how much fingers weaken the motion, most far from the focus."""
         ratio = self.impedance_ratio(scene)
         away = any(touch.x_m is not None for touch in at_rest(scene))
         read = any(name.startswith("contact_") for name in scene.outputs)

@@ -20,7 +20,7 @@ Numbers = tuple[float, ...]
 
 
 def loaded_motion(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numbers, **pulp: float) -> PlateMotion:
-    """The motion of the plate under fingers: their forces are further channels, exact for linear contacts."""
+    """Return the motion under linear contacts, with their forces as channels."""
     finger = Fingertip(**pulp)
     contacts = [finger.load((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)]
     places = tuple(PointForce(contact.x_m, contact.y_m) for contact in contacts)
@@ -135,7 +135,7 @@ def lost_s(motion: PlateMotion) -> FloatArray:
 
 
 def _under_forces(motion: PlateMotion, forces: ComplexArray) -> PlateMotion:
-    """The motion with other forces (n_contacts, n_frequencies) on the fingers, its last channels, in N/V."""
+    """Return the motion with other forces (N/V) (n_contacts, n_frequencies)."""
     n = len(forces)
     oscillators, at = moving_modes(motion.screen, motion.modes_to_hz, motion.static_to_hz)
     pushed, change = np.ascontiguousarray(at[:, -n:]), -forces - motion.played[-n:]

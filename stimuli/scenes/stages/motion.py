@@ -144,7 +144,7 @@ def plate_motion(
     heard_to_hz: float,
     after_s: float,
 ) -> PlateMotion:
-    """The motion until `after_s` behind the focus, at frequencies up to `heard_to_hz`."""
+    """Compute the motion up to `heard_to_hz` and `after_s` past the focus."""
     if static_to_hz < modes_to_hz:
         raise InvalidParameter(
             f"settings.motion.static_to_hz: found {static_to_hz}, expected at least modes_to_hz, {modes_to_hz}"
@@ -184,12 +184,12 @@ def sampling(factor: int) -> int:
 
 
 def focus_course(motion: PlateMotion, foci: Points, oversampling: int) -> FloatArray:
-    """The displacement of the first focus over time (m/V)."""
+    """Return the displacement of the first focus over time (m/V)."""
     return course_at(motion, oversampling, *foci[0])
 
 
 def course_at(motion: PlateMotion, oversampling: int, x_m: float, y_m: float) -> FloatArray:
-    """The displacement of a place over time (m/V)."""
+    """Return the displacement of a place over time (m/V)."""
     return motion.course(motion.of_points(((x_m, y_m),))[0], oversampling)
 
 
@@ -208,7 +208,7 @@ def focus_field(motion: PlateMotion, x_m: FloatArray, y_m: FloatArray) -> FloatA
 
 
 def frame_times(n_frames: int, span_s: float) -> FloatArray:
-    """Times of the frames of a movie, the focus in the middle."""
+    """Return the times of a movie's frames, the focus in the middle."""
     return np.linspace(-span_s / 2, span_s / 2, n_frames)
 
 

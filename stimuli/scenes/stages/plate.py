@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 def setup(**fields: Any) -> "Setup":
-    """The screen that a stimulus is played on."""
     from ...time_reversal.stimulus.setup import Setup
 
     return Setup(**fields)

@@ -28,10 +28,10 @@ Tissue = tuple[float, ...]
 
 
 def recorded(signal: Signal, share: float) -> VoltageRecord:
-    """The voltage of a signal, `FINER` times as many samples (band-limited) where more than a share of its power lies
-    above a quarter of the rate.
+    """Return the voltage of a signal, resampled if its square would alias.
 
-    The force goes with the square, which has twice the bandwidth: that of a carrier of 9.9 kHz at 20 kHz would seem to
+    It has `FINER` times as many samples (band-limited) if more than a share of its power lies above a quarter of the
+    rate. The force is quadratic and has twice the bandwidth: that of a carrier of 9.9 kHz at 20 kHz would seem to
     vibrate at 200 Hz.
 
     Raises `InvalidParameter` if the signal is not one channel in volt.
@@ -50,7 +50,7 @@ def recorded(signal: Signal, share: float) -> VoltageRecord:
 
 
 def skin(tissue: Tissue, **layers: float) -> "Skin":
-    """The layers of a surface, and deeper tissue where there is any."""
+    """Return the layers of a surface, and its deeper tissue if any."""
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.skin.stack import Layer
 
@@ -63,7 +63,6 @@ def layer_voltage(record: VoltageRecord, form: "ForceForm") -> FloatArray:
 
 
 def pieces(record: VoltageRecord) -> "Pieces":
-    """The straight lines between the samples."""
     from ...electrovibration.waveforms.pieces import straight
 
     return straight(record.t_s, record.voltage_v)
@@ -75,12 +74,12 @@ def times(record: VoltageRecord) -> FloatArray:
 
 
 def components_of_record(record: VoltageRecord, course: FloatArray, padding: int) -> Components:
-    """The components of a course over the record that any channel of touch answers to."""
+    """Return the components of a course to which any channel responds."""
     return heard(components(course, record.rate_hz, padding))
 
 
 def grown(parts: Components, area_m2: float, form_area_m2: float) -> Components:
-    """The force under an area from that under another: what does not drive the body is in proportion."""
+    """Scale the force under one area to another, proportionally."""
     return parts.times(area_m2 / form_area_m2)
 
 
@@ -102,7 +101,7 @@ def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float) -> fl
 
 
 def padding_for(error: float, duration_s: float, steepest_db_per_hz: float, n: int = 1) -> int:
-    """The smallest padding of `n` samples whose error is at most `error`, or the largest that fits.
+    """Return the smallest padding of `n` samples within an error, or the most.
 
     >>> padding_for(1e-4, 1.0, steepest_db_per_hz=0.69) <= 8, padding_for(1e-9, 1.0, 0.69)
     (True, 64)
@@ -131,7 +130,7 @@ def _padding(demand: Demand, n: int = 1) -> tuple[int, float]:
 
 
 def components_of(t_s: "FloatArray", record: "FloatArray", padding: int) -> "Components":
-    """The components of a record (n_samples,) at equal steps, its mean left out."""
+    """Return the components of a record (n_samples,), its mean left out."""
     # a period of the transform ends before the sample that would begin the next
     return components(record[:-1], (record.size - 1) / float(t_s[-1]), padding)
 
@@ -166,5 +165,5 @@ def sliding(signal: Signal) -> Signal:
 
 
 def stronger(foci_db: FloatArray, friction_db: float) -> float:
-    """The level of what is felt most, of the foci or of the friction."""
+    """Return the higher of the levels of the foci and the friction."""
     return max(float(np.max(foci_db)), friction_db)

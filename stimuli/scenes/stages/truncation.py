@@ -80,12 +80,12 @@ def content_of(scene: Surroundings) -> PlateContent:
 
 
 def cut_of(demand: Demand) -> Cut:
-    """The cut for the error that a stage may add; see `cut`."""
+    """Return the cut for the error that a stage may add; see `cut`."""
     return cut(demand, demand.error)
 
 
 def cut(scene: Surroundings, error: float) -> Cut:
-    """The fewest modes for an error.
+    """Return the fewest modes for an error.
 
     Raises `InvalidParameter` if they are more than one run can hold.
     """
@@ -110,7 +110,7 @@ def cut(scene: Surroundings, error: float) -> Cut:
 
 
 def _distance_m(scene: Surroundings) -> float:
-    """The least distance of what is read from the outline of a transducer, 0 on one."""
+    """Return the least distance of a read place to a transducer's outline."""
     from ...time_reversal.screen.transducer import border
 
     surface, content = scene.surface, content_of(scene)

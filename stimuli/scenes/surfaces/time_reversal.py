@@ -140,7 +140,7 @@ class TimeReversal(GlassPanel, Surface):
         return (*self._emission(), *self._motion(scene), *self._map())
 
     def played(self, scene: Surroundings) -> "PlayedTimeReversal":
-        """The plate as a stimulus states it, by the effects that make it, the first finger where it rests."""
+        """Return the plate of a stimulus with the effects that make it."""
         from ...time_reversal.stimulus.setup import Setup
         from .played_plates import PlayedTimeReversal
 
@@ -272,11 +272,11 @@ def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
 
 
 def _under_finger(demand: Demand) -> Size:
-    """The same of the course under a finger, which must be on the plate."""
+    """Return the per-volt course under a finger, which must be on the plate."""
     check_on_plate(demand)
     return _per_sample(100.0)(demand)
 
 
 def first_magnitude(values: Any, voltage_v: float) -> float:
-    """The magnitude of the first of some values, at a voltage."""
+    """Return the magnitude of the first value at a voltage."""
     return float(abs(values[0] * voltage_v))

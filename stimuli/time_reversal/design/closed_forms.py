@@ -119,7 +119,7 @@ def repetition_noise_ratio(repetition_s: UnboundedArray, tau_s: Positive) -> Flo
 
 @checked
 def repetition_amplitude_ratio(reversal_s: Positive, repetition_s: Positive, tau_s: Positive) -> float:
-    """A / A_single in a long 1-bit train whose drives overlap and are quantised as a sum.
+    """Return A / A_single in a long 1-bit train of overlapping drives.
 
     At each instant the reversed responses of several foci add up as Gaussian signals of standard deviations
     exp(-(s + j T_r) / tau), 0 <= s + j T_r <= T; Bussgang's gain of the sum gives the share of each:
@@ -168,7 +168,10 @@ def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
 
 @checked
 def half_wavelength_m(plate: Plate, f_mean_hz: PositiveArray, alpha: Positive = ALPHA) -> FloatArray:
-    """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), 0.3 to 3.3 % above `resolution_m`."""
+    """Return R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean).
+
+    It is 0.3 to 3.3 % above `resolution_m`.
+    """
     return np.asarray(alpha * math.sqrt(plate.wave_constant_m2_per_s) / np.sqrt(np.asarray(f_mean_hz, float)))
 
 
@@ -199,7 +202,7 @@ def patch_response(plate: Plate, side_m: Positive, band: Band) -> tuple[FloatArr
 
 @checked
 def passed_hz(plate: Plate, side_m: float, band: Band) -> float:
-    """The integral of W^2 over the band: the width of the band that the patch lets pass.
+    """Return the bandwidth that the patch passes, the integral of W^2.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(passed_hz(A4_SCREEN, 1e-6, Band(20e3, 60e3)))

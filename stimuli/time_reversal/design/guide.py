@@ -273,7 +273,7 @@ def _for_resolution(design: Design, wanted_m: float | None) -> tuple[Design, tup
 
 
 def _moved_up(design: Design, wanted_m: float) -> Design | None:
-    """The design with its band scaled until it resolves, if the wave stays longer than a patch."""
+    """Scale the band until it resolves, if waves stay longer than a patch."""
     from scipy.optimize import brentq
 
     def scaled(factor: float) -> Design:
@@ -325,7 +325,7 @@ def _for_amplitude(design: Design, wanted_m: float | None) -> tuple[Design, tupl
 
 
 def _with_transducers(design: Design, needed: int, refusal: str) -> tuple[Design, tuple[str, ...]]:
-    """The design with as many transducers as are needed if the edges hold them, else as it is, with why not."""
+    """Add transducers as needed if the edges have space for them."""
     if needed > _most(design):
         return design, (refusal,)
     return replace(design, transducers=replace(design.transducers, n=needed)), ()

@@ -81,7 +81,7 @@ def sheets(
     target: Target,
     thicknesses_m: Sequence[float] = SHEETS_M,
 ) -> list[Sheet]:
-    """The guide of each thickness, ascending, that of `plate` among them; see `recommend` of `design`."""
+    """Return the guide of each thickness, ascending, with that of `plate`."""
     some("sheets.thicknesses_m", thicknesses_m)
     positive_array("sheets.thicknesses_m", thicknesses_m)
     held = replace(plate, boundary="SSSS")
@@ -98,7 +98,7 @@ def sheets(
 
 @checked
 def best_sheet(among: Sequence[Sheet], thickness_m: Positive) -> Sheet:
-    """The sheet that misses the least; of several that nearest to `thickness_m`, by ratio.
+    """Return the sheet that misses least; of equals the nearest by ratio.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> found = sheets(A4_SCREEN, Transducers(side_m=5e-3), Band(20e3, 60e3), 3.5e-3, Target(contrast=28.0))

@@ -20,7 +20,7 @@ ABOVE: Final[Mapping[str, Any]] = {"loc": "lower center", "bbox_to_anchor": (0.5
 def sheet(
     n_rows: int = 1, n_columns: int = 1, *, width_in: float = 6.4, height_in: float = 4.0
 ) -> tuple[Figure, list[Axes]]:
-    """A figure and its axes, row by row."""
+    """Return a figure and its axes, row by row."""
     figure = Figure(figsize=(width_in, height_in), layout="constrained")
     return figure, list(figure.subplots(n_rows, n_columns, squeeze=False).ravel())
 
@@ -38,7 +38,7 @@ def label(axes: Axes, x: str, y: str, title: str = "", *, from_zero: bool = Fals
 
 
 def colours() -> Iterator[str]:
-    """The palette, over and over."""
+    """Repeat the palette without end."""
     return cycle(COLOURS)
 
 

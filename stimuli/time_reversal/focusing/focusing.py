@@ -33,7 +33,7 @@ def reversed_waveform(
     weights: Sequence[float] | None = None,
     window: FloatArray | None = None,
 ) -> FloatArray:
-    """The reversed responses of the foci, summed with weights.
+    """Sum the reversed responses of the foci with weights.
 
     Raises `InvalidParameter` if T is longer than the responses, a number of weights or samples does not fit, or all
     responses are zero.

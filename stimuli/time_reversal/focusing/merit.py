@@ -30,7 +30,7 @@ HALF: float = 0.5
 
 @checked
 def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
-    """|A| over the rms of the field on the whole plate at the focus instant."""
+    """Return |A| over the rms field of the plate at the focus instant."""
     return _ratio(amplitude_m, field_m)
 
 
@@ -251,7 +251,7 @@ def field(screen: Screen, signal: Signal, sample: int, at_m: Grid, f_max_hz: flo
 
 @checked
 def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_max_hz: float) -> Iterator[FloatArray]:
-    """The fields at ascending samples, one at a time, from one exact run through the drive."""
+    """Yield the fields at ascending samples, from one exact run of the drive."""
     draw = screen.modes(f_max_hz).frame(*at_m)
     for amplitudes in modal_history(screen, signal, samples, f_max_hz).T:
         yield draw(np.ascontiguousarray(amplitudes))

@@ -172,7 +172,7 @@ def pattern_drive(
     modulation: str = "voltage",
     tau_s: float | None = None,
 ) -> Signal:
-    """The drive of a pattern; focus k comes at sample ``focus_samples(...)[k]``.
+    """Return the drive of a pattern; focus k is at ``focus_samples(...)[k]``.
 
     Raises `InvalidParameter` if the path does not fit, or burst modulation has no tau.
 

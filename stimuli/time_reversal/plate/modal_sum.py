@@ -49,8 +49,9 @@ def modal_sums(
     quantity: str = "displacement",
     out: FloatArray | None = None,
 ) -> FloatArray:
-    """(n_rows, stop - start): weights (n_rows, n_modes) times the impulse responses of the modes at samples
-    start..stop-1; written to `out` if that is given.
+    """Return weights (n_rows, n_modes) times the modes' impulse responses.
+
+    The result (n_rows, stop - start) is of samples start to stop - 1, and written to `out` if that is given.
 
     Examples
     --------
@@ -126,7 +127,7 @@ def _common_decay(oscillators: Oscillators) -> float:
 def _transform(
     oscillators: Oscillators, weights: FloatArray, rate_hz: float, start: int, quantity: str, out: FloatArray
 ) -> None:
-    """The sums over modes in ascending order, written to `out`."""
+    """Write the sums over modes in ascending order to `out`."""
     grid = _Grid.of(out.shape[1])
     kernels, modes = _in_blocks(grid, *_spread_kernel(oscillators, grid, rate_hz, start, quantity))
     # the decay that the modes share is no part of the transform: from the middle, where their phases are taken

@@ -145,7 +145,7 @@ class RitzModes(Modes):
 
 @checked
 def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = None) -> SeparableModes | RitzModes:
-    """The modes of a plate from 0 Hz to `f_max_hz`, sorted; the last solutions are kept.
+    """Return the modes from 0 Hz to `f_max_hz`, sorted, and cache the last.
 
     Raises `InvalidParameter` if `f_max_hz` is not above 0, or a Ritz solution would be too large.
 
@@ -179,7 +179,7 @@ def _check_points(x_m: ArrayLike, y_m: ArrayLike) -> None:
 
 
 def _thin_hz(plate: Plate, f_max_hz: float, shear_factor: float) -> float:
-    """The frequency of the thin plate whose waves are as long as those of the thick one at `f_max_hz`."""
+    """Return the thin plate's frequency for the thick one's wavelength."""
     k_max = float(mindlin_wavenumber_rad_per_m(plate, f_max_hz, shear_factor))
     return plate.wave_constant_m2_per_s * k_max**2 / (2 * math.pi)
 

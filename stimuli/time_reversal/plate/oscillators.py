@@ -102,7 +102,7 @@ class Oscillators:
         return np.divide(1, stiffness, out=stiffness)
 
     def of(self, which: NDArray[np.bool_] | IndexArray) -> "Oscillators":
-        """Some of the modes."""
+        """Return some of the modes."""
         return Oscillators(self.omega_rad_per_s[which], self.decay_per_s[which])
 
     def _swinging(self, rate_hz: float, start: int, stop: int, quantity: str) -> FloatArray:

@@ -139,7 +139,7 @@ class Plate:
 
 @checked
 def navier(plate: Plate, f_max_hz: float) -> Sines:
-    """The modes of the thin plate between simple supports, up to a frequency.
+    """Return the simply supported thin plate's modes up to a frequency.
 
     Raises `InvalidParameter` if there are too many.
     """
@@ -151,7 +151,7 @@ def navier(plate: Plate, f_max_hz: float) -> Sines:
 
 @checked
 def ritz(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> Sequence["ParityBlock"]:
-    """The modes of the thin plate with any edges, up to a frequency, by polynomials of `degrees`, or given ones."""
+    """Return the thin plate's Ritz modes with any edges up to a frequency."""
     # polynomials are not loaded where edges are simply supported
     from .ritz import solve
 

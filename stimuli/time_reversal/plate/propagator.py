@@ -44,15 +44,17 @@ def linear_input(oscillators: Oscillators, step_s: float) -> FloatArray:
 
 
 def run_impulses(oscillators: Oscillators, impulses: FloatArray, rate_hz: float, keep: IntArray) -> FloatArray:
-    """(n, n_kept): displacements at samples `keep` (ascending) under impulses (n, n_samples) per unit
-    mass.
+    """Return displacements (n, n_kept) after impulses (n, n_samples).
+
+    `keep` are ascending samples; impulses are per unit mass.
     """
     return np.asarray(_impulses(transition(oscillators, 1 / rate_hz), np.ascontiguousarray(impulses.T), keep)).T
 
 
 def run_linear(oscillators: Oscillators, forces: FloatArray, rate_hz: float) -> FloatArray:
-    """(n, n_samples): displacements from rest under forces (n, n_samples) per unit mass, linear between
-    samples.
+    """Return displacements (n, n_samples) from rest under forces per unit mass.
+
+    Forces (n, n_samples) are linear between samples.
     """
     step_s = 1 / rate_hz
     weights = linear_input(oscillators, step_s)

@@ -136,7 +136,7 @@ class Family:
 
 
 def families(length_m: float, edges: str, degree: int) -> list[Family]:
-    """The functions up to `degree` for the two edges, split into even and odd where both edges are alike.
+    """Return functions up to `degree`, split by parity if the edges are alike.
 
     Parameters
     ----------

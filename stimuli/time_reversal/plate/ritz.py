@@ -39,7 +39,7 @@ class ParityBlock:
 
 @lru_cache(maxsize=16)
 def solve(rectangle: Rectangle, wavenumber2_max_per_m2: float, degrees: tuple[int, int]) -> Sequence[ParityBlock]:
-    """The modes up to a squared wavenumber, with polynomials of `degrees` in x and y: a block per pair of parities.
+    """Return the Ritz modes up to a squared wavenumber, by pair of parities.
 
     The last solutions are kept: frequencies and shapes are often asked for one after the other.
     """
@@ -50,7 +50,7 @@ def solve(rectangle: Rectangle, wavenumber2_max_per_m2: float, degrees: tuple[in
 
 
 def pairs(rectangle: Rectangle, degrees: tuple[int, int]) -> list[tuple[Family, Family]]:
-    """The functions of x and of y, of each pair of parities."""
+    """Yield the functions of x and of y of each pair of parities."""
     p_x, p_y = degrees
     on_x = families(rectangle.length_m, rectangle.edges_x, p_x)
     on_y = families(rectangle.width_m, rectangle.edges_y, p_y)
@@ -71,7 +71,7 @@ def _block(
 
 
 def ellipse(on_x: Family, on_y: Family, p_x: int, p_y: int) -> tuple[IntArray, IntArray]:
-    """The products of functions that are kept: (i / p_x)^2 + (j / p_y)^2 <= 1 in degrees."""
+    """Return the products kept: (i / p_x)^2 + (j / p_y)^2 <= 1 in degrees."""
     inside = (on_x.order[:, None] / p_x) ** 2 + (on_y.order[None, :] / p_y) ** 2 <= 1
     i, j = np.nonzero(inside)
     return i, j

@@ -21,7 +21,7 @@ RITZ_DEGREE: Final = 50
 
 @checked
 def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
-    """Static deflection at points under a point force.
+    """Return the static deflection at points under a point force.
 
     Raises `InvalidParameter` if the force or a point is outside of the plate, the force is not finite, or the edges
     leave a rigid-body motion.

@@ -271,7 +271,7 @@ def contour(n_samples: int, rate_hz: Positive) -> tuple[ComplexArray, FloatArray
 
 
 def _balance(stiffness: ComplexArray, size: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """A = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h); 1 / h and 0 for an infinite Z."""
+    """Return A = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h), finite for any Z."""
     pinned = np.isinf(stiffness)
     finite = np.where(pinned, 0.0, stiffness)
     scale = 1 / (1 + np.abs(finite) * size)

@@ -72,7 +72,6 @@ def read(paths: Sequence[Path], *, full_scale: Positive = 1.0, quantity: str = "
 
 @checked
 def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
-    """A piece of the responses."""
     first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)
     if first < 0 or n < 1 or first + n > responses.n_samples:
         raise InvalidParameter(
@@ -245,7 +244,7 @@ def _first_line(line: str) -> dict[str, str]:
 
 
 def _header(line: str) -> list[str]:
-    """The names of the second line; numbers would be a sample taken for names."""
+    """Return the names in the second line; refuse numbers there."""
     names = line.split(",")
     if all(_is_number(cell) for cell in names):
         raise ValueError(f"line 2: found {line.strip()!r}, expected a header row with one name per transducer")

@@ -71,16 +71,16 @@ class Responses:
         return self.n_samples / self.rate_hz
 
     def at_point(self, index: int) -> "Responses":
-        """The responses of one point."""
+        """Return the responses of one point."""
         return replace(self, samples=self.samples[index : index + 1])
 
     def mean_of(self, points: Sequence[int]) -> "Responses":
-        """The mean over some points, at least one: what foci at all of them at once have as amplitude, on average."""
+        """Return the mean over points, at least one, as simultaneous foci have it."""
         some("Responses.mean_of.points", points)
         return replace(self, samples=self.samples[list(points)].mean(axis=0, keepdims=True))
 
     def of_channels(self, channels: Sequence[int]) -> "Responses":
-        """The responses of some channels."""
+        """Return the responses of some channels."""
         return replace(self, samples=self.samples[:, list(channels)])
 
 
@@ -205,7 +205,7 @@ def through(responses: Responses, gain: GainCurve) -> Responses:
 
 @checked
 def band_limited(responses: Responses, band: Band) -> Responses:
-    """The responses within a band.
+    """Filter responses to a band.
 
     Raises `InvalidParameter` if the band reaches above the Nyquist frequency.
     """
@@ -219,5 +219,5 @@ def band_limited(responses: Responses, band: Band) -> Responses:
 
 @checked
 def inaudible(responses: Responses, cutoff_hz: float = AUDIBLE_MAX_HZ, flank_hz: float = 0.0) -> Responses:
-    """The audible-band filter: only what lies above `cutoff_hz`. Filter first, then reverse, then quantise."""
+    """Filter responses to frequencies above `cutoff_hz`; filter, then reverse."""
     return band_limited(responses, Band(cutoff_hz, responses.rate_hz / 2, flank_hz))

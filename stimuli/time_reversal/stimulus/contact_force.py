@@ -71,8 +71,9 @@ def _free(setup: Setup, signal: Signal, places: Places) -> tuple[ComplexArray, i
 
 @lru_cache(maxsize=64)
 def _stiffness(setup: Setup, loads: Loads, n_samples: int, of_loads: tuple[tuple[float, ...], ...]) -> ComplexArray:
-    """(n, n_loads, n_frequencies): W Z (1 + H Z)^-1, sums W of the forces of loads per displacement of the free plate
-    under each.
+    """Return sums of load forces per free displacement under each load.
+
+    W Z (1 + H Z)^-1 with the weights W of `of_loads`, of the shape (n, n_loads, n_frequencies).
     """
     s = _frequencies(setup, n_samples)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)

@@ -111,7 +111,7 @@ class TimeReversalStimulus:
             whole("TimeReversalStimulus", lowest=1, n_reversal=self._n_reversal)
 
     def at(self, level: float) -> Signal:
-        """The drive (V) whose largest focus has this amplitude.
+        """Return the drive (V) whose largest focus has this amplitude.
 
         Raises `InvalidParameter` if the amplitude is not above 0; `LimitExceeded` if it needs more than
         `voltage_max_v`, or no burst at `supply_v` makes it.
@@ -287,7 +287,7 @@ class FocusTrain:
         return longest_s if self.foci.n_foci == 1 else min(longest_s, 1 / self.foci.repetition_hz)
 
     def at(self, level: float) -> Signal:
-        """The drive (V), one channel per transducer, whose largest focus has this unloaded amplitude.
+        """Return the drive (V) whose largest unloaded focus has this amplitude.
 
         Raises `InvalidParameter` if the level is not finite or not above 0 m; `LimitExceeded` if it needs more than
         `voltage_max_v`, or no burst at `supply_v` makes it.

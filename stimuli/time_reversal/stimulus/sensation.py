@@ -148,7 +148,7 @@ class FocusReading:
         return place_on(self.setup, self.x_m, self.y_m)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
-        """The reading in dB re 1 nm; ``-inf`` for none."""
+        """Return the reading in dB re 1 nm; ``-inf`` for none."""
         displacement_m = displacement_at_focus_m(self.setup, signal, self._loads(contact))
         amplitude_m = float(np.abs(displacement_m).max(initial=0.0))
         return -inf if amplitude_m == 0 else float(20 * np.log10(amplitude_m / READING_M))
@@ -176,7 +176,7 @@ class FocusReading:
 
 @checked
 def place_on(setup: Setup, x_m: float | None, y_m: float | None) -> Point:
-    """A place on the screen; what is not said of it is that of the focus."""
+    """Return a place on the screen, by default the focus."""
     at_x_m, at_y_m = setup.focus_m
     return at_x_m if x_m is None else x_m, at_y_m if y_m is None else y_m
 
@@ -236,7 +236,7 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad 
 
 @checked
 def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, FloatArray]:
-    """Times (s) and magnitudes (m) of the foci in a displacement: peaks above its reverberation, 1 ms apart.
+    """Return times (s) and magnitudes (m) of foci, at least 1 ms apart.
 
     The largest always counts; however small beside it, a focus does if normal noise as strong as the reverberation
     about it would reach that high less than once in the course. The sign of a focus is not felt: it shifts what the

@@ -19,8 +19,9 @@ from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, border
 @checked
 @dataclass(frozen=True)
 class Setup(GlassPanel):
-    """Plate, transducers at its border, losses, sampling and the focus. Every default is unverified: the thesis's
-    prototype as far as it is known.
+    """Plate, transducers at its border, losses, sampling and the focus.
+
+    Every default is unverified: the thesis's prototype as far as it is known.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ class Setup(GlassPanel):
         return _responses(self, tuple(places))
 
     def learnt(self) -> Responses:
-        """The first `learnt_s` of the responses at the focus."""
+        """Return the first `learnt_s` of the responses at the focus."""
         heard = self.responses_at(*self.focus_m)
         return replace(heard, samples=heard.samples[..., : samples_in("learnt_s", self.learnt_s, self.rate_hz)])
 
