@@ -38,8 +38,8 @@ class QuestPlus(WeighingRule):
     censored if this parameter is most likely at an end of its grid, and aborted if no cell allows the answers.
 
     - `levels`: The candidates.
-    - `grid`: `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the
-      first parameter is the threshold.
+    - `grid`: `ParameterGrid`, or `FunctionModel` for other parameters and outcomes; its first parameter is
+      the threshold.
     - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
     >>> from tactometry.protocols.bayesian.parameter_grid import ParameterGrid

@@ -4,7 +4,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from statistics import fmean, stdev
+from statistics import stdev
 from typing import NamedTuple
 
 import numpy as np
@@ -258,20 +258,9 @@ class StaircaseRun(SteppingRun[UpDown]):
         """Responses in a row of one kind since the last move: above 0 correct, below 0 wrong."""
         return int(self.state[2])
 
-    def mean_of_reversals(self, *, discard: int = DISCARDED) -> float | None:
-        """Return the mean of the reversals without the first `discard`, made even in number.
-
-        None if there are fewer than two of them or the run is censored.
-        """
-        kept = self._late_reversals(discard)
-        censored = self.ending in ("censored_above", "censored_below")
-        return None if censored or len(kept) < 2 else fmean(kept)
-
-    def _late_reversals(self, discard: int = DISCARDED) -> tuple[float, ...]:
-        return self.reversals[discard + (len(self.reversals) - discard) % 2 :]  # as many peaks as valleys
-
     def _estimate(self) -> RuleThreshold:
-        kept = self._late_reversals()
+        n_left = DISCARDED + (len(self.reversals) - DISCARDED) % 2  # as many peaks as valleys
+        kept = self.reversals[n_left:]
         if len(kept) < 2:
             return RuleThreshold(note=f"too few reversals: {len(self.reversals)} {self.rule.point}")
         return RuleThreshold(self._threshold(), stdev(kept), len(kept), f"mean of reversals {self.rule.point}")

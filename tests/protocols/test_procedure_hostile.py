@@ -13,7 +13,7 @@ import numpy as np
 import tactometry.protocols as room
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import QuestPlus, QuestPlusSettings, psi
-from tactometry.protocols.bayesian.outcome_model import FunctionModel, TableModel
+from tactometry.protocols.bayesian.outcome_model import FunctionModel
 from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.quest_plus import SharedQuestPlus
 from tactometry.protocols.bayesian.settings import PsiSettings
@@ -56,7 +56,6 @@ VALID = (
     Measurement(), Practice((10.0, 20.0)), SMALL.grid, SETTINGS, BlockOptions(), Inquiry(load_form("sus")),
     PsiSettings(0.0, 40.0, 5, 1.0, 8.0, 2), SharedQuestPlus(SMALL, ("first", "second")),
     FunctionModel({"bias": (0.25, 0.75)}, 2, coin),
-    TableModel({"bias": (0.25, 0.75)}, (0.0, 1.0), np.array([[[0.75, 0.25]] * 2, [[0.25, 0.75]] * 2])),
     catalogue.block("yes_no", "constant_stimuli"),
 )  # fmt: skip
 CALLS = {

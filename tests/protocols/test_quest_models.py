@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import QuestPlus, QuestPlusSettings
-from tactometry.protocols.bayesian.outcome_model import FunctionModel, TableModel
+from tactometry.protocols.bayesian.outcome_model import FunctionModel
 from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.settings import PsiSettings, grid_values
 from tactometry.psychometric import PsychometricFunction
@@ -125,15 +125,6 @@ def test_three_outcome_rule_recovers_true_centre():
             rule = rule.after(int(rng.choice(3, p=chances)))
         found.append(rule.mean("centre"))
     assert abs(np.mean(found) - 6.0) <= 3.89 * np.std(found) / math.sqrt(len(found)) + 0.05
-
-
-def test_table_model_interpolates_linearly_between_levels():
-    table = np.stack([[np.exp(GRID.log_likelihood(x, r)).reshape(21, 3, 1, 3) for x in LEVELS] for r in (0, 1)])
-    model = TableModel(GRID.parameters, LEVELS, table)
-    np.testing.assert_allclose(*(QuestPlus(LEVELS, each).begin().expected_loss() for each in (model, GRID)))
-    between = 0.25 * table[1, 3] + 0.75 * table[1, 4]
-    level = 0.25 * LEVELS[3] + 0.75 * LEVELS[4]
-    np.testing.assert_allclose(np.exp(model.log_likelihood(level, 1)), between.ravel(), rtol=1e-12)
 
 
 def test_weibull_on_log_levels_equals_gumbel():
@@ -263,10 +254,6 @@ def summing_to(total):
             lambda: QuestPlus(LEVELS, GRID).begin().marginal("slope"),
             "QuestPlus.marginal: found 'slope', expected one of",
         ),
-        (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.ones((2, 3, 1))), r"TableModel.table: found the shape"),
-        (lambda: TableModel({"a": (1.0,)}, (1.0, 0.0), np.full((2, 2, 1), 0.5)), "expected rising levels"),
-        (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.full((2, 2, 1), 0.4)), "add up to 0.8"),
-        (lambda: half_table().log_likelihood(2.0, 1), "found the level 2, expected one from 0 to 1"),
         (lambda: ParameterGrid((0.0,), (1.0,), shape="weibull"), r"ParameterGrid.thresholds\[0\]: found 0.0"),
         (
             lambda: ParameterGrid((1.0,), (1.0,), shape="weibull").log_likelihood(-1.0, 1),
@@ -289,10 +276,6 @@ def summing_to(total):
 def test_invalid_model_is_refused(build, message):
     with pytest.raises(InvalidParameter, match=message):
         build()
-
-
-def half_table():
-    return TableModel({"a": (1.0,)}, (0.0, 1.0), np.full((2, 2, 1), 0.5))
 
 
 @pytest.mark.parametrize(
