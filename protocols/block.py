@@ -71,10 +71,7 @@ class Block:
 
 
 def run_block(block: Block, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
-    """Run a block until every track has ended.
-
-    Returns the tracks and the number of the next trial.
-    """
+    """Run a block until every track ends; return the tracks and next trial."""
     state = begun = BlockState(block.options, block.tracks, first_trial)
     catches = [catch_schedule(block.catch_rate, rng) for _ in block.tracks]
     turn = turns(block.options.interleaving, rng)
@@ -151,10 +148,7 @@ def _without(
 def _record_rows(
     block: Block, number: int, slot: Slot, outcome: TrialOutcome, before: BlockState, after: BlockState
 ) -> Course[tuple[Intervention, ...]]:
-    """Record the rows of a presentation, the last with what it aborts, and give feedback.
-
-    Returns what the experimenter wanted meanwhile.
-    """
+    """Record rows, show feedback, and return the interventions meanwhile."""
     track = before.tracks[slot.track]
     *rows, last = (trial_row(block, number, slot, track, outcome, reply) for reply in outcome.replies or (Reply(),))
     pages: list[Record | Show] = [*map(Record, rows), Record(last, _abortion(number, before, after))]
@@ -181,10 +175,7 @@ def _abortion(number: int, before: BlockState, after: BlockState) -> str | None:
 
 
 def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: TrialOutcome, reply: Reply) -> Trial:
-    """Return the row of a reply.
-
-    If no touch's level counts, the first touch represents the trial.
-    """
+    """Return the row of a reply; its touch is the one whose level counts."""
     touch = outcome.stimulus or next(iter(outcome.touches), UNTOUCHED)
     is_catch, answer = slot.level is None, reply.answer
     return Trial(

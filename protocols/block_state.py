@@ -146,19 +146,13 @@ class BlockState:
         return [n for n in going if n in owed or not self.tracks[n].procedure.finished]
 
     def due(self, index: int) -> Slot | None:
-        """Return the presentation of a track that must be repeated now.
-
-        It is repeated at once, or at the end of a fixed order.
-        """
+        """Return the presentation to repeat now, or at the end of a fixed order."""
         procedure = self.tracks[index].procedure
         owed = (slot for slot in self.again if slot.track == index)
         return next(owed, None) if isinstance(procedure, FixedOrder) == procedure.finished else None
 
     def after(self, slot: Slot, outcome: TrialOutcome | None) -> "BlockState":
-        """Return the state after a presentation.
-
-        A presentation without an outcome was withdrawn and is repeated.
-        """
+        """Return the state after a presentation; None means it was withdrawn."""
         state = replace(
             self,
             again=tuple(other for other in self.again if other.trial != slot.trial),

@@ -125,10 +125,7 @@ def _step(
 
 
 def _arrays(numbers: Numbers) -> tuple[Any, ...]:
-    """Convert each sequence to an array.
-
-    Otherwise numba would compile anew for each length of a tuple.
-    """
+    """Convert sequences to arrays: numba compiles anew for each tuple length."""
     arrays = [np.array(value, dtype=np.float64) if isinstance(value, tuple) else value for value in numbers]
     return type(numbers)(*arrays) if arrays else ()
 

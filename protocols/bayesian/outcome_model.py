@@ -37,10 +37,7 @@ class Likelihoods(Protocol):
 
 @runtime_checkable
 class OutcomeModel(Protocol):
-    """Combinations of parameters as cells in C order.
-
-    The first parameter is the threshold.
-    """
+    """Combinations of parameters, cells in C order, the threshold first."""
 
     @property
     def parameters(self) -> Mapping[str, tuple[float, ...]]: ...
@@ -136,10 +133,7 @@ class FunctionModel:
 
 
 def tabulate(model: OutcomeModel, levels: Sequence[float]) -> DenseLikelihoods:
-    """Tabulate a model at some levels.
-
-    The probabilities of all outcomes must add up to 1.
-    """
+    """Tabulate a model at some levels; refuse chances that do not add up to 1."""
     rows = [[np.exp(model.log_likelihood(level, outcome)) for level in levels] for outcome in range(model.n_outcomes)]
     table = np.array(rows).reshape(model.n_outcomes, len(levels), *size(model))
     for n, level in enumerate(levels):

@@ -64,10 +64,7 @@ def entropies(log_weights: Array, weights: Array) -> Array:
 
 
 def judged(rule: "WeighingRule", weights: Array, n_answers: int) -> tuple[Array, Array, NDArray[np.int8]]:
-    """Return mean and standard deviation of the threshold and codes of endings, each (n_sets,).
-
-    Weights are (n_sets, n_cells).
-    """
+    """Return mean, SD and ending of each row of weights (n_sets, n_cells)."""
     values = rule.thresholds
     marginals = weights.reshape(len(weights), len(values), -1).sum(axis=2)
     mean = marginals @ values
@@ -86,10 +83,7 @@ def judged(rule: "WeighingRule", weights: Array, n_answers: int) -> tuple[Array,
 
 
 class WeighingRule(Rule[Any]):
-    """Settings of a rule that weighs a grid of parameters.
-
-    It ends after `n_trials`, or at a posterior standard deviation of `sd_stop`.
-    """
+    """Settings of a rule that weighs parameters until `n_trials` or `sd_stop`."""
 
     sd_stop: float | None
     learns_from_easy = True
@@ -127,10 +121,7 @@ RuleT = TypeVar("RuleT", bound=WeighingRule)
 
 @dataclass(frozen=True, eq=False)
 class WeighingRun(Run[RuleT]):
-    """A run with the weights of all cells (`state`).
-
-    `contradicted` is True if no cell allows the last answer.
-    """
+    """A run with weights; `contradicted` if no cell allows the last answer."""
 
     state: Posterior = field(kw_only=True, repr=False)
     contradicted: bool = False

@@ -93,26 +93,17 @@ class Procedure(ABC):
         return self.estimate.level
 
     def learning_from(self, other: "Procedure") -> Self:
-        """Return this procedure after an answer on another track.
-
-        Returns itself if the two share nothing.
-        """
+        """Return this procedure after an answer on another track, or itself."""
         del other
         return self
 
 
 class FixedOrder(Procedure):
-    """A procedure whose order is independent of responses.
-
-    It can leave out a level that the block presents later.
-    """
+    """A procedure whose order no response changes; it can leave out a level."""
 
     @abstractmethod
     def skip(self) -> "FixedOrder":
-        """Return the procedure at the next presentation.
-
-        The block repeats the present one later.
-        """
+        """Return the procedure at the next presentation; this one comes later."""
 
     @abstractmethod
     def take(self, response: int | bool) -> "FixedOrder":

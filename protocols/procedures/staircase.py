@@ -60,10 +60,7 @@ def _level(numbers: StaircaseNumbers, order: Order, state: State) -> float:
 def _after(
     numbers: StaircaseNumbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
 ) -> tuple[State, float]:
-    """Step from the delivered level and mark reversals.
-
-    A step beyond a bound counts as pinned.
-    """
+    """Step from the delivered level; mark reversals and steps beyond a bound."""
     low, high = numbers.low, numbers.high
     _, last, streak, n_reversals, n_pinned = state
     level = levels[-1]

@@ -42,10 +42,7 @@ class Presentation:
 
 @dataclass(frozen=True)
 class Reply:
-    """Cells of an answer.
-
-    Without a response it was left open; without an answer the question was not asked.
-    """
+    """Cells of an answer; without a response the question was left open."""
 
     answer: Answer | None = None
     response: float | None = None

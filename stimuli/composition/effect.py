@@ -28,10 +28,7 @@ def note(words: str, *names: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Size:
-    """The settings of a stage for a tolerated error, its remaining error, and its work.
-
-    `n_operations` is the predicted number of floating-point operations of one run.
-    """
+    """Settings of a stage for an error, the error left, and operations a run."""
 
     settings: Mapping[str, Setting] = field(default_factory=dict)
     error: float = 0.0
@@ -246,10 +243,7 @@ class Effect:
 
 
 def is_changed(quantity: str, scene: Surroundings) -> bool:
-    """Return True if an effect changes a quantity that another stage makes.
-
-    No shortcut may then bypass that quantity.
-    """
+    """Return True if an effect changes a quantity, which bars shortcuts."""
     return any(quantity in effect.reads and effect.gives == quantity for effect in scene.effects)
 
 
@@ -332,10 +326,7 @@ class Surface:
         return tuple(replace(stage, effect=effect.kind) for stage in stages)
 
     def cure(self, quantity: str) -> str:
-        """Describe which effect provides a quantity, or return "".
-
-        Imports all effects.
-        """
+        """Describe which effect provides a quantity, or return ""."""
         cures = (resolve(target).cures for target in self.effects.values())
         return next((of_effect[quantity] for of_effect in cures if quantity in of_effect), "")
 

@@ -78,10 +78,7 @@ def content_of(scene: Surroundings) -> VoltageContent:
 
 
 def _terms(scene: Surroundings) -> tuple[float, float]:
-    """Return factors of the squared step (curvature) and step (kinks).
-
-    Only a lossy skin shows kinks.
-    """
+    """Return factors of the squared step (curvature) and the step (kinks)."""
     content = content_of(scene)
     skin = scene.surface
     insulator_m = skin.insulator_thickness_m / skin.insulator_permittivity + content.gap_m
@@ -101,10 +98,7 @@ def _terms(scene: Surroundings) -> tuple[float, float]:
 
 
 def _ramp_end_per_s2(ramp_s: float, leak_per_s: float, leak_of_tone: float, constant: float) -> float:
-    """Return the curvature of the force over its peak after a ramp.
-
-    0 without ramps or losses.
-    """
+    """Return the force's curvature over its peak after a ramp."""
     if not (ramp_s and leak_per_s):
         return 0.0
     return (pi / ramp_s) ** 2 / 2 * (hypot(1.0, leak_of_tone) * (1 + 2 * constant) + 1)

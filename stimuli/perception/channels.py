@@ -91,10 +91,7 @@ def _within(frequencies_hz: FloatArray) -> IntArray:
 
 @lru_cache(maxsize=64)
 def _weights(lines_hz: bytes) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return indices, frequencies and sensitivities of perceptible lines.
-
-    Cached, since a signal under several fingers has the same frequencies each time.
-    """
+    """Return indices, frequencies and sensitivities of perceptible lines."""
     frequencies_hz = np.frombuffer(lines_hz)
     within = _within(frequencies_hz)
     f_hz = frequencies_hz[within]

@@ -61,10 +61,7 @@ class Plan:
         _ = self._program
 
     def timed(self, given: Mapping[str, Any]) -> tuple[float, ...]:
-        """Measure the time (s) of each stage in a separate run.
-
-        A first run includes imports.
-        """
+        """Measure the time (s) of each stage in a separate run, imports included."""
         values = dict(given)
         times: list[float] = []
         for stage in self.stages:
@@ -271,10 +268,7 @@ def loads_n(plan: Plan) -> FloatArray:
 
 
 def is_linear(plan: Plan) -> bool:
-    """Return True if the plate moves in proportion to the voltage.
-
-    False if a contact opens and closes.
-    """
+    """Return True if the plate moves in proportion to the voltage."""
     return not any(stage.gives == MOVED and "voltage_v" in stage.needs for stage in plan.stages)
 
 

@@ -128,10 +128,7 @@ class Scene:
 
     @cached_property
     def _of_signal(self) -> OfSignal:
-        """Return a function from signals and contacts to cached levels.
-
-        The stages that do not depend on the contact run once for a signal.
-        """
+        """Return a function from signals and contacts to levels, cached by signal."""
         felt = self.felt()
         early, rest = parted(felt.resolve(), "contact")
 

@@ -69,10 +69,7 @@ def relax(low: int, high: int, slope: float, phases: Phases, at: int, free: Floa
 
 @compiled
 def states(heights: Heights, plan: DrivenPlan) -> FloatArray:
-    """Return the states of a circuit, (n_states, n_nodes).
-
-    They are in the order of `Circuit`. Each inner loop runs over the nodes of a piece.
-    """
+    """Return the states of a circuit in the order of `Circuit`, (n, n_nodes)."""
     phases, first = plan.phases, plan.first
     n_relax, n_turns = len(phases.decay), phases.turns.shape[1]
     slope_at = n_relax + (1 if plan.has_line else 0)

@@ -14,10 +14,7 @@ DECAYED = 40.0
 
 
 class Heights(NamedTuple):
-    """Value and slope per piece of a voltage, and sinusoids.
-
-    The sinusoids have the shape (n_pieces, n_turns).
-    """
+    """Value, slope and sinusoids (n_pieces, n_turns) of a voltage per piece."""
 
     offsets: FloatArray
     slopes: FloatArray
@@ -68,10 +65,7 @@ def phases(pieces: Pieces, relaxations: Relaxations, nodes: FloatArray) -> Phase
 
 
 def moving(since: FloatArray, relaxations: Relaxations) -> NDArray[np.bool_]:
-    """Return which relaxations still move after each node.
-
-    The shape is (n_nodes, n_relax). A decay has ended at its last node.
-    """
+    """Return which relaxations move after each node, (n_nodes, n_relax)."""
     return np.asarray(since[:, None] * np.array(relaxations.rates_per_s) < DECAYED * (1 - 1e-9))
 
 

@@ -100,10 +100,7 @@ def _slope(c: FloatArray, x: float) -> float:
 
 @compiled
 def _falls(c: FloatArray) -> float:
-    """Return the first place in (0, 1] where the polynomial is below 0.
-
-    Searched at `N_LOOKS` places; 2 if there is none.
-    """
+    """Return the first place in (0, 1] with a polynomial below 0, or 2."""
     low = 0.0
     for look in range(1, N_LOOKS + 1):
         high = look / N_LOOKS
@@ -191,10 +188,7 @@ def _stick_series(skin: SkinState, contact: ContactConstants, h: float, series: 
 def _breaks_loose(
     skin: SkinState, contact: ContactConstants, h: float, stretch: FloatArray, limit: FloatArray
 ) -> float:
-    """Return when the friction of a stuck finger passes the limit.
-
-    The friction is ``k s + c V``; the time is in units of `h`.
-    """
+    """Return when friction ``k s + c V`` passes its limit, in units of `h`."""
     asked = contact.stiffness_n_per_m * stretch
     asked[0] += contact.damping_n_s_per_m * skin.rate_m_per_s
     asked[1] += contact.damping_n_s_per_m * contact.acceleration_m_per_s2 * h
@@ -256,10 +250,7 @@ def _after(skin: SkinState, stretch: FloatArray, reached: float, unit_s: float, 
 
 @compiled
 def _change(skin: SkinState, contact: ContactConstants, events: FloatArray, n: int) -> SkinState:
-    """Record event n and return the state after slip or stick ends.
-
-    The skin is then as fast as the finger. It slips in the direction of the friction.
-    """
+    """Record event n; return the skin at the finger's speed in its new state."""
     direction = 0.0 if skin.direction != 0 else (1.0 if _holding_friction(skin, contact) > 0 else -1.0)
     events[n, 0], events[n, 1] = skin.time_s, direction
     return SkinState(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
@@ -303,10 +294,7 @@ def _go_on(circuit: CircuitState, layers: Layers, series: Series, reached: float
 
 @compiled
 def _next_event(skin: SkinState, contact: ContactConstants, h: float, series: Series, limit: FloatArray) -> float:
-    """Return the series of the skin over a step, and its next event.
-
-    The event is in units of `h`; 2 if there is none.
-    """
+    """Return the skin's series over a step, and its event (2: none) over `h`."""
     if skin.direction == 0:
         _stick_series(skin, contact, h, series)
         return _breaks_loose(skin, contact, h, series.stretch, limit)

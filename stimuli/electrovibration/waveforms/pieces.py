@@ -266,10 +266,7 @@ class Corners:
 
     @property
     def is_antisymmetric(self) -> bool:
-        """True if the value changes sign after half a period.
-
-        The frequency of its square is then doubled.
-        """
+        """True if the sign changes after half a period, which doubles the square."""
         middles = np.concatenate([self.phases, np.mod(np.add(self.phases, 0.5), 1.0), [0.0, 1.0]])
         middles = np.unique(middles)
         probe = (middles[1:] + middles[:-1]) / 2

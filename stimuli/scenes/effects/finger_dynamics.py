@@ -81,10 +81,7 @@ class FingerDynamics(Effect):
         return motion, *courses, felt
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return the stages of the time course under the true area.
-
-        A moving pad is not proportional to the attraction.
-        """
+        """Return the stages of the course: a pad is not linear in the attraction."""
         *course, _ = (replace(stage, size=None) for stage in self.stages(scene))
         return *course, spectrum_of_record("skin_spectrum", "skin_displacement_m", "skin_components"), of_true_area()
 

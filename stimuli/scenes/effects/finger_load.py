@@ -74,10 +74,7 @@ class FingerLoad(Effect):
         )
 
     def impedance_ratio(self, scene: Surroundings) -> float:
-        """Return the impedance of all fingers over that of the infinite plate.
-
-        At the top of the band.
-        """
+        """Return the fingers' impedance over the plate's at the top of the band."""
         surface = scene.surface
         omega = 2 * pi * surface.f_max_hz
         one = self.resistance_n_s_per_m + self.mass_kg * omega + self.stiffness_n_per_m / omega

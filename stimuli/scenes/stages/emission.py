@@ -114,10 +114,7 @@ def emit(learnt: Responses, rule: Quantiser) -> EmittedSignal:
 
 
 def in_band(emission: EmittedSignal, f_max_hz: float, flank_hz: float, margin_s: float) -> EmittedSignal:
-    """Return the zero-phase band-limited part of an emission.
-
-    Ringing before and after it fades over `margin_s`.
-    """
+    """Return the zero-phase band-limited emission, `margin_s` longer."""
     wide = through(emission, Band(0.0, f_max_hz, flank_hz), margin_s)
     rise = np.sin(np.linspace(0, np.pi / 2, round(margin_s * emission.rate_hz))) ** 2
     flat = np.ones(emission.samples.shape[1])

@@ -50,10 +50,7 @@ class Cut:
 
 @dataclass(frozen=True)
 class Tail:
-    """Error of truncating modes at q times the band: `size` over q.
-
-    Above a root of q of `turning` it falls faster.
-    """
+    """Truncation error at q times the band: `size` / q, faster past `turning`."""
 
     size: float
     turning: float

@@ -129,10 +129,7 @@ class Design:
 
     @property
     def reverberation(self) -> Reverberation:
-        """Reverberation of the modes as the patches weight them.
-
-        N_eff = n_f (integral of W^2)^2 / integral of W^4.
-        """
+        """N_eff = n_f (integral of W^2)^2 / integral of W^4, of weighted modes."""
         return Reverberation(
             self.transducers.n, effective_hz(*self._weighting), self.tau_s, self.reversal_s, self.plate.modal_density_s
         )

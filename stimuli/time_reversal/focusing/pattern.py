@@ -213,10 +213,7 @@ def pattern_drive(
 
 @checked
 def reversed_waveforms(foci: Responses, rows: Sequence[int], reversal_s: float | None) -> dict[int, FloatArray]:
-    """Return the unquantised reversed waveform of each row with foci.
-
-    Each has the shape (n_channels, n_reversal).
-    """
+    """Return the reversed waveform (n_channels, n_reversal) of each row."""
     return {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
 
 

@@ -98,10 +98,7 @@ def _creeping_input(omega: FloatArray, a: FloatArray, split: FloatArray, step_s:
 
 
 def _exponential_input(omega: float, a: float, step_s: float) -> FloatArray:
-    """Return the force weights of a step from a matrix exponential.
-
-    The state contains the force and its slope, in units of the step.
-    """
+    """Return a step's force weights from a matrix exponential with the force."""
     from scipy.linalg import expm
 
     w, d = omega * step_s, a * step_s

@@ -39,10 +39,7 @@ class ParityBlock:
 
 @lru_cache(maxsize=16)
 def solve(rectangle: Rectangle, wavenumber2_max_per_m2: float, degrees: tuple[int, int]) -> Sequence[ParityBlock]:
-    """Return the Ritz modes up to a squared wavenumber, by pair of parities.
-
-    The last solutions are kept: frequencies and shapes are often asked for one after the other.
-    """
+    """Return the Ritz modes up to a squared wavenumber; the last are cached."""
     blocks = [
         _block(rectangle, wavenumber2_max_per_m2, on_x, on_y, degrees) for on_x, on_y in pairs(rectangle, degrees)
     ]

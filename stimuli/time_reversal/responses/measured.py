@@ -138,10 +138,7 @@ def _pairs(bad: NDArray[np.bool_] | np.bool_) -> tuple[tuple[int, int], ...]:
 
 
 def _left_of_decay(pairs: FloatArray) -> float:
-    """Return the share of its loudest tenth at which a pair may end.
-
-    0 if no decay can be measured.
-    """
+    """Return the share of its loudest tenth at which a pair may end, or 0."""
     size = pairs.shape[1] // N_BLOCKS if len(pairs) else 0
     if size == 0:
         return 0.0

@@ -175,10 +175,7 @@ class FingersSensation:
 
 @checked
 def check_fingers(where: str, setup: Setup, places: Mapping[str, Place], fingers: tuple[str, ...]) -> None:
-    """Refuse fingers without a place or closer than a fingertip's width.
-
-    Without names, fingers rest on every place.
-    """
+    """Refuse fingers without a place or closer than a fingertip's width."""
     distinct(where, fingers, "each place once: two fingers do not fit on one")
     at_m = {name: lookup(where, name, places).on(setup) for name in fingers or places}
     for name, other in combinations(at_m, 2):
