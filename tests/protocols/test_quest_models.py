@@ -242,37 +242,25 @@ def summing_to(total):
         (lambda: QuestPlus((0.0, 1.0), summing_to(0.9)), "at level 0 that add up to 0.9, expected 1 over all outcomes"),
         (lambda: FunctionModel({}, 2, similarity), "FunctionModel.parameters: found none"),
         (lambda: FunctionModel({"a": ()}, 2, similarity), r"FunctionModel.parameters\['a'\]: found none"),
-        (
-            lambda: FunctionModel({"a": (1.0,)}, 1, similarity),
-            "FunctionModel.n_outcomes: found 1, expected a whole number, at least 2",
-        ),
+        (lambda: FunctionModel({"a": (1.0,)}, 1, similarity),
+         "FunctionModel.n_outcomes: found 1, expected a whole number, at least 2"),
         (lambda: QuestPlus((0.0, 5.0), THREE).after(3), "found the response 3, expected a whole number from 0 to 2"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"slope": (1.0,)}), "QuestPlus.prior: found 'slope', expected"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"width": (1.0,)}), r"QuestPlus.prior\['width'\]: found 1 weights"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"width": (0.0,) * 3}), "expected 3 finite numbers from 0, not all 0"),
-        (
-            lambda: QuestPlus(LEVELS, GRID).begin().marginal("slope"),
-            "QuestPlus.marginal: found 'slope', expected one of",
-        ),
+        (lambda: QuestPlus(LEVELS, GRID).begin().marginal("slope"),
+         "QuestPlus.marginal: found 'slope', expected one of"),
         (lambda: ParameterGrid((0.0,), (1.0,), shape="weibull"), r"ParameterGrid.thresholds\[0\]: found 0.0"),
-        (
-            lambda: ParameterGrid((1.0,), (1.0,), shape="weibull").log_likelihood(-1.0, 1),
-            "ParameterGrid: found the level -1, expected levels from 0 on",
-        ),
-        (
-            lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, spacing="log").procedure(),
-            "QuestPlusSettings.low: found 0, expected above 0",
-        ),
-        (
-            lambda: QuestPlusSettings(1.0, 0.0, 11, 1.0, 2.0).procedure(),
-            "QuestPlusSettings.low: found 1, expected less than high",
-        ),
-        (
-            lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, width_prior_factor=1.0).procedure(),
-            "QuestPlusSettings.width_prior_factor: found 1.0, expected a number above 1",
-        ),
+        (lambda: ParameterGrid((1.0,), (1.0,), shape="weibull").log_likelihood(-1.0, 1),
+         "ParameterGrid: found the level -1, expected levels from 0 on"),
+        (lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, spacing="log").procedure(),
+         "QuestPlusSettings.low: found 0, expected above 0"),
+        (lambda: QuestPlusSettings(1.0, 0.0, 11, 1.0, 2.0).procedure(),
+         "QuestPlusSettings.low: found 1, expected less than high"),
+        (lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, width_prior_factor=1.0).procedure(),
+         "QuestPlusSettings.width_prior_factor: found 1.0, expected a number above 1"),
     ],
-)
+)  # fmt: skip
 def test_invalid_model_is_refused(build, message):
     with pytest.raises(InvalidParameter, match=message):
         build()

@@ -83,44 +83,25 @@ def test_force_frequency_is_strongest_slow_component(
         (Sine, {"frequency_hz": 0.0}, "Sine.frequency_hz: found 0.0, expected a finite number above 0"),
         (Sine, {"frequency_hz": np.nan}, "Sine.frequency_hz: found nan, expected a finite number above 0"),
         (Sine, {"frequency_hz": "60"}, "Sine.frequency_hz: found '60', expected a finite number above 0"),
-        (
-            Sine,
-            {"frequency_hz": 10_000.0},
-            "Sine.frequency_hz: found 10000.0 Hz, expected less than half of rate_hz "
-            "(10000.0 Hz); lower the frequency or raise rate_hz",
-        ),
+        (Sine, {"frequency_hz": 10_000.0},
+         "Sine.frequency_hz: found 10000.0 Hz, expected less than half of rate_hz (10000.0 Hz); lower the "
+         "frequency or raise rate_hz"),
         (Sine, {"duration_s": -1.0}, "Sine.duration_s: found -1.0, expected a finite number above 0"),
-        (
-            Sine,
-            {"duration_s": 1e-6},
-            "Sine.duration_s: found 1e-06 s, expected at least one sample at 20000.0 Hz",
-        ),
-        (
-            Sine,
-            {"duration_s": 0.08},
-            "Sine.ramp_s: found 0.05 s on and off, expected at most half of the duration of 0.08 s; shorten the ramp",
-        ),
+        (Sine, {"duration_s": 1e-6}, "Sine.duration_s: found 1e-06 s, expected at least one sample at 20000.0 Hz"),
+        (Sine, {"duration_s": 0.08},
+         "Sine.ramp_s: found 0.05 s on and off, expected at most half of the duration of 0.08 s; shorten the ramp"),
         (Sine, {"level_unit": "dB"}, "Sine.level_unit: found 'dB', expected one of dB re 1 V, V"),
-        (
-            AmplitudeModulated,
-            {"carrier_hz": 100.0},
-            "AmplitudeModulated.carrier_hz: found 100.0 Hz, expected at least twice the programmed frequency "
-            "(120.0 Hz); raise the carrier or lower frequency_hz",
-        ),
-        (
-            AmplitudeModulated,
-            {"carrier_hz": 12e3},
-            "AmplitudeModulated.carrier_hz: found 12000.0 Hz, expected less than half of rate_hz "
-            "(10000.0 Hz); lower the frequency or raise rate_hz",
-        ),
-        (
-            AmplitudeModulated,
-            {"modulation": "fulll"},
-            "AmplitudeModulated.modulation: found 'fulll', expected one of square_root, full, "
-            "suppressed_carrier; did you mean 'full'?",
-        ),
+        (AmplitudeModulated, {"carrier_hz": 100.0},
+         "AmplitudeModulated.carrier_hz: found 100.0 Hz, expected at least twice the programmed frequency (120.0 "
+         "Hz); raise the carrier or lower frequency_hz"),
+        (AmplitudeModulated, {"carrier_hz": 12e3},
+         "AmplitudeModulated.carrier_hz: found 12000.0 Hz, expected less than half of rate_hz (10000.0 Hz); lower "
+         "the frequency or raise rate_hz"),
+        (AmplitudeModulated, {"modulation": "fulll"},
+         "AmplitudeModulated.modulation: found 'fulll', expected one of square_root, full, suppressed_carrier; did "
+         "you mean 'full'?"),
     ],
-)
+)  # fmt: skip
 def test_a_bad_value_is_one_clear_sentence(kind: type, changes: dict, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         kind(**{"frequency_hz": 60.0, **changes})

@@ -267,18 +267,14 @@ def test_broken_plate_files_are_named(tmp_path, content, message):
     ("call", "message"),
     [
         (lambda: Target(contrast=-1.0), "Target.contrast: found -1.0"),
-        (
-            lambda: recommend(A4_SCREEN, Transducers(5000, 30e-3), BAND, TAU_S, Target()),
-            "Transducers: found 5000 patches of 30 mm, expected at most 28",
-        ),
-        (
-            lambda: recommend(A4_SCREEN, Transducers(1, 0.5), BAND, TAU_S, Target()),
-            "Transducers: found 1 patches of 500 mm, expected at most 0",
-        ),
+        (lambda: recommend(A4_SCREEN, Transducers(5000, 30e-3), BAND, TAU_S, Target()),
+         "Transducers: found 5000 patches of 30 mm, expected at most 28"),
+        (lambda: recommend(A4_SCREEN, Transducers(1, 0.5), BAND, TAU_S, Target()),
+         "Transducers: found 1 patches of 500 mm, expected at most 0"),
         (lambda: Transducers(0), "Transducers.n: found 0, expected a finite number above 0"),
         (lambda: recommend(A4_SCREEN, Transducers(), BAND, 0.0, Target()), "recommend.tau_s: found 0.0"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_refused_in_one_sentence(call, message):
     with pytest.raises(InvalidParameter) as caught:
         call()

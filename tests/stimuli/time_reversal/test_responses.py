@@ -247,38 +247,25 @@ def test_frequency_dependent_attenuation_shortens_the_high_notes():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (
-            lambda: impulse_responses(A4_PROTOTYPE, [(0.4, 0.1)], **FAST),
-            "points[0]: found (0.4, 0.1) m, expected a point",
-        ),
+        (lambda: impulse_responses(A4_PROTOTYPE, [(0.4, 0.1)], **FAST),
+         "points[0]: found (0.4, 0.1) m, expected a point"),
         (lambda: impulse_responses(A4_PROTOTYPE, [], **FAST), "points: found none"),
-        (
-            lambda: impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **{**FAST, "f_max_hz": 25.1e3}),
-            "f_max_hz: found 25100.0, above the Nyquist frequency 25000.0",
-        ),
+        (lambda: impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **{**FAST, "f_max_hz": 25.1e3}),
+         "f_max_hz: found 25100.0, above the Nyquist frequency 25000.0"),
         (lambda: samples_in("duration_s", 1e9, 1e3), "duration_s: found 1000000000.0 s at 1000.0 Hz, expected at most"),
         (lambda: Screen(A4_SCREEN, (), Attenuation(1e-3)), "Screen.sources: found none"),
-        (
-            lambda: Screen(A4_SCREEN, (Patch(0.0, 0.1, 0.01, 0.01),), Attenuation(1e-3)),
-            "Screen.sources[0]: found a transducer",
-        ),
+        (lambda: Screen(A4_SCREEN, (Patch(0.0, 0.1, 0.01, 0.01),), Attenuation(1e-3)),
+         "Screen.sources[0]: found a transducer"),
         (lambda: Attenuation(0.0), "Attenuation.tau_s: found 0.0"),
         (lambda: border(A4_SCREEN, 0), "border.n_transducers: found 0, expected a whole number, at least 1"),
-        (
-            lambda: Responses(np.full((1, 1, 3), np.nan), 1e3),
-            "Responses.samples[0, 0, 0]: found nan, expected a finite",
-        ),
+        (lambda: Responses(np.full((1, 1, 3), np.nan), 1e3),
+         "Responses.samples[0, 0, 0]: found nan, expected a finite"),
         (lambda: Responses(np.zeros((1, 0, 3)), 1e3), "Responses.samples: found shape (1, 0, 3)"),
-        (
-            lambda: Responses(np.zeros((1, 1, 3)), 1e3, "jerk"),
-            "Responses.quantity: found 'jerk', expected one of",
-        ),
-        (
-            lambda: impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=0.0, duration_s=1.0, f_max_hz=1.0),
-            "sampling.rate_hz: found 0.0",
-        ),
+        (lambda: Responses(np.zeros((1, 1, 3)), 1e3, "jerk"), "Responses.quantity: found 'jerk', expected one of"),
+        (lambda: impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=0.0, duration_s=1.0, f_max_hz=1.0),
+         "sampling.rate_hz: found 0.0"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_refused_in_one_sentence(call, message):
     with pytest.raises(InvalidParameter) as caught:
         call()
