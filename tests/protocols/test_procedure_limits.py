@@ -103,7 +103,6 @@ def test_alternating_limits_recover_the_half_point():
          "steps between them"),
         ({"direction": "up"},
          "MethodOfLimits.direction: found 'up', expected one of ascending, descending, alternating"),
-        ({"low": float("nan")}, "MethodOfLimits.low: found nan, expected a finite number"),
         ({"n_series": 0},
          "MethodOfLimits.n_series: found 0 series over 5 steps with starts up to 0 steps inwards, expected at "
          "least one series of at least two levels"),

@@ -218,6 +218,8 @@ def test_remark_explains_answers_impossible_on_grid():
         "QuestPlus.grid: found answer 0 at level 1e+200 in trial 1, which with the answers before it no cell of the "
         "grid allows, expected a grid that can; give it guess and lapse rates above 0 or a wider range"
     )
+    assert (rule.ending, rule.threshold) == ("aborted", None)
+    assert np.isfinite(rule.posterior).all()
     exact_case("an answer that no cell allows", against="one sentence")
 
 

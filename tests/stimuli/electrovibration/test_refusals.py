@@ -41,9 +41,7 @@ def stuck(n_events_max):
         (lambda: SINE.pieces(4000.0), "stimulus.level: found 4000.0 dB re 1 V, expected at most 240 dB"),
         (lambda: peak_voltage_v(1e20, "V"), "stimulus.level: found 1e\\+20 V, expected at most 1e\\+12 V"),
         (lambda: Skin(corneum_resistivity_ohm_m=1e-300), "found 1e-300, expected 0 \\(a conductor\\) or a number from"),
-        (lambda: Skin(corneum_resistivity_ohm_m="a"), "found 'a', expected 0"),
         (lambda: Skin(insulator_thickness_m=1e-200), "found 1e-200, expected a number from 1e-20 to 1e\\+09"),
-        (lambda: CoulombFriction().modulation_n([np.nan], 1.0), "electrostatic_n.*found nan, expected a finite number"),
         (lambda: stuck(-1), "n_events_max: found -1, expected a whole number"),
         (lambda: stuck(1.5), "n_events_max: found 1.5, expected a whole number"),
         (

@@ -2,25 +2,15 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import AmplitudeModulated, Sine
-from tactometry.stimuli.perception.detection import components
 
 STIMULI = [
     Sine(frequency_hz=60.0),
     Sine(frequency_hz=333.3, ramp_s=0.0, phase_rad=1.0, duration_s=0.01),
     *(AmplitudeModulated(frequency_hz=60.0, modulation=m) for m in ("square_root", "full", "suppressed_carrier")),
 ]
-
-
-@pytest.mark.parametrize("stimulus", STIMULI)
-@given(level=st.floats(-200, 240))
-def test_no_sample_passes_the_peak_of_the_level(stimulus: Sine | AmplitudeModulated, level: float) -> None:
-    signal = stimulus.at(level)
-    assert signal.peak <= 10 ** (level / 20)
-    assert signal.peak >= 0.9 * 10 ** (level / 20)
 
 
 @pytest.mark.parametrize("stimulus", STIMULI)
@@ -67,22 +57,9 @@ def test_components_of_a_squared_sine_with_and_without_offset() -> None:
         np.testing.assert_allclose(spectrum[[0, 100, 200]] * [1, 2, 2], expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("stimulus", [s for s in STIMULI if s.duration_s == 1.0])
-def test_force_frequency_is_strongest_slow_component(
-    stimulus: Sine | AmplitudeModulated,
-) -> None:
-    parts = components(stimulus.at(0.0).samples[0] ** 2, stimulus.rate_hz)
-    slow = parts.frequencies_hz < 1000
-    strongest = parts.frequencies_hz[slow][np.argmax(parts.amplitudes[slow])]
-    assert strongest == pytest.approx(stimulus.force_frequency_hz, abs=0.004)
-
-
 @pytest.mark.parametrize(
     ("kind", "changes", "message"),
     [
-        (Sine, {"frequency_hz": 0.0}, "Sine.frequency_hz: found 0.0, expected a finite number above 0"),
-        (Sine, {"frequency_hz": np.nan}, "Sine.frequency_hz: found nan, expected a finite number above 0"),
-        (Sine, {"frequency_hz": "60"}, "Sine.frequency_hz: found '60', expected a finite number above 0"),
         (Sine, {"frequency_hz": 10_000.0},
          "Sine.frequency_hz: found 10000.0 Hz, expected less than half of rate_hz (10000.0 Hz); lower the "
          "frequency or raise rate_hz"),
@@ -111,7 +88,6 @@ def test_a_bad_value_is_one_clear_sentence(kind: type, changes: dict, message: s
 @pytest.mark.parametrize(
     ("unit", "level", "message"),
     [
-        ("dB re 1 V", np.inf, "stimulus.level: found inf, expected a finite number"),
         ("dB re 1 V", 1e5, "stimulus.level: found 100000.0 dB re 1 V, expected at most 240 dB"),
         ("V", -1.0, "stimulus.level: found -1.0, expected a finite number, at least 0"),
     ],
