@@ -178,10 +178,8 @@ class Scene:
 
     def _check_outputs(self) -> None:
         for n, output in enumerate(self.outputs):
-            if output in self.surface.given:
-                raise InvalidParameter(
-                    f"outputs[{n}]: found {output!r}, which each run is given, expected what it computes; remove it"
-                )
+            expected = "what it computes; remove it"
+            expect(output not in self.surface.given, f"outputs[{n}]", f"{output!r}, which each run is given", expected)
             if not unit_of(output):
                 raise InvalidParameter(
                     f"outputs[{n}]: found {output!r}, which stages hand on to each other, expected a quantity with a "

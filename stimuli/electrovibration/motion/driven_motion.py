@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
-from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IndexArray
 from ..attraction.force import ForceForm
@@ -267,11 +266,9 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> D
 
 def _check_resolved(system: LinearSystem, longest_s: float) -> None:
     fastest_hz = float(np.abs(np.linalg.eigvals(system.matrix)).max()) / (2 * np.pi)
-    if not fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9):
-        raise InvalidParameter(
-            f"finger: found one that moves at up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
-            f"expected a product of at most {CYCLES_MAX:.0e}; take a heavier, softer or less damped finger"
-        )
+    found = f"one that moves at up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart"
+    expected = f"a product of at most {CYCLES_MAX:.0e}; take a heavier, softer or less damped finger"
+    require.expect(fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9), "finger", found, expected)
 
 
 def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[FloatArray, FloatArray]:

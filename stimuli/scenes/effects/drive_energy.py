@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
 from ...time_reversal.screen.transducer import PATCH_CAPACITANCE_F, PZ27_LOSS_TANGENT
@@ -60,11 +60,8 @@ def _strain_size(demand: Demand) -> Size:
     ratio = max(4.0, 1.01 * lost / demand.error)
     static_to_hz = ratio * surface.f_max_hz
     n = n_modes(demand, static_to_hz)
-    if n > MOST_MODES:
-        raise InvalidParameter(
-            f"energy_j: found an error of {demand.error:.2g} left, which takes {n:.2g} modes, expected at most "
-            f"{MOST_MODES:.2g}; loosen the accuracy"
-        )
+    expected = f"at most {MOST_MODES:.2g}; loosen the accuracy"
+    expect(n <= MOST_MODES, "energy_j", f"an error of {demand.error:.2g} left, which takes {n:.2g} modes", expected)
     return Size({"static_to_hz": static_to_hz}, lost / ratio, 4.0 * n * surface.n_transducers)
 
 

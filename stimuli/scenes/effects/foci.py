@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import sqrt
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings, note
@@ -35,10 +35,8 @@ class Foci(Effect):
     y_m: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if len(self.x_m) != len(self.y_m) or not self.x_m:
-            raise InvalidParameter(
-                f"Foci.x_m: found {len(self.x_m)} places beside {len(self.y_m)} of y_m, expected as many, at least one"
-            )
+        found = f"{len(self.x_m)} places beside {len(self.y_m)} of y_m"
+        expect(len(self.x_m) == len(self.y_m) > 0, "Foci.x_m", found, "as many, at least one")
 
     @property
     def n(self) -> int:

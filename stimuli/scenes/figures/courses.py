@@ -17,7 +17,6 @@ from matplotlib.figure import Figure, SubFigure
 from PIL import Image
 
 from tactometry.arguments.require import expect
-from tactometry.errors import InvalidParameter
 from tactometry.palette import BLUE, GOLD, GREEN, ORANGE, PINK, SKY
 
 from ...time_reversal.focusing.merit import HALF, area_m2
@@ -262,11 +261,8 @@ def _writer(path: Path) -> Any:
     expect(path.suffix in FORMATS, "--movie", repr(str(path)), f"a name that ends in {' or '.join(FORMATS)}")
     if path.suffix == ".gif":
         return MapWriter(fps=FRAMES_PER_S)
-    if not _ffmpeg():
-        raise InvalidParameter(
-            "--movie: found no ffmpeg, which writes MP4, expected it; install it or the package imageio-ffmpeg (the "
-            "extra film), or write a .gif"
-        )
+    expected = "it; install it or the package imageio-ffmpeg (the extra film), or write a .gif"
+    expect(bool(_ffmpeg()), "--movie", "no ffmpeg, which writes MP4", expected)
     return animation.FFMpegWriter(fps=FRAMES_PER_S)
 
 

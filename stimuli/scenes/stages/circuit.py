@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...composition.effect import Demand, Size, Stage
 from ...composition.sampling import per_sample
@@ -46,10 +46,8 @@ def same(area_m2: float) -> float:
 
 def check_ramp(demand: Demand, effect: str) -> None:
     """Refuse a tone without a ramp, whose relaxation would be faster than the sampling."""
-    if not demand.surface.ramp_s:
-        raise InvalidParameter(
-            f"{effect}: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the tone a ramp_s above 0"
-        )
+    expected = "a ramp; give the tone a ramp_s above 0"
+    expect(demand.surface.ramp_s, effect, "a tone that sets in at once (ramp_s = 0)", expected)
 
 
 def divider(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":

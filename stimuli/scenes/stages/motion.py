@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...arrays import ComplexArray, FloatArray, real_product
 from ...time_reversal.plate.modes import Modes, values
@@ -145,10 +145,8 @@ def plate_motion(
     after_s: float,
 ) -> PlateMotion:
     """Compute the motion up to `heard_to_hz` and `after_s` past the focus."""
-    if static_to_hz < modes_to_hz:
-        raise InvalidParameter(
-            f"settings.motion.static_to_hz: found {static_to_hz}, expected at least modes_to_hz, {modes_to_hz}"
-        )
+    expected = f"at least modes_to_hz, {modes_to_hz}"
+    expect(static_to_hz >= modes_to_hz, "settings.motion.static_to_hz", static_to_hz, expected)
     n_played, rate_hz = emission.samples.shape[1], emission.rate_hz
     n = max(emission.focus + 1 + round(after_s * rate_hz), n_played)
     s, growth, n_fft = contour(n, rate_hz)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
@@ -36,10 +36,8 @@ def recorded(signal: Signal, share: float) -> VoltageRecord:
 
     Raises `InvalidParameter` if the signal is not one channel in volt.
     """
-    if signal.unit != "V" or len(signal.samples) != 1:
-        raise InvalidParameter(
-            f"signal: found {len(signal.samples)} channels in {signal.unit!r}, expected one channel in volt ('V')"
-        )
+    found = f"{len(signal.samples)} channels in {signal.unit!r}"
+    expect(signal.unit == "V" and len(signal.samples) == 1, "signal", found, "one channel in volt ('V')")
     (voltage_v,) = signal.samples
     lines, n = np.fft.rfft(voltage_v), voltage_v.size
     power = lines.real**2 + lines.imag**2

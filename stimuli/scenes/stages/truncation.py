@@ -15,6 +15,7 @@ moves.
 from dataclasses import dataclass
 from math import exp, hypot, inf, pi, sqrt
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
@@ -152,12 +153,9 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
     following = n_static * scene.surface.n_transducers
     sizes = (moving, MOST_NUMBERS), (following, MOST_FOLLOWING), (n_static, MOST_MODES)
     numbers, most = max(sizes, key=lambda size: size[0] / size[1])
-    if numbers > most:
-        raise InvalidParameter(
-            f"accuracy: found an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers, "
-            f"expected at most {most:.2g}; loosen the accuracy, lower f_max_hz or reversal_s, or use a "
-            "thicker plate"
-        )
+    found = f"an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers"
+    expected = f"at most {most:.2g}; loosen the accuracy, lower f_max_hz or reversal_s, or use a thicker plate"
+    expect(numbers <= most, "accuracy", found, expected)
     for effect in scene.effects:
         most = effect.in_plate(scene).most_ritz_modes
         if n_static > most:
@@ -186,11 +184,8 @@ def check_on_plate(scene: Surroundings) -> None:
     """Refuse a finger that rests outside the plate."""
     plate = scene.surface.plate
     for n, (x_m, y_m) in enumerate(places_m(scene)):
-        if not plate.contains(x_m, y_m):
-            raise InvalidParameter(
-                f"contacts[{n}]: found ({x_m}, {y_m}) m, expected a place on the plate of "
-                f"{plate.length_m} x {plate.width_m} m"
-            )
+        expected = f"a place on the plate of {plate.length_m} x {plate.width_m} m"
+        expect(plate.contains(x_m, y_m), f"contacts[{n}]", f"({x_m}, {y_m}) m", expected)
 
 
 def felt_at_m(scene: Surroundings) -> Place:

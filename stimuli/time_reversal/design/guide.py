@@ -14,8 +14,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, positive
 
 from ...arrays import FloatArray
 from ..filters import Band
@@ -109,11 +108,9 @@ class Design:
 
     def __post_init__(self) -> None:
         held = n_held(self.plate, self.transducers.side_m)
-        if self.transducers.n > held:
-            raise InvalidParameter(
-                f"Transducers: found {self.transducers.n} patches of {self.transducers.side_m * 1e3:.3g} mm, expected "
-                f"at most {held} along the edges of the plate; take fewer or smaller ones"
-            )
+        found = f"{self.transducers.n} patches of {self.transducers.side_m * 1e3:.3g} mm"
+        expected = f"at most {held} along the edges of the plate; take fewer or smaller ones"
+        expect(self.transducers.n <= held, "Transducers", found, expected)
 
     @property
     def noise_ratio(self) -> float:

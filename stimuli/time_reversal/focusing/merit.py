@@ -46,10 +46,8 @@ def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
     """
     ascending("width_m.at_m", at_m)
     between("width_m", 0, 1, level=level)
-    if np.shape(profile) != np.shape(at_m) or not np.any(profile):
-        raise InvalidParameter(
-            f"profile: found shape {np.shape(profile)}, expected {np.shape(at_m)} as at_m has, not all zero"
-        )
+    expected = f"{np.shape(at_m)} as at_m has, not all zero"
+    expect(np.shape(profile) == np.shape(at_m) and np.any(profile), "profile", f"shape {np.shape(profile)}", expected)
     peak = int(np.argmax(np.abs(profile)))
     relative = profile / profile[peak]  # 1 at the peak, whichever its sign
     right = _crossing(at_m[peak:], relative[peak:], level)
@@ -65,10 +63,8 @@ def area_m2(field_m: Matrix, grid_m: Grid, level: float = HALF) -> float:
     between("area_m2", 0, 1, level=level)
     for axis_m in grid_m:
         ascending("area_m2.grid_m", axis_m)
-    if field_m.shape != tuple(map(len, grid_m)) or not field_m.any():
-        raise InvalidParameter(
-            f"field_m: found shape {field_m.shape}, expected {tuple(map(len, grid_m))} as the grid has, not all zero"
-        )
+    expected = f"{tuple(map(len, grid_m))} as the grid has, not all zero"
+    expect(field_m.shape == tuple(map(len, grid_m)) and field_m.any(), "field_m", f"shape {field_m.shape}", expected)
     peak = np.unravel_index(np.argmax(np.abs(field_m)), field_m.shape)
     islands, _ = label(field_m / field_m[peak] >= level)
     cell = (grid_m[0][1] - grid_m[0][0]) * (grid_m[1][1] - grid_m[1][0])
@@ -172,11 +168,10 @@ def amplitude_by_subset_m(contributions: Matrix, subsets: Mapping[str, Sequence[
 
     Raises `InvalidParameter` if a subset is empty or names a channel that is not there.
     """
+    n_channels = contributions.shape[1]
     for name, channels in subsets.items():
-        if not channels or not set(channels) <= set(range(contributions.shape[1])):
-            raise InvalidParameter(
-                f"subsets[{name!r}]: found {list(channels)}, expected channels from 0 to {contributions.shape[1] - 1}"
-            )
+        are_channels = len(channels) > 0 and set(channels) <= set(range(n_channels))
+        expect(are_channels, f"subsets[{name!r}]", list(channels), f"channels from 0 to {n_channels - 1}")
     return {name: contributions[:, list(channels)].sum(axis=1) for name, channels in subsets.items()}
 
 
@@ -220,10 +215,8 @@ def modal_amplitudes(
     """
     one_of("modal_amplitudes.quantity", quantity, QUANTITIES)
     forces = screen.modal_forces(f_max_hz)
-    if signal.samples.shape[0] != forces.shape[1]:
-        raise InvalidParameter(
-            f"signal: found {signal.samples.shape[0]} channels, expected {forces.shape[1]} as the screen has"
-        )
+    expected = f"{forces.shape[1]} as the screen has"
+    expect(signal.samples.shape[0] == forces.shape[1], "signal", f"{signal.samples.shape[0]} channels", expected)
     whole("modal_amplitudes", lowest=0, sample=sample)
     # by age: what was played last comes first, and `first` samples ago if the drive is over
     first = max(sample + 1 - signal.samples.shape[1], 0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import at_most, positive, within
+from tactometry.arguments.require import at_most, expect, positive, within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -63,11 +63,9 @@ class Plate:
 
     def __post_init__(self) -> None:
         within("Plate", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
-        if len(self.boundary) != 4 or not set(self.boundary) <= set("SCF"):
-            raise InvalidParameter(
-                f"Plate.boundary: found {self.boundary!r}, expected four letters of S, C, F for the edges "
-                "x=0, y=0, x=length, y=width, such as 'SSSS'"
-            )
+        found = repr(self.boundary)
+        expected = "four letters of S, C, F for the edges x=0, y=0, x=length, y=width, such as 'SSSS'"
+        expect(len(self.boundary) == 4 and set(self.boundary) <= set("SCF"), "Plate.boundary", found, expected)
 
     @property
     def area_m2(self) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import NotNegative, Positive, Unbounded, UnboundedComplex
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import shape, whole
+from tactometry.arguments.require import expect, shape, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray, fast_length, real_product
@@ -69,10 +69,8 @@ class PlateLoad:
     stiffness_n_per_m: Unbounded = 0.0
 
     def __post_init__(self) -> None:
-        if not self.stiffness_n_per_m >= 0:
-            raise InvalidParameter(
-                f"PlateLoad.stiffness_n_per_m: found {self.stiffness_n_per_m}, expected at least 0, or inf for a pin"
-            )
+        expected = "at least 0, or inf for a pin"
+        expect(self.stiffness_n_per_m >= 0, "PlateLoad.stiffness_n_per_m", self.stiffness_n_per_m, expected)
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the shapes at the contact."""

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, one_of, shape, some, within
-from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.errors import InvalidFile
 from tactometry.files.durable import LARGEST_BYTES, read_file
 from tactometry.files.hdf5 import as_npz
 from tactometry.files.samples import Npz, table_of_numbers, wav_of
@@ -73,10 +73,8 @@ def read(paths: Sequence[Path], *, full_scale: Positive = 1.0, quantity: str = "
 @checked
 def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
     first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)
-    if first < 0 or n < 1 or first + n > responses.n_samples:
-        raise InvalidParameter(
-            f"start_s, duration_s: found {start_s} and {duration_s}, expected a piece of {responses.duration_s} s"
-        )
+    found, expected = f"{start_s} and {duration_s}", f"a piece of {responses.duration_s} s"
+    expect(first >= 0 and n >= 1 and first + n <= responses.n_samples, "start_s, duration_s", found, expected)
     return replace(responses, samples=responses.samples[:, :, first : first + n])
 
 

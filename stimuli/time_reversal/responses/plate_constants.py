@@ -117,9 +117,7 @@ def _first(energy: FloatArray) -> int:
 def _clear_decay(energy: FloatArray) -> Decay:
     expect(_first(energy) <= N_BLOCKS // 2, "response", "its loudest part in the second half", "a decay; learn longer")
     decay = decay_of(energy)
-    if decay.fall_db < LEAST_FALL_DB:
-        raise InvalidParameter(
-            f"response: found a fall by {decay.fall_db:.1f} dB until it ends or drowns in its floor, expected at least "
-            f"{LEAST_FALL_DB:.0f} dB; learn longer responses, or average more of them"
-        )
+    found = f"a fall by {decay.fall_db:.1f} dB until it ends or drowns in its floor"
+    expected = f"at least {LEAST_FALL_DB:.0f} dB; learn longer responses, or average more of them"
+    expect(decay.fall_db >= LEAST_FALL_DB, "response", found, expected)
     return decay

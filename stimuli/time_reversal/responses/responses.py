@@ -144,10 +144,8 @@ def samples_in(name: str, duration_s: float, rate_hz: float) -> int:
     """Whole samples of a duration, at least 0."""
     check_sampling(rate_hz, 0)
     expect(np.isfinite(duration_s) and duration_s >= 0, name, duration_s, "a finite time, at least 0")
-    if duration_s * rate_hz > MAX_SAMPLES:
-        raise InvalidParameter(
-            f"{name}: found {duration_s} s at {rate_hz} Hz, expected at most {MAX_SAMPLES:.0e} samples"
-        )
+    expected = f"at most {MAX_SAMPLES:.0e} samples"
+    expect(duration_s * rate_hz <= MAX_SAMPLES, name, f"{duration_s} s at {rate_hz} Hz", expected)
     return round(duration_s * rate_hz)
 
 
@@ -163,11 +161,8 @@ def _static_residual(
     screen: Screen, points: Sequence[Point], f_max_hz: float, static_to_hz: float, quantity: str
 ) -> FloatArray:
     """(n_points, n_channels): static displacement per unit of a channel in the modes from `f_max_hz` on."""
-    if not f_max_hz < static_to_hz < np.inf or quantity != "displacement":
-        raise InvalidParameter(
-            f"static_to_hz: found {static_to_hz} for {quantity}, expected a frequency above f_max_hz = {f_max_hz} and "
-            "displacement"
-        )
+    found, expected = f"{static_to_hz} for {quantity}", f"a frequency above f_max_hz = {f_max_hz} and displacement"
+    expect(f_max_hz < static_to_hz < np.inf and quantity == "displacement", "static_to_hz", found, expected)
     omega = screen.modes(static_to_hz).angular_frequency_rad_per_s
     left_out = omega > 2 * np.pi * f_max_hz
     compliance = left_out / (screen.plate.mass_kg * np.where(left_out, omega, 1.0) ** 2)

@@ -10,7 +10,6 @@ import numpy as np
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, some, whole
-from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...defaults import VACUUM_PERMITTIVITY_F_PER_M
@@ -210,8 +209,6 @@ def border(
 def _inside(plate: Plate, name: str, centre: tuple[float, float], half: tuple[float, float]) -> None:
     room = EDGE_TOLERANCE * max(plate.length_m, plate.width_m)
     for at, reach, side in zip(centre, half, (plate.length_m, plate.width_m), strict=True):
-        if not reach - room <= at <= side - reach + room:
-            raise InvalidParameter(
-                f"{name}: found a transducer of {2 * half[0]} x {2 * half[1]} m at {centre} m, "
-                f"expected it inside of the plate of {plate.length_m} x {plate.width_m} m"
-            )
+        found = f"a transducer of {2 * half[0]} x {2 * half[1]} m at {centre} m"
+        expected = f"it inside of the plate of {plate.length_m} x {plate.width_m} m"
+        expect(reach - room <= at <= side - reach + room, name, found, expected)
