@@ -317,7 +317,7 @@ class Surface:
         return contact.force_n > 0
 
     def excluded(self, effect: Effect | type[Effect]) -> Mapping[str, str]:
-        """Return the kinds that contradict an effect on this surface, with the reasons."""
+        """Return the kinds that contradict an effect on this surface, and why."""
         return effect.excludes if effect.felt_excludes is None or not self.is_played else effect.felt_excludes
 
     def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:

@@ -1,4 +1,4 @@
-"""How finely an output must be sampled so that straight lines between its samples are right to an error.
+"""Sampling of outputs so that linear interpolation meets an error.
 
 A function without content above an angular frequency W has ``|f''| <= W^2 max |f|`` (Bernstein), and a chord over a
 step h is off by at most ``h^2 max |f''|/8``: relative to the peak the error is at most ``(W h)^2/8``.
@@ -29,7 +29,7 @@ FEWEST, MOST = 16, 4_000_000
 
 
 def force_rad_per_s(scene: Surroundings) -> float:
-    """Angular frequency above which the force has nothing: twice that of the voltage, ramps included.
+    """Return the highest angular frequency of the force, ramps included.
 
     >>> from tactometry.stimuli.scenes.scene import Scene
     >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration

@@ -1,4 +1,4 @@
-"""Sinusoids in a record, estimated from the peaks of its windowed spectrum."""
+"""Sinusoids in a record, from the peaks of its windowed spectrum."""
 
 from dataclasses import dataclass
 from functools import lru_cache

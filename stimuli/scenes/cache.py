@@ -1,4 +1,4 @@
-"""Results on disk, by content: of a plan, what was given, and the versions of what computes.
+"""Results of runs, cached on disk by their content.
 
 A file holds the outputs as arrays and their digest. One that is torn or altered is found out and computed anew.
 """

@@ -1,4 +1,4 @@
-"""The plan of a scene in words: each stage on or off, why, with which settings, and what it costs."""
+"""Explanation of a scene's plan: stages, settings and cost."""
 
 import textwrap
 from collections.abc import Iterable, Mapping

@@ -99,7 +99,7 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
 
 
 def _parts(stated: Mapping[str, Any]) -> tuple[Any, tuple[Effect, ...], tuple[FingerContact, ...]]:
-    """Build surface, effects and contacts; `SceneTables` refuses one that is missing or no table."""
+    """Build the surface, effects and contacts of a scene."""
     found, surface = Gathered(), None
     if isinstance(stated.get("surface"), Mapping):
         with found.part():

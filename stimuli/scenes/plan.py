@@ -1,4 +1,4 @@
-"""A plan: the stages of a scene in the order in which they run, and the run itself."""
+"""Plans of scenes, and their runs."""
 
 import math
 import time
@@ -53,7 +53,7 @@ class Plan:
 
     @property
     def predicted_s(self) -> float:
-        """Predicted time of all stages, the constant ones too: `CALL_S` each, and the operations."""
+        """Predicted time: `CALL_S` for each stage, and the operations."""
         return sum(predicted_s(stage) for stage in self.stages)
 
     def prepare(self) -> None:
@@ -262,7 +262,7 @@ class PulledFinger:
 
 
 def loads_n(plan: Plan) -> FloatArray:
-    """(n_contacts,): the forces that press the fingers, in the order of the rows of ``contact_force_n``."""
+    """Return the forces (n_contacts,) that press the fingers, in order."""
     loads = (stage.settings for stage in plan.stages if stage.gives == MOVED and "force_n" in stage.settings)
     return np.asarray(next(loads, {}).get("force_n", ()), float)
 

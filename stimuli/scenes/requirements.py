@@ -1,4 +1,4 @@
-"""Stages and effects that a scene needs: what is missing, doubled or contradictory is refused."""
+"""Checks of the stages and effects that a scene needs."""
 
 from collections.abc import Callable, Collection, Sequence
 
@@ -69,7 +69,7 @@ TOUCHES = ("contact", "sliding contact", "resting contact")
 
 
 def check_effects(effects: Sequence[Effect], scene: Surroundings) -> None:
-    """Refuse effects that the surface does not know, that fill one slot, contradict each other or lack something."""
+    """Refuse unknown, repeated, contradictory or incomplete effects."""
     filled: dict[str, Effect] = {}
     for n, effect in enumerate(effects):
         where = f"effects[{n}]"

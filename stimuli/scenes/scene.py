@@ -1,4 +1,4 @@
-"""A scene: a surface, the effects that are called for, what is asked of them, and how accurately."""
+"""Scenes: a surface, its effects, outputs and accuracy."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -240,7 +240,7 @@ def _check_known(where: str, name: str, known: Sequence[str], what: str) -> None
 
 
 def _check_like(where: str, value: Setting, chosen: Setting) -> None:
-    """Refuse what is of another kind than the chosen one, or a number not above 0 where that is."""
+    """Refuse a setting of another kind than the chosen one."""
     whole = isinstance(chosen, int)
     if not isinstance(chosen, (int, float)):
         fits, expected = isinstance(value, type(chosen)), "a text" if isinstance(chosen, str) else "as many numbers"

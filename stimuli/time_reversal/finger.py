@@ -27,7 +27,7 @@ PULP_MASS_KG: Final = 1e-4
 def amplitude_loss(
     screen: Screen, focus: Point, loads: Sequence[Attached], emission: Emission, *, relearn: bool = False
 ) -> float:
-    """Share of the focus amplitude that loads take, 1 - A' / A at the focus instant.
+    """Return the share of the focus amplitude that loads take.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A finger that the plate can throw off: it presses and never pulls, so that contact is lost and made again.
+"""Fingers that the plate can throw off: they press and never pull.
 
 The skin at z answers the plate at u with f = R z' + k z, on top of the force F that presses it at rest. The contact
 bears N = F + f >= 0 and z >= u, one of them with equality (Signorini's conditions): together z = u, or N = 0 and the

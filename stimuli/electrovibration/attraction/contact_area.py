@@ -145,7 +145,7 @@ UNVERIFIED_PRINTS = (
 
 @checked
 def area_of_prints(prints: Sequence[Print]) -> TableArea:
-    """Straight lines through the ellipses of measured prints, in any order of force.
+    """Interpolate the ellipses of measured prints, in any order of force.
 
     >>> float(area_of_prints(UNVERIFIED_PRINTS).area_m2(1.5) * 1e4).__round__(4)
     1.2095

@@ -90,7 +90,7 @@ class CoulombFriction(Effect):
 
     @checked
     def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> FloatArray:
-        """Change of the friction force, ``mu F_e``, of the shape of `electrostatic_n`."""
+        """Return the change of friction, ``mu F_e``, by an attraction."""
         with np.errstate(over="ignore"):
             change_n = self.coefficient_at(force_n) * np.asarray(electrostatic_n, dtype=np.float64)
         return require.in_range("CoulombFriction.modulation_n", change_n)

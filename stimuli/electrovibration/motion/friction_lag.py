@@ -1,4 +1,4 @@
-"""Lag of friction behind the electrostatic force, shorter at higher speeds."""
+"""Lag of friction relative to the electrostatic force."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""The moving skin of a finger pad as mass, spring and damper; what is published of it per speed, 20 to 100 mm/s."""
+"""Mass, spring and damper of the moving skin of a finger pad."""
 
 from dataclasses import dataclass
 from functools import cached_property

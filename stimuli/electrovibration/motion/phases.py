@@ -1,4 +1,4 @@
-"""Nodes of time within the pieces of a voltage, and what of its answer depends on time alone."""
+"""Time nodes within the pieces of a voltage, independent of its level."""
 
 from typing import NamedTuple
 

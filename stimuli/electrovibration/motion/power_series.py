@@ -1,4 +1,4 @@
-"""Stick and slip between events as power series, compiled: exact flow, events at the roots of polynomials."""
+"""Compiled stick and slip: power series with events at exact roots."""
 
 from typing import NamedTuple
 
@@ -118,7 +118,7 @@ def _falls(c: FloatArray) -> float:
 
 @compiled
 def _force_series(circuit: CircuitState, layers: Layers, moves: NDArray[np.bool_], h: float, series: Series) -> None:
-    """Coefficients of the relaxations and of the force in powers of time over `h`."""
+    """Fill the power series of relaxations and force over `h`."""
     gains, dc_gain, rates, omegas, responses, _ = layers
     level, slope, states = circuit.line[0], circuit.line[1], series.relaxed
     n_relax, n_turns = len(gains), len(omegas)
@@ -313,7 +313,7 @@ def _empty(layers: Layers) -> tuple[CircuitState, Series]:
 def flow(
     heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: ContactConstants, start: float, most: Pair
 ) -> tuple[FloatArray, FloatArray, int, float]:
-    """States at the nodes and the events, of a finger that sticks at time 0 with a stretch of `start`.
+    """Return states at nodes, and events, of a finger that sticks at first.
 
     Rows of the first result: stretch, its rate, its second derivative, lateral force, electrostatic force, direction
     of slip (0: stuck); rows of the second: time of an event, direction after. The last two are a failure and its time:

@@ -1,4 +1,4 @@
-"""Stick-slip motion of a finger on a screen, with exact event times and unsmoothed Coulomb friction."""
+"""Stick-slip motion with exact events and unsmoothed Coulomb friction."""
 
 from dataclasses import dataclass
 from functools import lru_cache

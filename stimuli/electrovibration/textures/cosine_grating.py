@@ -1,4 +1,4 @@
-"""A sinusoidal grating: the voltage follows the position of the finger, exactly."""
+"""A sinusoidal grating whose voltage follows the finger exactly."""
 
 from dataclasses import dataclass, replace
 from math import pi

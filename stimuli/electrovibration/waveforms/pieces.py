@@ -1,4 +1,4 @@
-"""Voltages in pieces, each a straight line plus sinusoids: what the circuit can be solved for exactly."""
+"""Voltages in pieces, each a line plus sinusoids."""
 
 from dataclasses import dataclass, field, replace
 
@@ -96,7 +96,7 @@ class Pieces:
         return line + self.sinusoids(t_s, self.harmonics_v[piece])
 
     def sinusoids(self, t_s: FloatArray, amplitudes: ComplexArray) -> FloatArray:
-        """``Re sum_k amplitudes_k exp(2 pi i f_k t)`` for amplitudes (..., n_harmonics)."""
+        """Return ``Re sum_k amplitudes_k exp(2 pi i f_k t)``."""
         fit = amplitudes.shape[-1:] == self.frequencies_hz.shape
         expected = f"(..., {len(self.frequencies_hz)}), one for each frequency"
         require.expect(fit, "Pieces.sinusoids.amplitudes", f"shape {amplitudes.shape}", expected)
@@ -104,7 +104,7 @@ class Pieces:
         return np.asarray((phases * amplitudes).sum(axis=-1).real, dtype=np.float64)
 
     def jumps_v(self) -> FloatArray:
-        """(n_pieces,) jump of the voltage at the start of each piece; the first from 0."""
+        """Return the jump at the start of each piece, the first from 0."""
         index = np.arange(len(self.starts_s))
         after = self.value_in(index, self.starts_s)
         before = np.r_[0.0, self.value_in(index[:-1], self.starts_s[1:])]
@@ -173,7 +173,7 @@ def ramped(pieces: Pieces, ramp_s: float) -> Pieces:
 
 
 def _modulated(pieces: Pieces, mean: FloatArray, cosine: ComplexArray, frequency_hz: float) -> Pieces:
-    """``v (mean + Re(cosine exp(2 pi i f t)))`` for pieces without slope; mean and cosine (n_pieces,)."""
+    """Return ``v (mean + Re(cosine exp(2 pi i f t)))`` of pieces."""
     f_hz, c = pieces.frequencies_hz, pieces.harmonics_v
     blocks = [
         (f_hz, mean[:, None] * c),
@@ -185,7 +185,7 @@ def _modulated(pieces: Pieces, mean: FloatArray, cosine: ComplexArray, frequency
 
 
 def _merged(pieces: Pieces, blocks: list[tuple[FloatArray, ComplexArray]]) -> Pieces:
-    """Pieces with these sinusoids alone: negative frequencies turned round, those of amplitude 0 left out."""
+    """Return pieces with these sinusoids alone, of positive frequencies."""
     f_hz = np.concatenate([block[0] for block in blocks])
     c = np.concatenate([block[1] for block in blocks], axis=1)
     c = np.where(f_hz < 0, np.conj(c), c)
@@ -241,7 +241,7 @@ class Corners:
         return Pieces(pieces.starts_s[kept], duration_s, pieces.offsets_v[kept], pieces.slopes_v_per_s[kept])
 
     def harmonics(self, n: ArrayLike) -> ComplexArray:
-        """Fourier coefficients ``c_n`` of ``v = sum_n c_n exp(2 pi i n phase)`` for whole n other than 0.
+        """Return Fourier coefficients ``c_n`` for whole n other than 0.
 
         Integrated by parts on each line: jumps over ``2 pi i n`` and kinks over ``(2 pi i n)^2``.
         """
@@ -273,7 +273,7 @@ class Corners:
         return bool(np.allclose(self.at(probe), -self.at(probe + 0.5), atol=1e-12))
 
     def band_limited(self, phase: FloatArray, n_highest: int) -> FloatArray:
-        """Values of the Fourier series up to harmonic `n_highest`, of peak at most 1 over a fine period.
+        """Return the Fourier series up to `n_highest`, of peak at most 1.
 
         Cut short at an edge, the series overshoots (Gibbs, 9 % of a jump): it is scaled down to peak 1
         where it does. One FFT samples the series 16 times finer than its highest harmonic; a polynomial through the
@@ -289,7 +289,7 @@ class Corners:
 
 
 def _between(table: FloatArray, phase: FloatArray) -> FloatArray:
-    """Lagrange polynomial through the nearest `NODES` values of one period (n_table,), at phases in 0..1."""
+    """Interpolate one period (n_table,) by Lagrange polynomials."""
     place = phase * table.size
     left = np.floor(place)
     u, first = np.maximum(place - left, 1e-300), left.astype(np.int64)

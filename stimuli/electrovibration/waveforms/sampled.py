@@ -73,7 +73,7 @@ class Sampled(Ramped):
 
 
 def strongest_hz(samples: FloatArray, rate_hz: float) -> float:
-    """Frequency of the strongest line of samples (n_samples,), their mean left out; 0 if there is none.
+    """Return the frequency of the strongest line, or 0 without one.
 
     >>> round(strongest_hz(np.cos(2 * np.pi * 30 * np.arange(400) / 400), 400.0), 3)
     30.0

@@ -63,7 +63,7 @@ class Ramped(Waveform):
         check_timing(owner, self.duration_s, self.ramp_s, self.rate_hz)
 
     def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        """Return (1, n_samples) volt, at most the peak that `level` states."""
         samples = peak_voltage_v(level, self.level_unit) * ramped(self._unit(), self.ramp_s, self.rate_hz)
         return Signal(samples[None, :], self.rate_hz, "V")
 
@@ -108,7 +108,7 @@ def n_samples(duration_s: float, rate_hz: float) -> int:
 
 
 def check_timing(owner: str, duration_s: float, ramp_s: float, rate_hz: float) -> None:
-    """Refuse a signal without samples, with more than `MOST_SAMPLES`, or with ramps longer than itself.
+    """Refuse a signal with too few or many samples or too long ramps.
 
     >>> check_timing("Sine", duration_s=0.1, ramp_s=0.06, rate_hz=20e3)
     Traceback (most recent call last):
@@ -126,7 +126,7 @@ expected at most half of the duration of 0.1 s; shorten the ramp
 
 
 def check_nyquist(owner: str, name: str, frequency_hz: float, rate_hz: float) -> None:
-    """Refuse a frequency at or above half of the rate: its samples would be those of another one."""
+    """Refuse a frequency at or above half of the rate."""
     below = f"less than half of rate_hz ({rate_hz / 2} Hz); lower the frequency or raise rate_hz"
     require.expect(frequency_hz < rate_hz / 2, f"{owner}.{name}", f"{frequency_hz} Hz", below)
 
@@ -143,7 +143,7 @@ def times_s(duration_s: float, rate_hz: float) -> FloatArray:
 
 
 def ramped(shape: FloatArray, ramp_s: float, rate_hz: float) -> FloatArray:
-    """`shape` (n_samples,) under an envelope that rises from 0, holds 1, and falls to 0 in the mirror image.
+    """Return `shape` (n_samples,) with raised-cosine ramps on and off.
 
     >>> ramped(np.ones(6), 2.0, 1.0).round(3).tolist()
     [0.0, 0.5, 1.0, 1.0, 0.5, 0.0]

@@ -1,4 +1,4 @@
-"""An amplitude-modulated carrier: the force vibrates at the programmed frequency whatever the skin leaks."""
+"""An amplitude-modulated carrier instead of a tone."""
 
 from dataclasses import dataclass
 from math import pi

@@ -1,4 +1,4 @@
-"""Energy: what the plate holds at the focus instant, and what the transducers draw."""
+"""Energy in the plate and power drawn by the transducers."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""The finger pad as mass, spring and damper, which grow with the speed: exact motion, event-exact stick and slip."""
+"""Dynamics of the finger pad, which grow with the speed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

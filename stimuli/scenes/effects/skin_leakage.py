@@ -1,4 +1,4 @@
-"""The stratum corneum leaks: its voltage is the applied one through a high-pass, exactly."""
+"""Leakage of the stratum corneum, a high-pass for the voltage."""
 
 from dataclasses import dataclass
 

@@ -35,7 +35,7 @@ BESIDE_LOAD = "on top of the load; dotted: minus the load, where a finger lifts 
 
 
 def courses(result: Result, title: str) -> Figure:
-    """All outputs that are courses over ``t_s``, one above the other; single numbers in the title."""
+    """Plot all outputs over ``t_s``, with single numbers in the title."""
     t_s, drawn = result.values["t_s"], names(result.values)
     figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(drawn) + 0.9), layout="constrained")
     panels = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]

@@ -1,4 +1,4 @@
-"""The modes of a plate under an emission, on complex frequencies: from these, any reading at any time or place.
+"""Motion of a plate under an emission, on complex frequencies.
 
 An emission without content above its band moves every mode by its receptance, whatever the sampling; on the contour
 s = sigma + i w of `tactometry.stimuli.time_reversal.responses.load` this holds without attenuation, and nothing
@@ -61,7 +61,7 @@ class PlateMotion:
         return replace(self, amplitude=self.amplitude[:, part], played=self.played[:, part], s=self.s[part])
 
     def turning(self, t_s: FloatArray) -> ComplexArray:
-        """(n_frequencies, n_times): what brings spectra to times from the focus instant."""
+        """Return the factors that bring spectra to times from the focus."""
         t_begin_s = self.focus / self.rate_hz + t_s
         turning: ComplexArray = np.exp(np.outer(self.s, t_begin_s)) * (2 / self.n_fft)
         turning[0] /= 2  # every other frequency stands for its negative too
@@ -86,7 +86,7 @@ class PlateMotion:
         return moved - real_product(inert, self.played * self.s**2)
 
     def course(self, spectrum: ComplexArray, oversampling: int) -> FloatArray:
-        """(..., n): the course of a spectrum (..., n_frequencies) at `oversampling` times the rate."""
+        """Return the course (..., n) of a spectrum, oversampled."""
         n = (self.n_samples - 1) * oversampling + 1
         damped = oversampling * np.fft.irfft(spectrum, self.n_fft * oversampling)[..., :n]
         # the contour lies at sigma beside the axis of frequencies, which damps everything in time
@@ -99,7 +99,7 @@ class PlateMotion:
         return (np.arange(n) - self.focus * oversampling) / (oversampling * self.rate_hz)
 
     def strain_energy_j(self, static_to_hz: float) -> float:
-        """Half the sum of M w^2 q^2 at the focus instant, the modes up to `static_to_hz` included (J/V^2)."""
+        """Return half the sum of M w^2 q^2 at the focus instant (J/V^2)."""
         further = replace(self, static_to_hz=static_to_hz)
         omega = further.modes.angular_frequency_rad_per_s
         q = further.at_times(np.zeros(1))[:, 0]
@@ -112,11 +112,11 @@ class PlateMotion:
 
     @cached_property
     def following(self) -> FloatArray:
-        """(n_following, n_channels): the static displacement of the modes that follow (m/V)."""
+        """Static displacement (m/V) of the modes that follow."""
         return self.screen.modal_forces(self.static_to_hz)[len(self.amplitude) :] / self.stiffness_n_per_m[:, None]
 
     def _beyond(self, points: Points) -> FloatArray:
-        """(n_points, n_channels): what modes above these do at the very place of a force, by their density."""
+        """Return what higher modes do at the very place of a force."""
         plate = self.screen.plate
         tail_m_per_n = plate.modal_density_s / (4 * np.pi**2 * plate.mass_kg * self.static_to_hz)
         places = [
@@ -126,7 +126,7 @@ class PlateMotion:
 
 
 def moving_modes(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Oscillators, FloatArray]:
-    """Oscillators that move, and their forces (n_modes, n_channels), of the solution that holds those that follow too.
+    """Return the moving oscillators and their forces (n_modes, n_channels).
 
     By Rayleigh and Ritz the sign of a shape is another in each solution.
     """
@@ -160,7 +160,7 @@ def plate_motion(
 def answer(
     oscillators: Oscillators, mass_kg: float, s: ComplexArray, push: Callable[[slice], ComplexArray | FloatArray]
 ) -> ComplexArray:
-    """(n_modes, n_frequencies): modes under generalised forces, which `push` gives for some frequencies at a time.
+    """Return the modes under generalised forces, given in chunks by `push`.
 
     What is computed on the way takes no more memory than those.
     """
@@ -211,6 +211,6 @@ def frame_times(n_frames: int, span_s: float) -> FloatArray:
 
 
 def movie(motion: PlateMotion, frames_s: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
-    """(n_frames, n_x, n_y): displacement (m/V) at times from the focus instant."""
+    """Return the displacement (m/V), (n_frames, n_x, n_y), at times."""
     draw = motion.modes.frame(x_m, y_m)
     return np.stack([draw(np.ascontiguousarray(amplitudes)) for amplitudes in motion.at_times(frames_s).T])

@@ -87,7 +87,7 @@ N_OFFSETS = 21
 
 
 def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float) -> float:
-    """Largest relative error of a component above threshold by lines ``1/padding`` apart.
+    """Return the largest error of a component read ``1/padding`` apart.
 
     >>> peak_error(1, 1.0, steepest_db_per_hz=0.69) < 0.03, peak_error(8, 1.0, 0.69) < 1e-4
     (True, True)
@@ -116,7 +116,7 @@ def size(demand: Demand) -> Size:
 
 
 def size_of_record(demand: Demand) -> Size:
-    """Return the same over a voltage that is played, whose number of samples is not known."""
+    """Return the same for a played voltage of unknown length."""
     padding, error = _padding(demand)
     return Size({"padding": padding}, error)
 
@@ -134,14 +134,14 @@ def components_of(t_s: "FloatArray", record: "FloatArray", padding: int) -> "Com
 
 
 def _read_off(offset: float, padding: int) -> tuple[float, float]:
-    """Height, and place in lines off the truth, that a parabola reads off a component `offset` lines off a line."""
+    """Return height and place of a parabola's peak, `offset` off a line."""
     before, at, after = (log(_transform((offset + k) / padding) / WINDOW[0]) for k in (1, 0, -1))
     away = (before - after) / (2 * (before - 2 * at + after))
     return exp(at - (before - after) * away / 4), away - offset
 
 
 def _transform(lines: float) -> float:
-    """Fourier transform of the window, `lines` off its middle, over its length; for a long record."""
+    """Return the window's Fourier transform `lines` off its middle."""
 
     def sinc(x: float) -> float:
         return 1.0 if x == 0 else sin(pi * x) / (pi * x)

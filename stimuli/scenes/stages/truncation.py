@@ -1,4 +1,4 @@
-"""How many modes a reading needs: a-priori errors with a margin, kept by tests.
+"""Number of modes that a reading needs, by a-priori errors.
 
 What modes above the band do is a pulse at the arrival of each wave, against a response that rings over the reversal:
 an energy ratio of ``2 / (pi w tau_e)``, ``tau_e = tau (1 - e^{-2T/tau})/2``. Its root is the `remainder`, of one
@@ -64,7 +64,7 @@ class Tail:
 
 
 def remainder(scene: Surroundings) -> float:
-    """Root of the energy of the modes above the band over that of a response in it, at the focus."""
+    """Return the root of the energy above the band over that in it."""
     content = content_of(scene)
     tau_s = scene.surface.reversal_s
     if content.tau_s != inf:
@@ -142,7 +142,7 @@ def n_frequencies(scene: Surroundings, ends: Cut) -> int:
 
 
 def n_frequencies_of_sound(scene: Surroundings) -> float:
-    """Frequencies that `tactometry.stimuli.time_reversal.focusing.sound.noise` takes."""
+    """Return the number of frequencies of `noise`."""
     surface, content = scene.surface, content_of(scene)
     return float(surface.rate_hz * (surface.reversal_s + content.train_s + content.ringing_s))
 

@@ -1,4 +1,4 @@
-"""An electrovibration screen: from a level, or from a voltage that is played, to what a finger feels."""
+"""Electrovibration screens, computed from a level or a played signal."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

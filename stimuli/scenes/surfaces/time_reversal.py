@@ -1,4 +1,4 @@
-"""A plate that focuses by time reversal: from a voltage to a focus, with whatever effects are called for."""
+"""Plates that focus by time reversal."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields

@@ -1,4 +1,4 @@
-"""How the figures look: one column width, colours that colour-blind readers can tell apart, units on every axis."""
+"""Style of the figures: width, colours, axes and units."""
 
 from collections.abc import Iterator, Mapping
 from itertools import cycle
@@ -26,7 +26,7 @@ def sheet(
 
 
 def label(axes: Axes, x: str, y: str, title: str = "", *, from_zero: bool = False, **legend: Any) -> None:
-    """Axis labels with units, a light grid, no box; a legend of what is drawn under a name, where `legend` says."""
+    """Label the axes with units, and draw a light grid and a legend."""
     axes.set(xlabel=x, ylabel=y)
     if from_zero:
         axes.set_ylim(0, 1.05 * axes.dataLim.y1)  # else values far above 0 stand on the upper edge

@@ -1,4 +1,4 @@
-"""Foci by the length of their bursts: an amplifier that switches between its supply and off cannot scale a voltage.
+"""Foci whose level is set by the length of their bursts.
 
 A drive that is off until shortly before its focus makes a smaller one: the sum over what is on of the supply times the
 response. Channels are switched on one by one, so that a step is one sample of one channel. The foci of a train are made

@@ -1,4 +1,4 @@
-"""The modes of a plate: frequencies, and shapes as sums of products of functions of x and of y.
+"""Modes of a plate: frequencies and shapes.
 
 Every shape has mean square 1 over the plate, so that every modal mass is the mass of the plate.
 """
@@ -46,15 +46,15 @@ class Modes(Protocol):
         return self.angular_frequency_rad_per_s / (2 * math.pi)
 
     def products(self, on_x: OnAxis, on_y: OnAxis) -> FloatArray:
-        """(n_modes, n_points): each mode with `on_x` applied to its functions of x and `on_y` to those of y."""
+        """Apply `on_x` and `on_y` to each mode's functions of x and y."""
         raise NotImplementedError
 
     def frame(self, x_m: Vector, y_m: Vector) -> Callable[[FloatArray], FloatArray]:
-        """`field` on a fixed grid, its functions evaluated once: for movies and sweeps."""
+        """Return `field` on a fixed grid, its functions evaluated once."""
         raise NotImplementedError
 
     def field(self, amplitude: FloatArray, x_m: Vector, y_m: Vector) -> FloatArray:
-        """(..., n_x, n_y): (..., n_modes) amplitudes times shapes on a grid, by two small products, X^T A Y.
+        """Return amplitudes times shapes on a grid by X^T A Y.
 
         That is 1/20 of the operations of a sum over modes, and in cache.
         """
@@ -63,7 +63,7 @@ class Modes(Protocol):
 
 @checked
 def values(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
-    """Shapes at points; (n_modes, n_points). A point that no shape moves by more than `ROUNDING` holds still: 0."""
+    """Return shapes at points (n_modes, n_points), 0 below `ROUNDING`."""
     _check_points(x_m, y_m)
     shapes = modes.products(lambda axis: axis.value(x_m), lambda axis: axis.value(y_m))
     shapes[:, np.abs(shapes).max(axis=0, initial=0.0) < ROUNDING] = 0.0
@@ -72,7 +72,7 @@ def values(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
 
 @checked
 def laplacians(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
-    """Laplacians of the shapes at points; (n_modes, n_points)."""
+    """Return Laplacians of the shapes at points, (n_modes, n_points)."""
     _check_points(x_m, y_m)
     along_x = modes.products(lambda axis: axis.curvature(x_m), lambda axis: axis.value(y_m))
     return along_x + modes.products(lambda axis: axis.value(x_m), lambda axis: axis.curvature(y_m))
@@ -215,7 +215,7 @@ def _draw(block: "ParityBlock", amplitude: FloatArray, x_functions: FloatArray, 
 
 
 def _field_of(amplitude: FloatArray, place: IntArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
-    """X A Y for amplitudes at places of the table A, the shorter product first."""
+    """Return X A Y, the shorter product first."""
     (n_x, n_m), (n_n, n_y) = x_functions.shape, y_functions.shape
     table = np.zeros((*amplitude.shape[:-1], n_m * n_n))
     table[..., place] = amplitude

@@ -1,4 +1,4 @@
-"""A thin rectangular plate: material, size, edges and what follows from them in closed form."""
+"""Thin rectangular plates in closed form."""
 
 import math
 from collections.abc import Sequence
@@ -95,17 +95,17 @@ class Plate:
 
     @property
     def wave_constant_m2_per_s(self) -> float:
-        """sqrt(D / rho_s): the angular frequency is this times the squared wavenumber."""
+        """Constant sqrt(D / rho_s): omega over the squared wavenumber."""
         return math.sqrt(self.bending_rigidity_n_m / self.area_density_kg_per_m2)
 
     @property
     def modal_density_s(self) -> float:
-        """Modes per hertz at high frequency, S / (2 sqrt(D / rho_s)), whatever the edges."""
+        """Modes per hertz at high frequency, S / (2 sqrt(D / rho_s))."""
         return self.area_m2 / (2 * self.wave_constant_m2_per_s)
 
     @property
     def point_impedance_n_s_per_m(self) -> float:
-        """Driving-point impedance of the infinite plate, 8 sqrt(D rho_s), real at every frequency."""
+        """Driving-point impedance of the infinite plate, 8 sqrt(D rho_s)."""
         return 8 * math.sqrt(self.bending_rigidity_n_m * self.area_density_kg_per_m2)
 
     def contains(self, x_m: float, y_m: float) -> bool:
@@ -113,7 +113,7 @@ class Plate:
         return 0 <= x_m <= self.length_m and 0 <= y_m <= self.width_m
 
     def check_holds(self, name: str, at_m: tuple[float, float]) -> None:
-        """Raise `InvalidParameter`, which names the argument, if a point is outside of the plate."""
+        """Refuse a point outside of the plate, naming the argument."""
         if not self.contains(*at_m):
             x_m, y_m = map(float, at_m)
             raise InvalidParameter(
@@ -126,7 +126,7 @@ class Plate:
         return Rectangle(self.length_m, self.width_m, self.boundary, self.poisson_ratio)
 
     def frequencies_hz(self, f_max_hz: float) -> FloatArray:
-        """Sorted natural frequencies (Kirchhoff) up to `f_max_hz`; rigid-body modes are 0 Hz.
+        """Return sorted natural frequencies up to `f_max_hz`, rigid ones 0 Hz.
 
         Raises `InvalidParameter` if `f_max_hz` is not above 0 or asks for more modes than one solution can hold.
         """
@@ -165,7 +165,7 @@ def ritz_frequencies_hz(plate: Plate, f_max_hz: float, degree: tuple[int, int] |
 
 @checked
 def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
-    """Degree of x and of y that holds the frequencies below `f_max_hz`: half a side times wavenumber, and some more.
+    """Return the degrees of x and y that hold frequencies to `f_max_hz`.
 
     Raises `InvalidParameter` if that is too much to be held.
     """

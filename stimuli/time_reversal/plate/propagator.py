@@ -1,4 +1,4 @@
-"""Exact one-step recurrences of the modal oscillators, for any damping and any step.
+"""Exact one-step recurrences of the modal oscillators.
 
 State (q, q') after a step h: [[g' + 2 a g, g], [-omega^2 g, g']] with g the impulse response at h
 (`Oscillators.impulse_at`) and a = 1/tau; forces either as impulses at the samples or linear between them (first-order
@@ -25,7 +25,7 @@ def transition(oscillators: Oscillators, step_s: float) -> FloatArray:
 
 
 def linear_input(oscillators: Oscillators, step_s: float) -> FloatArray:
-    """(n, 2, 2): weights of the force at both ends of a step on (q, q'), the force linear between.
+    """Return weights (n, 2, 2) of a linear force at both ends of a step.
 
     phi_1 = (e^z - 1)/z, phi_2 = (phi_1 - 1)/z at the poles; near the critical damping and for slow modes,
     where the poles meet, the matrix exponential.

@@ -1,4 +1,4 @@
-"""Modes of a rectangle with any edges by Rayleigh and Ritz, solved for 1/lambda in parity blocks.
+"""Ritz modes of a rectangle with any edges, in parity blocks.
 
 K v = lambda M v is turned round, M v = theta (K + s M) v with theta = 1 / (lambda + s): the wanted low
 modes are then the largest eigenvalues and keep all their digits, where `eigh(K, M)` loses them to eps *
@@ -75,7 +75,7 @@ def ellipse(on_x: Family, on_y: Family, p_x: int, p_y: int) -> tuple[IntArray, I
 
 
 def pencil(rectangle: Rectangle, on_x: Family, on_y: Family, i: IntArray, j: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Stiffness and mass in units of (length / 2)^4 k^4: the quadratic form of Kirchhoff's plate."""
+    """Return stiffness and mass in units of (length / 2)^4 k^4."""
     from scipy.sparse import csr_array, kron
 
     r2 = (rectangle.length_m / rectangle.width_m) ** 2  # of two derivatives along y, in units of half the length
@@ -100,7 +100,7 @@ def _integrals(family: Family) -> dict[str, FloatArray]:
 
 
 def _largest(mass: FloatArray, shifted: FloatArray, theta_min: float) -> tuple[FloatArray, FloatArray]:
-    """Eigenvalues theta >= theta_min of M v = theta A v, descending, and their vectors as rows."""
+    """Return eigenvalues theta >= theta_min of M v = theta A v, descending."""
     from scipy.linalg import cholesky, eigh, solve_triangular
 
     lower = cholesky(shifted, lower=True, check_finite=False)
@@ -129,7 +129,7 @@ def _orthonormal(vectors: FloatArray, mass: FloatArray) -> FloatArray:
 
 
 def _without_rigid_noise(blocks: list[ParityBlock], n_zero: int) -> list[ParityBlock]:
-    """Rigid-body modes have a wavenumber of 0 exactly: their number is known from the edges."""
+    """Set the known number of rigid-body modes to a wavenumber of 0."""
     if n_zero == 0:
         return blocks
     ascending = np.sort(np.concatenate([block.wavenumber2_per_m2 for block in blocks]))

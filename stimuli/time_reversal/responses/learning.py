@@ -1,4 +1,4 @@
-"""Learning impulse responses: an excitation on each channel, what was recorded, and a regularised deconvolution.
+"""Learning of impulse responses by regularised deconvolution.
 
 With p the excitation, r the recording and P, R their spectra, h = IFFT(R P* / (abs(P)^2 + epsilon)): Tikhonov's
 regularisation, which keeps what the excitation holds little of from being raised to noise. Both are padded with zeros,
@@ -207,7 +207,7 @@ def as_displacement(responses: Responses, f_min_hz: Positive, f_max_hz: float) -
 
 @checked
 def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str | float | int]) -> None:
-    """Keep responses as NPZ that `measured.read` reads, with where they come from as JSON in ``provenance``."""
+    """Write responses as NPZ with their ``provenance`` as JSON."""
     said = json.dumps(dict(provenance))
     np.savez(path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity, provenance=said)
 

@@ -80,7 +80,7 @@ def trimmed(responses: Responses, start_s: float, duration_s: float) -> Response
 
 @checked
 def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
-    """Every channel moved earlier by its delay, by a phase ramp: exact to fractions of a sample.
+    """Move every channel earlier by its delay, to fractions of a sample.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _left_of_decay(pairs: FloatArray) -> float:
 
 @checked
 def reciprocity_error(there: Vector, back: Vector) -> float:
-    """Relative rms difference of the responses p -> q and q -> p, which physics makes equal."""
+    """Return the relative difference of p -> q and q -> p, ideally 0."""
     shape("reciprocity_error.back", back, np.shape(there))
     size = float(np.sqrt(np.mean(np.square(there)) * np.mean(np.square(back))))
     expect(size > 0, "there, back", "zero everywhere", "responses")
@@ -164,7 +164,7 @@ def _kind(responses: Responses) -> tuple[float, str, tuple[int, ...]]:
 
 
 def _longest_run_at_peak(h: FloatArray) -> IntArray:
-    """(n_points, n_channels): most consecutive samples at the extreme value of their channel."""
+    """Return the longest run at each channel's extreme value."""
     at_peak = np.abs(h) >= np.abs(h).max(axis=2, keepdims=True) * (1 - 1e-9)
     run = np.zeros(h.shape[:2], np.int64)
     longest = run.copy()

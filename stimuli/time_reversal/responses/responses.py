@@ -1,4 +1,4 @@
-"""Impulse responses from every channel to every point: of the model, or measured."""
+"""Impulse responses from every channel to every point."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -160,7 +160,7 @@ def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
 def _static_residual(
     screen: Screen, points: Sequence[Point], f_max_hz: float, static_to_hz: float, quantity: str
 ) -> FloatArray:
-    """(n_points, n_channels): static displacement per unit of a channel in the modes from `f_max_hz` on."""
+    """Return the static displacement by the modes from `f_max_hz` on."""
     found, expected = f"{static_to_hz} for {quantity}", f"a frequency above f_max_hz = {f_max_hz} and displacement"
     expect(f_max_hz < static_to_hz < np.inf and quantity == "displacement", "static_to_hz", found, expected)
     omega = screen.modes(static_to_hz).angular_frequency_rad_per_s

@@ -1,4 +1,4 @@
-"""A sheet of glass with transducers along its border, a place to focus on and a clock, as files state them."""
+"""Fields of a glass panel with transducers, a focus and a clock."""
 
 from dataclasses import dataclass
 from typing import Final

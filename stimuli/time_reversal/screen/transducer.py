@@ -64,7 +64,7 @@ class ForceSource(Protocol):
     """Something that drives the plate with one channel."""
 
     def modal_force(self, modes: Modes) -> FloatArray:
-        """(n_modes,): generalised force on each mode per unit of the channel (N per N, or N per V)."""
+        """Return the generalised force on each mode per unit of the channel."""
 
     def check(self, plate: Plate, name: str) -> None:
         """Refuse a place outside of the plate."""
@@ -156,7 +156,7 @@ class DiscPatch:
         _inside(plate, name, (self.x_m, self.y_m), (self.diameter_m / 2, self.diameter_m / 2))
 
     def _rule(self, modes: Modes) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Points and weights for the shortest wave: 12 and wavenumber times radius nodes along the radius."""
+        """Return points and weights that resolve the shortest wave."""
         radius = self.diameter_m / 2
         k_max = math.sqrt(modes.angular_frequency_rad_per_s.max(initial=0) / modes.plate.wave_constant_m2_per_s)
         n_radii = 12 + math.ceil(k_max * radius)
@@ -171,7 +171,7 @@ class DiscPatch:
 
 @checked
 def modal_forces(modes: Modes, sources: Sequence[ForceSource]) -> FloatArray:
-    """(n_modes, n_sources): generalised force of each source on each mode per unit of its channel.
+    """Return each source's generalised force on each mode.
 
     Raises `InvalidParameter` if there is no source, or one is outside of the plate.
     """
@@ -189,7 +189,7 @@ def border(
     inset_m: float = INSET_M,
     moment_n_per_v: float = MOMENT_N_PER_V,
 ) -> list[Patch]:
-    """Square patches at equal steps along a rectangle `inset_m` inside the edges (unverified default layout).
+    """Place square patches at equal steps along a rectangle.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> len(border(A4_SCREEN, 32))

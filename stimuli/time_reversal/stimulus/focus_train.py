@@ -1,4 +1,4 @@
-"""Foci by the unloaded amplitude of the largest: of any responses, and as a study file has them."""
+"""Foci and trains of foci by unloaded amplitude."""
 
 import math
 from collections.abc import Sequence
@@ -148,7 +148,7 @@ class TimeReversalStimulus:
 
     @property
     def level_max(self) -> float:
-        """The largest level within `voltage_max_v`; of bursts that of a single focus, which a train reaches nearly."""
+        """Largest level within `voltage_max_v`, or of a single focus by bursts."""
         by_voltage = self.supply_v is None
         amplitude_m = self.voltage_max_v * self.metres_per_volt if by_voltage else self._bursts.reach_m
         return amplitude_m if self.level_unit == "m" else 20 * math.log10(amplitude_m / 1e-6)

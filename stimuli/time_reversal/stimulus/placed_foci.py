@@ -1,4 +1,4 @@
-"""Foci at named places of a plate, one or several at once, and what fingers feel that rest on such places."""
+"""Foci at named places, and fingers that rest on such places."""
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass

@@ -1,4 +1,4 @@
-"""A screen and a place to focus on, as a study file states them, for the stimulus and the model of what is felt."""
+"""Screen and focus of a study's stimulus."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, border
 @checked
 @dataclass(frozen=True)
 class Setup(GlassPanel):
-    """Plate, transducers at its border, losses, sampling and the focus.
+    """A screen with its losses, sampling and focus (unverified defaults).
 
     Every default is unverified: the thesis's prototype as far as it is known.
 
@@ -90,7 +90,7 @@ class Setup(GlassPanel):
         return max(self.learnt_s, self.screen.attenuation.t60_s)
 
     def responses_at(self, x_m: float, y_m: float) -> Responses:
-        """Displacement responses of every channel at a point over `heard_s`, all modes up to `modes_to_hz`."""
+        """Return every channel's displacement response at a point."""
         return self.responses_at_each(((x_m, y_m),))
 
     def responses_at_each(self, places: Sequence[Point]) -> Responses:
