@@ -98,7 +98,7 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
 
 
 def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
-    """Rest; return what the experimenter wanted meanwhile."""
+    """Show the pages of a rest and return the interventions meanwhile."""
     pages = [] if options.rest_s is None else [Show("resting", duration_s=options.rest_s)]
     return (yield from heard([*pages, Show("rest")]))
 
@@ -106,7 +106,7 @@ def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
 def _intervene(
     begun: BlockState, number: int, state: BlockState, wanted: tuple[Intervention, ...]
 ) -> Course[BlockState]:
-    """Carry out all interventions, also during a rest; return the state."""
+    """Carry out all interventions, also during a rest, on a state."""
     while wanted:
         intervention, *later = wanted
         is_open = bool(state.open())
@@ -130,7 +130,7 @@ def _intervene(
 def _without(
     begun: BlockState, number: int, state: BlockState, intervention: Intervention
 ) -> tuple[BlockState, Intervene]:
-    """Invalidate a trial; return the state and the request to report it."""
+    """Invalidate a trial, and return the state and its report."""
     of_block, trial, attempt = intervention.trial or (0, 0, 0)
     if of_block != number or any(track.skipped for track in state.tracks):
         return state, not_asked_again(intervention)

@@ -14,7 +14,7 @@ BETWEEN: Final = "the page that comes next waits for the participant: that is a 
 
 
 def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]:
-    """Make all requests; return the experimenter's interventions."""
+    """Make all requests and return the experimenter's interventions."""
     wanted: list[Intervention] = []
     for request in requests:
         done: Done = yield request

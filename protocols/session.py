@@ -176,7 +176,7 @@ def pages(parts: Sequence[Part]) -> Iterator[Show]:
 def session(
     parts: Sequence[Part], rng: np.random.Generator, longest_s: float | None = None, *, consent: bool = False
 ) -> Course[tuple[Track, ...]]:
-    """Run all parts in order, with a page before each and at both ends; return the tracks as they ended.
+    """Run all parts with their pages, and return the tracks at their end.
 
     No part begins later than `longest_s` after the start, and none without the participant's `consent`, if that is
     asked for.

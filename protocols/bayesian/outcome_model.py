@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class Likelihoods(Protocol):
-    """Probabilities of the outcomes at the candidate levels, for products with weights (n_cells,).
+    """Probabilities of outcomes at levels, for products with weights.
 
     `DenseLikelihoods` takes stacks of weights (n_cells, n_sets) too, and returns the sets last.
     """
@@ -26,13 +26,13 @@ class Likelihoods(Protocol):
         """Sum probability times weight over cells, (n_outcomes, n_levels)."""
 
     def joint(self, weights: Array) -> Array:
-        """Sum probability times weight over all parameters but the first, (n_outcomes, n_levels, n_first)."""
+        """Sum over all parameters but the first, (n_outcomes, n_levels, n_first)."""
 
     def certainty(self, weights: Array) -> Array:
         """Sum weight times p log p over cells and outcomes, (n_levels,)."""
 
     def log_likelihood(self, index: int, outcome: int) -> Array | None:
-        """Return log P(outcome) at the candidate of this index, (n_cells,), or None without a table."""
+        """Return log P(outcome) at a candidate, (n_cells,), or None untabulated."""
 
 
 @runtime_checkable
@@ -102,7 +102,7 @@ class DenseLikelihoods:
 @dataclass(frozen=True, eq=False)
 @constrained
 class FunctionModel:
-    """Model of any parameters and outcomes, by a function of log probabilities.
+    """Model of any parameters and outcomes, by log probabilities.
 
     - `parameters`: The grid of each parameter by its name; the first is the one of interest.
     - `n_outcomes`: Number of answers, at least 2, reported to the procedure as 0, 1, ...

@@ -1,4 +1,4 @@
-"""Rules that weigh a grid of parameters: weights, endings, and estimates of the threshold.
+"""Rules that weigh a grid of parameters.
 
 Weights are kept as logarithms, so that no cell is lost that may come back.
 """
@@ -31,7 +31,7 @@ class Posterior:
 
     @classmethod
     def of(cls, log_weights: Array) -> Self | None:
-        """Normalise weights; return None if every weight is zero.
+        """Normalise weights, or return None if every weight is zero.
 
         >>> Posterior.of(np.array([-2000.0, -2000.0])).weights
         array([0.5, 0.5])
@@ -44,12 +44,12 @@ class Posterior:
         return float(entropies(self.log_weights, self.weights))
 
     def after(self, log_likelihood: Array) -> Self | None:
-        """Multiply by likelihoods (n_cells,) of an answer; return None if no cell allows it."""
+        """Multiply by likelihoods (n_cells,), or return None if none is possible."""
         return type(self).of(self.log_weights + log_likelihood)
 
 
 def normalised(log_weights: Array) -> tuple[Array, Array]:
-    """Return log weights (..., n_cells) and weights that add up to 1 over the cells."""
+    """Return log weights (..., n_cells) and weights that sum to 1."""
     shifted = log_weights - log_weights.max(axis=-1, keepdims=True)
     weights = np.exp(shifted)
     total = weights.sum(axis=-1, keepdims=True)
@@ -109,11 +109,11 @@ class WeighingRule(Rule[Any]):
 
     @abstractmethod
     def places(self, log_weights: Array, weights: Array) -> Array:
-        """Return the next level (n_sets,) of each row of weights (n_sets, n_cells)."""
+        """Return the next level (n_sets,) of each row of weights."""
 
     @abstractmethod
     def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
-        """Return log P(answer) at the level (n_sets,) of each set, (n_sets, n_cells)."""
+        """Return log P(answer) at each set's level, (n_sets, n_cells)."""
 
 
 RuleT = TypeVar("RuleT", bound=WeighingRule)

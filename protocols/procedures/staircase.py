@@ -92,7 +92,7 @@ def _ending(numbers: StaircaseNumbers, order: Order, state: State, answers: Sequ
 
 
 def _threshold(marks: Sequence[float]) -> float:
-    """Mean of the last reversals, as many peaks as valleys, without the first `DISCARDED`."""
+    """Return the mean of the last reversals, as many peaks as valleys."""
     n, total = 0, 0.0
     for mark in marks:
         n += 0 if math.isnan(mark) else 1
@@ -232,7 +232,7 @@ class WeightedStaircase(UpDown):
 
     @property
     def target(self) -> float:
-        """Probability correct at which up and down balance, with the last pair of steps."""
+        """Probability correct at which up and down balance."""
         up, down = self.steps_up[-1], self.steps_down[-1]
         return math.pow(up / (up + down), 1 / self.n_down)
 
@@ -252,7 +252,7 @@ class StaircaseRun(SteppingRun[UpDown]):
 
     @property
     def streak(self) -> int:
-        """Responses in a row of one kind since the last move: above 0 correct, below 0 wrong."""
+        """Equal responses since the last move, negative if wrong."""
         return int(self.state[2])
 
     def _estimate(self) -> RuleThreshold:

@@ -63,10 +63,6 @@ def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
     return replace(unit, amplitude=amplitude, played=played)
 
 
-if TYPE_CHECKING:
-    from ...time_reversal.lift_off import ContactCourses
-
-
 @dataclass(frozen=True, eq=False)
 class OpenedMotion(PlateMotion):
     """The motion of a plate under fingers that may come off, per volt of the one voltage that it holds for.

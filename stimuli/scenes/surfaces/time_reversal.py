@@ -25,7 +25,6 @@ OF_EVERY_STIMULUS: Final = {"tau_s", "side_m"}
 """Fields of a `Setup` that a plate has by effects alone, and every stimulus by default."""
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
-MAP = "tactometry.stimuli.scenes.stages.motion"
 MOST_POINTS = 4e7
 PRODUCT, DIVISION = 0.15, 15.0
 """Operations per number in a product of matrices, and where it is divided."""
@@ -203,9 +202,9 @@ class TimeReversal(GlassPanel, Surface):
     def _map(self) -> tuple[Stage, ...]:
         needs = ("motion", "x_m", "y_m")
         return (
-            Stage("grid_x", (), "x_m", f"{MAP}:along", {"side_m": self.length_m}, size=self._along(0)),
-            Stage("grid_y", (), "y_m", f"{MAP}:along", {"side_m": self.width_m}, size=self._along(1)),
-            Stage("field", needs, "per_volt_field", f"{MAP}:focus_field", size=self._field_size),
+            Stage("grid_x", (), "x_m", f"{MOTION}:along", {"side_m": self.length_m}, size=self._along(0)),
+            Stage("grid_y", (), "y_m", f"{MOTION}:along", {"side_m": self.width_m}, size=self._along(1)),
+            Stage("field", needs, "per_volt_field", f"{MOTION}:focus_field", size=self._field_size),
             at_voltage("field_at_focus", "per_volt_field", "field_m", self._per_point),
         )
 

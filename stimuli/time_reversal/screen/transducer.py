@@ -189,7 +189,7 @@ def border(
     inset_m: float = INSET_M,
     moment_n_per_v: float = MOMENT_N_PER_V,
 ) -> list[Patch]:
-    """Place square patches at equal steps along a rectangle.
+    """Place square patches in equal steps on a rectangle (unverified).
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> len(border(A4_SCREEN, 32))
