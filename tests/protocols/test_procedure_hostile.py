@@ -31,10 +31,7 @@ HOSTILE = {
     "complex": 1 + 1j, "mapping": {"a": "b"},
 }  # fmt: skip
 NO_NUMBERS = {"None", "text", "nan", "inf", "with nan", "of None"}
-STATE = {
-    "SharedQuestPlus": ("log_likelihoods", "runs"),
-    "SharedTrack": ("pool", "track"),
-}
+STATE = {"SharedQuestPlus": ("log_likelihoods", "runs"), "SharedTrack": ("pool", "track")}
 """Fields with the answers so far, which only `after` sets."""
 
 

@@ -30,13 +30,7 @@ class Motion:
 
 @checked
 def sliding(
-    t_s: ArrayLike,
-    pieces: Pieces,
-    form: ForceForm,
-    *,
-    finger: Finger,
-    friction: CoulombFriction,
-    force_n: float,
+    t_s: ArrayLike, pieces: Pieces, form: ForceForm, *, finger: Finger, friction: CoulombFriction, force_n: float
 ) -> Motion:
     """Return the exact motion in full slip, from rest under constant friction.
 

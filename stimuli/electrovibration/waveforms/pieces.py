@@ -192,10 +192,7 @@ def _merged(pieces: Pieces, blocks: list[tuple[FloatArray, ComplexArray]]) -> Pi
     constant = c[:, f_hz == 0].real.sum(axis=1)
     used = (f_hz != 0) & (c != 0).any(axis=0)
     return replace(
-        pieces,
-        offsets_v=pieces.offsets_v + constant,
-        frequencies_hz=np.abs(f_hz[used]),
-        amplitudes_v=c[:, used],
+        pieces, offsets_v=pieces.offsets_v + constant, frequencies_hz=np.abs(f_hz[used]), amplitudes_v=c[:, used]
     )
 
 

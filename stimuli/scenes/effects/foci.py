@@ -46,10 +46,7 @@ class Foci(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         surface = scene.surface
         settings = {"x_m": (surface.focus_x_m, *self.x_m), "y_m": (surface.focus_y_m, *self.y_m)}
-        return (
-            Stage("foci", (), "foci_m", PLACES, settings),
-            at_voltage("peaks", "per_volt_peaks", "peaks_m"),
-        )
+        return (Stage("foci", (), "foci_m", PLACES, settings), at_voltage("peaks", "per_volt_peaks", "peaks_m"))
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """Return a weakening by the root of the number of foci."""

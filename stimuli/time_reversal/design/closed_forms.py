@@ -15,12 +15,7 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import NotNegative, Positive, PositiveArray, PositiveWhole, UnboundedArray
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import (
-    at_most,
-    between,
-    not_negative_array,
-    positive_array,
-)
+from tactometry.arguments.require import at_most, between, not_negative_array, positive_array
 
 from ...arrays import FloatArray
 from ..filters import Band

@@ -20,15 +20,7 @@ from tactometry.arguments.require import positive_array, some
 from ..filters import Band
 from ..plate.plate import Plate
 from ..plate.statics import bending_stress_pa, deflection_m
-from .guide import (
-    FINGER_DIAMETER_M,
-    FINGER_FORCE_N,
-    STRESS_MAX_PA,
-    Guide,
-    Target,
-    Transducers,
-    recommend,
-)
+from .guide import FINGER_DIAMETER_M, FINGER_FORCE_N, STRESS_MAX_PA, Guide, Target, Transducers, recommend
 
 SHEETS_M: Final = (0.3e-3, 0.4e-3, 0.5e-3, 0.55e-3, 0.7e-3, 0.9e-3, 1.1e-3, 1.3e-3, 1.6e-3, 2e-3, 2.5e-3, 3e-3, 4e-3)
 """Thicknesses in which thin glass is sold; unverified default."""

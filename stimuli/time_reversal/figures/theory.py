@@ -8,9 +8,7 @@ from matplotlib.figure import Figure
 
 from tactometry.palette import BLACK, BLUE, ORANGE
 
-from ..design.closed_forms import (
-    half_wavelength_m,
-)
+from ..design.closed_forms import half_wavelength_m
 from ..design.guide import STRESS_MAX_PA, Guide, amplitudes_m, contrast_over
 from ..design.thickness import Sheet
 from .style import colours, label, sheet

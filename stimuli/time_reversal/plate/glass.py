@@ -31,13 +31,7 @@ class Glass:
         0.153
         """
         return Plate(
-            length_m,
-            width_m,
-            thickness_m,
-            self.youngs_modulus_pa,
-            self.poisson_ratio,
-            self.density_kg_per_m3,
-            boundary,
+            length_m, width_m, thickness_m, self.youngs_modulus_pa, self.poisson_ratio, self.density_kg_per_m3, boundary
         )
 
 

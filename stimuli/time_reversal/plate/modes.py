@@ -17,10 +17,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, finite_array, shape
 
 from ...arrays import FloatArray, IntArray
-from .dispersion import (
-    mindlin_angular_frequency_rad_per_s,
-    mindlin_wavenumber_rad_per_m,
-)
+from .dispersion import mindlin_angular_frequency_rad_per_s, mindlin_wavenumber_rad_per_m
 from .plate import Plate, navier, ritz
 from .rectangle import Axis, SineAxis
 

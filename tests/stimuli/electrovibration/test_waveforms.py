@@ -37,11 +37,7 @@ def test_ramps_are_raised_cosines_from_zero() -> None:
 
 @pytest.mark.parametrize(
     ("modulation", "expected"),
-    [
-        ("square_root", [0.25, 0.25, 0.0]),
-        ("full", [0.1875, 0.25, 0.0625]),
-        ("suppressed_carrier", [0.25, 0.0, 0.25]),
-    ],
+    [("square_root", [0.25, 0.25, 0.0]), ("full", [0.1875, 0.25, 0.0625]), ("suppressed_carrier", [0.25, 0.0, 0.25])],
 )
 def test_components_of_the_squared_carrier_below_its_frequency(modulation: str, expected: list[float]) -> None:
     stimulus = AmplitudeModulated(frequency_hz=100.0, modulation=modulation, ramp_s=0.0)

@@ -151,12 +151,7 @@ def test_time_constants():
     assert "51%" in fast.notes[-2]
 
 
-@given(
-    st.floats(1e-3, 2e-2),
-    st.floats(1.0, 60.0),
-    st.floats(1e-7, 1e-4),
-    st.floats(1.0, 3e4),
-)
+@given(st.floats(1e-3, 2e-2), st.floats(1.0, 60.0), st.floats(1e-7, 1e-4), st.floats(1.0, 3e4))
 def test_every_wish_is_met_or_named_as_unreachable(resolution, contrast, amplitude, repetition):
     target = Target(resolution, contrast, amplitude, repetition)
     guide = recommend(A4_SCREEN, Transducers(), BAND, TAU_S, target)

@@ -20,10 +20,7 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import Contactor
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission
-from tactometry.stimuli.time_reversal.focusing.merit import (
-    area_m2,
-    width_m,
-)
+from tactometry.stimuli.time_reversal.focusing.merit import area_m2, width_m
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Pattern, burst_s, pattern_drive
 from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN

@@ -22,10 +22,7 @@ from tactometry.stimuli.time_reversal.design.guide import Design, Transducers, a
 from tactometry.stimuli.time_reversal.finger import amplitude_loss
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted
 from tactometry.stimuli.time_reversal.focusing.pattern import Table, focus_samples
-from tactometry.stimuli.time_reversal.plate.dispersion import (
-    mindlin_wavenumber_rad_per_m,
-    wavenumber_rad_per_m,
-)
+from tactometry.stimuli.time_reversal.plate.dispersion import mindlin_wavenumber_rad_per_m, wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.transducer import border

@@ -182,11 +182,7 @@ def _names(dotted: str, thing: object) -> Iterator[str]:
                 yield f"{dotted}.{name}"
 
 
-INFINITE = (
-    "focusing.sound.a_weighting_db",
-    "focusing.sound.NoiseSpectrum",
-    "focusing.sound.noise",
-)
+INFINITE = ("focusing.sound.a_weighting_db", "focusing.sound.NoiseSpectrum", "focusing.sound.noise")
 """What their docstrings let be infinite: silence, no weight, no loss, an unknown interval."""
 
 RESULTS = frozenset(

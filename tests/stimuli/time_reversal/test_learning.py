@@ -24,10 +24,7 @@ from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 RATE_HZ, DURATION_S, F_MAX_HZ = 150e3, 7e-3, 60e3
 BAND = Band(20e3, 60e3)
-EXCITATIONS = {
-    "sweep": sweep(15e3, 70e3, rate_hz=RATE_HZ, duration_s=0.1),
-    "sequence": sequence(14, rate_hz=RATE_HZ),
-}
+EXCITATIONS = {"sweep": sweep(15e3, 70e3, rate_hz=RATE_HZ, duration_s=0.1), "sequence": sequence(14, rate_hz=RATE_HZ)}
 
 
 @pytest.fixture(scope="module")
