@@ -1,4 +1,4 @@
-"""Fields, responses and designs as matrix products.
+"""Fields and responses as matrix products.
 
 Compared with a loop over modes and with the peak rate of BLAS.
 
@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from tactometry.experiments.harness import interleaved, run_once, tell
+from tactometry.experiments.harness import interleaved, tell
 from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal
-from tactometry.stimuli.time_reversal.plate.glass import GLASSES
 from tactometry.stimuli.time_reversal.plate.modes import modes_of, values
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
@@ -26,7 +24,7 @@ Array = NDArray[np.float64]
 PLATE = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "SSSS")
 F_MAX_HZ, RATE_HZ, T_S = 31.25e3, 200e3, 15e-3
 N_X, N_Y = 300, 210
-GLASS, TURN_S = tuple(GLASSES.values()), 5e-3
+TURN_S = 5e-3
 
 
 def peak_flops() -> float:
@@ -101,41 +99,9 @@ def static_residual() -> None:
     tell("static residual: modes saved at the same error", n_many / n_few, at_least=1)
 
 
-def designs() -> None:
-    """Time designs of random plates, and layouts on one plate."""
-    rng = np.random.default_rng(0)
-    design(rng)
-    plates_s, _ = run_once(lambda: [design(rng) for _ in range(10_000)])
-    tell("10 000 plates (32 transducers, focus, field)", plates_s, "s", at_most=10)
-    kernel = ClosedReversal.of(PLATE, Attenuation(10e-3), 25e3, T_S)
-    every = np.ones(len(kernel.overlap), bool)
-    layouts_s, _ = run_once(lambda: [played(kernel, rng, every) for _ in range(1000)])
-    tell("10 000 layouts on one plate of 425 modes", 10 * layouts_s, "s")
-
-
-def design(rng: np.random.Generator) -> float:
-    """Return the largest displacement of the field of a random plate, attenuation, time and band."""
-    length, aspect, thickness = rng.uniform(0.20, 0.30), rng.uniform(1, 2), 10 ** rng.uniform(-3.3, -2.7)
-    plate = GLASS[int(rng.integers(len(GLASS)))].plate(length, length / aspect, thickness, "SSSS")
-    attenuation, reversal_s = Attenuation(rng.uniform(8e-3, 15e-3)), rng.uniform(2e-3, 15e-3)
-    kernel = ClosedReversal.of(plate, attenuation, rng.uniform(10e3, 25e3), reversal_s)
-    return float(played(kernel, rng, kernel.modes.frequency_hz >= rng.uniform(0, 5e3)).max())
-
-
-def played(kernel: ClosedReversal, rng: np.random.Generator, passed: NDArray[np.bool_]) -> Array:
-    """Return the field of a random focus from 32 random sources, by the modes in the band."""
-    sides = np.array([kernel.modes.plate.length_m, kernel.modes.plate.width_m])
-    places, focus = rng.uniform(0.05, 0.95, (32, 2)) * sides, rng.uniform(0.1, 0.9, 2) * sides
-    sources = values(kernel.modes, *places.T) * passed[:, None]
-    amplitude = kernel.modal_amplitudes(sources, values(kernel.modes, *focus)[:, 0])
-    x, y = (np.linspace(0, side, n) for side, n in zip(sides, (N_X, N_Y), strict=True))
-    return np.asarray(kernel.modes.field(amplitude, x, y))
-
-
 if __name__ == "__main__":
     with threadpool_limits(1):
         rate = peak_flops()
         field_frame(rate)
         responses(rate)
         static_residual()
-        designs()

@@ -71,10 +71,7 @@ class Block:
 
 
 def run_block(block: Block, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
-    """Run a block until every track has ended.
-
-    Returns the tracks and the number of the next trial.
-    """
+    """Run a block until every track ends; return the tracks and next trial."""
     state = begun = BlockState(block.options, block.tracks, first_trial)
     catches = [catch_schedule(block.catch_rate, rng) for _ in block.tracks]
     turn = turns(block.options.interleaving, rng)
@@ -101,7 +98,7 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
 
 
 def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
-    """Rest; return what the experimenter wanted meanwhile."""
+    """Show the pages of a rest and return the interventions meanwhile."""
     pages = [] if options.rest_s is None else [Show("resting", duration_s=options.rest_s)]
     return (yield from heard([*pages, Show("rest")]))
 
@@ -109,7 +106,7 @@ def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
 def _intervene(
     begun: BlockState, number: int, state: BlockState, wanted: tuple[Intervention, ...]
 ) -> Course[BlockState]:
-    """Carry out all interventions, also during a rest; return the state."""
+    """Carry out all interventions, also during a rest, on a state."""
     while wanted:
         intervention, *later = wanted
         is_open = bool(state.open())
@@ -133,7 +130,7 @@ def _intervene(
 def _without(
     begun: BlockState, number: int, state: BlockState, intervention: Intervention
 ) -> tuple[BlockState, Intervene]:
-    """Invalidate a trial; return the state and the request to report it."""
+    """Invalidate a trial, and return the state and its report."""
     of_block, trial, attempt = intervention.trial or (0, 0, 0)
     if of_block != number or any(track.skipped for track in state.tracks):
         return state, not_asked_again(intervention)
@@ -151,10 +148,7 @@ def _without(
 def _record_rows(
     block: Block, number: int, slot: Slot, outcome: TrialOutcome, before: BlockState, after: BlockState
 ) -> Course[tuple[Intervention, ...]]:
-    """Record the rows of a presentation, the last with what it aborts, and give feedback.
-
-    Returns what the experimenter wanted meanwhile.
-    """
+    """Record rows, show feedback, and return the interventions meanwhile."""
     track = before.tracks[slot.track]
     *rows, last = (trial_row(block, number, slot, track, outcome, reply) for reply in outcome.replies or (Reply(),))
     pages: list[Record | Show] = [*map(Record, rows), Record(last, _abortion(number, before, after))]
@@ -181,10 +175,7 @@ def _abortion(number: int, before: BlockState, after: BlockState) -> str | None:
 
 
 def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: TrialOutcome, reply: Reply) -> Trial:
-    """Return the row of a reply.
-
-    If no touch's level counts, the first touch represents the trial.
-    """
+    """Return the row of a reply; its touch is the one whose level counts."""
     touch = outcome.stimulus or next(iter(outcome.touches), UNTOUCHED)
     is_catch, answer = slot.level is None, reply.answer
     return Trial(

@@ -36,7 +36,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Track:
-    """A procedure on a condition, before a block or after it; `name` distinguishes interleaved ones.
+    """A procedure on a condition, named if it is interleaved.
 
     A track is not `begun` if the session had no time for its block, and `skipped` if the experimenter left it.
     """
@@ -124,7 +124,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class BlockState:
-    """Tracks of a block, the presentations that must come again, and whether its time is over (`late`).
+    """State of a block: tracks, presentations to repeat, and time.
 
     `log` has all presentations with their outcomes, None of one that was taken back: the state follows from it.
     """
@@ -146,19 +146,13 @@ class BlockState:
         return [n for n in going if n in owed or not self.tracks[n].procedure.finished]
 
     def due(self, index: int) -> Slot | None:
-        """Return the presentation of a track that must be repeated now.
-
-        It is repeated at once, or at the end of a fixed order.
-        """
+        """Return the presentation to repeat now, or at the end of a fixed order."""
         procedure = self.tracks[index].procedure
         owed = (slot for slot in self.again if slot.track == index)
         return next(owed, None) if isinstance(procedure, FixedOrder) == procedure.finished else None
 
     def after(self, slot: Slot, outcome: TrialOutcome | None) -> "BlockState":
-        """Return the state after a presentation.
-
-        A presentation without an outcome was withdrawn and is repeated.
-        """
+        """Return the state after a presentation; None means it was withdrawn."""
         state = replace(
             self,
             again=tuple(other for other in self.again if other.trial != slot.trial),
@@ -183,7 +177,7 @@ class BlockState:
         return replace(self, tracks=tuple(tracks))
 
     def without(self, trial: int, attempt: int, begun: "BlockState") -> tuple["BlockState", tuple[Slot, ...]] | None:
-        """Take back a presentation; return the state and what no longer counts.
+        """Take back a presentation and those whose level followed from it.
 
         The result is None if the presentation does not count.
 
@@ -251,7 +245,7 @@ class BlockState:
 
 
 def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool]:
-    """Yield whether each presentation is a catch trial: exactly one in each group of round(1 / catch_rate).
+    """Yield True for one catch trial in each group of round(1 / catch_rate).
 
     >>> import itertools
     >>> sum(itertools.islice(catch_schedule(0.2, np.random.default_rng(1)), 50))
@@ -268,7 +262,7 @@ def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool
 
 
 def turns(interleaving: str, rng: np.random.Generator) -> Callable[[Sequence[int]], int]:
-    """Return the function that draws the next of the open tracks: any, or (balanced) each once in every round.
+    """Return a function that draws the next of the open tracks.
 
     >>> turn = turns("balanced", np.random.default_rng(1))
     >>> sorted(turn((0, 1, 2)) for _ in range(3)), turn((2,))

@@ -14,7 +14,7 @@ BETWEEN: Final = "the page that comes next waits for the participant: that is a 
 
 
 def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]:
-    """Make all requests; return the experimenter's interventions."""
+    """Make all requests and return the experimenter's interventions."""
     wanted: list[Intervention] = []
     for request in requests:
         done: Done = yield request
@@ -23,10 +23,7 @@ def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]
 
 
 def hearing(course: Course[T], wanted: list[Intervention], felt: list[Trial]) -> Course[T]:
-    """Make the requests of a course and collect interventions.
-
-    Adds interventions to `wanted`, and valid trials with a stimulus to `felt`.
-    """
+    """Run a course; collect interventions in `wanted`, felt trials in `felt`."""
     answer: Any = None
     while True:
         try:
@@ -49,10 +46,7 @@ def not_asked_again(intervention: Intervention) -> Intervene:
 
 
 def between_blocks(wanted: Iterable[Intervention], ahead: str = "") -> Course[bool]:
-    """Carry out interventions between trials.
-
-    Returns True if the part `ahead` (empty: none) is skipped.
-    """
+    """Carry out interventions; return True if the part `ahead` is skipped."""
     skipped = False
     for intervention in wanted:
         match intervention.wanted:

@@ -16,7 +16,7 @@ LARGEST_SEED = 2**128 - 1
 
 
 def williams_square(n: int) -> list[list[int]]:
-    """Return rows of an order balanced for carry-over: each condition follows each other equally often.
+    """Return rows in which each condition follows each other equally often.
 
     n rows for even n, 2n for odd n (the square and its mirror image). Williams, Aust. J. Sci. Res. A2, 149 (1949).
 
@@ -31,7 +31,7 @@ def williams_square(n: int) -> list[list[int]]:
 
 
 def nth_permutation(n: int, row: int) -> list[int]:
-    """Return permutation number `row` (modulo n!) of 0..n-1, in lexicographic order.
+    """Return permutation `row` (modulo n!) of 0..n-1, in lexicographic order.
 
     >>> [nth_permutation(3, row) for row in range(6)]
     [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
@@ -53,7 +53,7 @@ ORDERS: Mapping[str, Callable[[int, int, np.random.Generator], list[int]]] = {
 
 
 def n_orders(rule: str, n: int) -> int:
-    """Return the number of rows after which a rule's order of n levels comes again.
+    """Return the number of rows after which an order of n levels repeats.
 
     >>> n_orders("williams", 3), n_orders("complete", 3), n_orders("fixed", 3)
     (6, 6, 1)
@@ -66,7 +66,7 @@ Nested = Mapping[str, Mapping[T, Mapping[str, Sequence[T]]]]
 
 @dataclass(frozen=True)
 class Crossing(Generic[T]):
-    """Factors with their levels, the slowest first, and the rule of order of each.
+    """Factors with their levels, the slowest first, and their orders.
 
     - `rules`: One of `ORDERS` by factor; other factors are fixed.
     - `nested`: By factor, level of it, and faster factor: the levels of the latter there.
@@ -121,7 +121,7 @@ def combinations(factors: Mapping[str, Sequence[T]]) -> list[dict[str, T]]:
 
 
 def stream(seed: int, *place: int) -> np.random.Generator:
-    """Return the random stream of one place in nested loops, such as study 3, participant 12, track 0.
+    """Return the random stream of a place in nested loops, as study, track.
 
     No other place has it, and no order of work changes it: a number of a place is one word of the key, and the seed at
     most four.

@@ -176,7 +176,7 @@ def pages(parts: Sequence[Part]) -> Iterator[Show]:
 def session(
     parts: Sequence[Part], rng: np.random.Generator, longest_s: float | None = None, *, consent: bool = False
 ) -> Course[tuple[Track, ...]]:
-    """Run all parts in order, with a page before each and at both ends; return the tracks as they ended.
+    """Run all parts with their pages, and return the tracks at their end.
 
     No part begins later than `longest_s` after the start, and none without the participant's `consent`, if that is
     asked for.
@@ -216,10 +216,7 @@ def session(
 
 
 def _practises_again(tracks: Sequence[Track], page: Show, wanted: list[Intervention]) -> Course[bool]:
-    """Ask the experimenter how to go on after a missed practice; return True if it is repeated, after its `page`.
-
-    What the experimenter wants is added to `wanted`.
-    """
+    """Ask how to go on after a missed practice; return True for a repeat."""
     missed = [track.missed_practice for track in tracks]
     if _ends(wanted) or not any(rule and rule.on_miss == "ask" for rule in missed):
         return False
@@ -232,10 +229,7 @@ def _practises_again(tracks: Sequence[Track], page: Show, wanted: list[Intervent
 
 
 def _opened(pages: Sequence[Show], ahead: str, wanted: list[Intervention]) -> Course[float | None]:
-    """Show the pages before a part.
-
-    Returns the time when the last one was left, or None if the experimenter skips the part.
-    """
+    """Show pages; return when the last was left, or None if all is skipped."""
     at_s = 0.0
     for page in pages:
         shown: Done = yield page
@@ -247,10 +241,7 @@ def _opened(pages: Sequence[Show], ahead: str, wanted: list[Intervention]) -> Co
 
 
 def _declined(wanted: list[Intervention]) -> Course[bool]:
-    """Ask for consent, unless the session is to end; return True if the participant declines.
-
-    The answer is in the journal alone. What the experimenter wants meanwhile is added to `wanted`.
-    """
+    """Ask for consent, which only the journal records; return True for no."""
     if not _ends(wanted):
         said = yield from heard([Show("consent")])
         yield from between_blocks(said)

@@ -13,7 +13,7 @@ IndexArray = NDArray[np.intp]
 
 
 def real_product(real: FloatArray, numbers: ComplexArray) -> ComplexArray:
-    """A product of a real and a complex matrix, without making the real one complex."""
+    """Multiply a real by a complex matrix without a complex copy of the first."""
     return np.asarray(real @ np.ascontiguousarray(numbers).view(float)).view(complex)
 
 
@@ -22,7 +22,7 @@ COMPLEX: Final = (3, 5, 7, 11)
 
 
 def fast_length(n: int, odd_factors: Sequence[int] = REAL) -> int:
-    """The least number of at least `n` (at least 1) that is made of 2 and of these factors alone.
+    """Return the least number of at least `n` with these prime factors and 2.
 
     >>> fast_length(13), fast_length(13, COMPLEX)
     (15, 14)

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LevelTable:
-    """Perceived levels, or chances of the answer 1, at rising levels; linear between them, constant beyond.
+    """Perceived levels, or chances of the answer 1, at rising levels.
 
     - `felt`: (n_levels,) for all sets, or (n_sets, n_levels).
 
@@ -57,7 +57,7 @@ def criteria(
     guess_rate: ArrayLike = 0.0,
     lapse_rate: ArrayLike = 0.0,
 ) -> Array:
-    """Return the levels above which trials are answered with 1: the inverse psychometric function of uniform numbers.
+    """Return criteria: the inverse psychometric function of uniform numbers.
 
     A criterion is minus infinity below the guess rate, and infinity within the lapse rate of 1.
 
@@ -77,7 +77,7 @@ def criteria(
 
 
 def nearest(level: Any, step: float, low: float, high: float) -> Any:
-    """Round levels to whole steps (0: no steps) within bounds; compiled by numba too."""
+    """Round levels to whole steps (0: no steps) within bounds, also in numba."""
     stepped = step * np.rint(level / step) if step > 0 else level
     return np.minimum(np.maximum(stepped, low), high)
 

@@ -71,7 +71,7 @@ def tracks(
     orders: Array | None = None,
     delivery: Delivery = AS_ASKED,
 ) -> TrackBatch:
-    """Run a track for each row of criteria, of at most so many trials, as the rule's own run would go.
+    """Run a track for each row of criteria as the rule's own run would go.
 
     The answer to a trial is the number of its criteria that the perceived level exceeds.
 
@@ -125,10 +125,7 @@ def _step(
 
 
 def _arrays(numbers: Numbers) -> tuple[Any, ...]:
-    """Convert each sequence to an array.
-
-    Otherwise numba would compile anew for each length of a tuple.
-    """
+    """Convert sequences to arrays: numba compiles anew for each tuple length."""
     arrays = [np.array(value, dtype=np.float64) if isinstance(value, tuple) else value for value in numbers]
     return type(numbers)(*arrays) if arrays else ()
 
@@ -142,7 +139,7 @@ def weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, deliver
 
 
 def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delivery: Delivery, made: TrackBatch) -> None:
-    """Fill in sets of equal length; a set leaves when its track ends."""
+    """Fill in sets of equal length, each until its track ends."""
     prior, going = rule.prior_state, np.arange(len(criteria))
     logs, weights = (np.tile(each, (len(criteria), 1)) for each in (prior.log_weights, prior.weights))
     n_trials = min(criteria.shape[1], rule.n_trials)

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class Likelihoods(Protocol):
-    """Probabilities of the outcomes at the candidate levels, for products with weights (n_cells,).
+    """Probabilities of outcomes at levels, for products with weights.
 
     `DenseLikelihoods` takes stacks of weights (n_cells, n_sets) too, and returns the sets last.
     """
@@ -26,21 +26,18 @@ class Likelihoods(Protocol):
         """Sum probability times weight over cells, (n_outcomes, n_levels)."""
 
     def joint(self, weights: Array) -> Array:
-        """Sum probability times weight over all parameters but the first, (n_outcomes, n_levels, n_first)."""
+        """Sum over all parameters but the first, (n_outcomes, n_levels, n_first)."""
 
     def certainty(self, weights: Array) -> Array:
         """Sum weight times p log p over cells and outcomes, (n_levels,)."""
 
     def log_likelihood(self, index: int, outcome: int) -> Array | None:
-        """Return log P(outcome) at the candidate of this index, (n_cells,), or None without a table."""
+        """Return log P(outcome) at a candidate, (n_cells,), or None untabulated."""
 
 
 @runtime_checkable
 class OutcomeModel(Protocol):
-    """Combinations of parameters as cells in C order.
-
-    The first parameter is the threshold.
-    """
+    """Combinations of parameters, cells in C order, the threshold first."""
 
     @property
     def parameters(self) -> Mapping[str, tuple[float, ...]]: ...
@@ -105,7 +102,7 @@ class DenseLikelihoods:
 @dataclass(frozen=True, eq=False)
 @constrained
 class FunctionModel:
-    """Model of any parameters and outcomes, by a function of log probabilities.
+    """Model of any parameters and outcomes, by log probabilities.
 
     - `parameters`: The grid of each parameter by its name; the first is the one of interest.
     - `n_outcomes`: Number of answers, at least 2, reported to the procedure as 0, 1, ...
@@ -135,61 +132,8 @@ class FunctionModel:
         return tabulate(self, levels)
 
 
-@dataclass(frozen=True, eq=False)
-class TableModel:
-    """Model of any parameters and outcomes, by a table of probabilities at rising levels.
-
-    Between two levels probabilities are interpolated linearly; a level beyond the table is refused.
-
-    - `parameters`: As in `FunctionModel`.
-    - `table`: (n_outcomes, n_levels, n_values of the 1st parameter, ... of the last); adds up to 1 over outcomes.
-
-    >>> model = TableModel({"bias": (0.25, 0.75)}, (0.0, 1.0), np.array([[[0.75, 0.25]] * 2, [[0.25, 0.75]] * 2]))
-    >>> np.exp(model.log_likelihood(0.5, 1))
-    array([0.25, 0.75])
-    """
-
-    parameters: Mapping[str, tuple[float, ...]]
-    levels: tuple[float, ...]
-    table: Array
-
-    def __post_init__(self) -> None:
-        _check_parameters("TableModel", self.parameters)
-        numbers("TableModel.levels", self.levels)
-        of_kind("TableModel", np.ndarray, table=self.table)
-        expected = (len(self.levels), *map(len, self.parameters.values()))
-        shape = self.table.shape
-        fits = len(shape) >= 3 and shape[0] >= 2 and shape[1:] == expected
-        sizes = ", ".join(map(str, expected))
-        expect(fits, "TableModel.table", f"the shape {shape}", f"(n_outcomes from 2, {sizes})")
-        expect((np.diff(self.levels) > 0).all(), "TableModel.levels", self.levels, "rising levels")
-        expect((self.table >= 0).all(), "TableModel.table", "a chance below 0 or not a number", "probabilities")
-        for n, level in enumerate(self.levels):
-            _check_sum(self.table[:, n].sum(axis=0), level)
-
-    @property
-    def n_outcomes(self) -> int:
-        return int(self.table.shape[0])
-
-    def log_likelihood(self, level: float, outcome: int) -> Array:
-        low, high = self.levels[0], self.levels[-1]
-        among = f"one from {low:g} to {high:g}, where the table has chances"
-        expect(low <= level <= high, "TableModel", f"the level {level:g}", among)
-        place = float(np.interp(level, self.levels, range(len(self.levels))))
-        before, beyond = math.floor(place), place % 1
-        probabilities = (1 - beyond) * self.table[outcome, before] + beyond * self.table[outcome, math.ceil(place)]
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.log(probabilities).ravel(), dtype=np.float64)
-
-    def likelihoods(self, levels: Sequence[float]) -> DenseLikelihoods:
-        return tabulate(self, levels)
-
-
 def tabulate(model: OutcomeModel, levels: Sequence[float]) -> DenseLikelihoods:
-    """Tabulate a model at some levels.
-
-    The probabilities of all outcomes must add up to 1.
-    """
+    """Tabulate a model at some levels; refuse chances that do not add up to 1."""
     rows = [[np.exp(model.log_likelihood(level, outcome)) for level in levels] for outcome in range(model.n_outcomes)]
     table = np.array(rows).reshape(model.n_outcomes, len(levels), *size(model))
     for n, level in enumerate(levels):

@@ -22,7 +22,7 @@ BLOCK = 512
 
 @dataclass(frozen=True)
 class ParameterGrid:
-    """Model of the answers 0 and 1: combinations of thresholds, widths, guess and lapse rates of one shape.
+    """Model of yes and no by thresholds, widths, guess and lapse rates.
 
     Threshold and width as in `tactometry.psychometric` (half of the unscaled function; its 0.05 to 0.95 points). In
     decibels the shape ``gumbel`` is Weibull's function of the amplitude; ``weibull`` takes the amplitude itself, with
@@ -70,7 +70,7 @@ class ParameterGrid:
         return guess.ravel(), lapse.ravel()
 
     def distances(self, levels: Sequence[float]) -> Array:
-        """Return level minus threshold, or the logarithm of their ratio for ``weibull``, (n_levels, n_thresholds)."""
+        """Return level minus threshold, or the log of their ratio for ``weibull``."""
         x, t = np.ix_(np.asarray(levels, dtype=np.float64), np.asarray(self.thresholds, dtype=np.float64))
         if not shape_named(self.shape).on_log_levels:
             return np.asarray(x - t)
@@ -79,7 +79,7 @@ class ParameterGrid:
             return np.asarray(np.log(x) - np.log(t))
 
     def log_likelihood_at(self, distances: Array, outcome: int) -> Array:
-        """Return log P(outcome) at distances from the threshold, of shape ``(*distances, n_widths, n_rates)``."""
+        """Return log P(outcome) at distances, (*distances, n_widths, n_rates)."""
         shape, (guess, lapse) = shape_named(self.shape), self.rates
         z = shape.z50 + distances[..., None] / np.asarray(self.widths) * shape.z_width
         log_s = (shape.log_cdf if outcome else shape.log_sf)(z)
@@ -95,7 +95,7 @@ class ParameterGrid:
         return self.log_likelihood_at(self.distances([level])[0], outcome).ravel()
 
     def certainty(self, distances: Array) -> Array:
-        """Return the sum of p log p over answers, of shape ``(*distances, n_widths, n_rates)``."""
+        """Return the sum of p log p, (*distances, n_widths, n_rates)."""
         return np.asarray(sum(p_log_p(np.exp(self.log_likelihood_at(distances, answer))) for answer in (0, 1)))
 
     def likelihoods(self, levels: Sequence[float]) -> "MixtureLikelihoods":
@@ -130,12 +130,12 @@ class MixtureLikelihoods:
 
     @cached_property
     def mixture(self) -> Array:
-        """Factor of S, summand, and 1, for each pair of guess and lapse rate, (3, n_pairs)."""
+        """Factor of S, summand and 1 for each pair of rates, (3, n_pairs)."""
         guess, lapse = self.grid.rates
         return np.array([1 - guess - lapse, guess, np.ones_like(guess)])
 
     def moments(self, weights: Array) -> Array:
-        """Sum weight times `mixture` over guess and lapse rates, (3, n_thresholds, n_widths)."""
+        """Sum weighted `mixture` over rates, (3, n_thresholds, n_widths)."""
         sums: Array = self.mixture @ weights.reshape(-1, self.mixture.shape[1]).T
         return sums.reshape(3, len(self.grid.thresholds), -1)
 
@@ -151,7 +151,7 @@ class MixtureLikelihoods:
 
     @cached_property
     def steps(self) -> Array | None:
-        """Distances from the highest level to the lowest one, or None unless levels and thresholds have equal steps.
+        """Distances from highest to lowest level, or None for unequal steps.
 
         A probability then depends on the distance only, and blocks of neighbouring thresholds are views of one table
         (n_levels + n_thresholds - 1, n_rest), which stays in the cache.
@@ -167,7 +167,7 @@ class MixtureLikelihoods:
 
     @cached_property
     def log_tables(self) -> tuple[Array, Array] | None:
-        """Log probabilities of the answers 0 and 1 at `steps`, two of (n_steps, n_rest)."""
+        """Log probabilities of no and yes at `steps`, two of (n_steps, n_rest)."""
         if self.steps is None:
             return None
         no, yes = (self.grid.log_likelihood_at(self.steps, answer).reshape(len(self.steps), -1) for answer in (0, 1))

@@ -109,7 +109,7 @@ class Quest(WeighingRule):
         return np.clip(placed, self.low, self.high)
 
     def _quantiles(self, weights: Array) -> Array:
-        """Interpolate the cumulative weights linearly, from the first place of each height."""
+        """Interpolate cumulative weights linearly from each height's first place."""
         summed, at = np.cumsum(weights, axis=1), np.arange(len(weights))
         orders = self.quantile_order * summed[:, -1]
         right = (summed < orders[:, None]).sum(axis=1)
@@ -137,7 +137,7 @@ class Quest(WeighingRule):
 
     @cached_property
     def thresholds(self) -> Array:
-        """Grid of thresholds (n_thresholds,) in whole steps from `low` up to `high`."""
+        """Grid of thresholds (n_thresholds,) in whole steps from `low`."""
         # Whole steps may divide to just less than a whole number: 0.3 / 0.1 does.
         n_steps = math.floor((self.high - self.low) / self.step * (1 + 1e-12))
         return np.asarray(self.low + self.step * np.arange(n_steps + 1), dtype=np.float64)

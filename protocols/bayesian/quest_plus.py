@@ -38,8 +38,8 @@ class QuestPlus(WeighingRule):
     censored if this parameter is most likely at an end of its grid, and aborted if no cell allows the answers.
 
     - `levels`: The candidates.
-    - `grid`: `ParameterGrid`, or `FunctionModel`, `TableModel` for other parameters and more than two outcomes; the
-      first parameter is the threshold.
+    - `grid`: `ParameterGrid`, or `FunctionModel` for other parameters and outcomes; its first parameter is
+      the threshold.
     - `prior`: Weights of the values of a parameter, in any scale; flat for a parameter that is not named.
 
     >>> from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
@@ -183,7 +183,7 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
 
 @dataclass(frozen=True, eq=False)
 class SharedQuestPlus:
-    """`QuestPlus` on several tracks whose posterior shares every parameter but the first.
+    """`QuestPlus` on several tracks that share all parameters but the first.
 
     Thresholds are independent given the shared parameters, so one likelihood table (n_first, n_rest) a track is exact:
     ``p(t_k, s) ~ p(t_k) p(s) L_k(t_k, s) prod_j sum_t p(t) L_j(t, s)``. A track that was within `sd_stop` may go on
@@ -239,7 +239,7 @@ class SharedQuestPlus:
         return views
 
     def after(self, track: str, response: int | bool, delivered: float | None = None) -> Self:
-        """Return the pool after an answer to the level that was delivered on one track."""
+        """Return the pool after an answer to a delivered level on one track."""
         with rewording(lambda words: f"SharedQuestPlus track {track!r}, {words}"):
             run = self.procedure(track).after(response, delivered)
         pool = replace(self, runs={**self.runs, track: run})
@@ -295,7 +295,7 @@ def expected_losses(rule: QuestPlus, likelihoods: Likelihoods, weights: Array, e
 
 
 def _expected_variance(rule: QuestPlus, likelihoods: Likelihoods, weights: Array) -> Array:
-    """Return the expected variance of the first parameter, or the sum over all, each relative to its prior."""
+    """Return the first parameter's expected variance, or the sum of all."""
     values = [np.asarray(each, dtype=np.float64) for each in rule.grid.parameters.values()]
     axes = [axis.ravel() for axis in np.meshgrid(*values, indexing="ij")]
     if rule.aim == "threshold":

@@ -20,7 +20,7 @@ MOST_VALUES = 10_000
 
 
 def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
-    """Return values with equal steps or equal ratios; `grid` names the lowest, the highest and their number.
+    """Return values with equal steps or ratios from low, high and number.
 
     Raises `InvalidParameter` if they make no rising grid; `owner` and the name open the message.
 

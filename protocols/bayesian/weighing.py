@@ -1,4 +1,4 @@
-"""Rules that weigh a grid of parameters: weights, endings, and estimates of the threshold.
+"""Rules that weigh a grid of parameters.
 
 Weights are kept as logarithms, so that no cell is lost that may come back.
 """
@@ -31,7 +31,7 @@ class Posterior:
 
     @classmethod
     def of(cls, log_weights: Array) -> Self | None:
-        """Normalise weights; return None if every weight is zero.
+        """Normalise weights, or return None if every weight is zero.
 
         >>> Posterior.of(np.array([-2000.0, -2000.0])).weights
         array([0.5, 0.5])
@@ -44,12 +44,12 @@ class Posterior:
         return float(entropies(self.log_weights, self.weights))
 
     def after(self, log_likelihood: Array) -> Self | None:
-        """Multiply by likelihoods (n_cells,) of an answer; return None if no cell allows it."""
+        """Multiply by likelihoods (n_cells,), or return None if none is possible."""
         return type(self).of(self.log_weights + log_likelihood)
 
 
 def normalised(log_weights: Array) -> tuple[Array, Array]:
-    """Return log weights (..., n_cells) and weights that add up to 1 over the cells."""
+    """Return log weights (..., n_cells) and weights that sum to 1."""
     shifted = log_weights - log_weights.max(axis=-1, keepdims=True)
     weights = np.exp(shifted)
     total = weights.sum(axis=-1, keepdims=True)
@@ -64,10 +64,7 @@ def entropies(log_weights: Array, weights: Array) -> Array:
 
 
 def judged(rule: "WeighingRule", weights: Array, n_answers: int) -> tuple[Array, Array, NDArray[np.int8]]:
-    """Return mean and standard deviation of the threshold and codes of endings, each (n_sets,).
-
-    Weights are (n_sets, n_cells).
-    """
+    """Return mean, SD and ending of each row of weights (n_sets, n_cells)."""
     values = rule.thresholds
     marginals = weights.reshape(len(weights), len(values), -1).sum(axis=2)
     mean = marginals @ values
@@ -86,10 +83,7 @@ def judged(rule: "WeighingRule", weights: Array, n_answers: int) -> tuple[Array,
 
 
 class WeighingRule(Rule[Any]):
-    """Settings of a rule that weighs a grid of parameters.
-
-    It ends after `n_trials`, or at a posterior standard deviation of `sd_stop`.
-    """
+    """Settings of a rule that weighs parameters until `n_trials` or `sd_stop`."""
 
     sd_stop: float | None
     learns_from_easy = True
@@ -115,11 +109,11 @@ class WeighingRule(Rule[Any]):
 
     @abstractmethod
     def places(self, log_weights: Array, weights: Array) -> Array:
-        """Return the next level (n_sets,) of each row of weights (n_sets, n_cells)."""
+        """Return the next level (n_sets,) of each row of weights."""
 
     @abstractmethod
     def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
-        """Return log P(answer) at the level (n_sets,) of each set, (n_sets, n_cells)."""
+        """Return log P(answer) at each set's level, (n_sets, n_cells)."""
 
 
 RuleT = TypeVar("RuleT", bound=WeighingRule)
@@ -127,10 +121,7 @@ RuleT = TypeVar("RuleT", bound=WeighingRule)
 
 @dataclass(frozen=True, eq=False)
 class WeighingRun(Run[RuleT]):
-    """A run with the weights of all cells (`state`).
-
-    `contradicted` is True if no cell allows the last answer.
-    """
+    """A run with weights; `contradicted` if no cell allows the last answer."""
 
     state: Posterior = field(kw_only=True, repr=False)
     contradicted: bool = False

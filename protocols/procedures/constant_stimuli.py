@@ -98,7 +98,7 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
 
 @dataclass(frozen=True)
 class ConstantStimuliRun(SteppingRun[ConstantStimuli], FixedOrder):
-    """Run of `ConstantStimuli`; its `order` holds the levels."""
+    """Run of `ConstantStimuli` over the levels of `order`."""
 
     def take(self, response: int | bool) -> Self:
         return replace(self, responses=(*self.responses, checked_outcome(response, 2, "ConstantStimuli")))

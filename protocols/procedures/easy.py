@@ -13,7 +13,7 @@ from .procedure import DelegatingProcedure, Ending, Procedure
 
 @dataclass(frozen=True)
 class EasyTrials(DelegatingProcedure):
-    """An adaptive procedure, some of whose trials (`places`, from 0) are presented at one easy level.
+    """An adaptive procedure with easy trials at `places` (from 0).
 
     A staircase does not learn of the answers to easy trials, a Bayesian procedure does. They count towards the largest
     number of trials.
@@ -65,7 +65,7 @@ class EasyTrials(DelegatingProcedure):
 
 
 def with_easy_trials(procedure: Procedure, share: float, easy_level: float, rng: np.random.Generator) -> EasyTrials:
-    """Return a procedure with easy trials at random places: one in each group of round(1 / share).
+    """Return a procedure with one easy trial in each round(1 / share).
 
     >>> from tactometry.protocols import Staircase
     >>> rule = Staircase(20.0, (4.0,), 0.0, 40.0, n_trials=40)

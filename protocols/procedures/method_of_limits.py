@@ -36,7 +36,7 @@ UNCHANGED = math.inf
 
 
 class LimitsNumbers(NamedTuple):
-    """Numbers of the rule; `direction_index` is a place in `DIRECTIONS`."""
+    """Numbers of the rule, the direction as a place in `DIRECTIONS`."""
 
     low: float
     step: float
@@ -63,7 +63,7 @@ def _level(numbers: LimitsNumbers, order: Order, state: State) -> float:
 def _after(
     numbers: LimitsNumbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
 ) -> tuple[State, float]:
-    """Go on in the series, or begin the next one; a transition lies half-way between the last two levels."""
+    """Go on in the series, or begin the next one at a transition."""
     n_over, n_in_series, n_unchanged = state
     ascending = n_over % 2 == 1 if numbers.direction_index == ALTERNATING else numbers.direction_index == ASCENDING
     turned = (answers[-1] == 1) == ascending  # rising levels change the answer to 1, falling ones to 0
@@ -159,7 +159,7 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
         return self.n_series * (self.n_steps + 1)
 
     def begin(self, rng: np.random.Generator | None = None) -> "MethodOfLimitsRun":
-        """Return a run; a generator draws where each series starts, from `n_start_steps` + 1 levels."""
+        """Return a run, with each series' start drawn by a generator."""
         if rng is None:
             return MethodOfLimitsRun(self, order=(0,) * self.n_series)
         drawn = rng.integers(self.n_start_steps + 1, size=self.n_series)
@@ -172,7 +172,7 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
 
 @dataclass(frozen=True)
 class MethodOfLimitsRun(SteppingRun[MethodOfLimits]):
-    """Run of a `MethodOfLimits`; its `order` holds where each series begins, in steps inwards."""
+    """Run of a `MethodOfLimits` with the starts of series in `order`."""
 
     @property
     def transitions(self) -> tuple[float | None, ...]:

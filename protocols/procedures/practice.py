@@ -13,7 +13,7 @@ from .stepping import CONVERGED, GOES_ON, TRIALS, Order, State, SteppingRule, Tr
 
 
 class PracticeNumbers(NamedTuple):
-    """Numbers of the rule; its state is the number of answers."""
+    """Numbers of the rule, whose state is the number of answers."""
 
     levels: tuple[float, ...]
     n_correct: int

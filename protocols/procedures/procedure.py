@@ -31,7 +31,7 @@ class RuleThreshold:
 
 
 class Procedure(ABC):
-    """A frozen, pure rule for the next level, before its first answer or after any.
+    """A frozen, pure rule for the next level, before or after answers.
 
     `after` gives the procedure that follows a response (1 or True: correct, or "felt") to the level that was
     *delivered*, which counts whether or not it is the one that was asked for.
@@ -72,7 +72,7 @@ class Procedure(ABC):
 
     @abstractmethod
     def after(self, response: int | bool, delivered: float | None = None) -> "Procedure":
-        """Return the procedure after a response to the level that was delivered (default: the one asked for).
+        """Return the procedure after a response to the delivered level.
 
         Raises `InvalidParameter` if the response is no outcome of the rule, the level is not a finite number, or the
         procedure has finished.
@@ -93,26 +93,17 @@ class Procedure(ABC):
         return self.estimate.level
 
     def learning_from(self, other: "Procedure") -> Self:
-        """Return this procedure after an answer on another track.
-
-        Returns itself if the two share nothing.
-        """
+        """Return this procedure after an answer on another track, or itself."""
         del other
         return self
 
 
 class FixedOrder(Procedure):
-    """A procedure whose order is independent of responses.
-
-    It can leave out a level that the block presents later.
-    """
+    """A procedure whose order no response changes; it can leave out a level."""
 
     @abstractmethod
     def skip(self) -> "FixedOrder":
-        """Return the procedure at the next presentation.
-
-        The block repeats the present one later.
-        """
+        """Return the procedure at the next presentation; this one comes later."""
 
     @abstractmethod
     def take(self, response: int | bool) -> "FixedOrder":
@@ -159,7 +150,7 @@ class OfLevels(Protocol):
 
 
 class Rule(DelegatingProcedure, Generic[RunT]):
-    """Numbers of a procedure, frozen and checked, as a study file states them; also the run before its first answer."""
+    """Settings of a procedure, which is also its run before any answer."""
 
     low: float
     high: float
@@ -178,7 +169,7 @@ class Rule(DelegatingProcedure, Generic[RunT]):
 
     @abstractmethod
     def begin(self, rng: np.random.Generator | None = None) -> RunT:
-        """Return a run without answers; `rng` draws its order, if it has one."""
+        """Return a run without answers, its order drawn by `rng` if any."""
 
     def begin_together(self, tracks: Sequence[str]) -> "tuple[Procedure, ...]":
         """Return procedures for tracks that may learn from each other."""
@@ -238,7 +229,7 @@ class Run(Procedure, Generic[RuleT]):
 
     @abstractmethod
     def _estimate(self) -> RuleThreshold:
-        """Estimate from at least one answer, of a run neither censored nor aborted."""
+        """Return the estimate of a run with answers that ended regularly."""
 
 
 def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:

@@ -4,7 +4,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from statistics import fmean, stdev
+from statistics import stdev
 from typing import NamedTuple
 
 import numpy as np
@@ -60,10 +60,7 @@ def _level(numbers: StaircaseNumbers, order: Order, state: State) -> float:
 def _after(
     numbers: StaircaseNumbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
 ) -> tuple[State, float]:
-    """Step from the delivered level and mark reversals.
-
-    A step beyond a bound counts as pinned.
-    """
+    """Step from the delivered level; mark reversals and steps beyond a bound."""
     low, high = numbers.low, numbers.high
     _, last, streak, n_reversals, n_pinned = state
     level = levels[-1]
@@ -95,7 +92,7 @@ def _ending(numbers: StaircaseNumbers, order: Order, state: State, answers: Sequ
 
 
 def _threshold(marks: Sequence[float]) -> float:
-    """Mean of the last reversals, as many peaks as valleys, without the first `DISCARDED`."""
+    """Return the mean of the last reversals, as many peaks as valleys."""
     n, total = 0, 0.0
     for mark in marks:
         n += 0 if math.isnan(mark) else 1
@@ -235,7 +232,7 @@ class WeightedStaircase(UpDown):
 
     @property
     def target(self) -> float:
-        """Probability correct at which up and down balance, with the last pair of steps."""
+        """Probability correct at which up and down balance."""
         up, down = self.steps_up[-1], self.steps_down[-1]
         return math.pow(up / (up + down), 1 / self.n_down)
 
@@ -255,23 +252,12 @@ class StaircaseRun(SteppingRun[UpDown]):
 
     @property
     def streak(self) -> int:
-        """Responses in a row of one kind since the last move: above 0 correct, below 0 wrong."""
+        """Equal responses since the last move, negative if wrong."""
         return int(self.state[2])
 
-    def mean_of_reversals(self, *, discard: int = DISCARDED) -> float | None:
-        """Return the mean of the reversals without the first `discard`, made even in number.
-
-        None if there are fewer than two of them or the run is censored.
-        """
-        kept = self._late_reversals(discard)
-        censored = self.ending in ("censored_above", "censored_below")
-        return None if censored or len(kept) < 2 else fmean(kept)
-
-    def _late_reversals(self, discard: int = DISCARDED) -> tuple[float, ...]:
-        return self.reversals[discard + (len(self.reversals) - discard) % 2 :]  # as many peaks as valleys
-
     def _estimate(self) -> RuleThreshold:
-        kept = self._late_reversals()
+        n_left = DISCARDED + (len(self.reversals) - DISCARDED) % 2  # as many peaks as valleys
+        kept = self.reversals[n_left:]
         if len(kept) < 2:
             return RuleThreshold(note=f"too few reversals: {len(self.reversals)} {self.rule.point}")
         return RuleThreshold(self._threshold(), stdev(kept), len(kept), f"mean of reversals {self.rule.point}")

@@ -37,7 +37,7 @@ def _no_threshold(marks: Sequence[float]) -> float:
 
 @dataclass(frozen=True)
 class Transition:
-    """Steps of a kind of procedure, as functions that call only what numba knows.
+    """Steps of a kind of procedure, as functions that numba can compile.
 
     `numbers` are those of the rule, a named tuple of numbers and of sequences of numbers; `order` is what was drawn for
     the run before its first answer, empty for most rules; `state` is a tuple of numbers, each either always whole or
@@ -72,7 +72,7 @@ RunT = TypeVar("RunT", bound="SteppingRun[Any]")
 
 
 class SteppingRule(Rule[RunT]):
-    """Numbers of a rule that has a `transition`, which takes them as the named tuple `_named`."""
+    """Settings of a rule with a `transition`, as the tuple `_named`."""
 
     transition: ClassVar[Transition]
     _named: ClassVar[type[Numbers]] = tuple
@@ -87,7 +87,7 @@ class SteppingRule(Rule[RunT]):
         return run  # type: ignore[no-any-return]
 
     def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
-        """Draw the orders of so many runs, (n_sets, n_drawn); most rules draw nothing."""
+        """Draw the orders of runs, (n_sets, n_drawn), none for most rules."""
         del rng
         return np.zeros((n_sets, 0))
 

@@ -48,7 +48,7 @@ def _separation_m(alternatives: tuple[Places, ...]) -> float | None:
 
 
 def _distance_m(one: Places, other: Places) -> float | None:
-    """Return the Hausdorff distance in whole nanometres, or None without places."""
+    """Return the Hausdorff distance (whole nm), or None without places."""
     if not (one and other):
         return None
     pairs = ((one, other), (other, one))

@@ -44,7 +44,7 @@ class Measurement(Task):
 
 
 def level_of(nanometres: float | None, level_unit: str) -> float | None:
-    """Convert a reading to the unit of the levels; None if it has no level.
+    """Convert a reading to the unit of the levels, or None.
 
     >>> level_of(10e3, "dB re 1 um"), level_of(0.0, "dB re 1 um"), level_of(0.0, "m")
     (20.0, None, 0.0)

@@ -38,7 +38,7 @@ def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
 
 
 def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) -> Course[tuple[Reply, ...]]:
-    """Ask page after page, or back; return the replies in order."""
+    """Ask the pages, also backwards, and return the replies in order."""
     order = rng.permutation(len(form.items)) if shuffled else range(len(form.items))
     asked = pages(form, [form.items[int(n)] for n in order])
     filled: dict[int, Filled] = {}

@@ -32,7 +32,7 @@ class Alternative:
 
 @dataclass(frozen=True)
 class Presentation:
-    """A stimulus at a level; None is a catch trial. Some tasks choose among `alternatives` instead."""
+    """A stimulus at a level, or a catch trial for None."""
 
     stimulus: str
     level: float | None
@@ -42,10 +42,7 @@ class Presentation:
 
 @dataclass(frozen=True)
 class Reply:
-    """Cells of an answer.
-
-    Without a response it was left open; without an answer the question was not asked.
-    """
+    """Cells of an answer; without a response the question was left open."""
 
     answer: Answer | None = None
     response: float | None = None
@@ -94,7 +91,7 @@ class TrialOutcome:
 
     @property
     def correct(self) -> bool | None:
-        """True if the answer is right; None if invalid or not scorable."""
+        """True if the answer is right, None if invalid or not scorable."""
         return self.replies[0].correct if self.valid else None
 
     @property
@@ -110,7 +107,7 @@ class TrialOutcome:
 
     @property
     def onset_s(self) -> float:
-        """Onset of the first stimulus, or of the first question if nothing was felt."""
+        """Onset of the first stimulus, or else of the first question."""
         return self._parts[0].onset_s
 
 
@@ -140,7 +137,7 @@ class AgainstStandard(Task):
     standard_level: Finite
 
     def feel(self, shown: Presentation, level: float | None, rng: np.random.Generator) -> TrialCourse:
-        """Present the standard and a level in random order; `target` is the interval of the level."""
+        """Present the standard and a level in random order."""
         target = int(rng.integers(1, 3))
         levels = [level if interval == target else self.standard_level for interval in (1, 2)]
         touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 2, levels)
@@ -167,7 +164,7 @@ class Over:
 
 @dataclass(frozen=True)
 class TaskKind:
-    """How a study file names a task, and what is known of it before a session: the `TASK` of each task's file.
+    """Properties of a task that a study needs before a session.
 
     - `table`: What reads its own keys of the table `task`; `Over` for a task that chooses among `alternatives`.
     - `example`: Keys that `table` takes, with levels from 0 to 40.

@@ -12,13 +12,13 @@ from tactometry.session.run import Course
 
 
 class Touch(Protocol):
-    """Makes the request in which a stimulus is felt; `level` None is a blank."""
+    """Conditions of a touch, which make the request of a stimulus."""
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Play | Press | Slide: ...
 
 
 def fair_tolerance(force_n: float) -> float:
-    """Return the relative tolerance that people can keep: 20 % from 0.5 N, 30 % below (unverified default).
+    """Return the relative tolerance: 20 %, below 0.5 N 30 % (unverified).
 
     >>> fair_tolerance(0.5), fair_tolerance(0.2)
     (0.2, 0.3)

@@ -1,7 +1,4 @@
-"""Content that effects add to a scene and that it must resolve.
-
-The defaults are neutral.
-"""
+"""Content that effects add to a scene and that it must resolve."""
 
 from dataclasses import dataclass, fields
 from math import inf

@@ -1,7 +1,4 @@
-"""Stages, effects and surfaces of a scene, and the demand on them.
-
-A stage is sized by what is asked of all, and an effect is asked for stages: they are one contract.
-"""
+"""Stages, effects and surfaces of a scene, and the demand on them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -31,10 +28,7 @@ def note(words: str, *names: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Size:
-    """The settings of a stage for a tolerated error, its remaining error, and its work.
-
-    `n_operations` is the predicted number of floating-point operations of one run.
-    """
+    """Settings of a stage for an error, the error left, and operations a run."""
 
     settings: Mapping[str, Setting] = field(default_factory=dict)
     error: float = 0.0
@@ -86,7 +80,7 @@ class Stage:
         return self.gives in self.needs
 
     def sized(self, demand: "Demand") -> "Stage":
-        """The stage with all its settings."""
+        """Return the stage with all its settings."""
         if self.size is None:
             return self
         size = self.size(demand)
@@ -94,7 +88,7 @@ class Stage:
         return replace(self, settings=settings, error=size.error, n_operations=size.n_operations)
 
     def bind(self) -> Callable[..., Any]:
-        """The callable of the run, with the settings in it."""
+        """Return the callable of the run, with its settings."""
         called = resolve(self.target)
         return called(**self.settings) if isinstance(called, type) else partial(called, **self.settings)
 
@@ -150,7 +144,7 @@ class Surroundings(Protocol):
     def outputs(self) -> tuple[str, ...]: ...
 
     def find(self, slot: str) -> "Effect | None":
-        """The effect in a slot, or None."""
+        """Return the effect in a slot, or None."""
 
 
 class Effect:
@@ -223,7 +217,7 @@ class Effect:
         return self.stages(scene)
 
     def stage(self) -> Stage:
-        """The stage that calls this value."""
+        """Return the stage that calls this value."""
         target = f"{type(self).__module__}:{type(self).__qualname__}"
         return Stage(self.stage_name or self.kind, self.reads, self.gives, target, dict(vars(self)), size=self.size)
 
@@ -249,10 +243,7 @@ class Effect:
 
 
 def is_changed(quantity: str, scene: Surroundings) -> bool:
-    """Return True if an effect changes a quantity that another stage makes.
-
-    No shortcut may then bypass that quantity.
-    """
+    """Return True if an effect changes a quantity, which bars shortcuts."""
     return any(quantity in effect.reads and effect.gives == quantity for effect in scene.effects)
 
 
@@ -326,7 +317,7 @@ class Surface:
         return contact.force_n > 0
 
     def excluded(self, effect: Effect | type[Effect]) -> Mapping[str, str]:
-        """Return the kinds that contradict an effect on this surface, with the reasons."""
+        """Return the kinds that contradict an effect on this surface, and why."""
         return effect.excludes if effect.felt_excludes is None or not self.is_played else effect.felt_excludes
 
     def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
@@ -335,10 +326,7 @@ class Surface:
         return tuple(replace(stage, effect=effect.kind) for stage in stages)
 
     def cure(self, quantity: str) -> str:
-        """Describe which effect provides a quantity, or return "".
-
-        Imports all effects.
-        """
+        """Describe which effect provides a quantity, or return ""."""
         cures = (resolve(target).cures for target in self.effects.values())
         return next((of_effect[quantity] for of_effect in cures if quantity in of_effect), "")
 
@@ -369,11 +357,11 @@ class Demand:
     _known: dict[Callable[..., Any], Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def find(self, slot: str) -> Effect | None:
-        """The effect in a slot, or None."""
+        """Return the effect in a slot, or None."""
         return next((effect for effect in self.effects if effect.slot == slot), None)
 
     def once(self, question: "Callable[[Demand], Answer]") -> Answer:
-        """The answer to a question that several stages have, computed when it is first asked for.
+        """Return an answer that several stages need, computed once.
 
         >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
         >>> Demand(Electrovibration(240.0), (), ("voltage_v",), (), 0.01).once(lambda demand: demand.error / 2)

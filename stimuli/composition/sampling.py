@@ -1,4 +1,4 @@
-"""How finely an output must be sampled so that straight lines between its samples are right to an error.
+"""Sampling of outputs so that linear interpolation meets an error.
 
 A function without content above an angular frequency W has ``|f''| <= W^2 max |f|`` (Bernstein), and a chord over a
 step h is off by at most ``h^2 max |f''|/8``: relative to the peak the error is at most ``(W h)^2/8``.
@@ -29,7 +29,7 @@ FEWEST, MOST = 16, 4_000_000
 
 
 def force_rad_per_s(scene: Surroundings) -> float:
-    """Angular frequency above which the force has nothing: twice that of the voltage, ramps included.
+    """Return the highest angular frequency of the force, ramps included.
 
     >>> from tactometry.stimuli.scenes.scene import Scene
     >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -43,7 +43,7 @@ def force_rad_per_s(scene: Surroundings) -> float:
 
 
 def n_samples(scene: Surroundings, error: float) -> int:
-    """Samples of a record for an error of straight lines between them, or as many as are to be had."""
+    """Return the samples that an interpolation error needs, at most `MOST`."""
     square, linear = _terms(scene)
     # the root of square step^2 + linear step = error, without a difference of near equals
     step_s = 2 * error / (linear + sqrt(linear**2 + 4 * square * error))
@@ -52,23 +52,21 @@ def n_samples(scene: Surroundings, error: float) -> int:
 
 
 def per_sample(n_operations: float) -> Callable[[Demand], Size]:
-    """The size of a stage that does as many operations with each sample of the record."""
+    """Return the size of a stage by its operations per sample of the record."""
     return lambda demand: Size(n_operations=n_operations * demand.once(samples))
 
 
 def samples(demand: Demand) -> int:
-    """Samples of the record of a scene."""
     return n_samples(demand, demand.error)
 
 
 def record(demand: Demand) -> Size:
-    """The size of the sampling itself."""
     n = demand.once(samples)
     return Size({"n_samples": n}, chord_error(demand, n), float(n))
 
 
 def chord_error(scene: Surroundings, n: int) -> float:
-    """The bound for a number of samples."""
+    """Return the bound of the interpolation error of a number of samples."""
     square, linear = _terms(scene)
     step_s: float = scene.surface.duration_s / (n - 1)
     return square * step_s**2 + linear * step_s
@@ -80,10 +78,7 @@ def content_of(scene: Surroundings) -> VoltageContent:
 
 
 def _terms(scene: Surroundings) -> tuple[float, float]:
-    """Return factors of the squared step (curvature) and step (kinks).
-
-    Only a lossy skin shows kinks.
-    """
+    """Return factors of the squared step (curvature) and the step (kinks)."""
     content = content_of(scene)
     skin = scene.surface
     insulator_m = skin.insulator_thickness_m / skin.insulator_permittivity + content.gap_m
@@ -103,10 +98,7 @@ def _terms(scene: Surroundings) -> tuple[float, float]:
 
 
 def _ramp_end_per_s2(ramp_s: float, leak_per_s: float, leak_of_tone: float, constant: float) -> float:
-    """Return the curvature of the force over its peak after a ramp.
-
-    0 without ramps or losses.
-    """
+    """Return the force's curvature over its peak after a ramp."""
     if not (ramp_s and leak_per_s):
         return 0.0
     return (pi / ramp_s) ** 2 / 2 * (hypot(1.0, leak_of_tone) * (1 + 2 * constant) + 1)

@@ -1,4 +1,4 @@
-"""Electrovibration: a voltage on a screen, the attraction and the friction that it causes under a finger."""
+"""Electrovibration: voltage, attraction and friction under a finger."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""The numbers of what a sliding finger feels of a voltage, as `[sensation]` states them."""
+"""Settings of the sensation of a sliding finger."""
 
 from dataclasses import dataclass, field
 from typing import Literal

@@ -1,4 +1,4 @@
-"""Receptor channels of the skin: each has its own threshold by frequency, and the strongest mediates detection."""
+"""Thresholds of the skin's receptor channels."""
 
 from functools import lru_cache
 from math import inf, log10
@@ -21,7 +21,7 @@ BEST_HZ: Final = 250.0
 
 
 def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
-    """(3, n): threshold of NP III, NP I and P (dB re the best one, of P at 250 Hz); infinite where a channel is deaf.
+    """Return thresholds (3, n) of NP III, NP I and P (dB re the best).
 
     A piecewise form of the model of Bolanowski, Gescheider, Verrillo and Checkosky (J. Acoust. Soc. Am. 84, 1680,
     1988) for a contactor of 2.9 cm^2; its numbers are unverified defaults.
@@ -40,7 +40,7 @@ def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
 
 
 def channel_levels_db(skin: Components, reference_m: float = THRESHOLD_M) -> FloatArray:
-    """(3,): level of each channel by its component furthest above threshold; ``-inf`` where nothing is felt.
+    """Return the level (3,) of each channel; ``-inf`` if not felt.
 
     `skin` holds displacements (m), and `reference_m` is the one at threshold at 250 Hz.
 
@@ -54,7 +54,7 @@ def channel_levels_db(skin: Components, reference_m: float = THRESHOLD_M) -> Flo
 
 
 def sensation_level_db(skin: Components, reference_m: float = THRESHOLD_M) -> float:
-    """Level (dB) of the component furthest above the threshold of any channel; ``-inf`` for silence.
+    """Return the level (dB) above the lowest threshold, or ``-inf``.
 
     It is the highest of `channel_levels_db`: the most sensitive channel mediates detection.
 
@@ -66,7 +66,7 @@ def sensation_level_db(skin: Components, reference_m: float = THRESHOLD_M) -> fl
 
 
 def as_at_250_hz(parts: Components) -> Components:
-    """The components that any channel answers to, with amplitudes that are felt as strongly at 250 Hz.
+    """Scale components by their sensitivity relative to 250 Hz.
 
     >>> as_at_250_hz(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).amplitudes.round(4).tolist()
     [0.2512]
@@ -76,7 +76,7 @@ def as_at_250_hz(parts: Components) -> Components:
 
 
 def heard(parts: Components) -> Components:
-    """The components that any channel answers to.
+    """Return the components to which any channel responds.
 
     >>> heard(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).frequencies_hz
     array([125.])
@@ -91,10 +91,7 @@ def _within(frequencies_hz: FloatArray) -> IntArray:
 
 @lru_cache(maxsize=64)
 def _weights(lines_hz: bytes) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return indices, frequencies and sensitivities of perceptible lines.
-
-    Cached, since a signal under several fingers has the same frequencies each time.
-    """
+    """Return indices, frequencies and sensitivities of perceptible lines."""
     frequencies_hz = np.frombuffer(lines_hz)
     within = _within(frequencies_hz)
     f_hz = frequencies_hz[within]
@@ -102,7 +99,7 @@ def _weights(lines_hz: bytes) -> tuple[IntArray, FloatArray, FloatArray]:
 
 
 def highest_level_db(weighed: Components, reference_m: float) -> float:
-    """Level (dB) of the largest amplitude `as_at_250_hz` above that at threshold there; ``-inf`` for silence."""
+    """Return the level (dB) of the largest amplitude at 250 Hz."""
     largest_m = float(weighed.amplitudes.max(initial=0.0))
     return 20 * log10(largest_m / reference_m) if largest_m > 0 else -inf
 

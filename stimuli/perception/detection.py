@@ -1,4 +1,4 @@
-"""Sinusoids in a record, estimated from the peaks of its windowed spectrum."""
+"""Sinusoids in a record, from the peaks of its windowed spectrum."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,10 +20,7 @@ STEEP = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Components:
-    """Sinusoids in a record: frequencies (Hz) above 0 and amplitudes.
-
-    Both arrays have the same length.
-    """
+    """Sinusoids of a record: frequencies (Hz) above 0 and their amplitudes."""
 
     frequencies_hz: FloatArray
     amplitudes: FloatArray
@@ -80,10 +77,7 @@ def blackman_harris(n: int) -> FloatArray:
 
 
 def _peaks(power: FloatArray, floor: float) -> Components:
-    """Return positions (in lines) and heights of the peaks above a power.
-
-    The first of two equal lines is the peak.
-    """
+    """Return positions (in lines) and heights of peaks above a power."""
     inner = power[1:-1]
     index = 1 + np.flatnonzero((inner > power[:-2]) & (inner >= power[2:]) & (inner > floor))
     before, at, after = (np.log(np.maximum(power[index + k], STEEP * power[index])) / 2 for k in (-1, 0, 1))

@@ -1,4 +1,4 @@
-"""Temporal summation: the Pacinian channel adds up the energy of what follows closely, and forgets what is past."""
+"""Temporal summation of the Pacinian channel."""
 
 from functools import lru_cache
 from itertools import accumulate
@@ -22,7 +22,7 @@ HORIZON_S: Final = 1 / STEP_HZ
 
 
 def summed_amplitude(times_s: FloatArray, peaks: FloatArray) -> float:
-    """Amplitude of the single short event that P feels as strongly as a train of them.
+    """Return the single event that P feels as strongly as a train.
 
     Each event a_k at t_k passes the filter of P, of which the energy is felt, kept by a leaky integrator of `TAU_S`:
     after event n it is ``E_n = sum_jk a_j a_k R(t_j - t_k) exp(-(2 t_n - t_j - t_k)/(2 tau))``, R being `likeness`.
@@ -55,7 +55,7 @@ def summed_amplitude(times_s: FloatArray, peaks: FloatArray) -> float:
 
 
 def likeness(lag_s: FloatArray) -> FloatArray:
-    """R: autocorrelation of the answer of P to a short event, 1 at no lag, of the shape of `lag_s` (s).
+    """Return R, the autocorrelation of P's response at lags (s).
 
     ``integral of 10^(-T(f)/10) cos(2 pi f t) df`` with the threshold T of P, straight between points `STEP_HZ` apart,
     so that the integral is exact: a sum of lines alone would recur after 1/`STEP_HZ`.
@@ -76,7 +76,7 @@ def _power() -> FloatArray:
 
 
 def _neighbours(times_s: FloatArray) -> tuple[IntArray, IntArray]:
-    """The pairs of events at most `HORIZON_S` apart: indices of the later one, in order, and of the sooner one."""
+    """Return the later and earlier indices of event pairs within `HORIZON_S`."""
     index = np.arange(times_s.size)
     first = np.searchsorted(times_s, times_s - HORIZON_S)
     n_before = index - first

@@ -1,4 +1,4 @@
-"""Results on disk, by content: of a plan, what was given, and the versions of what computes.
+"""Results of runs, cached on disk by their content.
 
 A file holds the outputs as arrays and their digest. One that is torn or altered is found out and computed anew.
 """
@@ -20,7 +20,7 @@ DIGEST = "digest"
 
 
 def cached_result(plan: Plan, given: Mapping[str, float], folder: Path) -> Result:
-    """The result of a run, from `folder` if it is there and whole, else computed and kept there.
+    """Return the result of a run from `folder`, or compute and store it there.
 
     Raises `OSError` if the folder cannot be made or written to.
     """
@@ -34,7 +34,7 @@ def cached_result(plan: Plan, given: Mapping[str, float], folder: Path) -> Resul
 
 
 def key_of(plan: Plan, given: Mapping[str, float]) -> str:
-    """A digest of all that a result depends on.
+    """Return a digest of all that a result depends on.
 
     >>> key_of(Plan((), (), ()), {}) == key_of(Plan((), (), ()), {}) != key_of(Plan((), (), ()), {"voltage_v": 1.0})
     True
@@ -56,7 +56,7 @@ def _digest(values: Mapping[str, Any]) -> str:
 
 
 def _read(path: Path) -> dict[str, Any] | None:
-    """The outputs of a file, or None if it is absent or damaged."""
+    """Return the outputs of a file, or None if it is absent or damaged."""
     import numpy as np
 
     try:

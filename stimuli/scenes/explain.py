@@ -1,4 +1,4 @@
-"""The plan of a scene in words: each stage on or off, why, with which settings, and what it costs."""
+"""Explanation of a scene's plan: stages, settings and cost."""
 
 import textwrap
 from collections.abc import Iterable, Mapping
@@ -24,7 +24,7 @@ Row = tuple[tuple[str, ...], str]
 
 
 def explanation(scene: Scene, given: Mapping[str, float]) -> str:
-    """The explanation, no line longer than 100 columns.
+    """Return the explanation in lines of at most 100 columns.
 
     Raises `InvalidParameter` if the plan takes a quantity that is not given.
     """
@@ -63,8 +63,10 @@ def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
 
 
 def pulled_by(scene: Scene, plan: Plan, given: Mapping[str, float]) -> list[PulledFinger]:
-    """The fingers that load the plate in a plan of a scene, as linear contacts, whose forces it need not give; none
-    where they are not to be had. The forces hold to a tenth, or to the accuracy of the scene where that is looser.
+    """Return the fingers that load the plate as linear contacts, and pull it.
+
+    Their forces are accurate to a tenth, or to the accuracy of the scene where that is looser. The list is empty if
+    they cannot be computed.
     """
     if not loads_n(plan).size:
         return []
@@ -104,7 +106,7 @@ def rests_on_in_words(scene: Scene) -> str:
 
 
 def error_in_words(plan: Plan) -> str:
-    """The predicted error; none of a plan with a setting that was given."""
+    """Return the predicted error, or None if a setting was given."""
     return "not known (a setting is given)" if isinf(plan.error) else f"{plan.error:.1e}"
 
 
@@ -133,7 +135,7 @@ def _short(value: object) -> str:
 
 
 def _time(time_s: float) -> str:
-    """A time with its unit.
+    """Format a time with its unit.
 
     >>> _time(0.00321), _time(2.5), _time(1e-5)
     ('3.21 ms', '2.5 s', '10 us')

@@ -63,7 +63,7 @@ class SceneTables:
 
 
 def load_scene(path: str | Path) -> SceneFile:
-    """The scene of a file.
+    """Read the scene of a file.
 
     Raises `InvalidFile` if it cannot be read, is not TOML, a key is unknown, missing or of another type, or the scene
     cannot be; the sentence opens with the file and the key path.
@@ -75,7 +75,7 @@ def load_scene(path: str | Path) -> SceneFile:
 
 
 def scene_of(table: Mapping[str, object]) -> SceneFile:
-    """The scene of a table as a file holds it.
+    """Build the scene of a table of a scene file.
 
     >>> tone = {"kind": "electrovibration", "frequency_hz": "240 Hz"}
     >>> scene_of({"outputs": ["voltage_v"], "surface": tone}).scene.surface.frequency_hz
@@ -99,7 +99,7 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
 
 
 def _parts(stated: Mapping[str, Any]) -> tuple[Any, tuple[Effect, ...], tuple[FingerContact, ...]]:
-    """Build surface, effects and contacts; `SceneTables` refuses one that is missing or no table."""
+    """Build the surface, effects and contacts of a scene."""
     found, surface = Gathered(), None
     if isinstance(stated.get("surface"), Mapping):
         with found.part():

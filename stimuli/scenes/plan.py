@@ -1,4 +1,4 @@
-"""A plan: the stages of a scene in the order in which they run, and the run itself."""
+"""Plans of scenes, and their runs."""
 
 import math
 import time
@@ -53,7 +53,7 @@ class Plan:
 
     @property
     def predicted_s(self) -> float:
-        """Predicted time of all stages, the constant ones too: `CALL_S` each, and the operations."""
+        """Predicted time: `CALL_S` for each stage, and the operations."""
         return sum(predicted_s(stage) for stage in self.stages)
 
     def prepare(self) -> None:
@@ -61,10 +61,7 @@ class Plan:
         _ = self._program
 
     def timed(self, given: Mapping[str, Any]) -> tuple[float, ...]:
-        """Measure the time (s) of each stage in a separate run.
-
-        A first run includes imports.
-        """
+        """Measure the time (s) of each stage in a separate run, imports included."""
         values = dict(given)
         times: list[float] = []
         for stage in self.stages:
@@ -74,7 +71,7 @@ class Plan:
         return tuple(times)
 
     def run(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """The outputs for the given quantities.
+        """Return the outputs for the given quantities.
 
         Stages that depend on none of them are run once for all runs of this plan.
 
@@ -174,10 +171,10 @@ ABOVE_THRESHOLD = ("sensation_db", "channels_db")
 
 @dataclass(frozen=True)
 class Result:
-    """Outputs of a plan, with the plan, what was given, the versions of the packages, and the time (s) of the run and
-    of what never changes between runs.
+    """Outputs of a plan, with its input, package versions and run times.
 
-    No stage draws at random, so that there is no seed.
+    `prepared_s` is the time of the stages that never change between runs. No stage draws at random, so that there is
+    no seed.
     """
 
     values: Mapping[str, Any]
@@ -188,7 +185,7 @@ class Result:
     versions: Mapping[str, str] = field(default_factory=versions)
 
     def unit(self, name: str) -> str:
-        """The unit of an output; its name says it.
+        """Return the unit in the name of an output.
 
         >>> Result({"peak_force_n": 1.0}, Plan((), (), ()), {}, 0.0).unit("peak_force_n")
         'N'
@@ -197,7 +194,7 @@ class Result:
 
 
 def unit_of(name: str) -> str:
-    """The unit in the name of a quantity, empty without one.
+    """Return the unit in the name of a quantity, or "".
 
     Sensation levels (dB SL) are those above the threshold of detection.
 
@@ -265,16 +262,13 @@ class PulledFinger:
 
 
 def loads_n(plan: Plan) -> FloatArray:
-    """(n_contacts,): the forces that press the fingers, in the order of the rows of ``contact_force_n``."""
+    """Return the forces (n_contacts,) that press the fingers, in order."""
     loads = (stage.settings for stage in plan.stages if stage.gives == MOVED and "force_n" in stage.settings)
     return np.asarray(next(loads, {}).get("force_n", ()), float)
 
 
 def is_linear(plan: Plan) -> bool:
-    """Return True if the plate moves in proportion to the voltage.
-
-    False if a contact opens and closes.
-    """
+    """Return True if the plate moves in proportion to the voltage."""
     return not any(stage.gives == MOVED and "voltage_v" in stage.needs for stage in plan.stages)
 
 

@@ -1,4 +1,4 @@
-"""Stages and effects that a scene needs: what is missing, doubled or contradictory is refused."""
+"""Checks of the stages and effects that a scene needs."""
 
 from collections.abc import Callable, Collection, Sequence
 
@@ -14,7 +14,7 @@ Cure = Callable[[str], str]
 def required_stages(
     outputs: Sequence[str], stages: Sequence[Stage], given: Collection[str], cure: Cure = lambda quantity: ""
 ) -> tuple[Stage, ...]:
-    """The stages without which `outputs` cannot be had, each behind those that it needs.
+    """Return the stages that `outputs` need, each after those that it needs.
 
     `stages` stand in the order in which they act. Of those that give one quantity, the last that makes it anew counts,
     and those behind it that change it; whoever else needs the quantity reads its last value. `cure` is asked
@@ -69,7 +69,7 @@ TOUCHES = ("contact", "sliding contact", "resting contact")
 
 
 def check_effects(effects: Sequence[Effect], scene: Surroundings) -> None:
-    """Refuse effects that the surface does not know, that fill one slot, contradict each other or lack something."""
+    """Refuse unknown, repeated, contradictory or incomplete effects."""
     filled: dict[str, Effect] = {}
     for n, effect in enumerate(effects):
         where = f"effects[{n}]"

@@ -1,4 +1,4 @@
-"""A scene: a surface, the effects that are called for, what is asked of them, and how accurately."""
+"""Scenes: a surface, its effects, outputs and accuracy."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -78,11 +78,11 @@ class Scene:
         check_effects(self.effects, self)
 
     def find(self, slot: str) -> Effect | None:
-        """The effect in a slot, or None."""
+        """Return the effect in a slot, or None."""
         return next((effect for effect in self.effects if effect.slot == slot), None)
 
     def resolve(self) -> Plan:
-        """The plan of this scene: settings chosen for its accuracy, stages in their order.
+        """Plan the ordered stages, with settings chosen for the accuracy.
 
         The tolerated error is shared evenly by the stages that have one.
 
@@ -101,10 +101,10 @@ class Scene:
         return Plan(tuple(self._overridden(stages)), given, self.outputs)
 
     def sensation(self, signal: Signal, contact: Contact) -> float:
-        """Level (dB) above the threshold of detection of a signal under a finger, which takes the place of the
-        contacts of the scene; ``-inf`` in silence, without contact, and at rest where only a finger that slides feels.
+        """Return a signal's level (dB) above the detection threshold.
 
-        What depends on the signal alone is computed once for each signal, and settings are chosen once.
+        `contact` replaces the contacts of the scene. The level is ``-inf`` in silence, without contact, and at rest
+        where only a sliding finger feels. Stages that depend on the signal alone run once for each signal.
 
         Raises `InvalidParameter` if the scene gives no sensation, or its surface cannot play the signal.
 
@@ -128,10 +128,7 @@ class Scene:
 
     @cached_property
     def _of_signal(self) -> OfSignal:
-        """Return a function from signals and contacts to cached levels.
-
-        The stages that do not depend on the contact run once for a signal.
-        """
+        """Return a function from signals and contacts to levels, cached by signal."""
         felt = self.felt()
         early, rest = parted(felt.resolve(), "contact")
 
@@ -176,15 +173,13 @@ class Scene:
         return (*of_surface, *(words for effect in called_for for words in effect.assumes))
 
     def rests_on(self) -> tuple[str, ...]:
-        """The numbers that set the absolute size of these outputs, in words."""
+        """Describe the numbers that set the absolute size of these outputs."""
         return tuple(effect.rests_on for effect in self._called_for(self._unsized()) if effect.rests_on)
 
     def _check_outputs(self) -> None:
         for n, output in enumerate(self.outputs):
-            if output in self.surface.given:
-                raise InvalidParameter(
-                    f"outputs[{n}]: found {output!r}, which each run is given, expected what it computes; remove it"
-                )
+            expected = "what it computes; remove it"
+            expect(output not in self.surface.given, f"outputs[{n}]", f"{output!r}, which each run is given", expected)
             if not unit_of(output):
                 raise InvalidParameter(
                     f"outputs[{n}]: found {output!r}, which stages hand on to each other, expected a quantity with a "
@@ -245,7 +240,7 @@ def _check_known(where: str, name: str, known: Sequence[str], what: str) -> None
 
 
 def _check_like(where: str, value: Setting, chosen: Setting) -> None:
-    """Refuse what is of another kind than the chosen one, or a number not above 0 where that is."""
+    """Refuse a setting of another kind than the chosen one."""
     whole = isinstance(chosen, int)
     if not isinstance(chosen, (int, float)):
         fits, expected = isinstance(value, type(chosen)), "a text" if isinstance(chosen, str) else "as many numbers"
@@ -257,5 +252,5 @@ def _check_like(where: str, value: Setting, chosen: Setting) -> None:
 
 
 def _with(stage: Stage, settings: Mapping[str, Setting]) -> Stage:
-    """A stage with settings of a person: no error is predicted of it."""
+    """Return a stage with a user's settings, of which no error is predicted."""
     return replace(stage, settings={**stage.settings, **settings}, error=math.inf) if settings else stage

@@ -1,4 +1,4 @@
-"""Time-reversal haptics: plate, focus, driving signals, patterns, finger, sound and energy."""
+"""Time-reversal haptics: plate, focus, drives, finger and sound."""
 
 from typing import TYPE_CHECKING
 

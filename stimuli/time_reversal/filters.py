@@ -24,10 +24,7 @@ class GainCurve(Protocol):
 
 @checked
 def filtered(samples: FloatArray, rate_hz: Positive, gain: GainCurve) -> FloatArray:
-    """Return samples (..., n) filtered by a linear element.
-
-    Ringing before the beginning and beyond the end is cut off.
-    """
+    """Return samples (..., n) filtered by a linear element, cut to n."""
     n = samples.shape[-1]
     n_fft = fast_length(max(2 * n, 1))  # what wraps round falls into zeros that are cut off
     frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / rate_hz), float)

@@ -27,7 +27,7 @@ PULP_MASS_KG: Final = 1e-4
 def amplitude_loss(
     screen: Screen, focus: Point, loads: Sequence[Attached], emission: Emission, *, relearn: bool = False
 ) -> float:
-    """Share of the focus amplitude that loads take, 1 - A' / A at the focus instant.
+    """Return the share of the focus amplitude that loads take.
 
     Parameters
     ----------
@@ -90,8 +90,10 @@ class Contactor:
         return self.kind if self.kind == "finger" else f"{self.kind} {self.diameter_m * 1e3:g} mm tip"
 
     def loads(self, plate: Plate, at_m: Point, force_n: NotNegative) -> list[PlateLoad | SprungMass]:
-        """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
-        out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it.
+        """Return the loads on the plate under a force (N); none at 0 N.
+
+        They are centred at `at_m`, without the parts beyond an edge. The force stiffens a Hertz contact; the mass of a
+        tip does not grow with it.
         """
         plate.check_holds("at_m", at_m)
         if force_n == 0:

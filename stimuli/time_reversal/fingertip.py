@@ -41,7 +41,7 @@ class Fingertip:
         at_most("Fingertip.exponent", self.exponent, 2.0)
 
     def load(self, at_m: tuple[float, float], force_n: NotNegative = REFERENCE_FORCE_N) -> "PlateLoad":
-        """The load on the plate at a place, under a force of at least 0; at 0 nothing touches.
+        """Return the load on the plate at a place under a force; none at 0 N.
 
         >>> Fingertip().load((0.1, 0.1), 0.5).resistance_n_s_per_m
         5.0

@@ -1,4 +1,4 @@
-"""A finger that the plate can throw off: it presses and never pulls, so that contact is lost and made again.
+"""Fingers that the plate can throw off: they press and never pull.
 
 The skin at z answers the plate at u with f = R z' + k z, on top of the force F that presses it at rest. The contact
 bears N = F + f >= 0 and z >= u, one of them with equality (Signorini's conditions): together z = u, or N = 0 and the
@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive, shape
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, positive, shape
 
 from ..arrays import FloatArray
 from ..defaults import REFERENCE_FORCE_N
@@ -117,11 +116,9 @@ def one_sided_contacts(
     shape("one_sided_contacts.force_n", force_n, (len(loads),))
     positive("one_sided_contacts", force_n=float(force_n.min(initial=1.0)))
     for skin in loads:
-        if skin.mass_kg > 0 or skin.resistance_n_s_per_m == 0:
-            raise InvalidParameter(
-                f"one_sided_contact.finger: found a mass of {skin.mass_kg} kg and a resistance of "
-                f"{skin.resistance_n_s_per_m} N s/m, expected no mass and a resistance above 0"
-            )
+        found = f"a mass of {skin.mass_kg} kg and a resistance of {skin.resistance_n_s_per_m} N s/m"
+        expected = "no mass and a resistance above 0"
+        expect(skin.mass_kg == 0 and skin.resistance_n_s_per_m != 0, "one_sided_contact.finger", found, expected)
     places = [(skin.x_m, skin.y_m) for skin in loads]
     alone = replace(screen, sources=tuple(PointForce(*place) for place in places))
     long_s = free_m.shape[1] / rate_hz

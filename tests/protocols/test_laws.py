@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 from functools import cache
-from typing import get_args
 
 import catalogue
 import numpy as np
@@ -14,7 +13,6 @@ from memory import Memory
 from soak import SOAK
 
 from tactometry.errors import Diverged, InvalidParameter
-from tactometry.protocols.procedures.procedure import Ending
 from tactometry.records.journal import decode_entry, encode_entry
 from tactometry.session.replay import Replay
 from tactometry.session.request import Record
@@ -93,18 +91,6 @@ def test_lower_accuracy_is_met_without_higher_cost(scene, accuracy, looser):
 
 
 @per_procedure
-@given(answers=st.lists(st.booleans(), min_size=400, max_size=400))
-@examples(30)
-def test_a_procedure_ends_and_says_how(procedure, answers):
-    for answer in answers:
-        if procedure.finished:
-            break
-        procedure = procedure.after(answer)
-    assert procedure.finished
-    assert procedure.ending in get_args(Ending)
-
-
-@per_procedure
 def test_a_procedure_is_not_changed_by_a_response(procedure):
     before = procedure
     procedure.after(1)
@@ -112,7 +98,7 @@ def test_a_procedure_is_not_changed_by_a_response(procedure):
 
 
 @per_procedure
-@pytest.mark.parametrize("response", [None, math.nan, 2, "1", -1])
+@pytest.mark.parametrize("response", [None, math.nan, 2, 0.5, "1", -1])
 def test_procedure_rejects_invalid_response(procedure, response):
     with pytest.raises(InvalidParameter, match="expected 1"):
         procedure.after(response)

@@ -3,6 +3,7 @@
 import itertools
 import math
 from dataclasses import fields
+from typing import get_args
 
 import catalogue
 import numpy as np
@@ -14,6 +15,7 @@ from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.kinds import PROCEDURES
+from tactometry.protocols.procedures.procedure import Ending
 
 per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values(), ids=catalogue.PROCEDURES)
 
@@ -41,6 +43,7 @@ def test_procedure_respects_bounds_and_maximum_trials(procedure, answers):
             break
         procedure, n_answers = procedure.after(answer), n_answers + 1
     assert n_answers <= procedure.n_trials_at_most
+    assert procedure.ending in get_args(Ending)
 
 
 @per_procedure

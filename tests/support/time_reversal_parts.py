@@ -9,7 +9,6 @@ from tactometry.stimuli.time_reversal import Band, FocusTrain, Plate, Responses,
 from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
 from tactometry.stimuli.time_reversal.design.thickness import sheets
-from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
 from tactometry.stimuli.time_reversal.responses.load import Receptances
@@ -38,7 +37,6 @@ S = np.array([1.0 + 2j, 1.0 + 50j])
 MODAL = SCREEN.modes(1e3)
 WEIGHTS = np.ones((len(MODAL.frequency_hz), 1))
 RECEPTANCES = Receptances.of(SCREEN.oscillators(1e3), 0.15, S)
-CLOSED = ClosedReversal.of(PLATE, Attenuation(3e-3), 1e3, 5e-3)
 SAMPLING = {"rate_hz": 2e3, "duration_s": 4e-3, "f_max_hz": 1e3}
 LOW = {"f_max_hz": 1e3}
 SHEETS = sheets(PLATE, Transducers(8), DESIGN.band, 3e-3, Target(), [1e-3])

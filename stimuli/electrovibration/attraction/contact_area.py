@@ -145,7 +145,7 @@ UNVERIFIED_PRINTS = (
 
 @checked
 def area_of_prints(prints: Sequence[Print]) -> TableArea:
-    """Straight lines through the ellipses of measured prints, in any order of force.
+    """Interpolate the ellipses of measured prints, in any order of force.
 
     >>> float(area_of_prints(UNVERIFIED_PRINTS).area_m2(1.5) * 1e4).__round__(4)
     1.2095
@@ -156,7 +156,7 @@ def area_of_prints(prints: Sequence[Print]) -> TableArea:
 
 @checked
 def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
-    """The power law that fits the logarithms of area and force best.
+    """Fit a power law to the logarithms of area and force.
 
     >>> law = power_law_of_prints([Print(1.0, 0.01, 0.01), Print(8.0, 0.02, 0.01)])
     >>> round(law.exponent, 12)

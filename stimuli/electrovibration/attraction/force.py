@@ -1,4 +1,4 @@
-"""Electrostatic force: four laws of the literature, each by name: they differ by a factor near 1000."""
+"""Four electrostatic force laws, which differ by a factor near 1000."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
@@ -53,7 +53,7 @@ class ForceForm:
 
 @checked
 def force_form(law: str | None, skin: Skin, area_m2: NotNegative) -> ForceForm:
-    """A law on a skin and a contact area (m^2, at least 0).
+    """Apply a force law to a skin and a contact area (m^2, at least 0).
 
     =================== ==================================================================================
     law                 force
@@ -93,7 +93,7 @@ def electrostatic_force_n(
     law: Law | None = None,
     polarity: "Polarity | None" = None,
 ) -> FloatArray:
-    """Attraction (N) between finger and screen at the samples of a voltage, from rest.
+    """Return the attraction (N) at the samples of a voltage, from rest.
 
     Raises `InvalidParameter` if a value is outside of its domain, and as in `force_form`.
 
@@ -136,7 +136,7 @@ def electrostatic_force_n_at(
     law: Law | None = None,
     polarity: "Polarity | None" = None,
 ) -> FloatArray:
-    """Attraction (N) at any times, of the shape of `t_s` (0 to the end), of a voltage in pieces: exact.
+    """Return the exact attraction (N) at times (0 to the end) of a voltage.
 
     >>> from tactometry.stimuli.electrovibration import Step
     >>> pieces = Step(duration_s=0.1).pieces(40.0)
@@ -159,7 +159,7 @@ def check_law(law: str | None) -> None:
 
 
 def force_per_square_volt_n(skin: Skin, area_m2: float) -> float:
-    """``b`` of ``F = b V_sc^2`` in the ``sc_layer`` law, ``e0 e_sc A/(2 d_sc^2)``.
+    """Return ``b = e0 e_sc A/(2 d_sc^2)`` of the ``sc_layer`` law.
 
     >>> round(force_per_square_volt_n(Skin(), 1e-4), 13)
     1.10677348e-05

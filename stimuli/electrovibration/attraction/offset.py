@@ -49,12 +49,12 @@ class WithOffset:
 
     @property
     def force_frequency_hz(self) -> float:
-        """The lower of the waveform's own and that of the voltage, which an offset brings into the force."""
+        """Lower one of the waveform's force frequency and the voltage's."""
         own_hz = self.waveform.force_frequency_hz
         return own_hz if self.ratio == 0 else min(own_hz, self.voltage_frequency_hz)
 
     def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        """Return (1, n_samples) volt, at most the peak that `level` states."""
         signal = self.waveform.at(level)
         constant = ramped(np.ones(signal.samples.shape[1]), self.waveform.ramp_s, signal.rate_hz)
         peak_v = peak_voltage_v(level, self.level_unit)
@@ -64,7 +64,7 @@ class WithOffset:
         return Signal(np.clip(total_v, -peak_v, peak_v), signal.rate_hz, "V")
 
     def pieces(self, level: float) -> Pieces:
-        """The voltage exactly."""
+        """Return the exact voltage."""
         plain = self.waveform.pieces(level)
         constant = Pieces(np.zeros(1), plain.end_s, np.ones(1), np.zeros(1))
         constant = ramped_pieces(constant, self.waveform.ramp_s)

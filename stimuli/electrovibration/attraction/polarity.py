@@ -42,7 +42,7 @@ class Polarity(Effect):
 
     @checked
     def weighted(self, force_n: FloatArray, layer_v: FloatArray) -> FloatArray:
-        """Forces (N) under layer voltages of the same shape."""
+        """Scale the forces (N) under negative layer voltages of the same shape."""
         return np.where(layer_v > 0, self.positive_share * force_n, force_n)
 
     __call__ = weighted

@@ -1,1 +1,1 @@
-"""A finger that slides or sticks under that force: exact propagators, event-exact friction."""
+"""Motion of a sliding or sticking finger, with exact events."""

@@ -25,7 +25,7 @@ class FullSlip(NamedTuple):
 
 @compiled
 def sinusoids_at(i: int, piece: int, heights: Heights, phases: Phases) -> float:
-    """The sinusoids of a piece at node i."""
+    """Return the sum of a piece's sinusoids at node i."""
     total = 0.0
     for k in range(phases.turns.shape[1]):
         total += (phases.turns[i, k] * heights.amplitudes[piece, k]).real
@@ -43,7 +43,7 @@ def response_at(m: int, i: int, piece: int, heights: Heights, phases: Phases) ->
 
 @compiled
 def enter(new: int, i: int, heights: Heights, phases: Phases, free: FloatArray) -> None:
-    """Free decays at the start of a piece (node i), from those of the piece before it and the jump between them."""
+    """Return the free decays at the start of a piece (node i)."""
     old, jump = new - 1, heights.offsets[new] + sinusoids_at(i, new, heights, phases)
     if old >= 0:
         jump -= heights.offsets[old] + heights.slopes[old] * phases.spans[old] + sinusoids_at(i, old, heights, phases)
@@ -56,7 +56,7 @@ def enter(new: int, i: int, heights: Heights, phases: Phases, free: FloatArray) 
 
 @compiled
 def relax(low: int, high: int, slope: float, phases: Phases, at: int, free: FloatArray, z: FloatArray) -> None:
-    """Relaxations at the nodes of a piece: free decay, line and sinusoids (rows of z from `at` on)."""
+    """Fill the relaxations at a piece's nodes (rows of z from `at` on)."""
     for m in range(len(free)):
         start = free[m]
         for i in range(low, high):
@@ -69,10 +69,7 @@ def relax(low: int, high: int, slope: float, phases: Phases, at: int, free: Floa
 
 @compiled
 def states(heights: Heights, plan: DrivenPlan) -> FloatArray:
-    """Return the states of a circuit, (n_states, n_nodes).
-
-    They are in the order of `Circuit`. Each inner loop runs over the nodes of a piece.
-    """
+    """Return the states of a circuit in the order of `Circuit`, (n, n_nodes)."""
     phases, first = plan.phases, plan.first
     n_relax, n_turns = len(phases.decay), phases.turns.shape[1]
     slope_at = n_relax + (1 if plan.has_line else 0)
@@ -116,7 +113,7 @@ def march(z: FloatArray, newton: float, plan: DrivenPlan) -> FloatArray:
 
 
 def slide(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
-    """Rows of `Motion`, (5, n_wanted): electrostatic and lateral force, deflection and its two derivatives."""
+    """Return the rows of `Motion`, (5, n_wanted)."""
     return _slide(newton, uniform(finger), uniform(heights), (tuple(plan.phases), *plan[1:]))
 
 

@@ -61,7 +61,7 @@ class CoulombFriction(Effect):
         require.finite("CoulombFriction", load_exponent=self.load_exponent)
 
     def at_speed(self, speed_m_per_s: float) -> Self:
-        """The law of a finger that slides at a speed (at least 0).
+        """Return the friction law of a finger that slides at a speed (at least 0).
 
         >>> [round(CoulombFriction(0.5).at_speed(speed).coefficient, 4) for speed in (0.0, 1e-3, 0.05)]
         [0.0, 0.3536, 0.4999]
@@ -71,7 +71,7 @@ class CoulombFriction(Effect):
         return replace(self, coefficient=share * self.coefficient)
 
     def coefficient_at(self, force_n: float) -> float:
-        """The coefficient under a normal force (N).
+        """Return the coefficient under a normal force (N).
 
         Without one it is the constant coefficient (the voltage alone causes friction, ``mu F_e``), 0 for an exponent
         above 0, and without a limit for an exponent below 0, which is refused.
@@ -90,7 +90,7 @@ class CoulombFriction(Effect):
 
     @checked
     def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> FloatArray:
-        """Change of the friction force, ``mu F_e``, of the shape of `electrostatic_n`."""
+        """Return the change of friction, ``mu F_e``, by an attraction."""
         with np.errstate(over="ignore"):
             change_n = self.coefficient_at(force_n) * np.asarray(electrostatic_n, dtype=np.float64)
         return require.in_range("CoulombFriction.modulation_n", change_n)
@@ -103,7 +103,7 @@ class CoulombFriction(Effect):
         return self.stage(), Stage("friction", needs, "friction_force_n", f"{__name__}:friction_n")
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """A factor of every component of the attraction, unless another effect acts on its course."""
+        """Return stages that scale components, or the course if effects change it."""
         if is_changed("friction_force_n", scene):
             return self.stages(scene)
         needs = ("attraction_components", "friction_law", "contact")

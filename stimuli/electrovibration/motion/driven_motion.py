@@ -1,4 +1,4 @@
-"""Motion of a linear system under the force of a voltage in pieces: planned once, then run for any voltage.
+"""Motion of a linear system under the force of a voltage in pieces.
 
 A relaxation that has decayed (`phases.DECAYED` time constants after the start of a piece) follows its input and is left
 out of the flow, which bounds every exponent.
@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
-from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IndexArray
 from ..attraction.force import ForceForm
@@ -63,7 +62,7 @@ class Circuit:
         return z
 
     def output(self) -> FloatArray:
-        """(n_states,) linear form that gives the voltage whose square is the force."""
+        """Linear form (n_states,) of the voltage whose square is the force."""
         r = self.relaxations
         moving = [gain for gain, moves in zip(r.gains, self.active, strict=True) if moves]
         still = [(gain, rate) for gain, rate, m in zip(r.gains, r.rates_per_s, self.active, strict=True) if not m]
@@ -79,7 +78,7 @@ class Circuit:
         return sum(self.active) + self.has_line + self.has_slope + 2 * len(self.frequencies_hz)
 
     def active_places(self) -> IndexArray:
-        """(n_states,) their places among the states of the circuit with all relaxations moving."""
+        """Places (n_states,) among the states with all relaxations moving."""
         n_all = len(self.active) + self.n_states - sum(self.active)
         return np.flatnonzero([*self.active, *([True] * (n_all - len(self.active)))])
 
@@ -106,14 +105,14 @@ class Flows:
     change: FloatArray
 
     def twice(self) -> "Flows":
-        """Over lengths twice as long: the first half moves on, the second begins where the circuit is then."""
+        """Return the flows over twice the lengths."""
         over = (np.eye(self.change.shape[-1]) + self.change)[:, None]
         forms = np.einsum("lab,lbij->laij", self.states, self.forms) + over.swapaxes(-1, -2) @ self.forms @ over
         return Flows(self.states @ self.states, forms, 2 * self.change + self.change @ self.change)
 
 
 def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flows:
-    """The exact flows over lengths of time (n_lengths,) above 0."""
+    """Return the exact flows over lengths of time (n_lengths,) above 0."""
     # a bound of the rates of products of the circuit's states and of the driven states, above 0
     electric, driven = (np.abs(np.linalg.eigvals(m)).max(initial=0.0) for m in (circuit.matrix(), system.matrix))
     fastest_per_s = float(2 * electric + driven) or 1.0
@@ -128,7 +127,7 @@ def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flow
 
 
 def _short_flows(circuit: Circuit, system: LinearSystem, unit_per_s: float, lengths: FloatArray) -> Flows:
-    """Power series in lengths (n_lengths,) of up to `REACH`, in times of 1/unit_per_s."""
+    """Return flows by power series in lengths (n_lengths,) up to `REACH`."""
     z, m = circuit.matrix() / unit_per_s, np.array(system.matrix) / unit_per_s
     factors = np.cumprod(lengths[:, None] / np.arange(1, TERMS + 1), axis=1)  # h^k/k! for k from 1
 
@@ -186,7 +185,7 @@ class DrivenPlan(NamedTuple):
 
 
 def first_order_response(pieces: Pieces, force: ForceForm, system: LinearSystem, t_s: ArrayLike) -> FloatArray:
-    """(n_times,) the one state of a linear system from 0 under the force of a voltage, exactly, at ascending times.
+    """Return the state (n_times,) of a first-order system from 0, exactly.
 
     `compiled_loops` does the same for more states; one needs no loop, and numba takes half a second to load.
     """
@@ -212,7 +211,7 @@ def circuit_states(pieces: Pieces, relaxations: Relaxations, plan: DrivenPlan) -
 
 
 def _products(z: FloatArray, plan: DrivenPlan) -> FloatArray:
-    """(n_nodes - 1,) what the one driven state takes up over each interval, under 1 N/V^2."""
+    """Return what the driven state gains in each interval, under 1 N/V^2."""
     order = np.argsort(plan.kinds, kind="stable")
     starts = np.flatnonzero(np.diff(plan.kinds[order])) + 1
     taken_up = np.empty(len(order))
@@ -223,7 +222,7 @@ def _products(z: FloatArray, plan: DrivenPlan) -> FloatArray:
 
 
 def check_times(t: FloatArray, pieces: Pieces) -> None:
-    """Refuse times (n_times,) that do not ascend from at least 0 to at most the end of the pieces."""
+    """Refuse times (n_times,) that do not ascend within the pieces."""
     require.finite_array("t_s", t)
     inside = t.ndim == 1 and t.size > 0 and t[0] >= 0 and t[-1] <= pieces.end_s and (np.diff(t) > 0).all()
     found = f"{t.size} times in shape {t.shape}"
@@ -250,7 +249,7 @@ class Timing:
 
 @lru_cache(maxsize=256)
 def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> DrivenPlan:
-    """The plan of a timing, made once: nodes, decays, turns and flows."""
+    """Plan the nodes, decays, turns and flows of a timing."""
     check_times(timing.t_s, timing.pieces)
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
     lengths = np.diff(nodes)
@@ -267,15 +266,13 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> D
 
 def _check_resolved(system: LinearSystem, longest_s: float) -> None:
     fastest_hz = float(np.abs(np.linalg.eigvals(system.matrix)).max()) / (2 * np.pi)
-    if not fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9):
-        raise InvalidParameter(
-            f"finger: found one that moves at up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
-            f"expected a product of at most {CYCLES_MAX:.0e}; take a heavier, softer or less damped finger"
-        )
+    found = f"one that moves at up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart"
+    expected = f"a product of at most {CYCLES_MAX:.0e}; take a heavier, softer or less damped finger"
+    require.expect(fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9), "finger", found, expected)
 
 
 def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[FloatArray, FloatArray]:
-    """(n_kinds, n, n) maps of the states and (n_kinds, n, n_states, n_states) forms over each kind of interval."""
+    """Return state maps and forms over each kind of interval."""
     n, n_states = len(system.input), whole.n_states
     maps, drives = np.zeros((len(groups), n, n)), np.zeros((len(groups), n, n_states, n_states))
     for active in {moves for _, moves in groups}:
@@ -289,7 +286,7 @@ def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple
 
 
 def _kinds(lengths: FloatArray, moves: NDArray[np.bool_]) -> tuple[list[Kind], IndexArray]:
-    """Intervals of one length (to 1e-11) and one set of moving relaxations share an exponential."""
+    """Return the kinds of intervals: equal lengths and moving relaxations."""
     # equal steps of time differ by their rounding: digits behind the leading one, and its power of ten
     scale = 10.0 ** np.floor(np.log10(lengths))
     keys = np.column_stack([np.round(lengths / scale, 11), scale, moves])

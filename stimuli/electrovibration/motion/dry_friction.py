@@ -1,4 +1,4 @@
-"""Dry friction with a static and a kinetic coefficient: a finger that sticks and slips."""
+"""Dry friction of a finger that sticks and slips."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

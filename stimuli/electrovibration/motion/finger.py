@@ -1,4 +1,4 @@
-"""A finger pad as mass, spring and damper that slides fully: exact motion under an electrostatic force."""
+"""Exact motion of a finger pad that slides under an electrostatic force."""
 
 from dataclasses import dataclass
 
@@ -30,15 +30,9 @@ class Motion:
 
 @checked
 def sliding(
-    t_s: ArrayLike,
-    pieces: Pieces,
-    form: ForceForm,
-    *,
-    finger: Finger,
-    friction: CoulombFriction,
-    force_n: float,
+    t_s: ArrayLike, pieces: Pieces, form: ForceForm, *, finger: Finger, friction: CoulombFriction, force_n: float
 ) -> Motion:
-    """Motion of a finger in full slip under a normal force (N), from its rest under constant friction: exact.
+    """Return the exact motion in full slip, from rest under constant friction.
 
     The lateral force is ``mu (F_n + F_e)``. There is no slip-rate in it, so that any speed gives the same; whether the
     finger slips at all is the matter of `stick_slip`.

@@ -1,4 +1,4 @@
-"""Lag of friction behind the electrostatic force, shorter at higher speeds."""
+"""Lag of friction relative to the electrostatic force."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -61,10 +61,7 @@ class FrictionLag(Effect):
 
     @checked
     def gain(self, frequency_hz: ArrayLike, speed_m_per_s: float) -> FloatArray:
-        """Return the gain ``1/sqrt(1 + (f/f_c)^2)`` of the low-pass.
-
-        `frequency_hz` contains frequencies of the force. The result has the same shape.
-        """
+        """Return the low-pass gain ``1/sqrt(1 + (f/f_c)^2)`` at force frequencies."""
         ratio = np.asarray(frequency_hz, dtype=np.float64) / self.cutoff_hz(speed_m_per_s)
         return 1 / np.hypot(1.0, ratio)
 
@@ -74,10 +71,7 @@ class FrictionLag(Effect):
         return (Stage("friction_lag", needs, "friction_force_n", target, dict(vars(self)), size=size),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return a steady-state stage, or the exact one if friction is altered.
-
-        The exact course costs a hundred times as much.
-        """
+        """Return a steady-state stage, or the slower exact one if it is needed."""
         if is_changed("friction_force_n", scene):
             return tuple(replace(stage, size=None) for stage in self.stages(scene))
         return (self.stage(),)

@@ -1,4 +1,4 @@
-"""The moving skin of a finger pad as mass, spring and damper; what is published of it per speed, 20 to 100 mm/s."""
+"""Mass, spring and damper of the moving skin of a finger pad."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -31,7 +31,7 @@ class Finger:
 
     @classmethod
     def at_speed(cls, speed_m_per_s: Positive, damping_n_s_per_m: NotNegative = DAMPING_N_S_PER_M) -> "Finger":
-        """The moving mass and stiffness that are published per sliding speed, 20 to 100 mm/s.
+        """Return the pad with the mass and stiffness published for 20 to 100 mm/s.
 
         Mass 3.23e-5 kg and stiffness 4.04 N/m per mm/s. The damping is the same at all speeds, an unverified default:
         3.3 times the critical at 20 mm/s, 0.66 times at 100 mm/s.

@@ -1,4 +1,4 @@
-"""Nodes of time within the pieces of a voltage, and what of its answer depends on time alone."""
+"""Time nodes within the pieces of a voltage, independent of its level."""
 
 from typing import NamedTuple
 
@@ -14,10 +14,7 @@ DECAYED = 40.0
 
 
 class Heights(NamedTuple):
-    """Value and slope per piece of a voltage, and sinusoids.
-
-    The sinusoids have the shape (n_pieces, n_turns).
-    """
+    """Value, slope and sinusoids (n_pieces, n_turns) of a voltage per piece."""
 
     offsets: FloatArray
     slopes: FloatArray
@@ -44,12 +41,11 @@ class Phases(NamedTuple):
 
 
 def heights(pieces: Pieces) -> Heights:
-    """The heights of one voltage."""
     return Heights(pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v)
 
 
 def phases(pieces: Pieces, relaxations: Relaxations, nodes: FloatArray) -> Phases:
-    """The phases of nodes (n_nodes,) within the pieces."""
+    """Return the phases of nodes (n_nodes,) within the pieces."""
     piece = pieces.index(nodes)
     since = nodes - pieces.starts_s[piece]
     rates = np.array(relaxations.rates_per_s).reshape(-1, 1)
@@ -69,15 +65,12 @@ def phases(pieces: Pieces, relaxations: Relaxations, nodes: FloatArray) -> Phase
 
 
 def moving(since: FloatArray, relaxations: Relaxations) -> NDArray[np.bool_]:
-    """Return which relaxations still move after each node.
-
-    The shape is (n_nodes, n_relax). A decay has ended at its last node.
-    """
+    """Return which relaxations move after each node, (n_nodes, n_relax)."""
     return np.asarray(since[:, None] * np.array(relaxations.rates_per_s) < DECAYED * (1 - 1e-9))
 
 
 def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: FloatArray) -> FloatArray:
-    """Times asked for, 0, starts of pieces and ends of decays, ascending, up to the last time asked for."""
+    """Merge requested times, 0, starts of pieces and ends of decays in order."""
     rates = np.array([rate for rate in relaxations.rates_per_s if rate > 0])
     # (n_pieces * n_rates,), and the end of the piece of each: a decay that outlasts its piece ends with it
     decayed = (pieces.starts_s[:, None] + DECAYED / rates[None, :]).ravel()

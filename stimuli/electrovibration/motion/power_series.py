@@ -1,4 +1,4 @@
-"""Stick and slip between events as power series, compiled: exact flow, events at the roots of polynomials."""
+"""Compiled stick and slip: power series with events at exact roots."""
 
 from typing import NamedTuple
 
@@ -100,10 +100,7 @@ def _slope(c: FloatArray, x: float) -> float:
 
 @compiled
 def _falls(c: FloatArray) -> float:
-    """Return the first place in (0, 1] where the polynomial is below 0.
-
-    Searched at `N_LOOKS` places; 2 if there is none.
-    """
+    """Return the first place in (0, 1] with a polynomial below 0, or 2."""
     low = 0.0
     for look in range(1, N_LOOKS + 1):
         high = look / N_LOOKS
@@ -121,7 +118,7 @@ def _falls(c: FloatArray) -> float:
 
 @compiled
 def _force_series(circuit: CircuitState, layers: Layers, moves: NDArray[np.bool_], h: float, series: Series) -> None:
-    """Coefficients of the relaxations and of the force in powers of time over `h`."""
+    """Fill the power series of relaxations and force over `h`."""
     gains, dc_gain, rates, omegas, responses, _ = layers
     level, slope, states = circuit.line[0], circuit.line[1], series.relaxed
     n_relax, n_turns = len(gains), len(omegas)
@@ -182,7 +179,6 @@ def _slip_series(skin: SkinState, contact: ContactConstants, h: float, series: S
 
 @compiled
 def _stick_series(skin: SkinState, contact: ContactConstants, h: float, series: Series) -> None:
-    """The skin goes with the finger."""
     out = series.stretch
     out.fill(0.0)
     out[0], out[1], out[2] = skin.stretch_m, skin.rate_m_per_s * h, contact.acceleration_m_per_s2 * h * h / 2
@@ -192,10 +188,7 @@ def _stick_series(skin: SkinState, contact: ContactConstants, h: float, series: 
 def _breaks_loose(
     skin: SkinState, contact: ContactConstants, h: float, stretch: FloatArray, limit: FloatArray
 ) -> float:
-    """Return when the friction of a stuck finger passes the limit.
-
-    The friction is ``k s + c V``; the time is in units of `h`.
-    """
+    """Return when friction ``k s + c V`` passes its limit, in units of `h`."""
     asked = contact.stiffness_n_per_m * stretch
     asked[0] += contact.damping_n_s_per_m * skin.rate_m_per_s
     asked[1] += contact.damping_n_s_per_m * contact.acceleration_m_per_s2 * h
@@ -214,7 +207,7 @@ def _comes_to_rest(skin: SkinState, contact: ContactConstants, h: float, stretch
 
 @compiled
 def _strongest(contact: ContactConstants, force: FloatArray) -> FloatArray:
-    """The friction that a stuck finger can bear. Gated, the voltage does not help it to stick, only to slip."""
+    """Return the friction limit of a stuck finger, without voltage if gated."""
     coefficient = contact.kinetic if contact.gated else contact.static
     loaded = coefficient * force
     loaded[0] += coefficient * contact.force_n
@@ -232,13 +225,12 @@ def _speed(contact: ContactConstants, time: float) -> float:
 
 @compiled
 def _holding_friction(skin: SkinState, contact: ContactConstants) -> float:
-    """The friction that holds the skin to the finger."""
+    """Return the friction that holds the skin to the finger."""
     return contact.stiffness_n_per_m * skin.stretch_m + contact.damping_n_s_per_m * _speed(contact, skin.time_s)
 
 
 @compiled
 def _follow(skin: SkinState, contact: ContactConstants) -> SkinState:
-    """A skin that sticks is as fast as the finger."""
     rate = skin.rate_m_per_s if skin.direction != 0 else _speed(contact, skin.time_s)
     return SkinState(skin.stretch_m, rate, skin.direction, skin.time_s)
 
@@ -251,17 +243,14 @@ def _gives_way(skin: SkinState, contact: ContactConstants, limit_n: float) -> bo
 
 @compiled
 def _after(skin: SkinState, stretch: FloatArray, reached: float, unit_s: float, passed_s: float) -> SkinState:
-    """The skin behind `reached` of a step, which is the time `passed_s`."""
+    """Return the skin after the part `reached` of a step, the time `passed_s`."""
     rate_m_per_s = _slope(stretch, reached) / unit_s
     return SkinState(_value(stretch, reached), rate_m_per_s, skin.direction, skin.time_s + passed_s)
 
 
 @compiled
 def _change(skin: SkinState, contact: ContactConstants, events: FloatArray, n: int) -> SkinState:
-    """Record event n and return the state after slip or stick ends.
-
-    The skin is then as fast as the finger. It slips in the direction of the friction.
-    """
+    """Record event n; return the skin at the finger's speed in its new state."""
     direction = 0.0 if skin.direction != 0 else (1.0 if _holding_friction(skin, contact) > 0 else -1.0)
     events[n, 0], events[n, 1] = skin.time_s, direction
     return SkinState(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
@@ -282,7 +271,7 @@ def _note(skin: SkinState, contact: ContactConstants, series: Series, row: Float
 
 @compiled
 def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit: CircuitState) -> None:
-    """The circuit at node i, from the free decays at the start of its piece."""
+    """Return the circuit at node i, from the free decays of its piece."""
     piece = phases.piece[i]
     slope = heights.slopes[piece]
     circuit.line[0], circuit.line[1] = heights.offsets[piece] + slope * phases.since[i], slope
@@ -295,7 +284,7 @@ def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit:
 
 @compiled
 def _go_on(circuit: CircuitState, layers: Layers, series: Series, reached: float, passed: float) -> None:
-    """The circuit behind `reached` of a step, which is the time `passed`."""
+    """Return the circuit after a part `reached` of a step, the time `passed`."""
     for m in range(len(layers.gains)):
         circuit.relaxed[m] = _value(series.relaxed[m], reached)
     for k in range(len(layers.omegas)):
@@ -305,10 +294,7 @@ def _go_on(circuit: CircuitState, layers: Layers, series: Series, reached: float
 
 @compiled
 def _next_event(skin: SkinState, contact: ContactConstants, h: float, series: Series, limit: FloatArray) -> float:
-    """Return the series of the skin over a step, and its next event.
-
-    The event is in units of `h`; 2 if there is none.
-    """
+    """Return the skin's series over a step, and its event (2: none) over `h`."""
     if skin.direction == 0:
         _stick_series(skin, contact, h, series)
         return _breaks_loose(skin, contact, h, series.stretch, limit)
@@ -327,7 +313,7 @@ def _empty(layers: Layers) -> tuple[CircuitState, Series]:
 def flow(
     heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: ContactConstants, start: float, most: Pair
 ) -> tuple[FloatArray, FloatArray, int, float]:
-    """States at the nodes and the events, of a finger that sticks at time 0 with a stretch of `start`.
+    """Return states at nodes, and events, of a finger that sticks at first.
 
     Rows of the first result: stretch, its rate, its second derivative, lateral force, electrostatic force, direction
     of slip (0: stuck); rows of the second: time of an event, direction after. The last two are a failure and its time:

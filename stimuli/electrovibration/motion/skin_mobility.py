@@ -1,4 +1,4 @@
-"""How far the skin of a finger pad moves under a vibrating lateral force: its mobility, in the steady state."""
+"""Mobility of the skin under a vibrating lateral force."""
 
 from dataclasses import dataclass, replace
 from math import pi
@@ -65,7 +65,7 @@ class SkinMobility(Effect):
         return replace(self, stiffness_n_per_m=stiffness_n_per_m, stiffness_exponent=0.0)
 
     def gain_m_per_n(self, frequency_hz: ArrayLike, force_n: float) -> FloatArray:
-        """Displacement per newton at frequencies (Hz) under a normal force (N, above 0), of their shape.
+        """Return displacement per newton at frequencies (Hz) under a load (N).
 
         Raises `InvalidParameter` if the force is not above 0, or a frequency is below it.
         """
@@ -83,7 +83,7 @@ class SkinMobility(Effect):
         return components.times(self._gain_m_per_n(components.frequencies_hz, contact.force_n))
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        """Its slope by frequency: the logarithm of each of two poles changes by at most 1 over its distance."""
+        """Return the steepest slope: each pole adds at most 1 over its distance."""
         skin = self.under(scene.contacts[0].force_n)
         poles = np.roots([skin.mass_kg, skin.damping_n_s_per_m, skin.stiffness_n_per_m])
         return VoltageContent(steepest_db_per_hz=float(40 * pi / np.log(10) * np.sum(1 / -poles.real)))

@@ -1,4 +1,4 @@
-"""Stick-slip motion of a finger on a screen, with exact event times and unsmoothed Coulomb friction."""
+"""Stick-slip motion with exact events and unsmoothed Coulomb friction."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -121,10 +121,7 @@ def stick_slip(
 def _plan(
     timing: Timing, form: ForceForm, finger: Finger
 ) -> "tuple[IndexArray, Phases, power_series.Layers, power_series.Steps]":
-    """Prepare the parts of a run that do not depend on the voltage level.
-
-    Returns the nodes of `t_s`, the phases, the circuit, and the steps with their longest duration.
-    """
+    """Prepare nodes, phases, circuit and steps, which no level changes."""
     from . import power_series
 
     check_times(timing.t_s, timing.pieces)

@@ -1,4 +1,4 @@
-"""Sums of first-order high-passes, exact for an input that is linear between its samples."""
+"""Sums of first-order high-passes, exact for piecewise-linear input."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -51,7 +51,7 @@ class Relaxations:
 
     @checked
     def sampled(self, voltage_v: FloatArray, rate_hz: Positive) -> FloatArray:
-        """The output at the samples, of the shape (..., n_samples) of the input, from rest.
+        """Return the output (..., n_samples) of an input of that shape, from rest.
 
         The input is linear between its samples and jumps from 0 to its first value at time 0.
         """
@@ -63,7 +63,7 @@ class Relaxations:
 
 
 def phi1(x: ArrayLike) -> FloatArray:
-    """``(1 - exp(-x))/x``, the mean of an exponential decay over a step; 1 at 0, 0 at inf.
+    """Return ``(1 - exp(-x))/x``, 1 at 0 and 0 at inf.
 
     >>> phi1([0.0, 1e-20, 1.0, float("inf")]).round(6).tolist()
     [1.0, 1.0, 0.632121, 0.0]
@@ -74,7 +74,7 @@ def phi1(x: ArrayLike) -> FloatArray:
 
 
 def scan(decays: FloatArray, gained: FloatArray) -> FloatArray:
-    """``y_n = decays_(n-1) y_(n-1) + gained_n`` for decays (n - 1,) in 0..1, all n at once by doubling.
+    """Return ``y_n = decays_(n-1) y_(n-1) + gained_n`` by doubling.
 
     >>> scan(np.array([0.5, 0.0]), np.array([1.0, 1.0, 7.0])).tolist()
     [1.0, 1.5, 7.0]
@@ -89,7 +89,7 @@ def scan(decays: FloatArray, gained: FloatArray) -> FloatArray:
 
 
 def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
-    """``y' = -rate y + v'`` at the samples of a piecewise-linear v, given its increments.
+    """Solve ``y' = -rate y + v'`` for a piecewise-linear v.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
 
 
 def decaying_sum(values: FloatArray, decay: float) -> FloatArray:
-    """``y_n = exp(-decay) y_(n-1) + x_n`` along the last axis, from rest: a matrix over blocks, then over their ends.
+    """Return ``y_n = exp(-decay) y_(n-1) + x_n`` along the last axis.
 
     What a block begins with decays through it by exponentials and not by repeated products: else the rounding of
     ``exp(-decay)`` near 1 adds up (1e-9 over 1e7 samples).
@@ -164,7 +164,7 @@ class Solution:
     relaxations: Relaxations
 
     def at(self, t_s: ArrayLike) -> FloatArray:
-        """The output, of the shape of `t_s` (0 to the end), from the right at a jump.
+        """Return the output at `t_s` (0 to the end), from the right at a jump.
 
         Raises `InvalidParameter` if a time is before 0 or after the end.
         """
@@ -199,7 +199,7 @@ class Solution:
 
     @cached_property
     def free_decays(self) -> FloatArray:
-        """(n_relaxations, n_pieces): the amplitude of each free decay at the start of each piece."""
+        """Free decays at the starts of pieces, (n_relaxations, n_pieces)."""
         chains = [self._chain(order) for order in range(len(self._rates))]
         return np.array(chains).reshape(len(chains), len(self.pieces.starts_s))
 

@@ -1,4 +1,4 @@
-"""Electrode, insulator, gap, leaky stratum corneum, deeper tissue: the electrical model of a finger on a screen."""
+"""Electrical model of a finger on an insulated electrode."""
 
 from dataclasses import dataclass
 from math import inf, pi
@@ -75,7 +75,7 @@ class Skin:
 
     @property
     def insulator_equivalent_m(self) -> float:
-        """Air thickness of the same capacitance as insulator and gap: ``d_i/e_i + g``."""
+        """Equivalent air thickness of insulator and gap: ``d_i/e_i + g``."""
         return self.insulator_thickness_m / self.insulator_permittivity + self.gap_m
 
     @property
@@ -85,12 +85,12 @@ class Skin:
 
     @property
     def k(self) -> float:
-        """Share of a fast voltage across the corneum, ``C_i/(C_i + C_sc)`` (high-frequency gain; no tissue)."""
+        """Share of a fast voltage across the corneum, ``C_i/(C_i + C_sc)``."""
         return self.corneum_equivalent_m / (self.insulator_equivalent_m + self.corneum_equivalent_m)
 
     @property
     def tau_s(self) -> float:
-        """Time constant ``R_sc (C_i + C_sc) = e0 rho (e_sc + d_sc/(d_i/e_i + g))`` (no body, no tissue)."""
+        """Time constant ``e0 rho (e_sc + d_sc/(d_i/e_i + g))``."""
         permittivity = self.corneum_permittivity + self.corneum_thickness_m / self.insulator_equivalent_m
         return VACUUM_PERMITTIVITY_F_PER_M * self.corneum_resistivity_ohm_m * permittivity
 
@@ -114,7 +114,7 @@ class Skin:
 
     @checked
     def response(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> ComplexArray:
-        """Complex ratio of the corneum's voltage to the applied one, same shape as `frequency_hz`.
+        """Return the corneum's voltage over the applied one, complex.
 
         Without body resistance it is ``k tau s/(1 + tau s)``, whatever the area (1 cm^2: unverified default).
         """
@@ -131,7 +131,7 @@ class Skin:
 
     @property
     def stack(self) -> Stack:
-        """Insulator, gap, corneum and tissue as layers 0, 1, 2 and 3, in series with the body."""
+        """Insulator, gap, corneum and tissue in series with the body."""
         layers = (
             Layer(self.insulator_thickness_m, self.insulator_permittivity),
             Layer(self.gap_m),
@@ -142,13 +142,13 @@ class Skin:
 
     @checked
     def relaxations(self, area_m2: float) -> Relaxations:
-        """Corneum voltage over applied voltage: gain k and rate 1/tau, or more poles with body and tissue."""
+        """Return the relaxations of the corneum's voltage."""
         return self.stack.relaxations(CORNEUM, area_m2)
 
 
 @checked
 def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin) -> FloatArray:
-    """Corneum voltage of ``V0 sin(w t)`` from rest: ``V0 |H| (sin(wt + phi) - sin(phi) exp(-t/tau))``."""
+    """Return ``V0 |H| (sin(wt + phi) - sin(phi) exp(-t/tau))`` of a sine."""
     check_one_relaxation(skin)
     # the free decay starts at minus the steady voltage at time 0, so that the sum begins at rest
     response = complex(skin.response(frequency_hz))

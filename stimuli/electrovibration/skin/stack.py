@@ -1,4 +1,4 @@
-"""Any number of leaky layers between electrode and body, in series with a resistance."""
+"""Leaky layers in series between electrode and body."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ SMALLEST_OHM_M, LARGEST_OHM_M = DOMAINS["_ohm_m"]
 
 
 def check_resistivity(where: str, found: object) -> None:
-    """Refuse what is neither 0, nor infinite, nor a number from `SMALLEST_OHM_M` to `LARGEST_OHM_M`."""
+    """Refuse a resistivity that is not 0, infinite or within bounds."""
     number = found if isinstance(found, int | float) and not isinstance(found, bool) else -1
     expected = f"0 (a conductor) or a number from {SMALLEST_OHM_M:g} to {LARGEST_OHM_M:g} (inf: lossless)"
     require.expect(number in (0, inf) or SMALLEST_OHM_M <= number <= LARGEST_OHM_M, where, repr(found), expected)
@@ -96,7 +96,7 @@ class Stack:
         require.expect(holds, "Stack.layers", "none that can hold a voltage", expected)
 
     def relaxations(self, index: int, area_m2: float) -> Relaxations:
-        """Voltage across layer `index` over the applied voltage, exactly, for a contact area (m^2)."""
+        """Return the exact voltage share of layer `index` at an area (m^2)."""
         require.not_negative("Stack", area_m2=area_m2)
         require.one_of("Stack.index", index, range(len(self.layers)))
         rates = sorted({layer.rate_per_s for layer in self.layers if layer.elastance_m2_per_f > 0})
@@ -110,13 +110,13 @@ class Stack:
         return Relaxations(gains, tuple(pole.rate_per_s for pole in poles), share * series.dc_gain(group))
 
     def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> ComplexArray:
-        """Complex ratio of the voltage across layer `index` to the applied one, of the shape of `frequency_hz`."""
+        """Return layer `index`'s voltage over the applied one, complex."""
         return self.relaxations(index, area_m2).response(frequency_hz)
 
 
 @dataclass(frozen=True)
 class _Pole:
-    """A rate, and its distances ``r_h - rate`` from the rates of the groups, each to full relative accuracy."""
+    """A rate and its accurate distances from the rates of the groups."""
 
     rate_per_s: float
     distances_per_s: tuple[float, ...]
@@ -124,7 +124,7 @@ class _Pole:
 
 @dataclass(frozen=True)
 class _Series:
-    """Layers in series: their rates, ascending, the elastance of all layers of each, and a resistance."""
+    """Groups of layers by ascending rate, and a resistance in series."""
 
     rates_per_s: tuple[float, ...]
     elastances: tuple[float, ...]
@@ -137,13 +137,16 @@ class _Series:
         return resistances[group] / (self.resistance_ohm_m2 + sum(resistances))
 
     def gain(self, pole: _Pole, group: int) -> float:
-        """``a`` of ``a p/(p + rate)``: the residue of ``[s_g/(p + r_g)]/[R + sum s_h/(p + r_h)]`` over ``-rate``."""
+        """Return a of ``a p/(p + rate)`` in a group's voltage.
+
+        It is the residue of ``[s_g/(p + r_g)]/[R + sum s_h/(p + r_h)]`` over ``-rate``.
+        """
         scaled = [s * pole.rate_per_s / d for s, d in zip(self.elastances, pole.distances_per_s, strict=True)]
         total = sum(x * (pole.rate_per_s / d) for x, d in zip(scaled, pole.distances_per_s, strict=True))
         return scaled[group] / total
 
     def poles(self) -> list[_Pole]:
-        """Zeros of ``R + sum_h s_h/(r_h - rate)``: one between each two rates, one above them if R > 0."""
+        """Return the zeros of ``R + sum_h s_h/(r_h - rate)``."""
         poles = [self._between(low) for low in range(len(self.rates_per_s) - 1)]
         # below, the resistance is none: its pole would lie beyond the largest numbers
         if self.resistance_ohm_m2 > 2 * sum(self.elastances) / LARGEST:
@@ -151,7 +154,7 @@ class _Series:
         return poles
 
     def _between(self, low: int) -> _Pole:
-        """The zero between two rates, measured from the nearer one."""
+        """Return the zero between two rates, measured from the nearer one."""
         # a pole may lie so near to a rate that only its distance from there still holds digits
         half = (self.rates_per_s[low + 1] - self.rates_per_s[low]) / 2
         offsets = [rate - self.rates_per_s[low] for rate in self.rates_per_s]
@@ -159,7 +162,7 @@ class _Series:
         return self._from(low, half) if at_half >= 0 else self._from(low + 1, -half)
 
     def _from(self, origin: int, reach: float) -> _Pole:
-        """The zero between ``rates[origin]`` and ``rates[origin] + reach``."""
+        """Return the zero between ``rates[origin]`` and ``rates[origin] + reach``."""
         offsets = [rate - self.rates_per_s[origin] for rate in self.rates_per_s]
         others = [(s, o) for i, (s, o) in enumerate(zip(self.elastances, offsets, strict=True)) if i != origin]
 
@@ -225,7 +228,7 @@ class DispersiveLayer:
         require.expect(rises, "DispersiveLayer.frequencies_hz", self.frequencies_hz, "ascending numbers")
 
     def properties(self, frequency_hz: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Relative permittivity and resistivity (ohm m), of the shape of `frequency_hz` (0: the first row)."""
+        """Return relative permittivity and resistivity (ohm m) at frequencies."""
         f_hz = np.maximum(np.asarray(frequency_hz, dtype=np.float64), self.frequencies_hz[0])
         x, rows = np.log(f_hz), np.log(self.frequencies_hz)
         log_permittivity = np.interp(x, rows, np.log(self.permittivities))

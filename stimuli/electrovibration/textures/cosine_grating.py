@@ -1,4 +1,4 @@
-"""A sinusoidal grating: the voltage follows the position of the finger, exactly."""
+"""A sinusoidal grating whose voltage follows the finger exactly."""
 
 from dataclasses import dataclass, replace
 from math import pi
@@ -59,18 +59,18 @@ class CosineGrating(Effect):
 
 
 def under_finger(voltage: Pieces, contact: Contact, period_m: float) -> Pieces:
-    """A voltage under a finger that slides over a grating."""
+    """Return a voltage under a finger that slides over a grating."""
     return modulated(voltage, contact.speed_m_per_s / period_m)
 
 
 def sampled_under_finger(record: "VoltageRecord", contact: Contact, period_m: float) -> "VoltageRecord":
-    """Samples under a finger that slides over a grating."""
+    """Return samples under a finger that slides over a grating."""
     share = np.abs(np.cos(pi * contact.speed_m_per_s / period_m * record.t_s))
     return replace(record, voltage_v=share * record.voltage_v)
 
 
 def modulated(voltage: Pieces, frequency_hz: float) -> Pieces:
-    """A voltage times ``|cos(pi f t)|``: each sinusoid becomes two, the sign alternates from zero to zero."""
+    """Multiply a voltage by ``|cos(pi f t)|``: each sinusoid becomes two."""
     if voltage.slopes_v_per_s.any():
         raise InvalidParameter("texture: found a voltage with slopes, expected one of constants and sinusoids")
     zeros_s = (np.arange(np.ceil(voltage.end_s * frequency_hz - 0.5)) + 0.5) / frequency_hz

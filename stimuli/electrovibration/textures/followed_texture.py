@@ -1,4 +1,4 @@
-"""A texture as a stimulus of a study: a carrier that a moving finger makes stronger and weaker by where it is."""
+"""A carrier whose strength follows a finger over a texture."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -89,11 +89,10 @@ class FollowedTexture(Ramped):
         return self._carrier._unit()
 
     def pieces(self, level: float) -> Pieces:
-        """The carrier where its share is 1."""
         return self._carrier.pieces(level)
 
     def parts(self, x_m: Any, before: Followed | None = None) -> tuple[FloatArray, Followed]:
-        """Parts (0..1) of the voltage at places (n_samples,), one a sample: the root of the share, averaged.
+        """Return parts (0..1) of the voltage at places (n_samples,).
 
         `before` is what the same path gave so far; without it the finger begins here, as if it had been here before.
         NaN is an unknown place of the finger: nothing is played there.
@@ -125,7 +124,7 @@ class FollowedTexture(Ramped):
         return shares, Way(float(y_m[-1]), float(directions[-1]))
 
     def check_motion(self, speed_m_per_s: float, positions_hz: float | None = None) -> None:
-        """Refuse a speed at which the finest part of the texture passes faster than the carrier or the reports show.
+        """Refuse a speed that carrier or position reports cannot resolve.
 
         >>> from .texture import Grating
         >>> FollowedTexture(Grating(1e-4)).check_motion(0.2)
@@ -158,7 +157,7 @@ more than 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: wide
 
 
 def share_along(texture: Texture | Velvet, path_m: FloatArray) -> FloatArray:
-    """Share of the force along positions (n_times,) in the order in which a finger reaches them.
+    """Return the share of the force along a path (n_times,).
 
     >>> share_along(Grating(2e-3), np.array([0.5e-3, 1.5e-3])).tolist()
     [1.0, 0.0]
@@ -167,7 +166,7 @@ def share_along(texture: Texture | Velvet, path_m: FloatArray) -> FloatArray:
 
 
 def finest_period_m(texture: Texture | Velvet) -> float | None:
-    """The shortest period (m) that positions must resolve; None if there is none.
+    """Return the shortest period (m) that positions must resolve, or None.
 
     Of a sinusoidal or sawtooth grating, tufts or a band of noise it is the shortest one itself; else twice the
     narrowest part: of a square grating the part that is on or off, of a region its width, of a bump its `width_m`, of
@@ -193,7 +192,7 @@ def finest_period_m(texture: Texture | Velvet) -> float | None:
 
 
 def _filled(x_m: FloatArray, known: NDArray[np.bool_], way: Way | None) -> FloatArray:
-    """Places with the last one that is known where they are not, for what is remembered of them.
+    """Replace unknown places by the last known one.
 
     >>> _filled(np.array([np.nan, 1.0, np.nan]), np.array([False, True, False]), None).tolist()
     [0.0, 1.0, 1.0]

@@ -185,7 +185,7 @@ class Noise:
     def drawn(
         cls, low_per_m: float, high_per_m: float, length_m: float, *, rng: np.random.Generator, exponent: float = 0.0
     ) -> "Noise":
-        """A texture with uniform random phases.
+        """Return a texture with uniform random phases.
 
         >>> texture = Noise.drawn(100.0, 500.0, 0.1, rng=np.random.default_rng(1))
         >>> len(texture.phases_rad)
@@ -200,7 +200,7 @@ class Noise:
         return _lines(self.low_per_m, self.high_per_m, self.length_m)
 
     def height(self, x_m: ArrayLike) -> FloatArray:
-        """The noise itself, of standard deviation 1 over a length, of the shape of `x_m`."""
+        """Return noise of standard deviation 1 over a length, at positions `x_m`."""
         lines = self.lines_per_m
         strongest = lines[-1] if self.exponent >= 0 else lines[0]
         amplitudes = (lines / strongest) ** (self.exponent / 2)
@@ -256,7 +256,7 @@ class Velvet:
         )
 
     def force_share_along(self, x_m: ArrayLike) -> FloatArray:
-        """Shares (n_times,) along a path of positions (n_times,): the pile remembers where the finger came from.
+        """Return shares (n_times,) along a path, which the pile remembers.
 
         >>> path_m = np.r_[np.linspace(0, 0.05, 501), np.linspace(0.05, 0, 501)[1:]]
         >>> share = Velvet(tuft_depth=0.0).force_share_along(path_m)
@@ -269,7 +269,7 @@ class Velvet:
         return self.after(path, path, None)[0]
 
     def after(self, x_m: FloatArray, y_m: FloatArray, way: Way | None) -> tuple[FloatArray, Way]:
-        """Shares at places `x_m` (n_times,) that follow a way, which is that of `y_m`, and the way then.
+        """Return shares at places `x_m` that follow a path, and the path then.
 
         >>> velvet, path_m = Velvet(), np.r_[np.linspace(0, 0.05, 501), np.linspace(0.05, 0, 501)[1:]]
         >>> first, way = velvet.after(path_m[:700], path_m[:700], None)

@@ -1,4 +1,4 @@
-"""The way of a finger along its path: in which direction it moves, where it turned, and what is remembered of that."""
+"""Direction and turning points of a finger along its path."""
 
 from itertools import accumulate
 from typing import NamedTuple
@@ -31,7 +31,7 @@ class Way(NamedTuple):
 
 
 def without_jitter(x_m: FloatArray, y_m: float, turn_m: float) -> FloatArray:
-    """Places (n,) that follow `x_m` (n,) like a load behind a backlash of `turn_m` to either side, from `y_m` on.
+    """Return places (n,) that follow with a backlash of `turn_m`.
 
     Noise within `turn_m` turns no direction: the play operator of hysteresis (Krasnosel'skii and Pokrovskii 1989).
 
@@ -45,7 +45,7 @@ def without_jitter(x_m: FloatArray, y_m: float, turn_m: float) -> FloatArray:
 
 
 def directions_along(path_m: FloatArray, way: Way) -> FloatArray:
-    """1 or -1 at each place (n,) of a path behind a way: the direction that the finger moved in last.
+    """Return the last direction of motion, 1 or -1, at each place (n,).
 
     >>> directions_along(np.array([0.0, 0.0, -1.0, -1.0, 2.0]), Way(0.0)).tolist()
     [1.0, 1.0, -1.0, -1.0, 1.0]

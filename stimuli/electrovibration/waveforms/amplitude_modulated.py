@@ -1,4 +1,4 @@
-"""An amplitude-modulated carrier: the force vibrates at a programmed frequency whatever the skin leaks.
+"""Amplitude-modulated carriers.
 
 By the width of pulses too, for amplifiers that switch between their supply, its negative and off.
 The attraction goes with the square of the voltage, and a finger feels its course, not the carrier. In each half period
@@ -108,7 +108,7 @@ class AmplitudeModulated(Ramped):
         return np.sqrt(full) if self.modulation == "square_root" else full
 
     def pieces(self, level: float) -> Pieces:
-        """The voltage exactly, ramps included: ``sqrt((1 + c)/2) = |cos(pi f t)|`` changes sign from piece to piece."""
+        """Return the exact voltage as pieces, ramps included."""
         starts_s: FloatArray = np.zeros(1)
         signs: FloatArray = np.ones(1)
         if self.modulation == "square_root":
@@ -157,7 +157,7 @@ def of_supply(waveform: AmplitudeModulated, rate_hz: float, supply_v: float) -> 
 
 
 def pulses(signal: Signal, supply_v: float) -> Signal:
-    """One channel as pulses of the supply, one in the middle of each run of samples of one sign.
+    """Return one pulse of the supply per run of samples of one sign.
 
     Raises `LimitExceeded` if the mean square of a run is above that of the supply, or no run needs a whole sample.
     """
@@ -176,7 +176,7 @@ def pulses(signal: Signal, supply_v: float) -> Signal:
 
 
 def _check_reach(needed: FloatArray, lengths: IntArray, peak_v: float, supply_v: float) -> None:
-    """Refuse a level above the supply, or one whose longest pulse is shorter than a sample."""
+    """Refuse a level above the supply, or without a pulse of a sample."""
     share = float((needed / lengths).max(initial=0.0))
     if share > 1:
         raise LimitExceeded(

@@ -54,11 +54,11 @@ class Periodic(Ramped):
 
     @property
     def force_frequency_hz(self) -> float:
-        """Twice that of the voltage if half a period later the voltage is the opposite one."""
+        """Frequency of the force, doubled if half periods are opposite."""
         return (2 if self.corners.is_antisymmetric else 1) * self.voltage_frequency_hz
 
     def pieces(self, level: float) -> Pieces:
-        """The voltage exactly, ramps included (which then need a polygon without slopes)."""
+        """Return the exact voltage as pieces; a slope allows no ramp."""
         unit = ramped_pieces(self.corners.pieces(self.voltage_frequency_hz, self.duration_s), self.ramp_s)
         return unit.scaled(peak_voltage_v(level, self.level_unit))
 
@@ -71,7 +71,7 @@ class Periodic(Ramped):
         return self.corners.band_limited(phase, int(np.ceil(self.rate_hz / (2 * f_hz))) - 1)
 
     def _check_width(self, name: str, width_s: float) -> None:
-        """Refuse a pulse or a pause shorter than a sample, which samples would lengthen or miss."""
+        """Refuse a pulse or pause shorter than a sample."""
         if not self.band_limited:
             where = f"{type(self).__name__}.{name}"
             check_pulse(where, width_s, self.rate_hz, "lengthen it, raise rate_hz or set band_limited")

@@ -1,4 +1,4 @@
-"""Voltages in pieces, each a straight line plus sinusoids: what the circuit can be solved for exactly."""
+"""Voltages in pieces, each a line plus sinusoids."""
 
 from dataclasses import dataclass, field, replace
 
@@ -18,8 +18,10 @@ MOST_SAMPLES = 2**28
 @checked
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before
-    the first, held after the last.
+    """A voltage in pieces, each a line plus sinusoids.
+
+    ``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before the first, held
+    after the last.
 
     Raises `InvalidParameter` if the shapes do not fit, the starts are not ascending from 0, or a value is not finite.
 
@@ -75,7 +77,7 @@ class Pieces:
         return np.asarray(self.amplitudes_v, dtype=np.complex128)
 
     def index(self, t_s: ArrayLike) -> IndexArray:
-        """The piece that holds at each time; the last one also after its end."""
+        """Return the piece at each time; the last one also after its end."""
         found = np.searchsorted(self.starts_s, np.asarray(t_s, dtype=np.float64), side="right") - 1
         return np.maximum(found, 0)
 
@@ -89,12 +91,12 @@ class Pieces:
         return np.where(t < 0, 0.0, self.value_in(self.index(t), t))
 
     def value_in(self, piece: IndexArray, t_s: FloatArray) -> FloatArray:
-        """The voltage that each `piece` has at each time, inside of it or not; arrays of one shape."""
+        """Return the voltage of each `piece` at each time, inside of it or not."""
         line = self.offsets_v[piece] + self.slopes_v_per_s[piece] * (t_s - self.starts_s[piece])
         return line + self.sinusoids(t_s, self.harmonics_v[piece])
 
     def sinusoids(self, t_s: FloatArray, amplitudes: ComplexArray) -> FloatArray:
-        """``Re sum_k amplitudes_k exp(2 pi i f_k t)`` for amplitudes (..., n_harmonics)."""
+        """Return ``Re sum_k amplitudes_k exp(2 pi i f_k t)``."""
         fit = amplitudes.shape[-1:] == self.frequencies_hz.shape
         expected = f"(..., {len(self.frequencies_hz)}), one for each frequency"
         require.expect(fit, "Pieces.sinusoids.amplitudes", f"shape {amplitudes.shape}", expected)
@@ -102,7 +104,7 @@ class Pieces:
         return np.asarray((phases * amplitudes).sum(axis=-1).real, dtype=np.float64)
 
     def jumps_v(self) -> FloatArray:
-        """(n_pieces,) jump of the voltage at the start of each piece; the first from 0."""
+        """Return the jump at the start of each piece, the first from 0."""
         index = np.arange(len(self.starts_s))
         after = self.value_in(index, self.starts_s)
         before = np.r_[0.0, self.value_in(index[:-1], self.starts_s[1:])]
@@ -151,7 +153,7 @@ def straight(times_s: ArrayLike, values_v: ArrayLike) -> Pieces:
 
 
 def ramped(pieces: Pieces, ramp_s: float) -> Pieces:
-    """The voltage with raised-cosine ramps on and off, exactly: a product of sinusoids is a sum of them.
+    """Multiply a voltage by raised-cosine ramps on and off, exactly.
 
     Raises `InvalidParameter` if the voltage has a slope: a line times a cosine is not a sum of lines and sinusoids.
     """
@@ -171,7 +173,7 @@ def ramped(pieces: Pieces, ramp_s: float) -> Pieces:
 
 
 def _modulated(pieces: Pieces, mean: FloatArray, cosine: ComplexArray, frequency_hz: float) -> Pieces:
-    """``v (mean + Re(cosine exp(2 pi i f t)))`` for pieces without slope; mean and cosine (n_pieces,)."""
+    """Return ``v (mean + Re(cosine exp(2 pi i f t)))`` of pieces."""
     f_hz, c = pieces.frequencies_hz, pieces.harmonics_v
     blocks = [
         (f_hz, mean[:, None] * c),
@@ -183,17 +185,14 @@ def _modulated(pieces: Pieces, mean: FloatArray, cosine: ComplexArray, frequency
 
 
 def _merged(pieces: Pieces, blocks: list[tuple[FloatArray, ComplexArray]]) -> Pieces:
-    """Pieces with these sinusoids alone: negative frequencies turned round, those of amplitude 0 left out."""
+    """Return pieces with these sinusoids alone, of positive frequencies."""
     f_hz = np.concatenate([block[0] for block in blocks])
     c = np.concatenate([block[1] for block in blocks], axis=1)
     c = np.where(f_hz < 0, np.conj(c), c)
     constant = c[:, f_hz == 0].real.sum(axis=1)
     used = (f_hz != 0) & (c != 0).any(axis=0)
     return replace(
-        pieces,
-        offsets_v=pieces.offsets_v + constant,
-        frequencies_hz=np.abs(f_hz[used]),
-        amplitudes_v=c[:, used],
+        pieces, offsets_v=pieces.offsets_v + constant, frequencies_hz=np.abs(f_hz[used]), amplitudes_v=c[:, used]
     )
 
 
@@ -228,7 +227,7 @@ class Corners:
         return np.asarray(y[left] + (y[left + 1] - y[left]) * (p - x[left]) / width)
 
     def pieces(self, frequency_hz: Positive, duration_s: Positive) -> Pieces:
-        """The periodic voltage (1 V) over a duration, exactly."""
+        """Return the periodic voltage (1 V) over a duration, exactly."""
         few = duration_s * frequency_hz <= MOST_SAMPLES
         require.expect(few, "Corners.pieces.duration_s", f"{duration_s} s", f"at most {MOST_SAMPLES} periods")
         n_periods = int(np.ceil(duration_s * frequency_hz * (1 - 1e-12)))
@@ -239,7 +238,7 @@ class Corners:
         return Pieces(pieces.starts_s[kept], duration_s, pieces.offsets_v[kept], pieces.slopes_v_per_s[kept])
 
     def harmonics(self, n: ArrayLike) -> ComplexArray:
-        """Fourier coefficients ``c_n`` of ``v = sum_n c_n exp(2 pi i n phase)`` for whole n other than 0.
+        """Return Fourier coefficients ``c_n`` for whole n other than 0.
 
         Integrated by parts on each line: jumps over ``2 pi i n`` and kinks over ``(2 pi i n)^2``.
         """
@@ -264,17 +263,14 @@ class Corners:
 
     @property
     def is_antisymmetric(self) -> bool:
-        """True if the value changes sign after half a period.
-
-        The frequency of its square is then doubled.
-        """
+        """True if the sign changes after half a period, which doubles the square."""
         middles = np.concatenate([self.phases, np.mod(np.add(self.phases, 0.5), 1.0), [0.0, 1.0]])
         middles = np.unique(middles)
         probe = (middles[1:] + middles[:-1]) / 2
         return bool(np.allclose(self.at(probe), -self.at(probe + 0.5), atol=1e-12))
 
     def band_limited(self, phase: FloatArray, n_highest: int) -> FloatArray:
-        """Values of the Fourier series up to harmonic `n_highest`, of peak at most 1 over a fine period.
+        """Return the Fourier series up to `n_highest`, of peak at most 1.
 
         Cut short at an edge, the series overshoots (Gibbs, 9 % of a jump): it is scaled down to peak 1
         where it does. One FFT samples the series 16 times finer than its highest harmonic; a polynomial through the
@@ -290,7 +286,7 @@ class Corners:
 
 
 def _between(table: FloatArray, phase: FloatArray) -> FloatArray:
-    """Lagrange polynomial through the nearest `NODES` values of one period (n_table,), at phases in 0..1."""
+    """Interpolate one period (n_table,) by Lagrange polynomials."""
     place = phase * table.size
     left = np.floor(place)
     u, first = np.maximum(place - left, 1e-300), left.astype(np.int64)

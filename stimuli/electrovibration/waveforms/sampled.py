@@ -45,13 +45,14 @@ class Sampled(Ramped):
 
     @property
     def voltage_frequency_hz(self) -> float:
-        """The strongest line of the spectrum; 0 if there is none."""
+        """Strongest line of the spectrum; 0 if there is none."""
         return strongest_hz(np.asarray(self.shape), self.rate_hz)
 
     @property
     def force_frequency_hz(self) -> float:
-        """The strongest line of the spectrum of the square, taken at twice the rate, where it does not alias;
-        0 if there is none.
+        """Strongest line of the squared samples' spectrum; 0 if there is none.
+
+        The square is formed at twice the rate, where it does not alias.
 
         >>> t_s = np.arange(20_000) / 20_000
         >>> Sampled(tuple(np.sin(2 * np.pi * 9900 * t_s)), rate_hz=20_000.0).force_frequency_hz
@@ -63,7 +64,7 @@ class Sampled(Ramped):
         return strongest_hz(finer**2, 2 * self.rate_hz)
 
     def pieces(self, level: float) -> Pieces:
-        """The straight lines between the samples, from the first to the last."""
+        """Return the lines between the samples, from the first to the last."""
         return straight(np.arange(len(self.shape)) / self.rate_hz, self.at(level).samples[0])
 
     def _unit(self) -> FloatArray:
@@ -72,7 +73,7 @@ class Sampled(Ramped):
 
 
 def strongest_hz(samples: FloatArray, rate_hz: float) -> float:
-    """Frequency of the strongest line of samples (n_samples,), their mean left out; 0 if there is none.
+    """Return the frequency of the strongest line, or 0 without one.
 
     >>> round(strongest_hz(np.cos(2 * np.pi * 30 * np.arange(400) / 400), 400.0), 3)
     30.0

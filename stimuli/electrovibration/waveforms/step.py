@@ -70,7 +70,7 @@ class Step(Ramped):
         return Signal(samples[None, :], self.rate_hz, "V")
 
     def pieces(self, level: float) -> Pieces:
-        """The voltage exactly."""
+        """Return the exact voltage as pieces."""
         peak_v = peak_voltage_v(level, self.level_unit)
         up_s = self.onset_s + self.rise_s
         t_s = [0.0, self.onset_s, up_s, self.duration_s - self.fall_s, self.duration_s]

@@ -109,7 +109,7 @@ class WavFile:
 
 
 def _one_channel(wav: Wav) -> FloatArray:
-    """Return the samples (n_samples,) of a file of one channel as parts of full scale.
+    """Return the samples of a one-channel file as parts of full scale.
 
     Raises `ValueError` if it has several channels, or samples that are not finite, are all 0 or are cut off at full
     scale.

@@ -63,7 +63,7 @@ class Ramped(Waveform):
         check_timing(owner, self.duration_s, self.ramp_s, self.rate_hz)
 
     def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+        """Return (1, n_samples) volt, at most the peak that `level` states."""
         samples = peak_voltage_v(level, self.level_unit) * ramped(self._unit(), self.ramp_s, self.rate_hz)
         return Signal(samples[None, :], self.rate_hz, "V")
 
@@ -73,7 +73,7 @@ class Ramped(Waveform):
 
 
 def peak_voltage_v(level: float, unit: LevelUnit = "dB re 1 V") -> float:
-    """The peak voltage (V) of a level: ``10**(level/20)`` in decibel re 1 V peak, the level itself in volt.
+    """Return the peak voltage (V), ``10**(level/20)`` for a level in dB.
 
     Raises `InvalidParameter` if the level is not finite or above `HIGHEST_V`, or a level in volt is negative.
 
@@ -94,7 +94,7 @@ def peak_voltage_v(level: float, unit: LevelUnit = "dB re 1 V") -> float:
 
 
 def level_db_re_1v(voltage_v: float) -> float:
-    """The level (dB re 1 V) of a peak voltage above 0.
+    """Return the level (dB re 1 V) of a peak voltage above 0.
 
     >>> round(level_db_re_1v(200.0), 2)
     46.02
@@ -104,12 +104,11 @@ def level_db_re_1v(voltage_v: float) -> float:
 
 
 def n_samples(duration_s: float, rate_hz: float) -> int:
-    """The number of samples of a signal, to the nearest one."""
     return round(duration_s * rate_hz)
 
 
 def check_timing(owner: str, duration_s: float, ramp_s: float, rate_hz: float) -> None:
-    """Refuse a signal without samples, with more than `MOST_SAMPLES`, or with ramps longer than itself.
+    """Refuse a signal with too few or many samples or too long ramps.
 
     >>> check_timing("Sine", duration_s=0.1, ramp_s=0.06, rate_hz=20e3)
     Traceback (most recent call last):
@@ -127,7 +126,7 @@ expected at most half of the duration of 0.1 s; shorten the ramp
 
 
 def check_nyquist(owner: str, name: str, frequency_hz: float, rate_hz: float) -> None:
-    """Refuse a frequency at or above half of the rate: its samples would be those of another one."""
+    """Refuse a frequency at or above half of the rate."""
     below = f"less than half of rate_hz ({rate_hz / 2} Hz); lower the frequency or raise rate_hz"
     require.expect(frequency_hz < rate_hz / 2, f"{owner}.{name}", f"{frequency_hz} Hz", below)
 
@@ -144,7 +143,7 @@ def times_s(duration_s: float, rate_hz: float) -> FloatArray:
 
 
 def ramped(shape: FloatArray, ramp_s: float, rate_hz: float) -> FloatArray:
-    """`shape` (n_samples,) under an envelope that rises from 0, holds 1, and falls to 0 in the mirror image.
+    """Return `shape` (n_samples,) with raised-cosine ramps on and off.
 
     >>> ramped(np.ones(6), 2.0, 1.0).round(3).tolist()
     [0.0, 0.5, 1.0, 1.0, 0.5, 0.0]

@@ -1,4 +1,4 @@
-"""Effects: the kind that a scene file names, and where its class is, which is imported when a scene names it.
+"""Effects of scenes by kind, with the place of their class.
 
 A line is all that an effect is registered by; its place among those of its surface is where the effect acts.
 """

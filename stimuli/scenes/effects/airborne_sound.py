@@ -54,12 +54,12 @@ class AirborneSound(Effect):
 
 
 def sound_level_dba(screen: "Screen", emission: "EmittedSignal", modes_to_hz: float, distance_m: float) -> float:
-    """The level of an emission of 1 V."""
+    """Return the A-weighted level of an emission of 1 V."""
     from ...time_reversal.focusing.sound import noise
 
     return noise(screen, emission.at_1_v, modes_to_hz, distance_m=distance_m).a_weighted_db
 
 
 def level_at_voltage_dba(level_at_1v_dba: float, voltage_v: float) -> float:
-    """The level at a voltage; ``-inf`` for silence."""
+    """Return the level at a voltage; ``-inf`` for silence."""
     return level_at_1v_dba + (20 * log10(abs(voltage_v)) if voltage_v else -inf)

@@ -1,4 +1,4 @@
-"""An amplitude-modulated carrier: the force vibrates at the programmed frequency whatever the skin leaks."""
+"""An amplitude-modulated carrier instead of a tone."""
 
 from dataclasses import dataclass
 from math import pi
@@ -41,7 +41,6 @@ class Carrier(Effect):
         require.one_of("Carrier.modulation", self.modulation, get_args(Modulation))
 
     def __call__(self, tone: "Waveform") -> "Waveform":
-        """A tone as the envelope of a carrier."""
         from ...electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
         from ...electrovibration.waveforms.sine import Sine
 

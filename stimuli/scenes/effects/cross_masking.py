@@ -58,10 +58,7 @@ class CrossMasking(Effect):
 
 
 def masked(target_db: "float | FloatArray", masker_db: "float | FloatArray", slope: float) -> "float | FloatArray":
-    """Return the level above a threshold that a masker raises.
-
-    A masker below its own threshold has no effect.
-    """
+    """Return the level above a threshold that an audible masker raises."""
     import numpy as np
 
     return target_db - slope * max(float(np.max(masker_db)), 0.0)

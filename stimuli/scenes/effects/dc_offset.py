@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from tactometry.arguments import require
-from tactometry.errors import InvalidParameter
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Demand, Effect, Size, Surroundings
@@ -44,11 +43,8 @@ class DcOffset(Effect):
         return WithOffset(waveform, self.ratio)
 
     def size(self, demand: Demand) -> Size:
-        if not demand.surface.ramp_s:
-            raise InvalidParameter(
-                "dc_offset: found a constant that is switched on at once (ramp_s = 0), expected ramps; give the "
-                "tone a ramp_s above 0"
-            )
+        found = "a constant that is switched on at once (ramp_s = 0)"
+        require.expect(demand.surface.ramp_s, "dc_offset", found, "ramps; give the tone a ramp_s above 0")
         return Size()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:

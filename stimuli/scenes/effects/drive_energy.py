@@ -1,9 +1,9 @@
-"""Energy: what the plate holds at the focus instant, and what the transducers draw."""
+"""Energy in the plate and power drawn by the transducers."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
 from ...time_reversal.screen.transducer import PATCH_CAPACITANCE_F, PZ27_LOSS_TANGENT
@@ -60,11 +60,8 @@ def _strain_size(demand: Demand) -> Size:
     ratio = max(4.0, 1.01 * lost / demand.error)
     static_to_hz = ratio * surface.f_max_hz
     n = n_modes(demand, static_to_hz)
-    if n > MOST_MODES:
-        raise InvalidParameter(
-            f"energy_j: found an error of {demand.error:.2g} left, which takes {n:.2g} modes, expected at most "
-            f"{MOST_MODES:.2g}; loosen the accuracy"
-        )
+    expected = f"at most {MOST_MODES:.2g}; loosen the accuracy"
+    expect(n <= MOST_MODES, "energy_j", f"an error of {demand.error:.2g} left, which takes {n:.2g} modes", expected)
     return Size({"static_to_hz": static_to_hz}, lost / ratio, 4.0 * n * surface.n_transducers)
 
 
@@ -73,14 +70,14 @@ def _squared(name: str, at_1v: str, gives: str) -> Stage:
 
 
 def switching_w(emission: "EmittedSignal", capacitance_f: float) -> float:
-    """The mean power during an emission of 1 V."""
+    """Return the mean power during an emission of 1 V."""
     from ...time_reversal.focusing.merit import switched_power_w
 
     return switched_power_w(emission.at_1_v, capacitance_f)
 
 
 def heat_w(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: float, loss_tangent: float) -> float:
-    """The mean power of dielectric loss during an emission of 1 V, of what of it lies in the band."""
+    """Return the mean dielectric loss in the band during an emission of 1 V."""
     from ...time_reversal.focusing.merit import dielectric_power_w
 
     longer: float = in_band.samples.shape[1] / emission.samples.shape[1]
@@ -88,5 +85,4 @@ def heat_w(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: f
 
 
 def growth_with_square(at_1v: float, voltage_v: float) -> float:
-    """Energy and power grow with the square."""
     return at_1v * voltage_v**2

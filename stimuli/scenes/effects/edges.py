@@ -8,6 +8,7 @@ are fitted to Ritz modes of 25 to 40 more degrees, with a margin, and kept by te
 from dataclasses import dataclass
 from math import pi
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
@@ -40,10 +41,8 @@ class Edges(Alteration):
     boundary: str
 
     def __post_init__(self) -> None:
-        if len(self.boundary) != 4 or not set(self.boundary) <= set("SCF"):
-            raise InvalidParameter(
-                f"Edges.boundary: found {self.boundary!r}, expected four letters of S, C, F, such as 'FFFF'"
-            )
+        found, expected = repr(self.boundary), "four letters of S, C, F, such as 'FFFF'"
+        expect(len(self.boundary) == 4 and set(self.boundary) <= set("SCF"), "Edges.boundary", found, expected)
         if self.boundary == "SSSS":
             raise InvalidParameter(
                 "Edges.boundary: found 'SSSS', which a plate has without effects, expected other edges; leave "

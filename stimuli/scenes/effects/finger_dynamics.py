@@ -1,4 +1,4 @@
-"""The finger pad as mass, spring and damper, which grow with the speed: exact motion, event-exact stick and slip."""
+"""Dynamics of the finger pad, which grow with the speed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -81,16 +81,12 @@ class FingerDynamics(Effect):
         return motion, *courses, felt
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return the stages of the time course under the true area.
-
-        A moving pad is not proportional to the attraction.
-        """
+        """Return the stages of the course: a pad is not linear in the attraction."""
         *course, _ = (replace(stage, size=None) for stage in self.stages(scene))
         return *course, spectrum_of_record("skin_spectrum", "skin_displacement_m", "skin_components"), of_true_area()
 
 
 def slide(*drive: Any, damping_n_s_per_m: float) -> "Motion":
-    """The motion of a finger in full slip."""
     from ...electrovibration.motion.finger import sliding
     from ...electrovibration.motion.pad import Finger
 
@@ -100,7 +96,6 @@ def slide(*drive: Any, damping_n_s_per_m: float) -> "Motion":
 
 
 def stick_and_slip(*drive: Any, damping_n_s_per_m: float) -> "StickSlip":
-    """The motion of a finger that sticks and slips."""
     from ...electrovibration.motion.pad import Finger
     from ...electrovibration.motion.stick_slip import Travel, stick_slip
 

@@ -74,10 +74,7 @@ class FingerLoad(Effect):
         )
 
     def impedance_ratio(self, scene: Surroundings) -> float:
-        """Return the impedance of all fingers over that of the infinite plate.
-
-        At the top of the band.
-        """
+        """Return the fingers' impedance over the plate's at the top of the band."""
         surface = scene.surface
         omega = 2 * pi * surface.f_max_hz
         one = self.resistance_n_s_per_m + self.mass_kg * omega + self.stiffness_n_per_m / omega
@@ -85,7 +82,7 @@ class FingerLoad(Effect):
         return float(one * grown / surface.plate.point_impedance_n_s_per_m)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        """The plate moves less, and still less far from the focus; a force has more of the top of the band."""
+        """Return by how much fingers weaken the motion, most far from the focus."""
         ratio = self.impedance_ratio(scene)
         away = any(touch.x_m is not None for touch in at_rest(scene))
         read = any(name.startswith("contact_") for name in scene.outputs)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import sqrt
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings, note
@@ -35,10 +35,8 @@ class Foci(Effect):
     y_m: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if len(self.x_m) != len(self.y_m) or not self.x_m:
-            raise InvalidParameter(
-                f"Foci.x_m: found {len(self.x_m)} places beside {len(self.y_m)} of y_m, expected as many, at least one"
-            )
+        found = f"{len(self.x_m)} places beside {len(self.y_m)} of y_m"
+        expect(len(self.x_m) == len(self.y_m) > 0, "Foci.x_m", found, "as many, at least one")
 
     @property
     def n(self) -> int:
@@ -48,10 +46,7 @@ class Foci(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         surface = scene.surface
         settings = {"x_m": (surface.focus_x_m, *self.x_m), "y_m": (surface.focus_y_m, *self.y_m)}
-        return (
-            Stage("foci", (), "foci_m", PLACES, settings),
-            at_voltage("peaks", "per_volt_peaks", "peaks_m"),
-        )
+        return (Stage("foci", (), "foci_m", PLACES, settings), at_voltage("peaks", "per_volt_peaks", "peaks_m"))
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """Return a weakening by the root of the number of foci."""

@@ -47,10 +47,7 @@ class FocusDetection(Effect):
         return events, replace(self.stage(), needs=("felt_m",))
 
     def __call__(self, felt_at_1v_m: "float | FloatArray", voltage_v: float = 1.0) -> "float | FloatArray":
-        """Return the level above threshold at a voltage, per finger.
-
-        It is ``-inf`` for silence.
-        """
+        """Return the level above threshold per finger; ``-inf`` for silence."""
         import numpy as np
 
         with np.errstate(divide="ignore"):

@@ -1,7 +1,4 @@
-"""Choice of one of four electrostatic force laws.
-
-They differ by a factor near 1000.
-"""
+"""Choice of an electrostatic force law; the four differ by up to 1000."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, get_args
@@ -53,10 +50,7 @@ class ForceLaw(Effect):
         return super().stages(scene)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return the stages under the area for which the force is computed.
-
-        The force of a contact is a multiple of it.
-        """
+        """Return the stage under a unit area, of which each contact is a multiple."""
         (drawn,) = self.stages(scene)
         return (replace(drawn, needs=("skin", "form_area_m2")),)
 

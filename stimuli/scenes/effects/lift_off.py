@@ -42,10 +42,7 @@ class LiftOff(Effect):
         )
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Refuse lift-off in sensation, which uses a linear contact.
-
-        A solution in time would take minutes for each level and force.
-        """
+        """Refuse lift-off in sensation, where it would take minutes for a level."""
         raise InvalidParameter(
             "effects: found 'lift_off' where signals are felt, expected the linear contact of 'finger_load'; remove "
             "'lift_off': a dry run tells from which level on contact is lost, `tactometry scene` what that changes"

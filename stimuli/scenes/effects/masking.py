@@ -35,5 +35,4 @@ class Masking(Effect):
 
 
 def mask(sensation_db: float, elevation_db: float) -> float:
-    """The level above a raised threshold."""
     return sensation_db - elevation_db

@@ -5,7 +5,6 @@ from math import ceil
 from typing import Any
 
 from tactometry.arguments.require import expect
-from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
 from ..stages.circuit import at_voltage
@@ -49,11 +48,8 @@ class Movie(Effect):
 
     def _frames_size(self, demand: Demand) -> Size:
         longest_s = 2 * min(demand.surface.reversal_s, demand.surface.after_s)
-        if self.span_s > longest_s:
-            raise InvalidParameter(
-                f"movie: found a span of {self.span_s} s, expected at most {longest_s}, twice the shorter of "
-                "reversal_s and after_s; shorten it or raise those"
-            )
+        expected = f"at most {longest_s}, twice the shorter of reversal_s and after_s; shorten it or raise those"
+        expect(self.span_s <= longest_s, "movie", f"a span of {self.span_s} s", expected)
         return Size({"n_frames": self._n_frames(demand.surface), "span_s": self.span_s})
 
     def _n_frames(self, surface: Any) -> int:
@@ -73,9 +69,6 @@ class Movie(Effect):
         n_x, n_y = demand.once(demand.surface.grid)
         n_frames = self._n_frames(demand.surface)
         n_numbers: int = n_frames * n_x * n_y
-        if n_numbers > MOST_NUMBERS:
-            raise InvalidParameter(
-                f"movie: found {n_frames} frames of {n_x} x {n_y} points, expected at most {MOST_NUMBERS:.2g} "
-                "numbers; loosen the accuracy, lower n_frames or shorten span_s"
-            )
+        expected = f"at most {MOST_NUMBERS:.2g} numbers; loosen the accuracy, lower n_frames or shorten span_s"
+        expect(n_numbers <= MOST_NUMBERS, "movie", f"{n_frames} frames of {n_x} x {n_y} points", expected)
         return n_numbers

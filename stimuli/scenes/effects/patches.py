@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
@@ -37,11 +37,9 @@ class Patches(Effect):
 
     def _size(self, demand: Demand) -> Size:
         surface = demand.surface
-        if self.side_m > 2 * surface.inset_m:
-            raise InvalidParameter(
-                f"patches: found a side of {self.side_m} m beside TimeReversal.inset_m = {surface.inset_m}, expected "
-                f"room up to the edge; raise inset_m to {self.side_m / 2} or lower side_m"
-            )
+        found = f"a side of {self.side_m} m beside TimeReversal.inset_m = {surface.inset_m}"
+        expected = f"room up to the edge; raise inset_m to {self.side_m / 2} or lower side_m"
+        expect(self.side_m <= 2 * surface.inset_m, "patches", found, expected)
         return Size({"n_transducers": surface.n_transducers, "inset_m": surface.inset_m, **vars(self)})
 
     def in_setup(self) -> dict[str, float]:

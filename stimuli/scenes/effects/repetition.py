@@ -50,7 +50,7 @@ class Repetition(Effect):
         return max(round(self.duration_s * self.repetition_hz), 1)
 
     def __call__(self, learnt: "Responses", quantiser: "Quantiser") -> "EmittedSignal":
-        """A train of foci; its instant is that of the largest."""
+        """Return a train of foci; its instant is that of the largest."""
         from ...time_reversal.focusing import pattern as patterns
         from ..stages.emission import EmittedSignal
 

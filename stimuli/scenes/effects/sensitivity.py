@@ -1,4 +1,4 @@
-"""Sensation by the component furthest above the spectral threshold of touch."""
+"""Sensation by the spectral threshold of touch."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

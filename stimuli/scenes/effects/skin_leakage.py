@@ -1,4 +1,4 @@
-"""The stratum corneum leaks: its voltage is the applied one through a high-pass, exactly."""
+"""Leakage of the stratum corneum, a high-pass for the voltage."""
 
 from dataclasses import dataclass
 
@@ -29,7 +29,7 @@ class SkinLeakage(Alteration):
         return self.stage(), circuit_stage(self.kind)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Samples are relaxed exactly, whatever leaks."""
+        """Return the alteration alone: samples are relaxed exactly."""
         return (self.stage(),)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:

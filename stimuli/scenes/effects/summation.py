@@ -1,4 +1,4 @@
-"""Spatial summation: the Pacinian channel adds up what a larger contact feels."""
+"""Spatial summation of the Pacinian channel."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

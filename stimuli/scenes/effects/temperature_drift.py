@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from math import isfinite, pi
 
-from tactometry.arguments.require import within
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, within
 
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings
@@ -38,11 +37,8 @@ class TemperatureDrift(Effect):
     def __post_init__(self) -> None:
         for name in ("kelvin", "shift_per_k"):
             value = getattr(self, name)
-            if not isfinite(value) or value == 0:
-                raise InvalidParameter(
-                    f"TemperatureDrift.{name}: found {value}, expected a finite number other than 0; without a drift "
-                    "leave the effect out"
-                )
+            expected = "a finite number other than 0; without a drift leave the effect out"
+            expect(isfinite(value) and value != 0, f"TemperatureDrift.{name}", value, expected)
 
         within("TemperatureDrift", -MOST_SHIFT, MOST_SHIFT, shift_of_frequencies=self.kelvin * self.shift_per_k)
 

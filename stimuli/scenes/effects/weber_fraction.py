@@ -1,4 +1,4 @@
-"""A fixed fraction of the load is detected: what is felt counts in proportion to the force that presses."""
+"""Detection of a fixed fraction of the load (Weber's law)."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

@@ -17,7 +17,6 @@ from matplotlib.figure import Figure, SubFigure
 from PIL import Image
 
 from tactometry.arguments.require import expect
-from tactometry.errors import InvalidParameter
 from tactometry.palette import BLUE, GOLD, GREEN, ORANGE, PINK, SKY
 
 from ...time_reversal.focusing.merit import HALF, area_m2
@@ -36,7 +35,7 @@ BESIDE_LOAD = "on top of the load; dotted: minus the load, where a finger lifts 
 
 
 def courses(result: Result, title: str) -> Figure:
-    """All outputs that are courses over ``t_s``, one above the other; single numbers in the title."""
+    """Plot all outputs over ``t_s``, with single numbers in the title."""
     t_s, drawn = result.values["t_s"], names(result.values)
     figure = Figure(figsize=(WIDTH_IN, PANEL_IN * len(drawn) + 0.9), layout="constrained")
     panels = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
@@ -50,7 +49,7 @@ def courses(result: Result, title: str) -> Figure:
 
 
 def names(values: Mapping[str, Any], time: str = "t_s") -> list[str]:
-    """The outputs that are courses over a time, one or a row for each contact."""
+    """Return the outputs over time, (n_samples,) or a row for each contact."""
     n = len(values[time])
     return [name for name, value in values.items() if np.ndim(value) and np.shape(value)[-1] == n and name != time]
 
@@ -90,7 +89,7 @@ def numbers(values: Mapping[str, Any]) -> list[str]:
 
 
 def reading(name: str, value: float) -> str:
-    """A number with a unit and a prefix.
+    """Format a number with a unit and a prefix.
 
     >>> reading("peak_m", 1.5e-5), reading("sensation_db", 12.0)
     ('15 µm', '12 dB SL')
@@ -101,7 +100,7 @@ def reading(name: str, value: float) -> str:
 
 
 def label(name: str) -> str:
-    """A quantity's name without its unit.
+    """Return a quantity's name without its unit.
 
     >>> label("friction_force_n"), label("sensation_db")
     ('friction force', 'sensation')
@@ -113,7 +112,7 @@ def label(name: str) -> str:
 
 
 def prefix_of(value: float) -> tuple[float, str]:
-    """The prefix that leaves a number of at least 1.
+    """Return the prefix that leaves a number of at least 1.
 
     >>> prefix_of(0.02)
     (0.001, 'm')
@@ -129,7 +128,7 @@ DIVERGING = "RdBu_r"
 
 
 def focus_sheet(result: Result, title: str) -> Figure:
-    """The map, its middle and all courses; single numbers in the title."""
+    """Plot the map, its middle and all courses, with numbers in the title."""
     values = result.values
     drawn = names(values) if "t_s" in values else []
     slid = names(values, SLIDING_TIME) if SLIDING_TIME in values else []
@@ -165,7 +164,7 @@ def _maps(figure: SubFigure, values: Any) -> None:
 
 
 def draw_map(axes: Axes, x_m: Any, y_m: Any, field_m: Any, largest_m: float) -> Any:
-    """A field in µm over mm; 0 is white."""
+    """Plot a field in µm over mm; 0 is white."""
     extent = (x_m[0] * 1e3, x_m[-1] * 1e3, y_m[0] * 1e3, y_m[-1] * 1e3)
     shown = field_m.T * 1e6
     largest = largest_m * 1e6
@@ -262,16 +261,13 @@ def _writer(path: Path) -> Any:
     expect(path.suffix in FORMATS, "--movie", repr(str(path)), f"a name that ends in {' or '.join(FORMATS)}")
     if path.suffix == ".gif":
         return MapWriter(fps=FRAMES_PER_S)
-    if not _ffmpeg():
-        raise InvalidParameter(
-            "--movie: found no ffmpeg, which writes MP4, expected it; install it or the package imageio-ffmpeg (the "
-            "extra film), or write a .gif"
-        )
+    expected = "it; install it or the package imageio-ffmpeg (the extra film), or write a .gif"
+    expect(bool(_ffmpeg()), "--movie", "no ffmpeg, which writes MP4", expected)
     return animation.FFMpegWriter(fps=FRAMES_PER_S)
 
 
 def _ffmpeg() -> str:
-    """The program on the path, or that of the package imageio-ffmpeg; empty without."""
+    """Return the path of ffmpeg, of the system or imageio-ffmpeg, or ""."""
     program = shutil.which("ffmpeg")
     if program or not find_spec("imageio_ffmpeg"):
         return program or ""

@@ -1,9 +1,9 @@
-"""Stages that several surfaces and effects share: voltage across a layer, spectra, and scaling to a voltage."""
+"""Stages that several surfaces and effects share."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...composition.effect import Demand, Size, Stage
 from ...composition.sampling import per_sample
@@ -25,7 +25,7 @@ def divider_stage() -> Stage:
 
 
 def circuit_stage(effect: str) -> Stage:
-    """Return the stage that solves the circuit of an effect with a loss, which needs a ramp (`check_ramp`)."""
+    """Return the stage that solves the circuit of a lossy effect."""
 
     def size(demand: Demand) -> Size:
         check_ramp(demand, effect)
@@ -35,7 +35,7 @@ def circuit_stage(effect: str) -> Stage:
 
 
 def of_true_area() -> Stage:
-    """Return the stage that computes the force law for the area of the contact, not for 1 m^2."""
+    """Return the stage of the force law under the true contact area."""
     return Stage("true_area", ("area_m2",), "form_area_m2", f"{__name__}:same")
 
 
@@ -45,11 +45,9 @@ def same(area_m2: float) -> float:
 
 
 def check_ramp(demand: Demand, effect: str) -> None:
-    """Refuse a tone without a ramp, whose relaxation would be faster than the sampling."""
-    if not demand.surface.ramp_s:
-        raise InvalidParameter(
-            f"{effect}: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the tone a ramp_s above 0"
-        )
+    """Refuse a tone without a ramp."""
+    expected = "a ramp; give the tone a ramp_s above 0"
+    expect(demand.surface.ramp_s, effect, "a tone that sets in at once (ramp_s = 0)", expected)
 
 
 def divider(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
@@ -66,12 +64,12 @@ def relaxation(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "Floa
 
 
 def spectrum_stage(name: str, record: str, gives: str) -> Stage:
-    """Return the stage that reads the components of a record at the times of a scene."""
+    """Return the stage that reads a record's components in a scene."""
     return Stage(name, ("t_s", record), gives, f"{RECORD}:components_of", size=_fine_spectrum)
 
 
 def spectrum_of_record(name: str, course: str, gives: str) -> Stage:
-    """Return the stage that reads the components of a record over a voltage that is played."""
+    """Return the stage that reads a played record's components."""
     return Stage(name, ("record", course), gives, f"{RECORD}:components_of_record", size=_fine_spectrum_of_record)
 
 
@@ -88,7 +86,7 @@ def _fine_spectrum_of_record(demand: Demand) -> Size:
 
 
 def at_voltage(name: str, per_volt: str, gives: str, size: Callable[[Demand], Size] | None = None) -> Stage:
-    """Return the stage that multiplies a quantity per volt by the voltage of a run."""
+    """Return the stage that scales a quantity per volt to a run."""
     return Stage(name, (per_volt, "voltage_v"), gives, MULTIPLY, size=size)
 
 

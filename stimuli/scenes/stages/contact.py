@@ -1,4 +1,4 @@
-"""Fingers that rest on the plate, as linear contacts or as contacts that open where they would pull."""
+"""Fingers on the plate as linear contacts, or ones that open."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -20,7 +20,7 @@ Numbers = tuple[float, ...]
 
 
 def loaded_motion(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numbers, **pulp: float) -> PlateMotion:
-    """The motion of the plate under fingers: their forces are further channels, exact for linear contacts."""
+    """Return the motion under linear contacts, with their forces as channels."""
     finger = Fingertip(**pulp)
     contacts = [finger.load((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)]
     places = tuple(PointForce(contact.x_m, contact.y_m) for contact in contacts)
@@ -42,12 +42,12 @@ def contact_displacement(motion: PlateMotion, oversampling: int, x_m: Numbers, y
 
 
 def contact_force(motion: PlateMotion, oversampling: int, n: int) -> FloatArray:
-    """(n_contacts, n_times): the force on every finger (N/V): the last channels of the motion, reversed."""
+    """Return the force on every finger (N/V), (n_contacts, n_times)."""
     return motion.course(-motion.played[-n:], oversampling)
 
 
 def _forces(motion: PlateMotion, units: Sequence[PlateMotion], contacts: Sequence[PlateLoad]) -> ComplexArray:
-    """(n_contacts, n_frequencies): on the fingers, Z (1 + H Z)^-1 U, from the motions by a unit force at each."""
+    """Return the forces Z (1 + H Z)^-1 U on the fingers."""
     points = tuple((contact.x_m, contact.y_m) for contact in contacts)
     among = np.stack([unit.of_points(points) for unit in units], axis=1)
     stiffness = np.stack([contact.dynamic_stiffness(motion.s) for contact in contacts], axis=1)
@@ -61,10 +61,6 @@ def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
     oscillators, at = moving_modes(unit.screen, unit.modes_to_hz, unit.static_to_hz)
     amplitude = at[:, contact, None] * oscillators.compliance(unit.screen.plate.mass_kg, unit.s)
     return replace(unit, amplitude=amplitude, played=played)
-
-
-if TYPE_CHECKING:
-    from ...time_reversal.lift_off import ContactCourses
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +83,7 @@ class OpenedMotion(PlateMotion):
 def opened_motion(
     motion: PlateMotion, voltage_v: float, *, x_m: Numbers, y_m: Numbers, force_n: Numbers, finer: int, **pulp: float
 ) -> PlateMotion:
-    """Return the motion of the plate whose fingers `motion` holds as linear contacts, at a voltage."""
+    """Return the motion at a voltage under fingers that may come off."""
     from ...time_reversal.lift_off import one_sided_contacts
 
     if voltage_v == 0:
@@ -116,7 +112,7 @@ def opened_motion(
 
 
 def contact_answers(motion: PlateMotion, oversampling: int, n: int) -> FloatArray:
-    """(n_contacts, n_times): what the fingers answer on top of what presses them, per volt: at least minus that."""
+    """Return the fingers' force beyond what presses them, per volt."""
     if not isinstance(motion, OpenedMotion):  # at no voltage
         return np.zeros((n, (motion.n_samples - 1) * oversampling + 1))
     pressed_n = motion.contacts.force_n[:, None]
@@ -135,7 +131,7 @@ def lost_s(motion: PlateMotion) -> FloatArray:
 
 
 def _under_forces(motion: PlateMotion, forces: ComplexArray) -> PlateMotion:
-    """The motion with other forces (n_contacts, n_frequencies) on the fingers, its last channels, in N/V."""
+    """Return the motion with other forces (N/V) (n_contacts, n_frequencies)."""
     n = len(forces)
     oscillators, at = moving_modes(motion.screen, motion.modes_to_hz, motion.static_to_hz)
     pushed, change = np.ascontiguousarray(at[:, -n:]), -forces - motion.played[-n:]
@@ -146,7 +142,7 @@ def _under_forces(motion: PlateMotion, forces: ComplexArray) -> PlateMotion:
 
 
 def _still_m_per_n(motion: PlateMotion, places: tuple[tuple[float, float], ...]) -> FloatArray:
-    """(n_contacts, n_contacts): the static compliance of the modes that follow."""
+    """Return the static compliance of the modes that follow."""
     at = np.asarray(places)
     n = len(motion.amplitude)
     shapes = values(motion.modes, at[:, 0], at[:, 1])[n:]

@@ -50,7 +50,6 @@ class Push:
 
 
 def glass_plate(glass: str, length_m: float, width_m: float, thickness_m: float) -> Plate:
-    """A plate of a glass, its edges simply supported."""
     return GLASSES[glass].plate(length_m, width_m, thickness_m, "SSSS")
 
 
@@ -68,7 +67,6 @@ def patches(
 
 
 def lossless(plate: Plate, sources: tuple[ForceSource, ...]) -> Screen:
-    """A plate with transducers that rings for ever."""
     return Screen(plate, sources, Attenuation(float("inf")))
 
 
@@ -96,7 +94,6 @@ def learning_colder(screen: Screen, foci: Points, kelvin: float, shift_per_k: fl
 
 
 def analogue() -> Quantiser:
-    """A linear amplifier."""
     return Analogue()
 
 
@@ -111,16 +108,13 @@ def amplified(emission: EmittedSignal, cutoff_hz: float, order: int) -> EmittedS
 
 
 def emit(learnt: Responses, rule: Quantiser) -> EmittedSignal:
-    """The learnt responses, reversed, as the amplifier can emit them."""
+    """Reverse the learnt responses as the amplifier can emit them."""
     waveform = reversed_waveform(learnt)
     return EmittedSignal(rule.quantise(waveform, learnt.rate_hz), learnt.rate_hz, waveform.shape[1] - 1)
 
 
 def in_band(emission: EmittedSignal, f_max_hz: float, flank_hz: float, margin_s: float) -> EmittedSignal:
-    """Return the zero-phase band-limited part of an emission.
-
-    Ringing before and after it fades over `margin_s`.
-    """
+    """Return the zero-phase band-limited emission, `margin_s` longer."""
     wide = through(emission, Band(0.0, f_max_hz, flank_hz), margin_s)
     rise = np.sin(np.linspace(0, np.pi / 2, round(margin_s * emission.rate_hz))) ** 2
     flat = np.ones(emission.samples.shape[1])
@@ -128,7 +122,7 @@ def in_band(emission: EmittedSignal, f_max_hz: float, flank_hz: float, margin_s:
 
 
 def through(emission: EmittedSignal, gain: GainCurve, margin_s: float = 0.0) -> EmittedSignal:
-    """An emission behind a linear element."""
+    """Filter an emission by a linear element."""
     margin = round(margin_s * emission.rate_hz)
     wide = np.pad(emission.samples, ((0, 0), (margin, margin)))
     return replace(emission, samples=filtered(wide, emission.rate_hz, gain), focus=emission.focus + margin)

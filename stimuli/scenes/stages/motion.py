@@ -1,4 +1,4 @@
-"""The modes of a plate under an emission, on complex frequencies: from these, any reading at any time or place.
+"""Motion of a plate under an emission, on complex frequencies.
 
 An emission without content above its band moves every mode by its receptance, whatever the sampling; on the contour
 s = sigma + i w of `tactometry.stimuli.time_reversal.responses.load` this holds without attenuation, and nothing
@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...arrays import ComplexArray, FloatArray, real_product
 from ...time_reversal.plate.modes import Modes, values
@@ -61,7 +61,7 @@ class PlateMotion:
         return replace(self, amplitude=self.amplitude[:, part], played=self.played[:, part], s=self.s[part])
 
     def turning(self, t_s: FloatArray) -> ComplexArray:
-        """(n_frequencies, n_times): what brings spectra to times from the focus instant."""
+        """Return the factors that bring spectra to times from the focus."""
         t_begin_s = self.focus / self.rate_hz + t_s
         turning: ComplexArray = np.exp(np.outer(self.s, t_begin_s)) * (2 / self.n_fft)
         turning[0] /= 2  # every other frequency stands for its negative too
@@ -86,7 +86,7 @@ class PlateMotion:
         return moved - real_product(inert, self.played * self.s**2)
 
     def course(self, spectrum: ComplexArray, oversampling: int) -> FloatArray:
-        """(..., n): the course of a spectrum (..., n_frequencies) at `oversampling` times the rate."""
+        """Return the course (..., n) of a spectrum, oversampled."""
         n = (self.n_samples - 1) * oversampling + 1
         damped = oversampling * np.fft.irfft(spectrum, self.n_fft * oversampling)[..., :n]
         # the contour lies at sigma beside the axis of frequencies, which damps everything in time
@@ -99,7 +99,7 @@ class PlateMotion:
         return (np.arange(n) - self.focus * oversampling) / (oversampling * self.rate_hz)
 
     def strain_energy_j(self, static_to_hz: float) -> float:
-        """Half the sum of M w^2 q^2 at the focus instant, the modes up to `static_to_hz` included (J/V^2)."""
+        """Return half the sum of M w^2 q^2 at the focus instant (J/V^2)."""
         further = replace(self, static_to_hz=static_to_hz)
         omega = further.modes.angular_frequency_rad_per_s
         q = further.at_times(np.zeros(1))[:, 0]
@@ -112,11 +112,11 @@ class PlateMotion:
 
     @cached_property
     def following(self) -> FloatArray:
-        """(n_following, n_channels): the static displacement of the modes that follow (m/V)."""
+        """Static displacement (m/V) of the modes that follow."""
         return self.screen.modal_forces(self.static_to_hz)[len(self.amplitude) :] / self.stiffness_n_per_m[:, None]
 
     def _beyond(self, points: Points) -> FloatArray:
-        """(n_points, n_channels): what modes above these do at the very place of a force, by their density."""
+        """Return what higher modes do at the very place of a force."""
         plate = self.screen.plate
         tail_m_per_n = plate.modal_density_s / (4 * np.pi**2 * plate.mass_kg * self.static_to_hz)
         places = [
@@ -126,7 +126,7 @@ class PlateMotion:
 
 
 def moving_modes(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Oscillators, FloatArray]:
-    """Oscillators that move, and their forces (n_modes, n_channels), of the solution that holds those that follow too.
+    """Return the moving oscillators and their forces (n_modes, n_channels).
 
     By Rayleigh and Ritz the sign of a shape is another in each solution.
     """
@@ -144,11 +144,9 @@ def plate_motion(
     heard_to_hz: float,
     after_s: float,
 ) -> PlateMotion:
-    """The motion until `after_s` behind the focus, at frequencies up to `heard_to_hz`."""
-    if static_to_hz < modes_to_hz:
-        raise InvalidParameter(
-            f"settings.motion.static_to_hz: found {static_to_hz}, expected at least modes_to_hz, {modes_to_hz}"
-        )
+    """Compute the motion up to `heard_to_hz` and `after_s` past the focus."""
+    expected = f"at least modes_to_hz, {modes_to_hz}"
+    expect(static_to_hz >= modes_to_hz, "settings.motion.static_to_hz", static_to_hz, expected)
     n_played, rate_hz = emission.samples.shape[1], emission.rate_hz
     n = max(emission.focus + 1 + round(after_s * rate_hz), n_played)
     s, growth, n_fft = contour(n, rate_hz)
@@ -162,7 +160,7 @@ def plate_motion(
 def answer(
     oscillators: Oscillators, mass_kg: float, s: ComplexArray, push: Callable[[slice], ComplexArray | FloatArray]
 ) -> ComplexArray:
-    """(n_modes, n_frequencies): modes under generalised forces, which `push` gives for some frequencies at a time.
+    """Return the modes under generalised forces, given in chunks by `push`.
 
     What is computed on the way takes no more memory than those.
     """
@@ -184,12 +182,12 @@ def sampling(factor: int) -> int:
 
 
 def focus_course(motion: PlateMotion, foci: Points, oversampling: int) -> FloatArray:
-    """The displacement of the first focus over time (m/V)."""
+    """Return the displacement of the first focus over time (m/V)."""
     return course_at(motion, oversampling, *foci[0])
 
 
 def course_at(motion: PlateMotion, oversampling: int, x_m: float, y_m: float) -> FloatArray:
-    """The displacement of a place over time (m/V)."""
+    """Return the displacement of a place over time (m/V)."""
     return motion.course(motion.of_points(((x_m, y_m),))[0], oversampling)
 
 
@@ -208,11 +206,11 @@ def focus_field(motion: PlateMotion, x_m: FloatArray, y_m: FloatArray) -> FloatA
 
 
 def frame_times(n_frames: int, span_s: float) -> FloatArray:
-    """Times of the frames of a movie, the focus in the middle."""
+    """Return the times of a movie's frames, the focus in the middle."""
     return np.linspace(-span_s / 2, span_s / 2, n_frames)
 
 
 def movie(motion: PlateMotion, frames_s: FloatArray, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
-    """(n_frames, n_x, n_y): displacement (m/V) at times from the focus instant."""
+    """Return the displacement (m/V), (n_frames, n_x, n_y), at times."""
     draw = motion.modes.frame(x_m, y_m)
     return np.stack([draw(np.ascontiguousarray(amplitudes)) for amplitudes in motion.at_times(frames_s).T])

@@ -1,4 +1,4 @@
-"""A plate under drives that are played: the displacement where fingers are, and what their load takes of it."""
+"""Displacement of a played plate under fingers."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 def setup(**fields: Any) -> "Setup":
-    """The screen that a stimulus is played on."""
     from ...time_reversal.stimulus.setup import Setup
 
     return Setup(**fields)
@@ -30,7 +29,7 @@ def places(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> "Places":
 
 
 def free_displacement(signal: "Signal", setup: "Setup", places_m: "Places") -> FloatArray:
-    """(n_fingers, n_samples): what the plate does there as long as nothing is on it."""
+    """Return the free displacement under fingers (n_fingers, n_samples)."""
     from ...time_reversal.stimulus.sensation import free_displacement
 
     return np.stack([free_displacement(signal, setup, at_m) for at_m in places_m])
@@ -42,14 +41,14 @@ def times(displacement_m: FloatArray, setup: "Setup") -> FloatArray:
 
 
 def under_load(free_m: FloatArray, setup: "Setup", places_m: "Places", contact: Contact, **pulp: float) -> FloatArray:
-    """(n_fingers, n_samples): the displacement under fingers, exact for linear ones: each damps what others feel."""
+    """Return the displacement under linear fingers that load the plate."""
     from ...time_reversal.stimulus.sensation import loaded_displacements
 
     return loaded_displacements(free_m, setup, _loads(places_m, contact, pulp))
 
 
 def contact_force(signal: "Signal", setup: "Setup", places_m: "Places", contact: Contact, **pulp: float) -> FloatArray:
-    """(n_fingers, n_times): what linear contacts do to each finger on top of what presses it."""
+    """Return the force of linear contacts on each finger."""
     from ...time_reversal.stimulus.contact_force import contact_forces_n
 
     return contact_forces_n(setup, signal, _loads(places_m, contact, pulp))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
@@ -28,18 +28,16 @@ Tissue = tuple[float, ...]
 
 
 def recorded(signal: Signal, share: float) -> VoltageRecord:
-    """The voltage of a signal, `FINER` times as many samples (band-limited) where more than a share of its power lies
-    above a quarter of the rate.
+    """Return the voltage of a signal, resampled if its square would alias.
 
-    The force goes with the square, which has twice the bandwidth: that of a carrier of 9.9 kHz at 20 kHz would seem to
+    It has `FINER` times as many samples (band-limited) if more than a share of its power lies above a quarter of the
+    rate. The force is quadratic and has twice the bandwidth: that of a carrier of 9.9 kHz at 20 kHz would seem to
     vibrate at 200 Hz.
 
     Raises `InvalidParameter` if the signal is not one channel in volt.
     """
-    if signal.unit != "V" or len(signal.samples) != 1:
-        raise InvalidParameter(
-            f"signal: found {len(signal.samples)} channels in {signal.unit!r}, expected one channel in volt ('V')"
-        )
+    found = f"{len(signal.samples)} channels in {signal.unit!r}"
+    expect(signal.unit == "V" and len(signal.samples) == 1, "signal", found, "one channel in volt ('V')")
     (voltage_v,) = signal.samples
     lines, n = np.fft.rfft(voltage_v), voltage_v.size
     power = lines.real**2 + lines.imag**2
@@ -50,7 +48,7 @@ def recorded(signal: Signal, share: float) -> VoltageRecord:
 
 
 def skin(tissue: Tissue, **layers: float) -> "Skin":
-    """The layers of a surface, and deeper tissue where there is any."""
+    """Return the layers of a surface, and its deeper tissue if any."""
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.skin.stack import Layer
 
@@ -63,7 +61,6 @@ def layer_voltage(record: VoltageRecord, form: "ForceForm") -> FloatArray:
 
 
 def pieces(record: VoltageRecord) -> "Pieces":
-    """The straight lines between the samples."""
     from ...electrovibration.waveforms.pieces import straight
 
     return straight(record.t_s, record.voltage_v)
@@ -75,12 +72,12 @@ def times(record: VoltageRecord) -> FloatArray:
 
 
 def components_of_record(record: VoltageRecord, course: FloatArray, padding: int) -> Components:
-    """The components of a course over the record that any channel of touch answers to."""
+    """Return the components of a course to which any channel responds."""
     return heard(components(course, record.rate_hz, padding))
 
 
 def grown(parts: Components, area_m2: float, form_area_m2: float) -> Components:
-    """The force under an area from that under another: what does not drive the body is in proportion."""
+    """Scale the force under one area to another, proportionally."""
     return parts.times(area_m2 / form_area_m2)
 
 
@@ -90,7 +87,7 @@ N_OFFSETS = 21
 
 
 def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float) -> float:
-    """Largest relative error of a component above threshold by lines ``1/padding`` apart.
+    """Return the largest error of a component read ``1/padding`` apart.
 
     >>> peak_error(1, 1.0, steepest_db_per_hz=0.69) < 0.03, peak_error(8, 1.0, 0.69) < 1e-4
     (True, True)
@@ -102,7 +99,7 @@ def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float) -> fl
 
 
 def padding_for(error: float, duration_s: float, steepest_db_per_hz: float, n: int = 1) -> int:
-    """The smallest padding of `n` samples whose error is at most `error`, or the largest that fits.
+    """Return the smallest padding of `n` samples within an error, or the most.
 
     >>> padding_for(1e-4, 1.0, steepest_db_per_hz=0.69) <= 8, padding_for(1e-9, 1.0, 0.69)
     (True, 64)
@@ -119,7 +116,7 @@ def size(demand: Demand) -> Size:
 
 
 def size_of_record(demand: Demand) -> Size:
-    """Return the same over a voltage that is played, whose number of samples is not known."""
+    """Return the same for a played voltage of unknown length."""
     padding, error = _padding(demand)
     return Size({"padding": padding}, error)
 
@@ -131,20 +128,20 @@ def _padding(demand: Demand, n: int = 1) -> tuple[int, float]:
 
 
 def components_of(t_s: "FloatArray", record: "FloatArray", padding: int) -> "Components":
-    """The components of a record (n_samples,) at equal steps, its mean left out."""
+    """Return the components of a record (n_samples,), its mean left out."""
     # a period of the transform ends before the sample that would begin the next
     return components(record[:-1], (record.size - 1) / float(t_s[-1]), padding)
 
 
 def _read_off(offset: float, padding: int) -> tuple[float, float]:
-    """Height, and place in lines off the truth, that a parabola reads off a component `offset` lines off a line."""
+    """Return height and place of a parabola's peak, `offset` off a line."""
     before, at, after = (log(_transform((offset + k) / padding) / WINDOW[0]) for k in (1, 0, -1))
     away = (before - after) / (2 * (before - 2 * at + after))
     return exp(at - (before - after) * away / 4), away - offset
 
 
 def _transform(lines: float) -> float:
-    """Fourier transform of the window, `lines` off its middle, over its length; for a long record."""
+    """Return the window's Fourier transform `lines` off its middle."""
 
     def sinc(x: float) -> float:
         return 1.0 if x == 0 else sin(pi * x) / (pi * x)
@@ -166,5 +163,5 @@ def sliding(signal: Signal) -> Signal:
 
 
 def stronger(foci_db: FloatArray, friction_db: float) -> float:
-    """The level of what is felt most, of the foci or of the friction."""
+    """Return the higher of the levels of the foci and the friction."""
     return max(float(np.max(foci_db)), friction_db)

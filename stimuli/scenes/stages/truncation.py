@@ -1,4 +1,4 @@
-"""How many modes a reading needs: a-priori errors with a margin, kept by tests.
+"""Number of modes that a reading needs, by a-priori errors.
 
 What modes above the band do is a pulse at the arrival of each wave, against a response that rings over the reversal:
 an energy ratio of ``2 / (pi w tau_e)``, ``tau_e = tau (1 - e^{-2T/tau})/2``. Its root is the `remainder`, of one
@@ -15,6 +15,7 @@ moves.
 from dataclasses import dataclass
 from math import exp, hypot, inf, pi, sqrt
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
@@ -50,10 +51,7 @@ class Cut:
 
 @dataclass(frozen=True)
 class Tail:
-    """Error of truncating modes at q times the band: `size` over q.
-
-    Above a root of q of `turning` it falls faster.
-    """
+    """Truncation error at q times the band: `size` / q, faster past `turning`."""
 
     size: float
     turning: float
@@ -66,7 +64,7 @@ class Tail:
 
 
 def remainder(scene: Surroundings) -> float:
-    """Root of the energy of the modes above the band over that of a response in it, at the focus."""
+    """Return the root of the energy above the band over that in it."""
     content = content_of(scene)
     tau_s = scene.surface.reversal_s
     if content.tau_s != inf:
@@ -80,12 +78,12 @@ def content_of(scene: Surroundings) -> PlateContent:
 
 
 def cut_of(demand: Demand) -> Cut:
-    """The cut for the error that a stage may add; see `cut`."""
+    """Return the cut for the error that a stage may add; see `cut`."""
     return cut(demand, demand.error)
 
 
 def cut(scene: Surroundings, error: float) -> Cut:
-    """The fewest modes for an error.
+    """Return the fewest modes for an error.
 
     Raises `InvalidParameter` if they are more than one run can hold.
     """
@@ -110,7 +108,7 @@ def cut(scene: Surroundings, error: float) -> Cut:
 
 
 def _distance_m(scene: Surroundings) -> float:
-    """The least distance of what is read from the outline of a transducer, 0 on one."""
+    """Return the least distance of a read place to a transducer's outline."""
     from ...time_reversal.screen.transducer import border
 
     surface, content = scene.surface, content_of(scene)
@@ -144,7 +142,7 @@ def n_frequencies(scene: Surroundings, ends: Cut) -> int:
 
 
 def n_frequencies_of_sound(scene: Surroundings) -> float:
-    """Frequencies that `tactometry.stimuli.time_reversal.focusing.sound.noise` takes."""
+    """Return the number of frequencies of `noise`."""
     surface, content = scene.surface, content_of(scene)
     return float(surface.rate_hz * (surface.reversal_s + content.train_s + content.ringing_s))
 
@@ -155,12 +153,9 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
     following = n_static * scene.surface.n_transducers
     sizes = (moving, MOST_NUMBERS), (following, MOST_FOLLOWING), (n_static, MOST_MODES)
     numbers, most = max(sizes, key=lambda size: size[0] / size[1])
-    if numbers > most:
-        raise InvalidParameter(
-            f"accuracy: found an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers, "
-            f"expected at most {most:.2g}; loosen the accuracy, lower f_max_hz or reversal_s, or use a "
-            "thicker plate"
-        )
+    found = f"an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers"
+    expected = f"at most {most:.2g}; loosen the accuracy, lower f_max_hz or reversal_s, or use a thicker plate"
+    expect(numbers <= most, "accuracy", found, expected)
     for effect in scene.effects:
         most = effect.in_plate(scene).most_ritz_modes
         if n_static > most:
@@ -189,11 +184,8 @@ def check_on_plate(scene: Surroundings) -> None:
     """Refuse a finger that rests outside the plate."""
     plate = scene.surface.plate
     for n, (x_m, y_m) in enumerate(places_m(scene)):
-        if not plate.contains(x_m, y_m):
-            raise InvalidParameter(
-                f"contacts[{n}]: found ({x_m}, {y_m}) m, expected a place on the plate of "
-                f"{plate.length_m} x {plate.width_m} m"
-            )
+        expected = f"a place on the plate of {plate.length_m} x {plate.width_m} m"
+        expect(plate.contains(x_m, y_m), f"contacts[{n}]", f"({x_m}, {y_m}) m", expected)
 
 
 def felt_at_m(scene: Surroundings) -> Place:

@@ -1,4 +1,4 @@
-"""Surfaces by the name that a scene file gives them, and what several of them share."""
+"""Surfaces of scenes by name, and their common parts."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""An electrovibration screen: from a level, or from a voltage that is played, to what a finger feels."""
+"""Electrovibration screens, computed from a level or a played signal."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -118,19 +118,17 @@ class Electrovibration(Surface):
 
 
 def contact(force_n: float, speed_m_per_s: float) -> Contact:
-    """A finger on the panel."""
     return Contact(force_n, speed_m_per_s)
 
 
 def tone(frequency_hz: float, duration_s: float, ramp_s: float) -> "Waveform":
-    """A sine with ramps."""
     from ...electrovibration.waveforms.sine import Sine
 
     return Sine(frequency_hz, duration_s, ramp_s, rate_hz=max(20_000.0, 4 * frequency_hz))
 
 
 def of_one_volt(waveform: "Waveform") -> "Pieces":
-    """The voltage of level 0 dB re 1 V, exactly."""
+    """Return the exact voltage of level 0 dB re 1 V."""
     return waveform.pieces(0.0)
 
 
@@ -142,14 +140,12 @@ def grid(voltage: "Pieces", n_samples: int) -> "FloatArray":
 
 
 def lossless(**layers: Any) -> "Skin":
-    """A skin whose corneum does not conduct."""
     from ...electrovibration.skin.skin import Skin
 
     return Skin(**layers, corneum_resistivity_ohm_m=inf)
 
 
 def constant(value: float) -> float:
-    """A number that nothing changes."""
     return value
 
 
@@ -206,7 +202,7 @@ class PlayedElectrovibration(Surface):
         )
 
     def reaches(self, contact: Contact) -> bool:
-        """A finger at rest feels no friction."""
+        """Return True for a sliding finger: one at rest feels no friction."""
         return contact.force_n > 0 and contact.speed_m_per_s > 0
 
 

@@ -1,4 +1,4 @@
-"""A plate on which drives are played, with or without an electrode: from samples to what fingers feel."""
+"""Plates on which drives are played, with or without an electrode."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

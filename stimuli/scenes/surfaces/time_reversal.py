@@ -1,4 +1,4 @@
-"""A plate that focuses by time reversal: from a voltage to a focus, with whatever effects are called for."""
+"""Plates that focus by time reversal."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
@@ -25,7 +25,6 @@ OF_EVERY_STIMULUS: Final = {"tau_s", "side_m"}
 """Fields of a `Setup` that a plate has by effects alone, and every stimulus by default."""
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
-MAP = "tactometry.stimuli.scenes.stages.motion"
 MOST_POINTS = 4e7
 PRODUCT, DIVISION = 0.15, 15.0
 """Operations per number in a product of matrices, and where it is divided."""
@@ -100,11 +99,8 @@ class TimeReversal(GlassPanel, Surface):
     def __post_init__(self) -> None:
         require.positive("TimeReversal", **{k: v for k, v in vars(self).items() if k not in {"glass", "n_transducers"}})
         self._check_panel(highest_hz="f_max_hz")
-        if 2 * self.inset_m >= min(self.length_m, self.width_m):
-            raise InvalidParameter(
-                f"TimeReversal.inset_m: found {self.inset_m}, expected less than half of the shorter side, "
-                f"{min(self.length_m, self.width_m) / 2} m"
-            )
+        found, expected = self.inset_m, f"less than half of the shorter side, {min(self.length_m, self.width_m) / 2} m"
+        require.expect(2 * self.inset_m < min(self.length_m, self.width_m), "TimeReversal.inset_m", found, expected)
         for name, side in (("focus_x_m", "length_m"), ("focus_y_m", "width_m")):
             at_m, side_m = getattr(self, name), getattr(self, side)
             require.expect(
@@ -140,7 +136,7 @@ class TimeReversal(GlassPanel, Surface):
         return (*self._emission(), *self._motion(scene), *self._map())
 
     def played(self, scene: Surroundings) -> "PlayedTimeReversal":
-        """The plate as a stimulus states it, by the effects that make it, the first finger where it rests."""
+        """Return the plate of a stimulus with the effects that make it."""
         from ...time_reversal.stimulus.setup import Setup
         from .played_plates import PlayedTimeReversal
 
@@ -206,9 +202,9 @@ class TimeReversal(GlassPanel, Surface):
     def _map(self) -> tuple[Stage, ...]:
         needs = ("motion", "x_m", "y_m")
         return (
-            Stage("grid_x", (), "x_m", f"{MAP}:along", {"side_m": self.length_m}, size=self._along(0)),
-            Stage("grid_y", (), "y_m", f"{MAP}:along", {"side_m": self.width_m}, size=self._along(1)),
-            Stage("field", needs, "per_volt_field", f"{MAP}:focus_field", size=self._field_size),
+            Stage("grid_x", (), "x_m", f"{MOTION}:along", {"side_m": self.length_m}, size=self._along(0)),
+            Stage("grid_y", (), "y_m", f"{MOTION}:along", {"side_m": self.width_m}, size=self._along(1)),
+            Stage("field", needs, "per_volt_field", f"{MOTION}:focus_field", size=self._field_size),
             at_voltage("field_at_focus", "per_volt_field", "field_m", self._per_point),
         )
 
@@ -232,11 +228,9 @@ class TimeReversal(GlassPanel, Surface):
         """
         step_m = sqrt(8 * demand.error) / wavenumber_rad_per_m(demand, self.f_max_hz)
         n_x, n_y = ceil(self.length_m / step_m) + 1, ceil(self.width_m / step_m) + 1
-        if n_x * n_y > MOST_POINTS:
-            raise InvalidParameter(
-                f"field_m: found an error of {demand.error:.2g} left for a grid, which takes {n_x} x {n_y} points, "
-                f"expected at most {MOST_POINTS:.2g} in all; loosen the accuracy or ask for focus_displacement_m"
-            )
+        found = f"an error of {demand.error:.2g} left for a grid, which takes {n_x} x {n_y} points"
+        expected = f"at most {MOST_POINTS:.2g} in all; loosen the accuracy or ask for focus_displacement_m"
+        require.expect(n_x * n_y <= MOST_POINTS, "field_m", found, expected)
         return n_x, n_y
 
     def grid_error(self, demand: Demand) -> float:
@@ -272,11 +266,11 @@ def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
 
 
 def _under_finger(demand: Demand) -> Size:
-    """The same of the course under a finger, which must be on the plate."""
+    """Return the per-volt course under a finger, which must be on the plate."""
     check_on_plate(demand)
     return _per_sample(100.0)(demand)
 
 
 def first_magnitude(values: Any, voltage_v: float) -> float:
-    """The magnitude of the first of some values, at a voltage."""
+    """Return the magnitude of the first value at a voltage."""
     return float(abs(values[0] * voltage_v))

@@ -15,12 +15,7 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import NotNegative, Positive, PositiveArray, PositiveWhole, UnboundedArray
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import (
-    at_most,
-    between,
-    not_negative_array,
-    positive_array,
-)
+from tactometry.arguments.require import at_most, between, not_negative_array, positive_array
 
 from ...arrays import FloatArray
 from ..filters import Band
@@ -44,7 +39,7 @@ ALPHA: Final = math.sqrt(math.pi / 2)
 
 @checked
 def one_bit_amplitude_ratio(reversal_s: UnboundedArray, tau_s: Positive) -> FloatArray:
-    """A(T) / A(inf) = 1 - exp(-T / tau) of the one-bit drive; T at least 0 or infinite, tau finite and above 0.
+    """Return A(T) / A(inf) = 1 - exp(-T / tau) of the one-bit drive.
 
     >>> round(float(one_bit_amplitude_ratio(2.0, 1.0)), 3)
     0.865
@@ -55,7 +50,7 @@ def one_bit_amplitude_ratio(reversal_s: UnboundedArray, tau_s: Positive) -> Floa
 
 @checked
 def analogue_amplitude_ratio(reversal_s: UnboundedArray, tau_s: Positive) -> FloatArray:
-    """A(T) / A(inf) = 1 - exp(-2 T / tau) of the analogue drive at a fixed gain."""
+    """Return A(T) / A(inf) = 1 - exp(-2 T / tau) of the analogue drive."""
     not_negative_array("analogue_amplitude_ratio.reversal_s", reversal_s, infinite=True)
     return np.asarray(-np.expm1(-2 * np.asarray(reversal_s, float) / tau_s))
 
@@ -95,7 +90,7 @@ class Reverberation:
 
 @checked
 def contrast_whole(room: Reverberation) -> float:
-    """Amplitude over the rms of the whole plate at the focus instant: sqrt(Q N / (Q + kappa + G)).
+    """Return amplitude over the plate's rms: sqrt(Q N / (Q + kappa + G)).
 
     >>> round(contrast_whole(Reverberation(32, 25e3, 3e-3, 6e-3, 17.96e-3, 2.0)), 1)
     19.7
@@ -112,14 +107,14 @@ def contrast_limit(room: Reverberation) -> float:
 
 @checked
 def repetition_noise_ratio(repetition_s: UnboundedArray, tau_s: Positive) -> FloatArray:
-    """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r / tau))."""
+    """Return a train's residual noise power: 1 / (1 - exp(-2 T_r / tau))."""
     positive_array("repetition_noise_ratio.repetition_s", repetition_s, infinite=True)
     return np.asarray(-1 / np.expm1(-2 * np.asarray(repetition_s, float) / tau_s))
 
 
 @checked
 def repetition_amplitude_ratio(reversal_s: Positive, repetition_s: Positive, tau_s: Positive) -> float:
-    """A / A_single in a long 1-bit train whose drives overlap and are quantised as a sum.
+    """Return A / A_single in a long 1-bit train of overlapping drives.
 
     At each instant the reversed responses of several foci add up as Gaussian signals of standard deviations
     exp(-(s + j T_r) / tau), 0 <= s + j T_r <= T; Bussgang's gain of the sum gives the share of each:
@@ -153,7 +148,7 @@ def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
 
 @checked
 def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
-    """Full width of `focus_profile` where it first falls to `level` (0.5: -6 dB; 0.7071: -3 dB), between 0 and 1.
+    """Return the full width of `focus_profile` at a level from 0 to 1.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(resolution_m(A4_SCREEN, Band(20e3, 60e3)) * 1e3, 1)
@@ -168,7 +163,10 @@ def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
 
 @checked
 def half_wavelength_m(plate: Plate, f_mean_hz: PositiveArray, alpha: Positive = ALPHA) -> FloatArray:
-    """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), 0.3 to 3.3 % above `resolution_m`."""
+    """Return R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean).
+
+    It is 0.3 to 3.3 % above `resolution_m`.
+    """
     return np.asarray(alpha * math.sqrt(plate.wave_constant_m2_per_s) / np.sqrt(np.asarray(f_mean_hz, float)))
 
 
@@ -182,7 +180,7 @@ def _airy(x: FloatArray) -> FloatArray:
 
 @checked
 def patch_response(plate: Plate, side_m: Positive, band: Band) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Frequencies over the band, and W^2 and W^4 there, each averaged over directions: how a patch weights the modes.
+    """Return frequencies, and W^2 and W^4 of a patch averaged over angles.
 
     A patch with a moment along its outline moves a mode by the mean of its curvature over the patch: a wave along the
     angle theta by W = sinc(k s cos(theta) / 2) sinc(k s sin(theta) / 2), s the side. Derived. A patch as long as the
@@ -199,7 +197,7 @@ def patch_response(plate: Plate, side_m: Positive, band: Band) -> tuple[FloatArr
 
 @checked
 def passed_hz(plate: Plate, side_m: float, band: Band) -> float:
-    """The integral of W^2 over the band: the width of the band that the patch lets pass.
+    """Return the bandwidth that the patch passes, the integral of W^2.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(passed_hz(A4_SCREEN, 1e-6, Band(20e3, 60e3)))
@@ -218,7 +216,7 @@ def effective_hz(plate: Plate, side_m: float, band: Band) -> float:
 
 @checked
 def weighted_width_m(plate: Plate, side_m: float, band: Band) -> float:
-    """Full width at -6 dB of the mean of J0(k r) over the band, weighted by W^2."""
+    """Return the full width of the mean of J0(k r), weighted by W^2."""
     from scipy.optimize import brentq
     from scipy.special import j0
 

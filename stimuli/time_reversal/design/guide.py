@@ -1,4 +1,4 @@
-"""The design guide (thesis 3.5): from a plate, transducers, a band and targets to T, T_r, Q, band and thickness.
+"""The design guide for screens (thesis 3.5).
 
 It answers with what closed forms predict for the recommendation (`OFF` says how far the simulation is from them), and
 says of each target that cannot be reached why not and what would have to change. Its rule for time constants is T = 2
@@ -14,8 +14,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, positive
 
 from ...arrays import FloatArray
 from ..filters import Band
@@ -109,11 +108,9 @@ class Design:
 
     def __post_init__(self) -> None:
         held = n_held(self.plate, self.transducers.side_m)
-        if self.transducers.n > held:
-            raise InvalidParameter(
-                f"Transducers: found {self.transducers.n} patches of {self.transducers.side_m * 1e3:.3g} mm, expected "
-                f"at most {held} along the edges of the plate; take fewer or smaller ones"
-            )
+        found = f"{self.transducers.n} patches of {self.transducers.side_m * 1e3:.3g} mm"
+        expected = f"at most {held} along the edges of the plate; take fewer or smaller ones"
+        expect(self.transducers.n <= held, "Transducers", found, expected)
 
     @property
     def noise_ratio(self) -> float:
@@ -122,24 +119,21 @@ class Design:
 
     @property
     def overlap_ratio(self) -> float:
-        """Share of the amplitude left by overlapping drives; 1 for T up to T_r."""
+        """Share of the amplitude left by overlapping drives."""
         if self.repetition_s is None or self.repetition_s >= self.reversal_s:
             return 1.0
         return repetition_amplitude_ratio(self.reversal_s, self.repetition_s, self.tau_s)
 
     @property
     def reverberation(self) -> Reverberation:
-        """Reverberation of the modes as the patches weight them.
-
-        N_eff = n_f (integral of W^2)^2 / integral of W^4.
-        """
+        """N_eff = n_f (integral of W^2)^2 / integral of W^4, of weighted modes."""
         return Reverberation(
             self.transducers.n, effective_hz(*self._weighting), self.tau_s, self.reversal_s, self.plate.modal_density_s
         )
 
     @property
     def n_crossings(self) -> float:
-        """How often the waves of the mean frequency cross the plate, the root of its area, within T and tau."""
+        """Number of crossings of the plate by waves within T and tau."""
         speed_m_per_s = float(group_velocity_m_per_s(self.plate, self.band.mean_hz))
         return speed_m_per_s * min(self.reversal_s, self.tau_s) / math.sqrt(self.plate.area_m2)
 
@@ -153,7 +147,7 @@ class Design:
 
     @property
     def resolution_m(self) -> float:
-        """Full width at -6 dB of the mean of J0(k r) over the band, weighted by W^2; see `OFF`."""
+        """Full width at -6 dB, weighted by the patches."""
         return weighted_width_m(*self._weighting)
 
     @property
@@ -162,12 +156,12 @@ class Design:
 
     @property
     def contrast(self) -> float:
-        """`contrast_whole` of the weighted modes with the noise of repetition; see `OFF`."""
+        """Contrast of the weighted modes with the noise of repetition."""
         return contrast_whole(self.reverberation) / math.sqrt(self.noise_ratio)
 
     @property
     def amplitude_m(self) -> float:
-        """Expected focus amplitude of the 1-bit drive, in a diffuse field of equally weighted modes.
+        """Expected focus amplitude of the 1-bit drive in a diffuse field.
 
         A = V Q sqrt(2/pi) tau (1 - exp(-T/tau)) sigma with sigma^2 = n_f / 2 (m A_p / (M c))^2 times the integral of
         W^2 over the band; W is the low-pass of the patch, averaged over directions. Derived; see `OFF`. Drives that
@@ -192,7 +186,7 @@ class Guide:
 
 @checked
 def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: Positive, target: Target) -> Guide:
-    """Choose T, T_r, Q and band for a target, changing as little as possible of what is given.
+    """Choose T, T_r, Q and band for a target with the least changes.
 
     Parameters
     ----------
@@ -227,7 +221,7 @@ def amplitudes_m(design: Design, reversal_s: Vector) -> FloatArray:
 
 @checked
 def contrast_over(design: Design, n_channels: Vector, reversal_s: Vector) -> FloatArray:
-    """(n_channels, n_times): contrast for numbers of transducers and reversal times."""
+    """Return the contrast for numbers of channels and reversal times."""
     room = design.reverberation
     return np.array(
         [
@@ -239,7 +233,7 @@ def contrast_over(design: Design, n_channels: Vector, reversal_s: Vector) -> Flo
 
 @checked
 def n_held(plate: Plate, side_m: Positive) -> int:
-    """Square patches of side `side_m` in one row along the edges; 0 if a patch is larger than the plate.
+    """Return how many patches fit in one row along the edges, or 0.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> n_held(A4_SCREEN, 35e-3)
@@ -251,7 +245,7 @@ def n_held(plate: Plate, side_m: Positive) -> int:
 
 @checked
 def thickness_for_m(plate: Plate, band: Band, wanted_resolution_m: float) -> float:
-    """Thickness that gives a resolution in a band with small patches: widths go with its square root."""
+    """Return the thickness for a resolution with small patches."""
     return plate.thickness_m * (wanted_resolution_m / resolution_m(plate, band)) ** 2
 
 
@@ -273,7 +267,7 @@ def _for_resolution(design: Design, wanted_m: float | None) -> tuple[Design, tup
 
 
 def _moved_up(design: Design, wanted_m: float) -> Design | None:
-    """The design with its band scaled until it resolves, if the wave stays longer than a patch."""
+    """Scale the band until it resolves, if waves stay longer than a patch."""
     from scipy.optimize import brentq
 
     def scaled(factor: float) -> Design:
@@ -288,7 +282,7 @@ def _moved_up(design: Design, wanted_m: float) -> Design | None:
 
 @checked
 def wavelength_to_patch(plate: Plate, frequency_hz: Positive, side_m: Positive) -> float:
-    """Wavelength over the side of a patch; below 1 the patch hardly radiates."""
+    """Return the wavelength over the side of a patch."""
     return float(2 * math.pi / wavenumber_rad_per_m(plate, frequency_hz) / side_m)
 
 
@@ -325,7 +319,7 @@ def _for_amplitude(design: Design, wanted_m: float | None) -> tuple[Design, tupl
 
 
 def _with_transducers(design: Design, needed: int, refusal: str) -> tuple[Design, tuple[str, ...]]:
-    """The design with as many transducers as are needed if the edges hold them, else as it is, with why not."""
+    """Add transducers as needed if the edges have space for them."""
     if needed > _most(design):
         return design, (refusal,)
     return replace(design, transducers=replace(design.transducers, n=needed)), ()

@@ -20,15 +20,7 @@ from tactometry.arguments.require import positive_array, some
 from ..filters import Band
 from ..plate.plate import Plate
 from ..plate.statics import bending_stress_pa, deflection_m
-from .guide import (
-    FINGER_DIAMETER_M,
-    FINGER_FORCE_N,
-    STRESS_MAX_PA,
-    Guide,
-    Target,
-    Transducers,
-    recommend,
-)
+from .guide import FINGER_DIAMETER_M, FINGER_FORCE_N, STRESS_MAX_PA, Guide, Target, Transducers, recommend
 
 SHEETS_M: Final = (0.3e-3, 0.4e-3, 0.5e-3, 0.55e-3, 0.7e-3, 0.9e-3, 1.1e-3, 1.3e-3, 1.6e-3, 2e-3, 2.5e-3, 3e-3, 4e-3)
 """Thicknesses in which thin glass is sold; unverified default."""
@@ -81,7 +73,7 @@ def sheets(
     target: Target,
     thicknesses_m: Sequence[float] = SHEETS_M,
 ) -> list[Sheet]:
-    """The guide of each thickness, ascending, that of `plate` among them; see `recommend` of `design`."""
+    """Return the guide of each thickness, ascending, with that of `plate`."""
     some("sheets.thicknesses_m", thicknesses_m)
     positive_array("sheets.thicknesses_m", thicknesses_m)
     held = replace(plate, boundary="SSSS")
@@ -98,7 +90,7 @@ def sheets(
 
 @checked
 def best_sheet(among: Sequence[Sheet], thickness_m: Positive) -> Sheet:
-    """The sheet that misses the least; of several that nearest to `thickness_m`, by ratio.
+    """Return the sheet that misses least; of equals the nearest by ratio.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> found = sheets(A4_SCREEN, Transducers(side_m=5e-3), Band(20e3, 60e3), 3.5e-3, Target(contrast=28.0))

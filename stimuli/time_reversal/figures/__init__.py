@@ -1,1 +1,1 @@
-"""Figures of the thesis; `gallery` draws all of them."""
+"""Figures of the thesis."""

@@ -1,4 +1,4 @@
-"""How the figures look: one column width, colours that colour-blind readers can tell apart, units on every axis."""
+"""Style of the figures: width, colours, axes and units."""
 
 from collections.abc import Iterator, Mapping
 from itertools import cycle
@@ -20,13 +20,13 @@ ABOVE: Final[Mapping[str, Any]] = {"loc": "lower center", "bbox_to_anchor": (0.5
 def sheet(
     n_rows: int = 1, n_columns: int = 1, *, width_in: float = 6.4, height_in: float = 4.0
 ) -> tuple[Figure, list[Axes]]:
-    """A figure and its axes, row by row."""
+    """Return a figure and its axes, row by row."""
     figure = Figure(figsize=(width_in, height_in), layout="constrained")
     return figure, list(figure.subplots(n_rows, n_columns, squeeze=False).ravel())
 
 
 def label(axes: Axes, x: str, y: str, title: str = "", *, from_zero: bool = False, **legend: Any) -> None:
-    """Axis labels with units, a light grid, no box; a legend of what is drawn under a name, where `legend` says."""
+    """Label the axes with units, and draw a light grid and a legend."""
     axes.set(xlabel=x, ylabel=y)
     if from_zero:
         axes.set_ylim(0, 1.05 * axes.dataLim.y1)  # else values far above 0 stand on the upper edge
@@ -38,7 +38,7 @@ def label(axes: Axes, x: str, y: str, title: str = "", *, from_zero: bool = Fals
 
 
 def colours() -> Iterator[str]:
-    """The palette, over and over."""
+    """Repeat the palette without end."""
     return cycle(COLOURS)
 
 

@@ -1,4 +1,4 @@
-"""Figures of chapter 3 that closed forms draw: resolution, stress, amplitude and contrast."""
+"""Figures of chapter 3 from closed forms."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
@@ -8,16 +8,14 @@ from matplotlib.figure import Figure
 
 from tactometry.palette import BLACK, BLUE, ORANGE
 
-from ..design.closed_forms import (
-    half_wavelength_m,
-)
+from ..design.closed_forms import half_wavelength_m
 from ..design.guide import STRESS_MAX_PA, Guide, amplitudes_m, contrast_over
 from ..design.thickness import Sheet
 from .style import colours, label, sheet
 
 
 def trade_offs(guide: Guide) -> Figure:
-    """Amplitude and contrast over T, contrast over Q, resolution over mean frequency; the recommendation is marked."""
+    """Plot amplitude, contrast and resolution with the recommendation."""
     design = guide.design
     figure, (amplitude, over_t, over_q, resolution) = sheet(2, 2, width_in=8.6, height_in=6.2)
     times = np.linspace(0.1, 4.0, 60) * design.tau_s
@@ -42,7 +40,7 @@ def trade_offs(guide: Guide) -> Figure:
 
 
 def over_thickness(among: Sequence[Sheet], best: Sheet) -> Figure:
-    """Resolution, contrast, amplitude and stress of each sheet: hollow where a wish is missed, the best ringed."""
+    """Plot each sheet's numbers, hollow where a target is missed."""
     figure, axes = sheet(2, 2, width_in=8.0, height_in=6.0)
     for one, (name, of) in zip(axes, _QUANTITIES.items(), strict=True):
         for choice in among:

@@ -1,4 +1,4 @@
-"""Foci by the length of their bursts: an amplifier that switches between its supply and off cannot scale a voltage.
+"""Foci whose level is set by the length of their bursts.
 
 A drive that is off until shortly before its focus makes a smaller one: the sum over what is on of the supply times the
 response. Channels are switched on one by one, so that a step is one sample of one channel. The foci of a train are made
@@ -66,7 +66,7 @@ class Bursts:
         return float(self._made_m(self.bits[0], self.heard.samples[self.rows[0]]).max())
 
     def drive(self, amplitudes_m: FloatArray) -> Signal:
-        """The drive (V: the supply, its negative, and 0 where a channel is off) whose foci have these amplitudes.
+        """Return the drive (V: the supply, its negative or 0) with these foci.
 
         Raises `LimitExceeded` if no burst makes a focus to `RESOLVED`.
         """
@@ -86,7 +86,7 @@ class Bursts:
         return Signal(self.supply_v * on + 0.0, self.heard.rate_hz, "V")
 
     def _burst(self, bits: FloatArray, response: FloatArray, missing_m: float, nearest_m: float) -> FloatArray:
-        """The bits that make `missing_m`, from the focus backwards; the others are 0."""
+        """Return the bits that make `missing_m`, from the focus backwards, else 0."""
         made_m = self._made_m(bits, response)
         n_on = int(np.argmin(np.abs(made_m - missing_m)))
         if abs(made_m[n_on] - missing_m) > nearest_m:
@@ -98,7 +98,7 @@ class Bursts:
         return np.asarray(bits * is_on.reshape(bits.T.shape).T[:, ::-1])
 
     def _made_m(self, bits: FloatArray, response: FloatArray) -> FloatArray:
-        """The focus of 0, 1, ... samples that are on, backwards from the instant and channel by channel."""
+        """Return the focus of 0, 1, ... samples, added backwards by channel."""
         latest_first = (bits[:, ::-1] * response[:, : bits.shape[1]]).T.ravel()
         return self.supply_v * np.concatenate([[0.0], np.cumsum(latest_first)])
 

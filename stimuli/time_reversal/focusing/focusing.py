@@ -33,7 +33,7 @@ def reversed_waveform(
     weights: Sequence[float] | None = None,
     window: FloatArray | None = None,
 ) -> FloatArray:
-    """The reversed responses of the foci, summed with weights.
+    """Sum the reversed responses of the foci with weights.
 
     Raises `InvalidParameter` if T is longer than the responses, a number of weights or samples does not fit, or all
     responses are zero.
@@ -105,7 +105,7 @@ def drive(
 
 @checked
 def emitted(signal: Signal, responses: Responses) -> FloatArray:
-    """(n_points, n_samples + n_response_samples - 1): the time signal at every point, by fast convolution."""
+    """Return the time signal at every point by fast convolution."""
     _same_channels(signal, responses)
     n = max(signal.samples.shape[1] + responses.n_samples - 1, 0)
     if signal.samples.shape[1] == 0 or responses.n_samples == 0:
@@ -117,7 +117,7 @@ def emitted(signal: Signal, responses: Responses) -> FloatArray:
 
 @checked
 def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
-    """(n_points,): every point at the focus instant, the last sample of the drive; a plain sum of products."""
+    """Return every point's value (n_points,) at the focus instant."""
     _same_channels(signal, responses)
     n = signal.samples.shape[1]
     if n > responses.n_samples:

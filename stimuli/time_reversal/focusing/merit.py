@@ -30,13 +30,13 @@ HALF: float = 0.5
 
 @checked
 def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
-    """|A| over the rms of the field on the whole plate at the focus instant."""
+    """Return |A| over the rms field of the plate at the focus instant."""
     return _ratio(amplitude_m, field_m)
 
 
 @checked
 def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
-    """Full width of a focus along a line, between the crossings of `level` nearest to the peak.
+    """Return the full width of a focus at `level`, along a line.
 
     `HALF` gives the width at -6 dB, 0.7071 at -3 dB; crossings are found by linear interpolation.
 
@@ -46,10 +46,8 @@ def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
     """
     ascending("width_m.at_m", at_m)
     between("width_m", 0, 1, level=level)
-    if np.shape(profile) != np.shape(at_m) or not np.any(profile):
-        raise InvalidParameter(
-            f"profile: found shape {np.shape(profile)}, expected {np.shape(at_m)} as at_m has, not all zero"
-        )
+    expected = f"{np.shape(at_m)} as at_m has, not all zero"
+    expect(np.shape(profile) == np.shape(at_m) and np.any(profile), "profile", f"shape {np.shape(profile)}", expected)
     peak = int(np.argmax(np.abs(profile)))
     relative = profile / profile[peak]  # 1 at the peak, whichever its sign
     right = _crossing(at_m[peak:], relative[peak:], level)
@@ -59,16 +57,14 @@ def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
 
 @checked
 def area_m2(field_m: Matrix, grid_m: Grid, level: float = HALF) -> float:
-    """Area around the peak that stays above `level` times the peak, counting cells connected to the peak."""
+    """Return the connected area around the peak above `level` times it."""
     from scipy.ndimage import label
 
     between("area_m2", 0, 1, level=level)
     for axis_m in grid_m:
         ascending("area_m2.grid_m", axis_m)
-    if field_m.shape != tuple(map(len, grid_m)) or not field_m.any():
-        raise InvalidParameter(
-            f"field_m: found shape {field_m.shape}, expected {tuple(map(len, grid_m))} as the grid has, not all zero"
-        )
+    expected = f"{tuple(map(len, grid_m))} as the grid has, not all zero"
+    expect(field_m.shape == tuple(map(len, grid_m)) and field_m.any(), "field_m", f"shape {field_m.shape}", expected)
     peak = np.unravel_index(np.argmax(np.abs(field_m)), field_m.shape)
     islands, _ = label(field_m / field_m[peak] >= level)
     cell = (grid_m[0][1] - grid_m[0][0]) * (grid_m[1][1] - grid_m[1][0])
@@ -86,13 +82,13 @@ def envelope(signal: FloatArray) -> FloatArray:
 
 @checked
 def temporal_width_s(signal_m: Vector, rate_hz: Positive, level: float = HALF) -> float:
-    """Full width in time of the envelope around its peak, at `level` times the peak."""
+    """Return the width in time of the envelope at `level` times its peak."""
     return width_m(np.arange(len(signal_m)) / rate_hz, envelope(signal_m), level)
 
 
 @checked
 def uniformity(amplitudes_m: Vector) -> float:
-    """1 - standard deviation / mean over focus positions; 1 is an even screen."""
+    """Return 1 - SD / mean over focus positions."""
     amplitudes = np.abs(np.asarray(amplitudes_m, float))
     if amplitudes.size < 2 or not amplitudes.any():
         raise InvalidParameter(f"amplitudes_m: found {amplitudes.size} values, expected two or more, not all zero")
@@ -116,7 +112,7 @@ def _crossing(at: FloatArray, relative: FloatArray, level: float) -> float:
 
 @checked
 def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
-    """Mean electrical power during a drive that switches between levels, whose samples are the levels it holds.
+    """Return the mean power of a drive that switches between levels.
 
     Every change by dV of a capacitance that is charged from a stiff supply dissipates C dV^2 / 2: a +-V
     bridge loses 2 C V^2 per transition, Q C 2 V^2 r_t in all. A waveform without steps takes `dielectric_power_w`.
@@ -130,7 +126,7 @@ def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
 def dielectric_power_w(
     signal: Signal, channel_capacitance_f: float, loss_tangent: NotNegative = PZ27_LOSS_TANGENT
 ) -> float:
-    """Mean power that the ceramics turn into heat under a drive without steps, taken as a period of one that repeats.
+    """Return the mean dielectric loss of a drive that repeats.
 
     P = w C tan(delta) V^2 / 2 for a component of amplitude V (the definition of the loss tangent), summed over the
     components of all channels. What a linear amplifier itself turns into heat depends on its class and supply, and is
@@ -154,13 +150,13 @@ def _drive(owner: str, signal: Signal, channel_capacitance_f: float) -> None:
 
 @checked
 def contributions_m(responses: Responses, voltage_v: float) -> FloatArray:
-    """(n_points, n_channels): what each transducer adds to a one-bit focus at each point; its amplitude alone."""
+    """Return what each transducer adds to a one-bit focus at each point."""
     return np.asarray(voltage_v * np.abs(responses.samples).sum(axis=2))
 
 
 @checked
 def amplitude_over_count_m(contributions: Matrix, rng: np.random.Generator, n_draws: int = 50) -> FloatArray:
-    """(n_draws, n_points, n_channels): focus amplitude of 1..Q transducers, added in random orders."""
+    """Return amplitudes of 1..Q transducers, added in random orders."""
     whole("amplitude_over_count_m", lowest=1, n_draws=n_draws)
     orders = (rng.permutation(contributions.shape[1]) for _ in range(n_draws))
     return np.stack([np.cumsum(contributions[:, order], axis=1) for order in orders])
@@ -172,11 +168,10 @@ def amplitude_by_subset_m(contributions: Matrix, subsets: Mapping[str, Sequence[
 
     Raises `InvalidParameter` if a subset is empty or names a channel that is not there.
     """
+    n_channels = contributions.shape[1]
     for name, channels in subsets.items():
-        if not channels or not set(channels) <= set(range(contributions.shape[1])):
-            raise InvalidParameter(
-                f"subsets[{name!r}]: found {list(channels)}, expected channels from 0 to {contributions.shape[1] - 1}"
-            )
+        are_channels = len(channels) > 0 and set(channels) <= set(range(n_channels))
+        expect(are_channels, f"subsets[{name!r}]", list(channels), f"channels from 0 to {n_channels - 1}")
     return {name: contributions[:, list(channels)].sum(axis=1) for name, channels in subsets.items()}
 
 
@@ -211,7 +206,7 @@ MAX_GRID: Final = 100_000
 def modal_amplitudes(
     screen: Screen, signal: Signal, sample: int, f_max_hz: float, quantity: str = "displacement"
 ) -> FloatArray:
-    """(n_modes,): every mode at one sample of a drive, by one matrix product over the past.
+    """Return every mode at one sample of a drive, (n_modes,).
 
     Parameters
     ----------
@@ -220,10 +215,8 @@ def modal_amplitudes(
     """
     one_of("modal_amplitudes.quantity", quantity, QUANTITIES)
     forces = screen.modal_forces(f_max_hz)
-    if signal.samples.shape[0] != forces.shape[1]:
-        raise InvalidParameter(
-            f"signal: found {signal.samples.shape[0]} channels, expected {forces.shape[1]} as the screen has"
-        )
+    expected = f"{forces.shape[1]} as the screen has"
+    expect(signal.samples.shape[0] == forces.shape[1], "signal", f"{signal.samples.shape[0]} channels", expected)
     whole("modal_amplitudes", lowest=0, sample=sample)
     # by age: what was played last comes first, and `first` samples ago if the drive is over
     first = max(sample + 1 - signal.samples.shape[1], 0)
@@ -245,13 +238,13 @@ def grid(screen: Screen, n_x: int, n_y: int) -> Grid:
 
 @checked
 def field(screen: Screen, signal: Signal, sample: int, at_m: Grid, f_max_hz: float) -> FloatArray:
-    """(n_x, n_y): displacement of the plate (m) at one sample of a drive, on the grid `at_m` = (x_m, y_m)."""
+    """Return the displacement (m) on a grid at one sample of a drive."""
     return screen.modes(f_max_hz).field(modal_amplitudes(screen, signal, sample, f_max_hz), *at_m)
 
 
 @checked
 def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_max_hz: float) -> Iterator[FloatArray]:
-    """The fields at ascending samples, one at a time, from one exact run through the drive."""
+    """Yield the fields at ascending samples, from one exact run of the drive."""
     draw = screen.modes(f_max_hz).frame(*at_m)
     for amplitudes in modal_history(screen, signal, samples, f_max_hz).T:
         yield draw(np.ascontiguousarray(amplitudes))
@@ -259,7 +252,7 @@ def movie(screen: Screen, signal: Signal, samples: Sequence[int], at_m: Grid, f_
 
 @checked
 def modal_history(screen: Screen, signal: Signal, samples: Sequence[int], f_max_hz: float) -> FloatArray:
-    """(n_modes, n_kept): modal displacements at ascending samples, by the exact one-step recurrence."""
+    """Return modal displacements at ascending samples (n_modes, n_kept)."""
     from ..plate.propagator import run_impulses
 
     if len(samples) == 0 or min(samples) < 0 or any(np.diff(samples) <= 0):

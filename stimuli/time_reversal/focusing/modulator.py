@@ -41,7 +41,7 @@ class BitStream:
 
 
 def modulate(signal: FloatArray, order: int) -> BitStream:
-    """The bit stream of each channel.
+    """Return the bit stream of each channel.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The sign of the reversed responses: amplifiers that switch between two voltages."""
+"""One-bit drives: the sign of the reversed responses."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Trains of foci under an envelope: the thesis's patterns P0 to P6, and any other.
+"""Trains of foci under an envelope, such as patterns P0 to P6.
 
 P0 is one focus. P1-P3 repeat it at a low frequency under three envelopes, P4-P6 at a high one under the
 same three. The thesis's frequencies, envelopes and durations are not known: 200 and 500 Hz, rectangular,
@@ -172,7 +172,7 @@ def pattern_drive(
     modulation: str = "voltage",
     tau_s: float | None = None,
 ) -> Signal:
-    """The drive of a pattern; focus k comes at sample ``focus_samples(...)[k]``.
+    """Return the drive of a pattern; focus k is at ``focus_samples(...)[k]``.
 
     Raises `InvalidParameter` if the path does not fit, or burst modulation has no tau.
 
@@ -213,22 +213,19 @@ def pattern_drive(
 
 @checked
 def reversed_waveforms(foci: Responses, rows: Sequence[int], reversal_s: float | None) -> dict[int, FloatArray]:
-    """Return the unquantised reversed waveform of each row with foci.
-
-    Each has the shape (n_channels, n_reversal).
-    """
+    """Return the reversed waveform (n_channels, n_reversal) of each row."""
     return {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
 
 
 @checked
 def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> IntArray:
-    """(n_foci,): the sample of each focus in a drive with `n_reversal` samples of reversal."""
+    """Return the sample of each focus in a drive, (n_foci,)."""
     return focus_starts(pattern, rate_hz) + n_reversal - 1
 
 
 @checked
 def burst_s(weight: float, reversal_s: NotNegative, tau_s: Positive) -> float:
-    """Emission that reaches `weight` times the amplitude of the whole T: -tau ln(1 - w (1 - exp(-T / tau))).
+    """Return -tau ln(1 - w (1 - exp(-T / tau))), the burst of weight w.
 
     The weight lies from 0 to 1, T is at least 0 and tau above 0.
 
@@ -258,7 +255,7 @@ def _modulate(piece: FloatArray, weight: float, modulation: str, tau_s: float | 
 
 
 def _supply(weights: FloatArray, starts: IntArray, n: int) -> FloatArray:
-    """(n_samples,): the largest magnitude of the weights whose drives are under way."""
+    """Return the largest weight whose drive is under way, (n_samples,)."""
     supply = np.zeros(int(starts[-1]) + n)
     for weight, start in zip(np.abs(weights), starts, strict=True):
         supply[start : start + n] = np.maximum(supply[start : start + n], weight)

@@ -6,8 +6,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Matrix, Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import within
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, within
 
 from ...arrays import FloatArray
 from ...composition.effect import Demand, Quantity, Size
@@ -49,8 +48,5 @@ class PulseWidth(Quantity):
         return Size()
 
     def _check_rate(self, rate_hz: float) -> None:
-        if 4 * self.carrier_hz > rate_hz:
-            raise InvalidParameter(
-                f"PulseWidth.carrier_hz: found {self.carrier_hz}, expected at most a quarter of the rate, "
-                f"{rate_hz / 4} Hz; lower it or raise rate_hz"
-            )
+        expected = f"at most a quarter of the rate, {rate_hz / 4} Hz; lower it or raise rate_hz"
+        expect(4 * self.carrier_hz <= rate_hz, "PulseWidth.carrier_hz", self.carrier_hz, expected)

@@ -36,7 +36,7 @@ class Analogue:
 
 @checked
 def normalised(waveform: Matrix, *, per_channel: bool = False) -> FloatArray:
-    """The waveform with a peak of 1; zeros stay zeros."""
+    """Scale a waveform to a peak of 1; zeros stay zeros."""
     peak = np.abs(waveform).max(axis=-1 if per_channel else None, keepdims=True, initial=0.0)
     return np.asarray(waveform / np.where(peak > 0, peak, 1.0))
 

@@ -1,4 +1,4 @@
-"""Airborne sound of a driven plate: radiated power, spectrum, A-weighted level.
+"""Airborne sound of a driven plate.
 
 A model for ranking drives. Absolute levels need the distance and the room of a measurement.
 """
@@ -34,7 +34,7 @@ _POLES_HZ: Final = (20.598997, 107.65265, 737.86223, 12194.217)
 
 @checked
 def a_weighting_db(frequency_hz: NotNegativeArray) -> FloatArray:
-    """A-weighting of IEC 61672, 0 dB at 1 kHz; minus infinity above 20 kHz, which has no weight.
+    """Return the A-weighting of IEC 61672, minus infinity above 20 kHz.
 
     >>> [round(float(a), 1) for a in a_weighting_db([100.0, 1000.0, 10000.0])]
     [-19.1, 0.0, -2.5]
@@ -60,7 +60,7 @@ def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: Positive = SOUND
 
 @checked
 def radiation_efficiency(plate: Plate, frequency_hz: NotNegativeArray) -> FloatArray:
-    """Sigma of a plate in a baffle, the mean over the modes that resonate near a frequency; without a step.
+    """Return the radiation efficiency of a plate in a baffle.
 
     Above coincidence (1 - f_c / f)^(-1/2); below it the edges radiate (Maidanik 1962; Leppington, Broadbent and Heron
     1982); near it the size of the plate limits both, sqrt(k l) (0.5 - 0.15 l / L) with l the shorter side
@@ -114,7 +114,7 @@ class NoiseSpectrum:
 
     @property
     def a_weighted_db(self) -> float:
-        """L_A = 10 log10 of the sum of 10^((L_i + A_i) / 10), up to 20 kHz; minus infinity for silence."""
+        """A-weighted level up to 20 kHz, or minus infinity for silence."""
         weight = 10 ** (a_weighting_db(self.frequency_hz) / 10)
         total = float(np.sum(self.pressure_pa2_per_hz * weight) * (self.frequency_hz[1] - self.frequency_hz[0]))
         return 10 * math.log10(total / REFERENCE_PRESSURE_PA**2) if total > 0 else -math.inf
@@ -129,7 +129,7 @@ def noise(
     distance_m: Positive = DISTANCE_M,
     duration_s: float | None = None,
 ) -> NoiseSpectrum:
-    """Sound of a drive at a distance, averaged over `duration_s`, above 0 (by default the drive and 5 tau).
+    """Return the sound of a drive, by default over it and 5 tau.
 
     W = rho_0 c S sigma <v^2>, spread over a hemisphere; <v^2> from the modes in the frequency domain.
     """
@@ -144,7 +144,7 @@ def noise(
 
 @checked
 def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[FloatArray, FloatArray]:
-    """Frequencies up to Nyquist, and the one-sided energy spectrum of the plate's mean-square velocity.
+    """Return frequencies and the energy spectrum of the mean v^2.
 
     Its integral over frequency is the time integral of the mean over the plate of v^2 (m^2/s). Since
     <phi^2> = 1 the mean over the plate is the sum over modes.

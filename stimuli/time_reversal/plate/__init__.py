@@ -1,1 +1,1 @@
-"""The plate: material, size, edges; its modes, waves and static bending."""
+"""The plate: modes, waves and static bending."""

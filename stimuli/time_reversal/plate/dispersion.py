@@ -1,4 +1,4 @@
-"""Bending waves: wavelength, phase and group velocity of thin (Kirchhoff) and thick (Mindlin) plates."""
+"""Bending waves of thin (Kirchhoff) and thick (Mindlin) plates."""
 
 import math
 from typing import TYPE_CHECKING, Final
@@ -69,7 +69,7 @@ def mindlin_angular_frequency_rad_per_s(
 def mindlin_wavenumber_rad_per_m(
     plate: Plate, frequency_hz: NotNegativeArray, shear_factor: Positive = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
-    """Wavenumber of the flexural branch at a frequency: the larger root k^2 of the same quadratic."""
+    """Return the wavenumber of the flexural branch at a frequency."""
     w2 = np.square(2 * np.pi * np.asarray(frequency_hz, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
     shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
@@ -90,7 +90,7 @@ BATCH: Final = 64
 
 
 def frequencies_rad_per_s(plate: Plate, block: "ParityBlock", shear_factor: float) -> FloatArray:
-    """(n_modes,): the frequencies of a block's modes with shear and rotary inertia; rigid modes stay at 0."""
+    """Return a block's frequencies with shear and rotary inertia."""
     starts = range(0, len(block.vectors), BATCH)
     batches = (slice(start, start + BATCH) for start in starts)
     thick = [_thick(plate, block.wavenumber2_per_m2[at], _Shapes(plate, block, at), shear_factor) for at in batches]

@@ -25,19 +25,13 @@ class Glass:
     source: str
 
     def plate(self, length_m: float, width_m: float, thickness_m: float, boundary: str) -> Plate:
-        """A plate of this glass.
+        """Return a plate of this glass.
 
         >>> round(BOROFLOAT_33.plate(0.297, 0.210, 1.1e-3, "SSSS").mass_kg, 4)
         0.153
         """
         return Plate(
-            length_m,
-            width_m,
-            thickness_m,
-            self.youngs_modulus_pa,
-            self.poisson_ratio,
-            self.density_kg_per_m3,
-            boundary,
+            length_m, width_m, thickness_m, self.youngs_modulus_pa, self.poisson_ratio, self.density_kg_per_m3, boundary
         )
 
 

@@ -1,4 +1,4 @@
-"""Sums over modes for many pairs at once, faster than a product with the time functions of the modes.
+"""Fast sums over modes for many pairs at once.
 
 A sum of damped sinusoids at n equal steps of time is a non-uniform discrete Fourier transform (type 1). Each mode is
 spread over a few bins around its frequency by a Kaiser-Bessel kernel; one inverse FFT per pair makes the time signal;
@@ -49,8 +49,9 @@ def modal_sums(
     quantity: str = "displacement",
     out: FloatArray | None = None,
 ) -> FloatArray:
-    """(n_rows, stop - start): weights (n_rows, n_modes) times the impulse responses of the modes at samples
-    start..stop-1; written to `out` if that is given.
+    """Return weights (n_rows, n_modes) times the modes' impulse responses.
+
+    The result (n_rows, stop - start) is of samples start to stop - 1, and written to `out` if that is given.
 
     Examples
     --------
@@ -93,12 +94,12 @@ class _Grid:
 
     @property
     def beta(self) -> float:
-        """The kernel's parameter for this ratio of grid and signal (Beatty et al., IEEE Trans. Med. Imaging 2005)."""
+        """Return the kernel's parameter (Beatty et al., IEEE TMI 2005)."""
         ratio = self.n_fft / self.n
         return math.pi * math.sqrt((WIDTH * (ratio - 0.5) / ratio) ** 2 - 0.8)
 
     def kernel(self, bins: ComplexArray) -> ComplexArray:
-        """I_0(beta (1 - (2 x / width)^2)^(1/2)) at distances x in bins, complex for a decay."""
+        """Return I_0(beta (1 - (2 x / width)^2)^(1/2)) at distances in bins."""
         return np.asarray(
             np.polynomial.polynomial.polyval((self.beta / 2) ** 2 * (1 - (2 * bins / WIDTH) ** 2), BESSEL)
         )
@@ -126,7 +127,7 @@ def _common_decay(oscillators: Oscillators) -> float:
 def _transform(
     oscillators: Oscillators, weights: FloatArray, rate_hz: float, start: int, quantity: str, out: FloatArray
 ) -> None:
-    """The sums over modes in ascending order, written to `out`."""
+    """Write the sums over modes in ascending order to `out`."""
     grid = _Grid.of(out.shape[1])
     kernels, modes = _in_blocks(grid, *_spread_kernel(oscillators, grid, rate_hz, start, quantity))
     # the decay that the modes share is no part of the transform: from the middle, where their phases are taken
@@ -169,7 +170,7 @@ def _in_blocks(grid: _Grid, first: IntArray, kernel: ComplexArray) -> tuple[Floa
 
 
 def _tile(weights: FloatArray, kernels: FloatArray, modes: IndexArray, grid: _Grid) -> FloatArray:
-    """(n_rows, n_fft): what the spread bins become in time; bins beyond 0 and Nyquist fold back, conjugate."""
+    """Return the time signals of spread bins, folded at 0 and Nyquist."""
     bins = np.zeros((len(weights), (len(modes) - 1) * BLOCK + WIDTH), complex)
     wide = bins.view(float)
     for block in np.flatnonzero(np.diff(modes)).tolist():

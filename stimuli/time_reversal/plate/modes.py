@@ -1,4 +1,4 @@
-"""The modes of a plate: frequencies, and shapes as sums of products of functions of x and of y.
+"""Modes of a plate: frequencies and shapes.
 
 Every shape has mean square 1 over the plate, so that every modal mass is the mass of the plate.
 """
@@ -17,10 +17,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, finite_array, shape
 
 from ...arrays import FloatArray, IntArray
-from .dispersion import (
-    mindlin_angular_frequency_rad_per_s,
-    mindlin_wavenumber_rad_per_m,
-)
+from .dispersion import mindlin_angular_frequency_rad_per_s, mindlin_wavenumber_rad_per_m
 from .plate import Plate, navier, ritz
 from .rectangle import Axis, SineAxis
 
@@ -46,15 +43,15 @@ class Modes(Protocol):
         return self.angular_frequency_rad_per_s / (2 * math.pi)
 
     def products(self, on_x: OnAxis, on_y: OnAxis) -> FloatArray:
-        """(n_modes, n_points): each mode with `on_x` applied to its functions of x and `on_y` to those of y."""
+        """Apply `on_x` and `on_y` to each mode's functions of x and y."""
         raise NotImplementedError
 
     def frame(self, x_m: Vector, y_m: Vector) -> Callable[[FloatArray], FloatArray]:
-        """`field` on a fixed grid, its functions evaluated once: for movies and sweeps."""
+        """Return `field` on a fixed grid, its functions evaluated once."""
         raise NotImplementedError
 
     def field(self, amplitude: FloatArray, x_m: Vector, y_m: Vector) -> FloatArray:
-        """(..., n_x, n_y): (..., n_modes) amplitudes times shapes on a grid, by two small products, X^T A Y.
+        """Return amplitudes times shapes on a grid by X^T A Y.
 
         That is 1/20 of the operations of a sum over modes, and in cache.
         """
@@ -63,7 +60,7 @@ class Modes(Protocol):
 
 @checked
 def values(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
-    """Shapes at points; (n_modes, n_points). A point that no shape moves by more than `ROUNDING` holds still: 0."""
+    """Return shapes at points (n_modes, n_points), 0 below `ROUNDING`."""
     _check_points(x_m, y_m)
     shapes = modes.products(lambda axis: axis.value(x_m), lambda axis: axis.value(y_m))
     shapes[:, np.abs(shapes).max(axis=0, initial=0.0) < ROUNDING] = 0.0
@@ -72,7 +69,7 @@ def values(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
 
 @checked
 def laplacians(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
-    """Laplacians of the shapes at points; (n_modes, n_points)."""
+    """Return Laplacians of the shapes at points, (n_modes, n_points)."""
     _check_points(x_m, y_m)
     along_x = modes.products(lambda axis: axis.curvature(x_m), lambda axis: axis.value(y_m))
     return along_x + modes.products(lambda axis: axis.value(x_m), lambda axis: axis.curvature(y_m))
@@ -145,7 +142,7 @@ class RitzModes(Modes):
 
 @checked
 def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = None) -> SeparableModes | RitzModes:
-    """The modes of a plate from 0 Hz to `f_max_hz`, sorted; the last solutions are kept.
+    """Return the modes from 0 Hz to `f_max_hz`, sorted, and cache the last.
 
     Raises `InvalidParameter` if `f_max_hz` is not above 0, or a Ritz solution would be too large.
 
@@ -179,7 +176,7 @@ def _check_points(x_m: ArrayLike, y_m: ArrayLike) -> None:
 
 
 def _thin_hz(plate: Plate, f_max_hz: float, shear_factor: float) -> float:
-    """The frequency of the thin plate whose waves are as long as those of the thick one at `f_max_hz`."""
+    """Return the thin plate's frequency for the thick one's wavelength."""
     k_max = float(mindlin_wavenumber_rad_per_m(plate, f_max_hz, shear_factor))
     return plate.wave_constant_m2_per_s * k_max**2 / (2 * math.pi)
 
@@ -215,7 +212,7 @@ def _draw(block: "ParityBlock", amplitude: FloatArray, x_functions: FloatArray, 
 
 
 def _field_of(amplitude: FloatArray, place: IntArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
-    """X A Y for amplitudes at places of the table A, the shorter product first."""
+    """Return X A Y, the shorter product first."""
     (n_x, n_m), (n_n, n_y) = x_functions.shape, y_functions.shape
     table = np.zeros((*amplitude.shape[:-1], n_m * n_n))
     table[..., place] = amplitude

@@ -55,7 +55,7 @@ class Oscillators:
         return np.asarray(larger * np.sqrt(apart * together))
 
     def impulse(self, rate_hz: float, start: int, stop: int, quantity: str = "displacement") -> FloatArray:
-        """(n, stop - start): the response at samples start..stop-1 to a unit impulse at sample 0.
+        """Return the impulse response at samples start to stop - 1.
 
         Acceleration is that of t > 0: the impulse itself is not in it.
         """
@@ -81,7 +81,7 @@ class Oscillators:
         return out
 
     def step(self, step_s: float) -> tuple[FloatArray, FloatArray]:
-        """(n,) displacement and velocity of the response after one time, at least 0."""
+        """Return displacement and velocity (n,) after one time, at least 0."""
         if not self.oscillates.all():
             return self.impulse_at(step_s)[:, 0], self.impulse_at(step_s, "velocity")[:, 0]
         turned = self._phasor(np.array([step_s]), 1.0)[:, 0]
@@ -93,7 +93,7 @@ class Oscillators:
         return self._phasor(np.array([float(sample)]), rate_hz)[:, 0] * self._weight(quantity)
 
     def compliance(self, mass_kg: float, s: ComplexArray) -> ComplexArray:
-        """(n, n_frequencies): 1 / (M (s^2 + 2 a s + w^2)) at complex frequencies (rad/s)."""
+        """Return 1 / (M (s^2 + 2 a s + w^2)) at complex s (rad/s)."""
         decay_per_s = self.decay_per_s
         if (decay_per_s == decay_per_s[:1]).all():
             decay_per_s = decay_per_s[:1]  # one row for all modes
@@ -102,11 +102,11 @@ class Oscillators:
         return np.divide(1, stiffness, out=stiffness)
 
     def of(self, which: NDArray[np.bool_] | IndexArray) -> "Oscillators":
-        """Some of the modes."""
+        """Return some of the modes."""
         return Oscillators(self.omega_rad_per_s[which], self.decay_per_s[which])
 
     def _swinging(self, rate_hz: float, start: int, stop: int, quantity: str) -> FloatArray:
-        """Im of w e^{(-1/tau + i w_d) t}, from phases of blocks times phases inside a block."""
+        """Return Im of w e^{(-1/tau + i w_d) t} by blocks of phases."""
         first, last = start // BLOCK, (stop - 1) // BLOCK + 1
         anchors = self._phasor(np.arange(first, last) * float(BLOCK), rate_hz) * self._weight(quantity)[:, None]
         inner = self._phasor(np.arange(float(BLOCK)), rate_hz)
@@ -126,7 +126,7 @@ class Oscillators:
 
 
 def unit_phasor(omega_rad_per_s: FloatArray, sample: NDArray[np.floating], rate_hz: float) -> ComplexArray:
-    """exp(i omega sample / rate), right to a few units in the last place at any phase.
+    """Return exp(i omega sample / rate), accurate at any phase.
 
     The product and the quotient are carried as a pair of doubles; the sine reduces the first one exactly.
     """
@@ -139,7 +139,7 @@ def unit_phasor(omega_rad_per_s: FloatArray, sample: NDArray[np.floating], rate_
 
 
 def turns(omega_rad_per_s: FloatArray, sample: float, rate_hz: float) -> tuple[FloatArray, FloatArray]:
-    """Omega sample / (2 pi rate) as a pair of doubles: the second is what the first is rounded by."""
+    """Return omega sample / (2 pi rate) as a pair of doubles."""
     product, product_low = _two_product(omega_rad_per_s, np.float64(sample))
     turned, turned_low = _two_product(product, np.float64(PER_TURN))
     high = turned / rate_hz

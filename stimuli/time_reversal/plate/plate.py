@@ -1,4 +1,4 @@
-"""A thin rectangular plate: material, size, edges and what follows from them in closed form."""
+"""Thin rectangular plates in closed form."""
 
 import math
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import at_most, positive, within
+from tactometry.arguments.require import at_most, expect, positive, within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -63,11 +63,9 @@ class Plate:
 
     def __post_init__(self) -> None:
         within("Plate", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
-        if len(self.boundary) != 4 or not set(self.boundary) <= set("SCF"):
-            raise InvalidParameter(
-                f"Plate.boundary: found {self.boundary!r}, expected four letters of S, C, F for the edges "
-                "x=0, y=0, x=length, y=width, such as 'SSSS'"
-            )
+        found = repr(self.boundary)
+        expected = "four letters of S, C, F for the edges x=0, y=0, x=length, y=width, such as 'SSSS'"
+        expect(len(self.boundary) == 4 and set(self.boundary) <= set("SCF"), "Plate.boundary", found, expected)
 
     @property
     def area_m2(self) -> float:
@@ -97,17 +95,17 @@ class Plate:
 
     @property
     def wave_constant_m2_per_s(self) -> float:
-        """sqrt(D / rho_s): the angular frequency is this times the squared wavenumber."""
+        """Constant sqrt(D / rho_s): omega over the squared wavenumber."""
         return math.sqrt(self.bending_rigidity_n_m / self.area_density_kg_per_m2)
 
     @property
     def modal_density_s(self) -> float:
-        """Modes per hertz at high frequency, S / (2 sqrt(D / rho_s)), whatever the edges."""
+        """Modes per hertz at high frequency, S / (2 sqrt(D / rho_s))."""
         return self.area_m2 / (2 * self.wave_constant_m2_per_s)
 
     @property
     def point_impedance_n_s_per_m(self) -> float:
-        """Driving-point impedance of the infinite plate, 8 sqrt(D rho_s), real at every frequency."""
+        """Driving-point impedance of the infinite plate, 8 sqrt(D rho_s)."""
         return 8 * math.sqrt(self.bending_rigidity_n_m * self.area_density_kg_per_m2)
 
     def contains(self, x_m: float, y_m: float) -> bool:
@@ -115,7 +113,7 @@ class Plate:
         return 0 <= x_m <= self.length_m and 0 <= y_m <= self.width_m
 
     def check_holds(self, name: str, at_m: tuple[float, float]) -> None:
-        """Raise `InvalidParameter`, which names the argument, if a point is outside of the plate."""
+        """Refuse a point outside of the plate, naming the argument."""
         if not self.contains(*at_m):
             x_m, y_m = map(float, at_m)
             raise InvalidParameter(
@@ -128,7 +126,7 @@ class Plate:
         return Rectangle(self.length_m, self.width_m, self.boundary, self.poisson_ratio)
 
     def frequencies_hz(self, f_max_hz: float) -> FloatArray:
-        """Sorted natural frequencies (Kirchhoff) up to `f_max_hz`; rigid-body modes are 0 Hz.
+        """Return sorted natural frequencies up to `f_max_hz`, rigid ones 0 Hz.
 
         Raises `InvalidParameter` if `f_max_hz` is not above 0 or asks for more modes than one solution can hold.
         """
@@ -139,7 +137,7 @@ class Plate:
 
 @checked
 def navier(plate: Plate, f_max_hz: float) -> Sines:
-    """The modes of the thin plate between simple supports, up to a frequency.
+    """Return the simply supported thin plate's modes up to a frequency.
 
     Raises `InvalidParameter` if there are too many.
     """
@@ -151,7 +149,7 @@ def navier(plate: Plate, f_max_hz: float) -> Sines:
 
 @checked
 def ritz(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> Sequence["ParityBlock"]:
-    """The modes of the thin plate with any edges, up to a frequency, by polynomials of `degrees`, or given ones."""
+    """Return the thin plate's Ritz modes with any edges up to a frequency."""
     # polynomials are not loaded where edges are simply supported
     from .ritz import solve
 
@@ -167,7 +165,7 @@ def ritz_frequencies_hz(plate: Plate, f_max_hz: float, degree: tuple[int, int] |
 
 @checked
 def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
-    """Degree of x and of y that holds the frequencies below `f_max_hz`: half a side times wavenumber, and some more.
+    """Return the degrees of x and y that hold frequencies to `f_max_hz`.
 
     Raises `InvalidParameter` if that is too much to be held.
     """

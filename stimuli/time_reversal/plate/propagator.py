@@ -1,4 +1,4 @@
-"""Exact one-step recurrences of the modal oscillators, for any damping and any step.
+"""Exact one-step recurrences of the modal oscillators.
 
 State (q, q') after a step h: [[g' + 2 a g, g], [-omega^2 g, g']] with g the impulse response at h
 (`Oscillators.impulse_at`) and a = 1/tau; forces either as impulses at the samples or linear between them (first-order
@@ -25,7 +25,7 @@ def transition(oscillators: Oscillators, step_s: float) -> FloatArray:
 
 
 def linear_input(oscillators: Oscillators, step_s: float) -> FloatArray:
-    """(n, 2, 2): weights of the force at both ends of a step on (q, q'), the force linear between.
+    """Return weights (n, 2, 2) of a linear force at both ends of a step.
 
     phi_1 = (e^z - 1)/z, phi_2 = (phi_1 - 1)/z at the poles; near the critical damping and for slow modes,
     where the poles meet, the matrix exponential.
@@ -44,15 +44,17 @@ def linear_input(oscillators: Oscillators, step_s: float) -> FloatArray:
 
 
 def run_impulses(oscillators: Oscillators, impulses: FloatArray, rate_hz: float, keep: IntArray) -> FloatArray:
-    """(n, n_kept): displacements at samples `keep` (ascending) under impulses (n, n_samples) per unit
-    mass.
+    """Return displacements (n, n_kept) after impulses (n, n_samples).
+
+    `keep` are ascending samples; impulses are per unit mass.
     """
     return np.asarray(_impulses(transition(oscillators, 1 / rate_hz), np.ascontiguousarray(impulses.T), keep)).T
 
 
 def run_linear(oscillators: Oscillators, forces: FloatArray, rate_hz: float) -> FloatArray:
-    """(n, n_samples): displacements from rest under forces (n, n_samples) per unit mass, linear between
-    samples.
+    """Return displacements (n, n_samples) from rest under forces per unit mass.
+
+    Forces (n, n_samples) are linear between samples.
     """
     step_s = 1 / rate_hz
     weights = linear_input(oscillators, step_s)
@@ -96,10 +98,7 @@ def _creeping_input(omega: FloatArray, a: FloatArray, split: FloatArray, step_s:
 
 
 def _exponential_input(omega: float, a: float, step_s: float) -> FloatArray:
-    """Return the force weights of a step from a matrix exponential.
-
-    The state contains the force and its slope, in units of the step.
-    """
+    """Return a step's force weights from a matrix exponential with the force."""
     from scipy.linalg import expm
 
     w, d = omega * step_s, a * step_s

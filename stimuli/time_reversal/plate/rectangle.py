@@ -1,4 +1,4 @@
-"""Functions of one coordinate that the modes are products of: sines, or twice-integrated Legendre functions.
+"""Sines and integrated Legendre functions that modes are products of.
 
 Nothing here is a difference of hyperbolic functions: every evaluation is a sine or a three-term Legendre
 recurrence, which hold 14 digits at any order. With P_k orthonormal on [-1, 1], the functions B_k with B_k'' = P_k have
@@ -129,14 +129,14 @@ class Family:
         return len(self.order)
 
     def gram(self, left: str, right: str) -> FloatArray:
-        """Integral over s of two of ``function``, ``slope``, ``curvature_in_s``, exact by orthonormality."""
+        """Return the exact integral of two of ``function``, ``slope`` and so on."""
         first: FloatArray = getattr(self.axis, left)
         second: FloatArray = getattr(self.axis, right)
         return first @ second.T
 
 
 def families(length_m: float, edges: str, degree: int) -> list[Family]:
-    """The functions up to `degree` for the two edges, split into even and odd where both edges are alike.
+    """Return functions up to `degree`, split by parity if the edges are alike.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ class Rectangle:
 
     @property
     def n_rigid(self) -> int:
-        """Number of rigid-body motions, {1, x, y} under the essential conditions of the four edges.
+        """Number of rigid-body motions under the edges' conditions.
 
         >>> [Rectangle(0.3, 0.2, boundary, 0.3).n_rigid for boundary in ("FFFF", "SFFF", "SFSF", "CFFF")]
         [3, 1, 0, 0]

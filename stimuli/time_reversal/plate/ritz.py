@@ -1,4 +1,4 @@
-"""Modes of a rectangle with any edges by Rayleigh and Ritz, solved for 1/lambda in parity blocks.
+"""Ritz modes of a rectangle with any edges, in parity blocks.
 
 K v = lambda M v is turned round, M v = theta (K + s M) v with theta = 1 / (lambda + s): the wanted low
 modes are then the largest eigenvalues and keep all their digits, where `eigh(K, M)` loses them to eps *
@@ -39,10 +39,7 @@ class ParityBlock:
 
 @lru_cache(maxsize=16)
 def solve(rectangle: Rectangle, wavenumber2_max_per_m2: float, degrees: tuple[int, int]) -> Sequence[ParityBlock]:
-    """The modes up to a squared wavenumber, with polynomials of `degrees` in x and y: a block per pair of parities.
-
-    The last solutions are kept: frequencies and shapes are often asked for one after the other.
-    """
+    """Return the Ritz modes up to a squared wavenumber; the last are cached."""
     blocks = [
         _block(rectangle, wavenumber2_max_per_m2, on_x, on_y, degrees) for on_x, on_y in pairs(rectangle, degrees)
     ]
@@ -50,7 +47,7 @@ def solve(rectangle: Rectangle, wavenumber2_max_per_m2: float, degrees: tuple[in
 
 
 def pairs(rectangle: Rectangle, degrees: tuple[int, int]) -> list[tuple[Family, Family]]:
-    """The functions of x and of y, of each pair of parities."""
+    """Yield the functions of x and of y of each pair of parities."""
     p_x, p_y = degrees
     on_x = families(rectangle.length_m, rectangle.edges_x, p_x)
     on_y = families(rectangle.width_m, rectangle.edges_y, p_y)
@@ -71,14 +68,14 @@ def _block(
 
 
 def ellipse(on_x: Family, on_y: Family, p_x: int, p_y: int) -> tuple[IntArray, IntArray]:
-    """The products of functions that are kept: (i / p_x)^2 + (j / p_y)^2 <= 1 in degrees."""
+    """Return the products kept: (i / p_x)^2 + (j / p_y)^2 <= 1 in degrees."""
     inside = (on_x.order[:, None] / p_x) ** 2 + (on_y.order[None, :] / p_y) ** 2 <= 1
     i, j = np.nonzero(inside)
     return i, j
 
 
 def pencil(rectangle: Rectangle, on_x: Family, on_y: Family, i: IntArray, j: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Stiffness and mass in units of (length / 2)^4 k^4: the quadratic form of Kirchhoff's plate."""
+    """Return stiffness and mass in units of (length / 2)^4 k^4."""
     from scipy.sparse import csr_array, kron
 
     r2 = (rectangle.length_m / rectangle.width_m) ** 2  # of two derivatives along y, in units of half the length
@@ -103,7 +100,7 @@ def _integrals(family: Family) -> dict[str, FloatArray]:
 
 
 def _largest(mass: FloatArray, shifted: FloatArray, theta_min: float) -> tuple[FloatArray, FloatArray]:
-    """Eigenvalues theta >= theta_min of M v = theta A v, descending, and their vectors as rows."""
+    """Return eigenvalues theta >= theta_min of M v = theta A v, descending."""
     from scipy.linalg import cholesky, eigh, solve_triangular
 
     lower = cholesky(shifted, lower=True, check_finite=False)
@@ -132,7 +129,7 @@ def _orthonormal(vectors: FloatArray, mass: FloatArray) -> FloatArray:
 
 
 def _without_rigid_noise(blocks: list[ParityBlock], n_zero: int) -> list[ParityBlock]:
-    """Rigid-body modes have a wavenumber of 0 exactly: their number is known from the edges."""
+    """Set the known number of rigid-body modes to a wavenumber of 0."""
     if n_zero == 0:
         return blocks
     ascending = np.sort(np.concatenate([block.wavenumber2_per_m2 for block in blocks]))

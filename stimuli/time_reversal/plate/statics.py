@@ -21,7 +21,7 @@ RITZ_DEGREE: Final = 50
 
 @checked
 def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
-    """Static deflection at points under a point force.
+    """Return the static deflection at points under a point force.
 
     Raises `InvalidParameter` if the force or a point is outside of the plate, the force is not finite, or the edges
     leave a rigid-body motion.
@@ -56,7 +56,7 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
 
 @checked
 def bending_stress_pa(plate: Plate, force_n: float, contact_m: Positive) -> float:
-    """Largest bending stress of a simply supported plate, loaded over a square at its centre.
+    """Return the largest stress under a square load at the centre.
 
     The edges count as simply supported whatever `plate.boundary` says. The square's side `contact_m` is above 0
     and at most the plate's shorter side, else `InvalidParameter`.
@@ -79,14 +79,14 @@ def bending_stress_pa(plate: Plate, force_n: float, contact_m: Positive) -> floa
 
 
 def _side_terms(side_m: float, contact_m: float) -> tuple[FloatArray, FloatArray]:
-    """(n_terms,) of each sine along a side: its value at the middle times its mean over the contact, and its k^2."""
+    """Return each sine's value times mean over the contact, and its k^2."""
     axis, middle = SineAxis(side_m, N_TERMS_PATCH), side_m / 2
     load = axis.integral(middle - contact_m / 2, middle + contact_m / 2)[:, 0] / contact_m
     return axis.value(middle)[:, 0] * load, axis.wavenumber_rad_per_m**2
 
 
 def _levy(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray) -> FloatArray:
-    """One sine series; across it the Green's function of (d^2/dy^2 - mu^2)^2 in decaying exponentials."""
+    """Return the deflection by one sine series across the plate."""
     axis = SineAxis(plate.length_m, N_TERMS)
     along = axis.value(at_m[0])[:, 0]
     across = np.stack([_across(axis.wavenumber_rad_per_m, plate.width_m, at_m[1], float(place)) for place in y])

@@ -1,1 +1,1 @@
-"""Impulse responses: of the model, loaded, filtered, learnt, measured; what is read off them."""
+"""Impulse responses: modelled, loaded, learnt and measured."""

@@ -1,4 +1,4 @@
-"""Learning impulse responses: an excitation on each channel, what was recorded, and a regularised deconvolution.
+"""Learning of impulse responses by regularised deconvolution.
 
 With p the excitation, r the recording and P, R their spectra, h = IFFT(R P* / (abs(P)^2 + epsilon)): Tikhonov's
 regularisation, which keeps what the excitation holds little of from being raised to noise. Both are padded with zeros,
@@ -51,7 +51,7 @@ class Excitation:
 
 @checked
 def sweep(f_min_hz: Positive, f_max_hz: float, *, rate_hz: float, duration_s: float) -> Excitation:
-    """An exponential sweep with raised-cosine ends.
+    """Return an exponential sweep with raised-cosine ends.
 
     Raises `InvalidParameter` if the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has
     no samples.
@@ -70,9 +70,9 @@ def sweep(f_min_hz: Positive, f_max_hz: float, *, rate_hz: float, duration_s: fl
 
 @checked
 def sequence(order: int, *, rate_hz: Positive) -> Excitation:
-    """A maximum-length sequence of 2^order - 1 values of +1 and -1; it fills the band up to the Nyquist frequency.
+    """Return a maximum-length sequence of 2^order - 1 values of +1 and -1.
 
-    Raises `InvalidParameter` if the order is not from 2 to 24.
+    It fills the band up to the Nyquist frequency. Raises `InvalidParameter` if the order is not from 2 to 24.
     """
     from scipy.signal import max_len_seq
 
@@ -86,7 +86,7 @@ def sequence(order: int, *, rate_hz: Positive) -> Excitation:
 def deconvolve(
     played: Vector, recorded: FloatArray, n_samples: int, *, regularisation: float = REGULARISATION
 ) -> FloatArray:
-    """The response that turns `played` into `recorded`.
+    """Return the response that turns `played` into `recorded`.
 
     Raises `InvalidParameter` if a value is not as stated or the excitation is zero.
 
@@ -152,7 +152,7 @@ def learn(
     quantity: str = "displacement",
     regularisation: float = REGULARISATION,
 ) -> Responses:
-    """The responses of one point to every channel.
+    """Learn the responses of one point to every channel.
 
     Raises `InvalidParameter` if the shapes do not fit, or a value is not as stated.
 
@@ -207,7 +207,7 @@ def as_displacement(responses: Responses, f_min_hz: Positive, f_max_hz: float) -
 
 @checked
 def write_learnt(responses: Responses, path: Path, provenance: Mapping[str, str | float | int]) -> None:
-    """Keep responses as NPZ that `measured.read` reads, with where they come from as JSON in ``provenance``."""
+    """Write responses as NPZ with their ``provenance`` as JSON."""
     said = json.dumps(dict(provenance))
     np.savez(path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity, provenance=said)
 

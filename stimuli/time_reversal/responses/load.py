@@ -14,7 +14,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import NotNegative, Positive, Unbounded, UnboundedComplex
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import shape, whole
+from tactometry.arguments.require import expect, shape, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray, fast_length, real_product
@@ -42,7 +42,7 @@ class Attached(Protocol):
     """Something on the plate that answers one motion of it with one generalised force."""
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
-        """(n_modes,): that motion in each mode: the displacement of a point, or the curvature of a patch."""
+        """Return that motion in each mode, (n_modes,)."""
 
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
         """(n_frequencies,): force per motion at complex frequencies s (rad/s)."""
@@ -69,10 +69,8 @@ class PlateLoad:
     stiffness_n_per_m: Unbounded = 0.0
 
     def __post_init__(self) -> None:
-        if not self.stiffness_n_per_m >= 0:
-            raise InvalidParameter(
-                f"PlateLoad.stiffness_n_per_m: found {self.stiffness_n_per_m}, expected at least 0, or inf for a pin"
-            )
+        expected = "at least 0, or inf for a pin"
+        expect(self.stiffness_n_per_m >= 0, "PlateLoad.stiffness_n_per_m", self.stiffness_n_per_m, expected)
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the shapes at the contact."""
@@ -80,7 +78,7 @@ class PlateLoad:
         return values_at(screen, [(self.x_m, self.y_m)], f_max_hz)[:, 0]
 
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
-        """Force per displacement m s^2 + R s + k (N/m) at complex frequencies s (rad/s); infinite for a pin."""
+        """Return m s^2 + R s + k (N/m) at complex s, infinite for a pin."""
         return self.mass_kg * s**2 + self.resistance_n_s_per_m * s + self.stiffness_n_per_m
 
 
@@ -107,7 +105,7 @@ class SprungMass:
         return values_at(screen, [(self.x_m, self.y_m)], f_max_hz)[:, 0]
 
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
-        """Force per displacement of the plate (N/m), the two in series: 1 / (1 / k + 1 / (m s^2))."""
+        """Return 1 / (1 / k + 1 / (m s^2)) (N/m), the two in series."""
         inertia = self.mass_kg * s**2
         return self.stiffness_n_per_m * inertia / (self.stiffness_n_per_m + inertia)
 
@@ -128,12 +126,12 @@ class Receptances:
         return cls(oscillators.compliance(mass_kg, s))
 
     def between(self, to: FloatArray, of: FloatArray) -> ComplexArray:
-        """(n_to, n_of, n_frequencies) from weights (n_modes, n_to) and (n_modes, n_of), by one matrix product."""
+        """Return receptances from weights (n_modes, n_to) and (n_modes, n_of)."""
         self._check(to=to, of=of)
         return self._pairs(to[:, :, None] * of[:, None, :])
 
     def correction(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex) -> ComplexArray:
-        """(n_to, n_of, n_frequencies): what contacts take away from `between(to, of)`.
+        """Return what contacts take away from `between(to, of)`.
 
         With T = H_rc a (b + H_cc a)^-1 it is the sum over modes of of_n (sum_k at_nk T_k) / (M (s^2 + 2 a s + w^2)):
         n_to n_of pairs, where H_cs alone would take k n_of. The fewer of `to` and `of` is carried.
@@ -190,7 +188,7 @@ class Receptances:
 
 @checked
 def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: UnboundedComplex) -> ComplexArray:
-    """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1, what each receiver takes from the motion of each contact.
+    """Return H_rc a (b + H_cc a)^-1, (n_to, k, n_frequencies).
 
     Raises `InvalidParameter` if pinned contacts coincide.
 
@@ -262,7 +260,7 @@ def loaded_responses(
 
 @checked
 def contour(n_samples: int, rate_hz: Positive) -> tuple[ComplexArray, FloatArray, int]:
-    """Complex frequencies, the factor exp(sigma t) that undoes their shift, and the length of the transform."""
+    """Return complex frequencies, the growth of their shift, and n_fft."""
     whole("contour", lowest=1, n_samples=n_samples)
     n_fft = fast_length(2 * n_samples)
     shift = -math.log(WRAP_AROUND) * rate_hz / n_fft  # sigma, by which exp(-sigma t) falls to that in one period
@@ -271,7 +269,7 @@ def contour(n_samples: int, rate_hz: Positive) -> tuple[ComplexArray, FloatArray
 
 
 def _balance(stiffness: ComplexArray, size: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """A = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h); 1 / h and 0 for an infinite Z."""
+    """Return A = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h), finite for any Z."""
     pinned = np.isinf(stiffness)
     finite = np.where(pinned, 0.0, stiffness)
     scale = 1 / (1 + np.abs(finite) * size)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, one_of, shape, some, within
-from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.errors import InvalidFile
 from tactometry.files.durable import LARGEST_BYTES, read_file
 from tactometry.files.hdf5 import as_npz
 from tactometry.files.samples import Npz, table_of_numbers, wav_of
@@ -72,18 +72,15 @@ def read(paths: Sequence[Path], *, full_scale: Positive = 1.0, quantity: str = "
 
 @checked
 def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
-    """A piece of the responses."""
     first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)
-    if first < 0 or n < 1 or first + n > responses.n_samples:
-        raise InvalidParameter(
-            f"start_s, duration_s: found {start_s} and {duration_s}, expected a piece of {responses.duration_s} s"
-        )
+    found, expected = f"{start_s} and {duration_s}", f"a piece of {responses.duration_s} s"
+    expect(first >= 0 and n >= 1 and first + n <= responses.n_samples, "start_s, duration_s", found, expected)
     return replace(responses, samples=responses.samples[:, :, first : first + n])
 
 
 @checked
 def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
-    """Every channel moved earlier by its delay, by a phase ramp: exact to fractions of a sample.
+    """Move every channel earlier by its delay, to fractions of a sample.
 
     Parameters
     ----------
@@ -139,10 +136,7 @@ def _pairs(bad: NDArray[np.bool_] | np.bool_) -> tuple[tuple[int, int], ...]:
 
 
 def _left_of_decay(pairs: FloatArray) -> float:
-    """Return the share of its loudest tenth at which a pair may end.
-
-    0 if no decay can be measured.
-    """
+    """Return the share of its loudest tenth at which a pair may end, or 0."""
     size = pairs.shape[1] // N_BLOCKS if len(pairs) else 0
     if size == 0:
         return 0.0
@@ -158,7 +152,7 @@ def _left_of_decay(pairs: FloatArray) -> float:
 
 @checked
 def reciprocity_error(there: Vector, back: Vector) -> float:
-    """Relative rms difference of the responses p -> q and q -> p, which physics makes equal."""
+    """Return the relative difference of p -> q and q -> p, ideally 0."""
     shape("reciprocity_error.back", back, np.shape(there))
     size = float(np.sqrt(np.mean(np.square(there)) * np.mean(np.square(back))))
     expect(size > 0, "there, back", "zero everywhere", "responses")
@@ -170,7 +164,7 @@ def _kind(responses: Responses) -> tuple[float, str, tuple[int, ...]]:
 
 
 def _longest_run_at_peak(h: FloatArray) -> IntArray:
-    """(n_points, n_channels): most consecutive samples at the extreme value of their channel."""
+    """Return the longest run at each channel's extreme value."""
     at_peak = np.abs(h) >= np.abs(h).max(axis=2, keepdims=True) * (1 - 1e-9)
     run = np.zeros(h.shape[:2], np.int64)
     longest = run.copy()
@@ -245,7 +239,7 @@ def _first_line(line: str) -> dict[str, str]:
 
 
 def _header(line: str) -> list[str]:
-    """The names of the second line; numbers would be a sample taken for names."""
+    """Return the names in the second line; refuse numbers there."""
     names = line.split(",")
     if all(_is_number(cell) for cell in names):
         raise ValueError(f"line 2: found {line.strip()!r}, expected a header row with one name per transducer")

@@ -28,7 +28,7 @@ LOWEST_LOG_FLOOR: Final = -69.0
 
 @checked
 def schroeder_db(response: FloatArray) -> FloatArray:
-    """Energy still to come at each sample, in dB of the whole; minus infinity after the last."""
+    """Return the energy still to come at each sample, in dB."""
     expect(np.any(response), "response", "zero everywhere", "an impulse response")
     to_come = np.cumsum(np.square(response)[..., ::-1], axis=-1)[..., ::-1]
     with np.errstate(divide="ignore"):
@@ -66,7 +66,7 @@ def tau_s(response: Vector, rate_hz: Positive) -> float:
 
 @checked
 def decay_of(energy: Vector, kept: IndexArray | None = None) -> Decay:
-    """Fit of the log energy (`N_BLOCKS`,) of equal blocks, from the loudest on; `kept` of them if given."""
+    """Fit the log energy (`N_BLOCKS`,) of equal blocks."""
     if len(energy) != N_BLOCKS or energy.min() < 0 or not energy.any():
         raise InvalidParameter(f"energy: found {len(energy)} blocks, expected {N_BLOCKS} of at least 0, not all zero")
     first = _first(energy)
@@ -81,7 +81,7 @@ def decay_of(energy: Vector, kept: IndexArray | None = None) -> Decay:
 
 
 def _fit(time: FloatArray, level: FloatArray, log_floor: float) -> tuple[float, tuple[float, ...]]:
-    """Cost and (ln A, n_taus, ln floor) of the least squares that starts at a floor."""
+    """Return cost and (ln A, n_taus, ln floor) of a fit from a floor."""
     from scipy.optimize import least_squares
 
     def misfit(x: FloatArray) -> FloatArray:
@@ -100,7 +100,7 @@ def _fit(time: FloatArray, level: FloatArray, log_floor: float) -> tuple[float, 
 
 
 def _blocks(responses: FloatArray, rate_hz: float) -> tuple[FloatArray, float]:
-    """(n, `N_BLOCKS`) mean energy of equal blocks up to the last sound, and their whole length in s."""
+    """Return the mean energy (n, `N_BLOCKS`) of blocks, and their length."""
     loudest = np.abs(responses).max(axis=0)
     sounding = np.flatnonzero(loudest > FAINTEST * loudest.max(initial=0.0))
     expect(len(sounding) > 0, "response", "zero everywhere", "an impulse response")
@@ -117,9 +117,7 @@ def _first(energy: FloatArray) -> int:
 def _clear_decay(energy: FloatArray) -> Decay:
     expect(_first(energy) <= N_BLOCKS // 2, "response", "its loudest part in the second half", "a decay; learn longer")
     decay = decay_of(energy)
-    if decay.fall_db < LEAST_FALL_DB:
-        raise InvalidParameter(
-            f"response: found a fall by {decay.fall_db:.1f} dB until it ends or drowns in its floor, expected at least "
-            f"{LEAST_FALL_DB:.0f} dB; learn longer responses, or average more of them"
-        )
+    found = f"a fall by {decay.fall_db:.1f} dB until it ends or drowns in its floor"
+    expected = f"at least {LEAST_FALL_DB:.0f} dB; learn longer responses, or average more of them"
+    expect(decay.fall_db >= LEAST_FALL_DB, "response", found, expected)
     return decay

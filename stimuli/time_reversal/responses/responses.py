@@ -1,4 +1,4 @@
-"""Impulse responses from every channel to every point: of the model, or measured."""
+"""Impulse responses from every channel to every point."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -71,16 +71,16 @@ class Responses:
         return self.n_samples / self.rate_hz
 
     def at_point(self, index: int) -> "Responses":
-        """The responses of one point."""
+        """Return the responses of one point."""
         return replace(self, samples=self.samples[index : index + 1])
 
     def mean_of(self, points: Sequence[int]) -> "Responses":
-        """The mean over some points, at least one: what foci at all of them at once have as amplitude, on average."""
+        """Return the mean over points, at least one, as simultaneous foci have it."""
         some("Responses.mean_of.points", points)
         return replace(self, samples=self.samples[list(points)].mean(axis=0, keepdims=True))
 
     def of_channels(self, channels: Sequence[int]) -> "Responses":
-        """The responses of some channels."""
+        """Return the responses of some channels."""
         return replace(self, samples=self.samples[:, list(channels)])
 
 
@@ -144,10 +144,8 @@ def samples_in(name: str, duration_s: float, rate_hz: float) -> int:
     """Whole samples of a duration, at least 0."""
     check_sampling(rate_hz, 0)
     expect(np.isfinite(duration_s) and duration_s >= 0, name, duration_s, "a finite time, at least 0")
-    if duration_s * rate_hz > MAX_SAMPLES:
-        raise InvalidParameter(
-            f"{name}: found {duration_s} s at {rate_hz} Hz, expected at most {MAX_SAMPLES:.0e} samples"
-        )
+    expected = f"at most {MAX_SAMPLES:.0e} samples"
+    expect(duration_s * rate_hz <= MAX_SAMPLES, name, f"{duration_s} s at {rate_hz} Hz", expected)
     return round(duration_s * rate_hz)
 
 
@@ -162,12 +160,9 @@ def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
 def _static_residual(
     screen: Screen, points: Sequence[Point], f_max_hz: float, static_to_hz: float, quantity: str
 ) -> FloatArray:
-    """(n_points, n_channels): static displacement per unit of a channel in the modes from `f_max_hz` on."""
-    if not f_max_hz < static_to_hz < np.inf or quantity != "displacement":
-        raise InvalidParameter(
-            f"static_to_hz: found {static_to_hz} for {quantity}, expected a frequency above f_max_hz = {f_max_hz} and "
-            "displacement"
-        )
+    """Return the static displacement by the modes from `f_max_hz` on."""
+    found, expected = f"{static_to_hz} for {quantity}", f"a frequency above f_max_hz = {f_max_hz} and displacement"
+    expect(f_max_hz < static_to_hz < np.inf and quantity == "displacement", "static_to_hz", found, expected)
     omega = screen.modes(static_to_hz).angular_frequency_rad_per_s
     left_out = omega > 2 * np.pi * f_max_hz
     compliance = left_out / (screen.plate.mass_kg * np.where(left_out, omega, 1.0) ** 2)
@@ -205,7 +200,7 @@ def through(responses: Responses, gain: GainCurve) -> Responses:
 
 @checked
 def band_limited(responses: Responses, band: Band) -> Responses:
-    """The responses within a band.
+    """Filter responses to a band.
 
     Raises `InvalidParameter` if the band reaches above the Nyquist frequency.
     """
@@ -219,5 +214,5 @@ def band_limited(responses: Responses, band: Band) -> Responses:
 
 @checked
 def inaudible(responses: Responses, cutoff_hz: float = AUDIBLE_MAX_HZ, flank_hz: float = 0.0) -> Responses:
-    """The audible-band filter: only what lies above `cutoff_hz`. Filter first, then reverse, then quantise."""
+    """Filter responses to frequencies above `cutoff_hz`; filter, then reverse."""
     return band_limited(responses, Band(cutoff_hz, responses.rate_hz / 2, flank_hz))

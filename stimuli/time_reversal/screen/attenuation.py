@@ -69,7 +69,7 @@ class Attenuation(Effect):
         return replace(screen, attenuation=self)
 
     def in_plate(self, scene: "Surroundings") -> PlateContent:
-        """It rings for three time constants, and less at the top of the band."""
+        """Return the ringing time, three time constants, and the loss of the band."""
         f_max_hz: float = scene.surface.f_max_hz
         decades = abs(self.exponent * math.log10(f_max_hz / self.reference_hz))
         found = f"{self.exponent:g}, by which tau changes {decades:.3g} decades up to f_max_hz"
@@ -79,7 +79,7 @@ class Attenuation(Effect):
         return PlateContent(tau_s=float(1 / self.rate_per_s(f_max_hz)), ringing_s=3 * self.tau_s)
 
     def in_setup(self) -> dict[str, float]:
-        """The one time constant of a stimulus's plate."""
+        """Return the one time constant of a stimulus's plate."""
         found = f"{self.exponent:g} where a signal is felt"
         expect(self.exponent == 0, "attenuation.exponent", found, "0: the plate of a stimulus has one tau_s")
         return {"tau_s": self.tau_s}

@@ -1,11 +1,10 @@
-"""A sheet of glass with transducers along its border, a place to focus on and a clock, as files state them."""
+"""Fields of a glass panel with transducers, a focus and a clock."""
 
 from dataclasses import dataclass
 from typing import Final
 
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import one_of, positive, whole
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, one_of, positive, whole
 
 from ..plate.glass import BOROFLOAT_33, GLASSES
 from .transducer import INSET_M, MAX_TRANSDUCERS
@@ -43,8 +42,5 @@ class GlassPanel:
         whole(owner, lowest=1, highest=MAX_TRANSDUCERS, n_transducers=self.n_transducers)
         found_hz: float = getattr(self, highest_hz)
         positive(owner, rate_hz=self.rate_hz, **{highest_hz: found_hz})
-        if 2 * found_hz > self.rate_hz:
-            raise InvalidParameter(
-                f"{owner}.{highest_hz}: found {found_hz}, expected at most half of rate_hz, {self.rate_hz / 2}; "
-                "lower it or raise rate_hz"
-            )
+        expected = f"at most half of rate_hz, {self.rate_hz / 2}; lower it or raise rate_hz"
+        expect(2 * found_hz <= self.rate_hz, f"{owner}.{highest_hz}", found_hz, expected)

@@ -48,11 +48,11 @@ class Screen:
         return len(self.sources)
 
     def modes(self, f_max_hz: float) -> Modes:
-        """The modes below a frequency."""
+        """Return the modes below a frequency."""
         return modes_of(self.plate, f_max_hz, shear_factor=self.shear_factor)
 
     def oscillators(self, f_max_hz: float) -> Oscillators:
-        """The modes below a frequency as oscillators of unit mass."""
+        """Return the modes below a frequency as oscillators of unit mass."""
         modes = self.modes(f_max_hz)
         return Oscillators(modes.angular_frequency_rad_per_s, self.attenuation.rate_per_s(modes.frequency_hz))
 
@@ -76,7 +76,7 @@ defaults.
 
 @checked
 def warmed(screen: Screen, kelvin: float, shift_per_k: float = FREQUENCY_SHIFT_PER_K) -> Screen:
-    """The screen some kelvin warmer: Young's modulus by the square of the shift of the frequencies.
+    """Return the screen some kelvin warmer, with another Young's modulus.
 
     Raises `InvalidParameter` if the frequencies shift by more than a tenth, where no glass goes on in proportion.
 

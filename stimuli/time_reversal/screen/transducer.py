@@ -10,7 +10,6 @@ import numpy as np
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, some, whole
-from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...defaults import VACUUM_PERMITTIVITY_F_PER_M
@@ -65,7 +64,7 @@ class ForceSource(Protocol):
     """Something that drives the plate with one channel."""
 
     def modal_force(self, modes: Modes) -> FloatArray:
-        """(n_modes,): generalised force on each mode per unit of the channel (N per N, or N per V)."""
+        """Return the generalised force on each mode per unit of the channel."""
 
     def check(self, plate: Plate, name: str) -> None:
         """Refuse a place outside of the plate."""
@@ -157,7 +156,7 @@ class DiscPatch:
         _inside(plate, name, (self.x_m, self.y_m), (self.diameter_m / 2, self.diameter_m / 2))
 
     def _rule(self, modes: Modes) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Points and weights for the shortest wave: 12 and wavenumber times radius nodes along the radius."""
+        """Return points and weights that resolve the shortest wave."""
         radius = self.diameter_m / 2
         k_max = math.sqrt(modes.angular_frequency_rad_per_s.max(initial=0) / modes.plate.wave_constant_m2_per_s)
         n_radii = 12 + math.ceil(k_max * radius)
@@ -172,7 +171,7 @@ class DiscPatch:
 
 @checked
 def modal_forces(modes: Modes, sources: Sequence[ForceSource]) -> FloatArray:
-    """(n_modes, n_sources): generalised force of each source on each mode per unit of its channel.
+    """Return each source's generalised force on each mode.
 
     Raises `InvalidParameter` if there is no source, or one is outside of the plate.
     """
@@ -190,7 +189,7 @@ def border(
     inset_m: float = INSET_M,
     moment_n_per_v: float = MOMENT_N_PER_V,
 ) -> list[Patch]:
-    """Square patches at equal steps along a rectangle `inset_m` inside the edges (unverified default layout).
+    """Place square patches in equal steps on a rectangle (unverified).
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> len(border(A4_SCREEN, 32))
@@ -210,8 +209,6 @@ def border(
 def _inside(plate: Plate, name: str, centre: tuple[float, float], half: tuple[float, float]) -> None:
     room = EDGE_TOLERANCE * max(plate.length_m, plate.width_m)
     for at, reach, side in zip(centre, half, (plate.length_m, plate.width_m), strict=True):
-        if not reach - room <= at <= side - reach + room:
-            raise InvalidParameter(
-                f"{name}: found a transducer of {2 * half[0]} x {2 * half[1]} m at {centre} m, "
-                f"expected it inside of the plate of {plate.length_m} x {plate.width_m} m"
-            )
+        found = f"a transducer of {2 * half[0]} x {2 * half[1]} m at {centre} m"
+        expected = f"it inside of the plate of {plate.length_m} x {plate.width_m} m"
+        expect(reach - room <= at <= side - reach + room, name, found, expected)

@@ -1,4 +1,4 @@
-"""The force between a plate that a drive moves and what presses on it, as long as the contact holds."""
+"""Force of contacts on a driven plate, while the contact holds."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -28,7 +28,7 @@ Places = tuple[Point, ...]
 
 @checked
 def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | SprungMass]) -> FloatArray:
-    """(n_samples,): what loads answer a drive with in all, on top of what presses them, `FINER` to a sample.
+    """Return the sum of the loads' forces, `FINER` to a sample.
 
     Exact for linear contacts, which pull as well as they press: the sum of Z (1 + H Z)^-1 U with the displacements U of
     the free plate under them, until 1 ms behind the drive. U is known until it has fallen by 60 dB, so that a period of
@@ -39,12 +39,12 @@ def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | Sp
 
 @checked
 def contact_forces_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | SprungMass]) -> FloatArray:
-    """(n_loads, n_samples): the same of each load, which moves the plate under the others too."""
+    """Return the force of each load, (n_loads, n_samples)."""
     return _forces_n(setup, signal, tuple(loads), np.eye(len(loads)))
 
 
 def _forces_n(setup: Setup, signal: Signal, loads: Loads, of_loads: FloatArray) -> FloatArray:
-    """(n, n_samples): sums of the forces of loads, by their weights (n, n_loads)."""
+    """Return sums of the loads' forces by weights (n, n_loads)."""
     played = np.flatnonzero(signal.samples.any(axis=0))
     if not played.size or not loads:
         return np.zeros((len(of_loads), 0))
@@ -61,7 +61,7 @@ def _places(loads: Sequence[PlateLoad | SprungMass]) -> Places:
 
 @lru_cache(maxsize=4)
 def _free(setup: Setup, signal: Signal, places: Places) -> tuple[ComplexArray, int]:
-    """(n_places, n_frequencies): spectra of the free plate, which no force changes, and of how many samples."""
+    """Return spectra of the free plate, and their number of samples."""
     n_played = int(np.flatnonzero(signal.samples.any(axis=0))[-1]) + 1
     driven = Signal(signal.samples[:, :n_played], signal.rate_hz, signal.unit)
     free_m = emitted(driven, setup.responses_at_each(places))
@@ -71,8 +71,9 @@ def _free(setup: Setup, signal: Signal, places: Places) -> tuple[ComplexArray, i
 
 @lru_cache(maxsize=64)
 def _stiffness(setup: Setup, loads: Loads, n_samples: int, of_loads: tuple[tuple[float, ...], ...]) -> ComplexArray:
-    """(n, n_loads, n_frequencies): W Z (1 + H Z)^-1, sums W of the forces of loads per displacement of the free plate
-    under each.
+    """Return sums of load forces per free displacement under each load.
+
+    W Z (1 + H Z)^-1 with the weights W of `of_loads`, of the shape (n, n_loads, n_frequencies).
     """
     s = _frequencies(setup, n_samples)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)

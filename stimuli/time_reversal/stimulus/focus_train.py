@@ -1,4 +1,4 @@
-"""Foci by the unloaded amplitude of the largest: of any responses, and as a study file has them."""
+"""Foci and trains of foci by unloaded amplitude."""
 
 import math
 from collections.abc import Sequence
@@ -111,7 +111,7 @@ class TimeReversalStimulus:
             whole("TimeReversalStimulus", lowest=1, n_reversal=self._n_reversal)
 
     def at(self, level: float) -> Signal:
-        """The drive (V) whose largest focus has this amplitude.
+        """Return the drive (V) whose largest focus has this amplitude.
 
         Raises `InvalidParameter` if the amplitude is not above 0; `LimitExceeded` if it needs more than
         `voltage_max_v`, or no burst at `supply_v` makes it.
@@ -148,7 +148,7 @@ class TimeReversalStimulus:
 
     @property
     def level_max(self) -> float:
-        """The largest level within `voltage_max_v`; of bursts that of a single focus, which a train reaches nearly."""
+        """Largest level within `voltage_max_v`, or of a single focus by bursts."""
         by_voltage = self.supply_v is None
         amplitude_m = self.voltage_max_v * self.metres_per_volt if by_voltage else self._bursts.reach_m
         return amplitude_m if self.level_unit == "m" else 20 * math.log10(amplitude_m / 1e-6)
@@ -287,7 +287,7 @@ class FocusTrain:
         return longest_s if self.foci.n_foci == 1 else min(longest_s, 1 / self.foci.repetition_hz)
 
     def at(self, level: float) -> Signal:
-        """The drive (V), one channel per transducer, whose largest focus has this unloaded amplitude.
+        """Return the drive (V) whose largest unloaded focus has this amplitude.
 
         Raises `InvalidParameter` if the level is not finite or not above 0 m; `LimitExceeded` if it needs more than
         `voltage_max_v`, or no burst at `supply_v` makes it.

@@ -1,4 +1,4 @@
-"""Foci at named places of a plate, one or several at once, and what fingers feel that rest on such places."""
+"""Foci at named places, and fingers that rest on such places."""
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
@@ -175,10 +175,7 @@ class FingersSensation:
 
 @checked
 def check_fingers(where: str, setup: Setup, places: Mapping[str, Place], fingers: tuple[str, ...]) -> None:
-    """Refuse fingers without a place or closer than a fingertip's width.
-
-    Without names, fingers rest on every place.
-    """
+    """Refuse fingers without a place or closer than a fingertip's width."""
     distinct(where, fingers, "each place once: two fingers do not fit on one")
     at_m = {name: lookup(where, name, places).on(setup) for name in fingers or places}
     for name, other in combinations(at_m, 2):

@@ -148,13 +148,13 @@ class FocusReading:
         return place_on(self.setup, self.x_m, self.y_m)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
-        """The reading in dB re 1 nm; ``-inf`` for none."""
+        """Return the reading in dB re 1 nm; ``-inf`` for none."""
         displacement_m = displacement_at_focus_m(self.setup, signal, self._loads(contact))
         amplitude_m = float(np.abs(displacement_m).max(initial=0.0))
         return -inf if amplitude_m == 0 else float(20 * np.log10(amplitude_m / READING_M))
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """(n_samples,): what a linear contact does to the contactor on top of its force; see `contact_force_n`.
+        """Return a linear contact's force beyond the pressing one, (n_samples,).
 
         Of a tip on a disc it is the sum over the disc: where that pulls by more than presses the tip, no part of it can
         be held; a part may open before.
@@ -176,14 +176,14 @@ class FocusReading:
 
 @checked
 def place_on(setup: Setup, x_m: float | None, y_m: float | None) -> Point:
-    """A place on the screen; what is not said of it is that of the focus."""
+    """Return a place on the screen, by default the focus."""
     at_x_m, at_y_m = setup.focus_m
     return at_x_m if x_m is None else x_m, at_y_m if y_m is None else y_m
 
 
 @checked
 def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
-    """(n_samples,): what the plate does at a place as long as nothing is on it.
+    """Return the free displacement at a place, (n_samples,).
 
     Raises `InvalidParameter` if the signal is not in volt, or its rate or channels are not those of the setup.
     """
@@ -198,7 +198,7 @@ def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
 
 @checked
 def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[PlateLoad]) -> FloatArray:
-    """(n_loads, n_samples): the displacement at contacts from that of the free plate there: U' = (1 + H Z)^-1 U.
+    """Return U' = (1 + H Z)^-1 U at contacts, (n_loads, n_samples).
 
     Exact for linear contacts, of which each moves the plate under the others; solved on the contour of `load.contour`,
     as in `load.loaded_responses`.
@@ -217,7 +217,7 @@ def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[Plate
 
 @checked
 def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad | SprungMass]) -> FloatArray:
-    """(n_samples,): the focus point while the drive lasts, loads on the plate: U_f - T U_c, T = H_fc Z (1 + H_cc Z)^-1.
+    """Return U_f - H_fc Z (1 + H_cc Z)^-1 U_c at the focus, (n_samples,).
 
     U_f and U_c are the free plate's displacements at the focus and at the contacts; solved on the contour of
     `load.contour`, as in `load.loaded_responses`.
@@ -236,7 +236,7 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad 
 
 @checked
 def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, FloatArray]:
-    """Times (s) and magnitudes (m) of the foci in a displacement: peaks above its reverberation, 1 ms apart.
+    """Return times (s) and magnitudes (m) of foci, at least 1 ms apart.
 
     The largest always counts; however small beside it, a focus does if normal noise as strong as the reverberation
     about it would reach that high less than once in the course. The sign of a focus is not felt: it shifts what the
@@ -291,7 +291,7 @@ def _highest(places: IntArray, heights: FloatArray, apart: int) -> list[bool]:
 
 
 def _reverberation_m(magnitude_m: FloatArray, rate_hz: float) -> FloatArray:
-    """(n,): what the reverberation about each sample reaches once in the course, if it is normal noise.
+    """Return what normal reverberation reaches once in the course, (n,).
 
     Of n peaks of a narrow band the share ``exp(-u^2/(2 sigma^2))`` is higher than u (Rice 1945). Its standard deviation
     goes by the median of the magnitude, to which foci, which are short, add little.
@@ -307,7 +307,7 @@ def _reverberation_m(magnitude_m: FloatArray, rate_hz: float) -> FloatArray:
 
 @checked
 def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
-    """Amplitude (m) of the single event that is felt as strongly as all of a course; see `summed_amplitude`.
+    """Return the single event (m) felt as strongly as a whole course.
 
     >>> felt_amplitude_m([0.01], [3e-6])
     3e-06

@@ -1,4 +1,4 @@
-"""A screen and a place to focus on, as a study file states them, for the stimulus and the model of what is felt."""
+"""Screen and focus of a study's stimulus."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,8 +19,9 @@ from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, border
 @checked
 @dataclass(frozen=True)
 class Setup(GlassPanel):
-    """Plate, transducers at its border, losses, sampling and the focus. Every default is unverified: the thesis's
-    prototype as far as it is known.
+    """A screen with its losses, sampling and focus (unverified defaults).
+
+    The defaults are the thesis's prototype as far as it is known.
 
     Parameters
     ----------
@@ -89,7 +90,7 @@ class Setup(GlassPanel):
         return max(self.learnt_s, self.screen.attenuation.t60_s)
 
     def responses_at(self, x_m: float, y_m: float) -> Responses:
-        """Displacement responses of every channel at a point over `heard_s`, all modes up to `modes_to_hz`."""
+        """Return every channel's displacement response at a point."""
         return self.responses_at_each(((x_m, y_m),))
 
     def responses_at_each(self, places: Sequence[Point]) -> Responses:
@@ -97,7 +98,7 @@ class Setup(GlassPanel):
         return _responses(self, tuple(places))
 
     def learnt(self) -> Responses:
-        """The first `learnt_s` of the responses at the focus."""
+        """Return the first `learnt_s` of the responses at the focus."""
         heard = self.responses_at(*self.focus_m)
         return replace(heard, samples=heard.samples[..., : samples_in("learnt_s", self.learnt_s, self.rate_hz)])
 

@@ -23,7 +23,6 @@ from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
 from tactometry.stimuli.electrovibration.textures.texture import Region
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
-from tactometry.stimuli.electrovibration.waveforms.sampled import Sampled
 from tactometry.stimuli.scenes.stages.record import recorded
 
 AREA_M2, FINGER = 1e-4, Finger()
@@ -122,8 +121,3 @@ def test_almost_uniform_times_are_not_treated_as_uniform() -> None:
 def test_a_step_falls_before_its_end() -> None:
     samples = Step(fall_s=0.2, duration_s=0.4, rate_hz=10.0).at(20.0).samples[0]
     np.testing.assert_allclose(samples, [10.0, 10.0, 10.0, 5.0])
-
-
-def test_sampled_tones_double_in_the_force() -> None:
-    tone = Sampled(tuple(np.sin(2 * np.pi * 50 * np.arange(1000) / 1000)), rate_hz=1000.0)
-    assert (tone.voltage_frequency_hz, tone.force_frequency_hz) == pytest.approx((50.0, 100.0))

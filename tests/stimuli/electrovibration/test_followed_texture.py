@@ -156,11 +156,7 @@ NO_MAPS = {
     "no picture": ("map.png", b"words", "cannot be read (found no picture), expected CSV or PNG"),
     "a picture without pixels": ("map.png", png(0, 5), "map.png cannot be read ("),
     "a picture that fills the memory": ("map.png", png(60_000, 60_000), "(found more than 89478485 pixels)"),
-    "a chunk of no standard": (
-        "map.png",
-        png(5, 5, (b"\x9aX\xe6`", b"")),
-        "(broken PNG file (chunk b'",
-    ),
+    "a chunk of no standard": ("map.png", png(5, 5, (b"\x9aX\xe6`", b"")), "(broken PNG file (chunk b'"),
     "rows of two lengths": (
         "map.csv",
         b"0,1\n1\n",

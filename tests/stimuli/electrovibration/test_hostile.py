@@ -1,6 +1,6 @@
 """Hostile values for one argument at a time of every public callable.
 
-The result is finite or an error of one clear sentence.
+The result is finite or an error of one clear sentence, which names an argument that is not a finite number.
 """
 
 import warnings
@@ -51,6 +51,7 @@ HOSTILE: tuple[Any, ...] = (
     [1.0, None], True, 1j, 10**400, -(10**30), {}, object(),
 )  # fmt: skip
 
+NO_NUMBERS = (None, "text", NAN, INF)
 SKIN, AREA_M2 = ev.Skin(), 1e-4
 LEAKY = ev.Layer(200e-6, 1000.0, 2e4)
 TABLE = stack.DispersiveLayer(200e-6, (10.0, 1000.0), (1e4, 1e2), (1e5, 1e3))
@@ -276,22 +277,26 @@ def check_finite(found: Any, where: str) -> None:
         assert name in UNBOUNDED or np.isfinite(array).all(), f"{name} is infinite"
 
 
-def check_sentence(message: str) -> None:
+def check_sentence(message: str, named: str) -> None:
+    assert named in message
     assert "found" in message
     assert "expected" in message
     assert "\n" not in message
     assert len(message) < 600
 
 
-def complaint(name: str, call: Callable[..., Any], arguments: dict[str, Any]) -> str | None:
-    """Return what is wrong with the answer to hostile arguments, or None."""
+def complaint(name: str, call: Callable[..., Any], arguments: dict[str, Any], named: str) -> str | None:
+    """Return what is wrong with the answer to hostile arguments, or None.
+
+    A refusal contains `named`.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             check_finite(call(**arguments), name)
     except TactometryError as refusal:
         try:
-            check_sentence(str(refusal))
+            check_sentence(str(refusal), named)
         except AssertionError:
             return f"unclear: {str(refusal)[:200]}"
     except (Exception, Warning) as raw:
@@ -303,7 +308,9 @@ def complaints(name: str, call: Callable[..., Any], valid: dict[str, Any], hosti
     found = []
     for argument, value in valid.items():
         for bad in spoilt(value, hostile):
-            wrong = complaint(name, call, {**valid, argument: bad})
+            is_number = all(bad is not one for one in NO_NUMBERS)
+            named = "" if is_number or name == "Relaxations" else argument
+            wrong = complaint(name, call, {**valid, argument: bad}, named)
             found += [f"{name}({argument}={bad!s:.40}): {wrong}"] if wrong else []
     return found
 

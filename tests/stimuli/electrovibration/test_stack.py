@@ -178,25 +178,17 @@ def test_step_pieces_reach_the_closed_form() -> None:
     ("call", "message"),
     [
         (lambda: Layer(-1e-6), "Layer.thickness_m: found -1e-06, expected a finite number, at least 0"),
-        (
-            lambda: Layer(1e-6, resistivity_ohm_m=-1.0),
-            "Layer.resistivity_ohm_m: found -1.0, expected 0 (a conductor) or a number from 1e-30 to 1e+30 (inf: "
-            "lossless)",
-        ),
-        (
-            lambda: Stack((Layer(0.0),)),
-            "Stack.layers: found none that can hold a voltage, expected a layer of thickness and resistivity above 0",
-        ),
-        (
-            lambda: DispersiveLayer(1e-4, (1.0, 1.0), (1.0, 1.0), (1.0, 1.0)),
-            "DispersiveLayer.frequencies_hz: found (1.0, 1.0), expected ascending numbers",
-        ),
-        (
-            lambda: DispersiveLayer(1e-4, (1.0, 2.0), (1.0,), (1.0, 1.0)),
-            "DispersiveLayer.permittivities: found [1.0], expected 2 numbers above 0",
-        ),
+        (lambda: Layer(1e-6, resistivity_ohm_m=-1.0),
+         "Layer.resistivity_ohm_m: found -1.0, expected 0 (a conductor) or a number from 1e-30 to 1e+30 (inf: "
+         "lossless)"),
+        (lambda: Stack((Layer(0.0),)),
+         "Stack.layers: found none that can hold a voltage, expected a layer of thickness and resistivity above 0"),
+        (lambda: DispersiveLayer(1e-4, (1.0, 1.0), (1.0, 1.0), (1.0, 1.0)),
+         "DispersiveLayer.frequencies_hz: found (1.0, 1.0), expected ascending numbers"),
+        (lambda: DispersiveLayer(1e-4, (1.0, 2.0), (1.0,), (1.0, 1.0)),
+         "DispersiveLayer.permittivities: found [1.0], expected 2 numbers above 0"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()

@@ -277,17 +277,12 @@ def test_gated_voltage_does_not_increase_sticking() -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (
-            lambda: DryFriction(0.4, 0.5),
-            "DryFriction.static: found 0.4, expected at least the kinetic coefficient (0.5)",
-        ),
-        (
-            lambda: Travel(float("nan")),
-            "Travel.speed_m_per_s: found nan, expected a finite number",
-        ),
+        (lambda: DryFriction(0.4, 0.5),
+         "DryFriction.static: found 0.4, expected at least the kinetic coefficient (0.5)"),
+        (lambda: Travel(float("nan")), "Travel.speed_m_per_s: found nan, expected a finite number"),
         (lambda: run(force_n=-1.0), "stick_slip.force_n: found -1.0, expected a finite number, at least 0"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()

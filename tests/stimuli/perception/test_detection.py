@@ -37,16 +37,12 @@ def test_silence_and_constants_are_not_felt(samples: list[float]) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (
-            lambda: components(np.zeros((2, 3)), 1.0),
-            "components.samples: found shape (2, 3), expected (n_samples,) finite numbers",
-        ),
-        (
-            lambda: sensation_level_db(Components(np.ones(1), np.ones(1)), 0.0),
-            "sensation_level_db.reference_m: found 0.0, expected a finite number above 0",
-        ),
+        (lambda: components(np.zeros((2, 3)), 1.0),
+         "components.samples: found shape (2, 3), expected (n_samples,) finite numbers"),
+        (lambda: sensation_level_db(Components(np.ones(1), np.ones(1)), 0.0),
+         "sensation_level_db.reference_m: found 0.0, expected a finite number above 0"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
     with pytest.raises(InvalidParameter) as caught:
         call()

@@ -259,25 +259,17 @@ def test_the_order_of_the_tuple_does_not_matter():
 @pytest.mark.parametrize(
     ("effects", "message"),
     [
-        (
-            lambda: [default("friction"), default("dry_friction")],
-            r"effects\[2\]: found 'dry_friction' beside 'friction', expected one of them, .*; remove the other",
-        ),
-        (
-            lambda: [default("friction"), default("polarity"), default("friction_lag")],
-            r"found 'polarity' beside 'friction_lag', expected one of them: .*; remove 'polarity' or the other",
-        ),
-        (
-            lambda: [default("friction_lag")],
-            r"found 'friction_lag' without an effect of friction, .*; add it or remove 'friction_lag'",
-        ),
+        (lambda: [default("friction"), default("dry_friction")],
+         r"effects\[2\]: found 'dry_friction' beside 'friction', expected one of them, .*; remove the other"),
+        (lambda: [default("friction"), default("polarity"), default("friction_lag")],
+         r"found 'polarity' beside 'friction_lag', expected one of them: .*; remove 'polarity' or the other"),
+        (lambda: [default("friction_lag")],
+         r"found 'friction_lag' without an effect of friction, .*; add it or remove 'friction_lag'"),
         (lambda: [default("dry_friction")], r"found 'dry_friction' without an effect of dynamics"),
-        (
-            lambda: [effect("force_law", law="interface")],
-            r"effects\[1\]: found 'force_law' beside 'force_law', expected one of them",
-        ),
+        (lambda: [effect("force_law", law="interface")],
+         r"effects\[1\]: found 'force_law' beside 'force_law', expected one of them"),
     ],
-)
+)  # fmt: skip
 def test_contradictory_effects_are_refused_with_fix(effects, message):
     with pytest.raises(InvalidParameter, match=message):
         panel(*effects())

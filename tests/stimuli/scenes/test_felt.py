@@ -90,15 +90,6 @@ def test_receptors_and_masking_act_after_the_skin():
     assert scene.sensation(signal, TOUCH) - masked.sensation(signal, TOUCH) == pytest.approx(0.52 * 25.0)
 
 
-@pytest.mark.parametrize("contact", [Contact(0.0), Contact(1.5), Contact(0.0, 0.05)], ids=str)
-def test_sensation_is_absent_at_rest_or_without_contact(contact):
-    assert felt().sensation(Sine(60.0, 0.5).at(40.0), contact) == -inf
-
-
-def test_silence_is_not_felt():
-    assert felt().sensation(Signal(np.zeros((1, 10_000)), 20_000.0, "V"), TOUCH) == -inf
-
-
 WAVEFORMS = {
     "another tone": Sine(61.0, 0.3, phase_rad=0.1),
     "pulses": PulseTrain(60.0, width_s=1e-3, duration_s=0.5),

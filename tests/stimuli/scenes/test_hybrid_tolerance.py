@@ -5,17 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from scene_cases import (
-    FOCUSED,
-    LEVEL,
-    RUBBED,
-    VOLT,
-    between_events,
-    effect,
-    finest_of,
-    hybrids,
-    small_screen,
-)
+from scene_cases import FOCUSED, LEVEL, RUBBED, VOLT, between_events, effect, finest_of, hybrids, small_screen
 from scene_errors import error_of
 from soak import SOAK
 

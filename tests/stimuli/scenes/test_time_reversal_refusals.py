@@ -27,19 +27,15 @@ def test_too_costly_accuracy_is_refused_with_reason():
 @pytest.mark.parametrize(
     ("effects", "message"),
     [
-        (
-            lambda: [effect("one_bit"), effect("sigma_delta")],
-            r"'sigma_delta' beside 'one_bit', .*both are the quantiser; remove",
-        ),
+        (lambda: [effect("one_bit"), effect("sigma_delta")],
+         r"'sigma_delta' beside 'one_bit', .*both are the quantiser; remove"),
         (lambda: [LOSSY, LOSSY], r"'attenuation' beside 'attenuation', expected one of them"),
         (lambda: [effect("airborne_sound")], r"'airborne_sound' without an effect of attenuation, .*add it or remove"),
-        (
-            lambda: [effect("shear"), effect("finger_load")],
-            r"'finger_load' beside 'shear', expected one of them: .*remove 'shear' or 'finger_load'",
-        ),
+        (lambda: [effect("shear"), effect("finger_load")],
+         r"'finger_load' beside 'shear', expected one of them: .*remove 'shear' or 'finger_load'"),
         (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not know"),
     ],
-)
+)  # fmt: skip
 def test_contradictory_effects_are_refused_with_fix(effects, message):
     with pytest.raises(InvalidParameter, match=message):
         screen(*effects())

@@ -23,11 +23,7 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
 )
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.focusing.merit import (
-    contrast_whole_of,
-    field,
-    grid,
-)
+from tactometry.stimuli.time_reversal.focusing.merit import contrast_whole_of, field, grid
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue

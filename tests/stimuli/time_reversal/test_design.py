@@ -151,12 +151,7 @@ def test_time_constants():
     assert "51%" in fast.notes[-2]
 
 
-@given(
-    st.floats(1e-3, 2e-2),
-    st.floats(1.0, 60.0),
-    st.floats(1e-7, 1e-4),
-    st.floats(1.0, 3e4),
-)
+@given(st.floats(1e-3, 2e-2), st.floats(1.0, 60.0), st.floats(1e-7, 1e-4), st.floats(1.0, 3e4))
 def test_every_wish_is_met_or_named_as_unreachable(resolution, contrast, amplitude, repetition):
     target = Target(resolution, contrast, amplitude, repetition)
     guide = recommend(A4_SCREEN, Transducers(), BAND, TAU_S, target)
@@ -267,18 +262,14 @@ def test_broken_plate_files_are_named(tmp_path, content, message):
     ("call", "message"),
     [
         (lambda: Target(contrast=-1.0), "Target.contrast: found -1.0"),
-        (
-            lambda: recommend(A4_SCREEN, Transducers(5000, 30e-3), BAND, TAU_S, Target()),
-            "Transducers: found 5000 patches of 30 mm, expected at most 28",
-        ),
-        (
-            lambda: recommend(A4_SCREEN, Transducers(1, 0.5), BAND, TAU_S, Target()),
-            "Transducers: found 1 patches of 500 mm, expected at most 0",
-        ),
+        (lambda: recommend(A4_SCREEN, Transducers(5000, 30e-3), BAND, TAU_S, Target()),
+         "Transducers: found 5000 patches of 30 mm, expected at most 28"),
+        (lambda: recommend(A4_SCREEN, Transducers(1, 0.5), BAND, TAU_S, Target()),
+         "Transducers: found 1 patches of 500 mm, expected at most 0"),
         (lambda: Transducers(0), "Transducers.n: found 0, expected a finite number above 0"),
         (lambda: recommend(A4_SCREEN, Transducers(), BAND, 0.0, Target()), "recommend.tau_s: found 0.0"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_refused_in_one_sentence(call, message):
     with pytest.raises(InvalidParameter) as caught:
         call()

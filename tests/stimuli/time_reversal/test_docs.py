@@ -31,14 +31,6 @@ def _has(module: object, dotted: str) -> bool:
 
 def test_the_page_speaks_of_every_effect():
     examples = "".join(texts_of("reference/time_reversal.md", "python"))
-    effects = (
-        "relearn",
-        "warmed",
-        'modulation="burst"',
-        "path=",
-        "weights=",
-        "window=",
-        "uniformity",
-    )
+    effects = ("relearn", "warmed", 'modulation="burst"', "path=", "weights=", "window=", "uniformity")
     others = ("trimmed", "reciprocity_error", "modal_density_s", "point_impedance", "group_velocity")
     assert [name for name in effects + others if name not in examples] == []

@@ -20,14 +20,9 @@ from tactometry.stimuli.time_reversal import (
 from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers, amplitudes_m, n_held
 from tactometry.stimuli.time_reversal.finger import amplitude_loss
-from tactometry.stimuli.time_reversal.focusing.closed_reversal import overlap
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted
 from tactometry.stimuli.time_reversal.focusing.pattern import Table, focus_samples
-from tactometry.stimuli.time_reversal.plate.dispersion import (
-    mindlin_wavenumber_rad_per_m,
-    wavenumber_rad_per_m,
-)
-from tactometry.stimuli.time_reversal.plate.oscillators import Oscillators
+from tactometry.stimuli.time_reversal.plate.dispersion import mindlin_wavenumber_rad_per_m, wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.transducer import border
@@ -83,25 +78,6 @@ def test_plate_is_still_below_its_first_mode():
 def test_more_modes_than_a_machine_holds_are_refused():
     with pytest.raises(InvalidParameter, match="number of modes below f_max_hz: found .*, expected at most 1e"):
         A4_SCREEN.frequencies_hz(1e9)
-
-
-@pytest.mark.parametrize("tau_s", [1e-3, 1.0, 1e4, math.inf])
-@pytest.mark.parametrize("reversal_s", [1e-5, 1e-3, 8e-3, 1.0])
-def test_factored_overlap_matches_pairwise_exponentials(tau_s, reversal_s):
-    """Equal modes, near ones and far ones, from nearly nothing to a long reversal."""
-    omega = np.array([1e4, 1e4, 1e4 + 1e-3, 1.001e4, 2e4, 1.5e5])
-    both = Oscillators(omega, np.full(6, 1 / tau_s))
-    pole = -both.decay_per_s + 1j * both.split_rad_per_s
-
-    def grown(z):
-        safe = np.where(z == 0, 1.0, z)
-        return np.where(z == 0, reversal_s, np.expm1(safe * reversal_s) / safe)
-
-    apart, together = grown(pole[:, None] + np.conj(pole)), grown(pole[:, None] + pole)
-    expected = (apart - together).real / (2 * np.outer(pole.imag, pole.imag))
-    found = overlap(both, reversal_s)
-    np.testing.assert_array_equal(found, found.T)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
 def test_thick_glass_waves_approach_thin_and_shear_limits():

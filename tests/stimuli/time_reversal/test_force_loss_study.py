@@ -76,12 +76,7 @@ def test_the_reading_is_the_loaded_plate_at_the_focus(kind, place):
     """To what the Nyquist frequency cuts off a damper's correction, see `loaded_responses`."""
     loads = Contactor(kind).loads(FINE.plate, place, 2.0)
     heard = loaded_responses(
-        FINE.screen,
-        [FINE.focus_m],
-        loads,
-        rate_hz=FINE.rate_hz,
-        duration_s=FINE.learnt_s,
-        f_max_hz=FINE.modes_to_hz,
+        FINE.screen, [FINE.focus_m], loads, rate_hz=FINE.rate_hz, duration_s=FINE.learnt_s, f_max_hz=FINE.modes_to_hz
     )
     expected = emitted(drive(FINE), heard)[0, : drive(FINE).samples.shape[1]]
     found = displacement_at_focus_m(FINE, drive(FINE), loads)

@@ -24,10 +24,7 @@ from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 RATE_HZ, DURATION_S, F_MAX_HZ = 150e3, 7e-3, 60e3
 BAND = Band(20e3, 60e3)
-EXCITATIONS = {
-    "sweep": sweep(15e3, 70e3, rate_hz=RATE_HZ, duration_s=0.1),
-    "sequence": sequence(14, rate_hz=RATE_HZ),
-}
+EXCITATIONS = {"sweep": sweep(15e3, 70e3, rate_hz=RATE_HZ, duration_s=0.1), "sequence": sequence(14, rate_hz=RATE_HZ)}
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +143,6 @@ def test_file_without_provenance_is_refused_by_name(tmp_path):
     [
         (lambda: deconvolve(np.zeros(4), np.ones(8), 4), "played: found zeros alone"),
         (lambda: deconvolve(np.ones(4), np.ones(8), 9), "n_samples: found 9, expected a number from 1 to 8"),
-        (lambda: deconvolve(np.ones(4), np.full(8, np.nan), 4), r"recorded\[0\]: found nan"),
         (lambda: learn(np.ones((2, 4)), np.ones((3, 8)), 1e3, duration_s=0.004), "expected .* one row per channel"),
         (lambda: sweep(10.0, 600.0, rate_hz=1e3, duration_s=1.0), "sweep.f_max_hz: found 600.0"),
         (lambda: sweep(10.0, 60.0, rate_hz=1e3, duration_s=0.0), "sweep.duration_s: found 0.0"),

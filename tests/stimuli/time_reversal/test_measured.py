@@ -12,17 +12,8 @@ from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.learning import write_learnt
-from tactometry.stimuli.time_reversal.responses.measured import (
-    aligned,
-    inspect,
-    read,
-    reciprocity_error,
-    trimmed,
-)
-from tactometry.stimuli.time_reversal.responses.plate_constants import (
-    schroeder_db,
-    tau_s,
-)
+from tactometry.stimuli.time_reversal.responses.measured import aligned, inspect, read, reciprocity_error, trimmed
+from tactometry.stimuli.time_reversal.responses.plate_constants import schroeder_db, tau_s
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen

@@ -198,19 +198,14 @@ def test_sigma_delta_stimulus(focus):
         (lambda h: Pattern(0.0, 1.0), "Pattern.repetition_hz: found 0.0"),
         (lambda h: Exponential(0.0), "Exponential.decay: found 0.0"),
         (lambda h: Table((1.0,)), "Table.values: found (1.0,)"),
-        (
-            lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, path=[0, 9]),
-            "path: found [0, 9], expected 10 rows from 0 to 1",
-        ),
+        (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, path=[0, 9]),
+         "path: found [0, 9], expected 10 rows from 0 to 1"),
         (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, modulation="burst"), "tau_s: found None"),
         (lambda h: pattern_drive(h, PATTERNS["P1"], 30.0, modulation="x"), "pattern_drive.modulation: found 'x'"),
         (lambda h: TimeReversalStimulus(h, level_unit="V"), "TimeReversalStimulus.level_unit: found 'V'"),
-        (
-            lambda h: TimeReversalStimulus(h).at(0.0),
-            "TimeReversalStimulus.level: found 0.0, expected a finite number",
-        ),
+        (lambda h: TimeReversalStimulus(h).at(0.0), "TimeReversalStimulus.level: found 0.0, expected a finite number"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_refused_in_one_sentence(focus, call, message):
     with pytest.raises(InvalidParameter) as caught:
         call(focus)

@@ -122,19 +122,15 @@ def test_switched_supply_makes_simultaneous_foci():
     [
         ({"place": "ring"}, "PlacedFoci.place: found 'ring', expected one of index, middle, thumb"),
         ({"place": "index+index"}, r"PlacedFoci.place\[1\]: found 'index' twice, expected each place once"),
-        (
-            {"places": {**PLACES, "far": Place(0.5)}},
-            r"PlacedFoci.places.far: found \(0.5, 0.093\) m, expected a point of the plate of 0.297 x 0.21 m",
-        ),
-        (
-            {"places": {**PLACES, "same": Place(0.12, 0.093)}},
-            r"PlacedFoci.places.same: found the point of middle, \(0.12, 0.093\) m, expected a point of its own",
-        ),
+        ({"places": {**PLACES, "far": Place(0.5)}},
+         r"PlacedFoci.places.far: found \(0.5, 0.093\) m, expected a point of the plate of 0.297 x 0.21 m"),
+        ({"places": {**PLACES, "same": Place(0.12, 0.093)}},
+         r"PlacedFoci.places.same: found the point of middle, \(0.12, 0.093\) m, expected a point of its own"),
         ({"places": {**PLACES, "far": 0.2}}, "PlacedFoci.places.far: found 0.2, expected a Place"),
         ({"places": {"index": Place()}}, "PlacedFoci.places: found 1 of them, expected at least two to tell apart"),
         ({"places": {**PLACES, "a+b": Place(0.2)}}, r"PlacedFoci.places: found 'a\+b', expected a name on one line"),
     ],
-)
+)  # fmt: skip
 def test_invalid_places_are_refused(keys, said):
     with pytest.raises(InvalidParameter, match=said):
         replace(foci("index"), **keys)

@@ -165,8 +165,6 @@ def test_static_load_on_a_free_plate_is_refused():
     ("field", "value", "message"),
     [
         ("thickness_m", -1e-3, "Plate.thickness_m: found -0.001, expected a finite number above 0"),
-        ("length_m", math.nan, "Plate.length_m: found nan"),
-        ("youngs_modulus_pa", math.inf, "Plate.youngs_modulus_pa: found inf"),
         ("poisson_ratio", 0.6, "Plate.poisson_ratio: found 0.6, expected a number from 0 to 0.5"),
         ("boundary", "SSXS", "Plate.boundary: found 'SSXS', expected four letters of S, C, F"),
     ],

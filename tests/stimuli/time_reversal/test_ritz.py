@@ -30,17 +30,7 @@ def parameters(of: Plate, largest: float) -> np.ndarray:
 CONVERGED = {
     ("FFFF", 1.0, 0.3): [0, 0, 0, 13.4682, 19.5961, 24.2702, 34.8009, 34.8009, 61.0932, 61.0932, 63.6861],
     ("FFFF", 1.0, 0.225): [0, 0, 0, 14.1161, 20.3868, 23.8779, 35.9768, 35.9768, 61.3694],
-    ("CCCC", 1.0, 0.3): [
-        35.9852,
-        73.3938,
-        73.3938,
-        108.2165,
-        131.5808,
-        132.2048,
-        165.0004,
-        165.0004,
-        210.5218,
-    ],
+    ("CCCC", 1.0, 0.3): [35.9852, 73.3938, 73.3938, 108.2165, 131.5808, 132.2048, 165.0004, 165.0004, 210.5218],
     ("FFFF", 297 / 210, 0.20): [0, 0, 0, 20.1833, 21.9403, 44.6316, 46.4779, 58.1036, 63.4234],
     ("FFFF", 297 / 210, 0.22): [0, 0, 0, 19.9496, 21.8475, 44.6040, 46.0682, 57.5893, 63.5018],
     ("CCCC", 297 / 210, 0.20): [55.5736, 89.4257, 133.5715, 145.8558, 164.9128, 218.1156],
@@ -170,15 +160,6 @@ def test_one_rigid_body_mode_of_a_plate_hinged_at_one_edge():
     assert f[1] > 0
 
 
-@pytest.mark.soak
-def test_2000_free_edge_modes_against_8_more_degrees():
-    a4 = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF")
-    found = a4.frequencies_hz(106e3)
-    p_x, p_y = degrees(a4, 106e3)
-    reference = ritz_frequencies_hz(a4, 106e3, (p_x + 8, p_y + 8))[: len(found)]
-    assert found[3:] == pytest.approx(reference[3:], rel=2e-9)
-
-
 def test_493_modes_of_0_to_25_khz_against_8_more_degrees():
     a4 = Plate(0.297, 0.210, 1.1e-3, 70e9, 0.23, 2500.0, "FFFF")
     found = a4.frequencies_hz(25e3)
@@ -216,12 +197,7 @@ def test_basis_integrals_are_exact_at_degree_60(edges):
 
 
 @settings(max_examples=15, deadline=None)
-@given(
-    st.text("SCF", min_size=4, max_size=4),
-    st.floats(0.05, 20.0),
-    st.floats(1e-4, 1e-2),
-    st.floats(0.0, 0.5),
-)
+@given(st.text("SCF", min_size=4, max_size=4), st.floats(0.05, 20.0), st.floats(1e-4, 1e-2), st.floats(0.0, 0.5))
 def test_any_plate_has_sorted_frequencies_scaling_with_thickness(boundary, aspect, thickness_m, nu):
     thin = Plate(0.3, 0.3 / aspect, thickness_m, 64e9, nu, 2230.0, boundary)
     f_max = 12 * thin.wave_constant_m2_per_s / (thin.area_m2)
