@@ -4,7 +4,7 @@ Green and Swets, Signal Detection Theory and Psychophysics (1966); Hautus 1995 f
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
@@ -18,8 +18,7 @@ QUADRATURE_NODES = 80
 LARGEST_D_PRIME = 12.0
 
 
-@dataclass(frozen=True)
-class SensitivityIndex:
+class SensitivityIndex(NamedTuple):
     """d' and criterion c of a yes/no task, in standard deviations of the noise."""
 
     d_prime: float
@@ -87,21 +86,14 @@ def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float
     return float(brentq(lambda d: forced_choice_chance(d, n_alternatives) - rate_correct, *ends, xtol=1e-13))
 
 
-@dataclass(frozen=True)
-class IntervalBias:
+class IntervalBias(NamedTuple):
     """Stimuli, choices and correct answers by interval.
 
-    Parameters
-    ----------
-    n_target, n_chosen : tuple of int
-        Number of times that each interval contained the stimulus, and was chosen.
-    share_correct : tuple of float or None
-        Share of correct answers by the interval with the stimulus; None without any.
-    criterion : float or None
-        For two intervals: -(z(H) + z(F)) / 2 of the log-linear rates at which the second was chosen with and without
-        the stimulus; above 0 the first was favoured (Macmillan and Creelman 2005, chapters 2 and 7).
-    p : float or None
-        Chi-square test of equal shares correct in all intervals; None if it is undefined.
+    `n_target` and `n_chosen` count how often each interval contained the stimulus, and was chosen. `share_correct` is
+    that of correct answers by the interval with the stimulus, None without any. `criterion`, for two intervals, is
+    -(z(H) + z(F)) / 2 of the log-linear rates at which the second was chosen with and without the stimulus; above 0 the
+    first was favoured (Macmillan and Creelman 2005, chapters 2 and 7). `p` is that of a chi-square test of equal shares
+    correct, None if it is undefined.
     """
 
     n_target: tuple[int, ...]
@@ -136,13 +128,13 @@ def _choices(targets: Sequence[int], responses: Sequence[int], n_intervals: int)
     """Return counts (target, response)."""
     numbers = f"{len(targets)} targets and {len(responses)} responses"
     expect(len(targets) == len(responses) > 0, "interval_bias", numbers, "as many of both, at least one")
-    intervals = range(1, n_intervals + 1)
+    answers = np.array([targets, responses])
+    wrong = ~np.isin(answers, np.arange(1, n_intervals + 1)).all(axis=0)
+    n = int(wrong.argmax())
+    given = f"target {targets[n]} and response {responses[n]}"
+    expect(not wrong.any(), f"interval_bias, trial {n}", given, f"intervals from 1 to {n_intervals}")
     table = np.zeros((n_intervals, n_intervals), dtype=np.int64)
-    for n, (target, response) in enumerate(zip(targets, responses, strict=True)):
-        known = target in intervals and response in intervals
-        given = f"target {target} and response {response}"
-        expect(known, f"interval_bias, trial {n}", given, f"intervals from 1 to {n_intervals}")
-        table[target - 1, response - 1] += 1
+    np.add.at(table, tuple(answers.astype(np.int64) - 1), 1)
     return table
 
 
