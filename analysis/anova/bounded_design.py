@@ -155,7 +155,7 @@ def _refuse_unknown(design: BoundedDesign) -> None:
     for names, n in zip(design.cells(), known.ravel(), strict=True):
         cell = ", ".join(f"{name} = {level}" for name, level in names.items()) or "table"
         found = f"{n} known value{'s' if n != 1 else ''}"
-        expected = f"at least {MIN_KNOWN} beside the bounds; leave the condition out"
+        expected = f"at least {MIN_KNOWN} besides bounds; leave the condition out"
         expect_defined(n >= MIN_KNOWN, DesignStatus.TOO_FEW_KNOWN, cell, found, expected)
 
 

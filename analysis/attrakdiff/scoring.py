@@ -118,10 +118,10 @@ def _raw_values(table: pd.DataFrame, form: Questionnaire) -> "pd.Series[float]":
     known = {item.id for item in form.items}
     text = table["response"].astype(object).where(table["response"].notna(), "")
     raw = pd.to_numeric(text.where(text != "", np.nan), errors="coerce")
-    beside = raw.notna() & ~raw.map(form.takes)
+    is_off_scale = raw.notna() & ~raw.map(form.takes)
     is_word = raw.isna() & (text != "")
     # The first of them is named.
-    for place in np.flatnonzero(~table["item"].isin(known) | is_word | beside):
+    for place in np.flatnonzero(~table["item"].isin(known) | is_word | is_off_scale):
         item = table["item"][place]
         row = table["row"][place] if "row" in table.columns else place
         if item not in known:

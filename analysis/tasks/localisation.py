@@ -183,7 +183,7 @@ def _counts(judged: pd.DataFrame, keys: Sequence[str]) -> pd.DataFrame:
 
 
 ANALYSIS = TaskAnalysis(
-    "Participants told which of the alternatives it was",
+    "Participants reported which of the alternatives it was",
     'lme4::glmer(correct ~ {plus} + (1 | participant), {data}, binomial("probit"))',
     results=Results(
         {
@@ -200,7 +200,7 @@ ANALYSIS = TaskAnalysis(
         "lapses and for foci that are not felt (prior Beta(1, 10)): posterior mode with a central 95 % interval of the "
         "marginal posterior. Intervals of mean resolutions are symmetric on the logarithm. Rates of participants were "
         "compared between distances and conditions as they are: near 0 "
-        "and 1 they vary less than an analysis of variance takes for granted.",
+        "and 1 they vary less than an analysis of variance assumes.",
         dependent=RATE,
         in_levels=False,
         compared=RATES,

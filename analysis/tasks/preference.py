@@ -193,7 +193,7 @@ def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
 
 
 ANALYSIS = TaskAnalysis(
-    "Participants told which of two they preferred",
+    "Participants reported which of two they preferred",
     "with({data}, BradleyTerry2::BTm(as.integer(response == 1), factor(item, unique(c(item, item_b))), "
     "factor(item_b, unique(c(item, item_b)))))",
     results=Results(

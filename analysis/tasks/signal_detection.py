@@ -32,10 +32,6 @@ def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noise
     ------
     InvalidParameter
         If a count is negative or above its number of trials, or there are no trials.
-
-    >>> found = yes_no_sensitivity(20, 20, 0, 20)
-    >>> round(found.d_prime, 4), round(found.criterion, 12)
-    (3.9615, 0.0)
     """
     z_hit = z_score("n_hits", n_hits, "n_signals", n_signals)
     z_false_alarm = z_score("n_false_alarms", n_false_alarms, "n_noises", n_noises)
@@ -55,9 +51,6 @@ def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
     ------
     InvalidParameter
         If there are fewer than two alternatives or d' is not finite.
-
-    >>> [round(forced_choice_chance(1.0, m), 5) for m in (2, 3, 4)]
-    [0.76025, 0.6337, 0.55203]
     """
     is_number = n_alternatives >= 2 and n_alternatives == int(n_alternatives)
     expect(is_number, "n_alternatives", n_alternatives, "a whole number from 2")
@@ -74,9 +67,6 @@ def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float
     ------
     InvalidParameter
         If the rate has no d' between -12 and 12.
-
-    >>> [round(forced_choice_sensitivity(0.75, m), 4) for m in (2, 3, 4)]
-    [0.9539, 1.4338, 1.6822]
     """
     from scipy.optimize import brentq  # slow to load
 
@@ -110,10 +100,6 @@ def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals:
     ------
     InvalidParameter
         If there is no trial, or an interval that does not exist.
-
-    >>> bias = interval_bias([1, 1, 2, 2] * 10, [1, 2, 2, 2] * 10)
-    >>> bias.n_chosen, bias.share_correct, round(bias.criterion, 3)
-    ((10, 30), (0.5, 1.0), -0.99)
     """
     table = _choices(targets, responses, n_intervals)
     n_target, n_correct = table.sum(axis=1), table.diagonal()
