@@ -186,9 +186,10 @@ def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[st
     levels only). None if no three participants share two levels of a factor.
     """
     axes, has = _presence(table, dependent, (subject, *within))
-    best, best_rank = None, (0, 0)
+    best: tuple[Subset, Bools] | None = None
+    best_rank = 0, 0
     for chosen in _subsets(axes[1:]):
-        complete = has[np.ix_(range(len(has)), *chosen)].reshape(len(has), -1).all(axis=1)
+        complete: Bools = np.asarray(has[np.ix_(range(len(has)), *chosen)].reshape(len(has), -1).all(axis=1))
         n_complete = int(complete.sum())
         rank = n_complete * _n_cells(chosen), n_complete
         if n_complete >= MIN_PARTICIPANTS and rank > best_rank:  # the first of equal choices

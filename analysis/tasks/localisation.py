@@ -83,11 +83,12 @@ def resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
         return pd.DataFrame()
     conditions = conditions_of(judged, factors)
     # A distance does not follow the answers.
-    fixed = {"task": TASK, "procedure": "constant_stimuli", "is_catch": False, "n_choices": 0}
-    answers = judged.assign(**fixed, x=judged[DISTANCE], yes=judged["is_right"].astype(int))
+    answers = judged.assign(task=TASK, procedure="constant_stimuli", is_catch=False, n_choices=0)
+    answers = answers.assign(x=judged[DISTANCE], yes=judged["is_right"].astype(int))
     for _, there in split(answers, conditions):
         answers.loc[there.index, "n_choices"] = n_alternatives(there)
-    return pd.concat([_resolutions_among(of_m, int(m), conditions) for m, of_m in answers.groupby("n_choices")])
+    tables = [_resolutions_among(among, int(m), conditions) for (m,), among in split(answers, ["n_choices"])]
+    return pd.concat(tables, ignore_index=True)
 
 
 def conditions_of_fits(each: pd.DataFrame) -> list[str]:
