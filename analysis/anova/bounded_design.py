@@ -155,7 +155,7 @@ def _refuse_unknown(design: BoundedDesign) -> None:
     for names, n in zip(design.cells(), known.ravel(), strict=True):
         cell = ", ".join(f"{name} = {level}" for name, level in names.items()) or "table"
         found = f"{n} known value{'s' if n != 1 else ''}"
-        expected = f"at least {MIN_KNOWN} beside the bounds; leave the condition out"
+        expected = f"at least {MIN_KNOWN} besides bounds; leave the condition out"
         expect_defined(n >= MIN_KNOWN, DesignStatus.TOO_FEW_KNOWN, cell, found, expected)
 
 
@@ -179,54 +179,22 @@ class SubDesign:
     left_out: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _Presence:
-    """`has` (participant, level of the first factor, ...) is True where a table has a value."""
-
-    table: pd.DataFrame
-    within: Sequence[str]
-    subject: str
-    subjects: list[Any]
-    levels: Sequence[Sequence[object]]
-    has: Bools
-
-    @classmethod
-    def of(cls, table: pd.DataFrame, dependent: str, within: Sequence[str], subject: str) -> "_Presence":
-        axes = [sorted(table[name].unique()) for name in (subject, *within)]
-        has = np.zeros([len(names) for names in axes], dtype=bool)
-        present = table[table[dependent].notna()]
-        columns = zip((subject, *within), axes, strict=True)
-        has[tuple([names.index(value) for value in present[column]] for column, names in columns)] = True
-        return cls(table, within, subject, axes[0], axes[1:], has)
-
-    def part(self, chosen: Subset, complete: Bools) -> SubDesign:
-        """Return the table at the chosen levels, of the participants who are `complete`."""
-        pairs = list(zip(self.subjects, complete.tolist(), strict=True))
-        kept = self.table[self.table[self.subject].isin([code for code, ok in pairs if ok])]
-        left_out = [f"participant {code}" for code, ok in pairs if not ok]
-        for name, values, places in zip(self.within, self.levels, chosen, strict=True):
-            kept = kept[kept[name].isin([values[i] for i in places])]
-            left_out += [f"{name} = {values[i]}" for i in range(len(values)) if i not in places]
-        factors = tuple(name for name, places in zip(self.within, chosen, strict=True) if len(places) > 1)
-        return SubDesign(kept, factors, tuple(left_out))
-
-
 def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str) -> SubDesign | None:
     """Return the largest complete set of participants and levels.
 
     Ties keep more participants. All combinations of subsets of levels are tried (with more than `MAX_SUBSETS`: all
     levels only). None if no three participants share two levels of a factor.
     """
-    presence = _Presence.of(table, dependent, within, subject)
-    n = len(presence.subjects)
-    best, best_rank, best_complete = None, (0, 0), np.zeros(n, dtype=bool)
-    for chosen in _subsets(presence.levels):
-        complete: Bools = np.asarray(presence.has[np.ix_(range(n), *chosen)].reshape(n, -1).all(axis=1))
+    axes, has = _presence(table, dependent, (subject, *within))
+    best: tuple[Subset, Bools] | None = None
+    best_rank = 0, 0
+    for chosen in _subsets(axes[1:]):
+        complete: Bools = np.asarray(has[np.ix_(range(len(has)), *chosen)].reshape(len(has), -1).all(axis=1))
         n_complete = int(complete.sum())
         rank = n_complete * _n_cells(chosen), n_complete
         if n_complete >= MIN_PARTICIPANTS and rank > best_rank:  # the first of equal choices
-            best, best_rank, best_complete = chosen, rank, complete
-    return None if best is None else presence.part(best, best_complete)
+            best, best_rank = (chosen, complete), rank
+    return None if best is None else _part(table, (subject, *within), axes, *best)
 
 
 def largest_known(
@@ -237,14 +205,36 @@ def largest_known(
     Each combination of levels needs `at_least` known values (in each group). All participants are kept. None if no
     factor keeps two levels.
     """
-    presence = _Presence.of(table, dependent, within, subject)
-    subjects, has = presence.subjects, presence.has
+    axes, has = _presence(table, dependent, (subject, *within))
     by_subject = table.drop_duplicates(subject).set_index(subject)
-    group = np.zeros(len(subjects)) if between is None else pd.factorize(by_subject.loc[subjects, between])[0]
+    group = np.zeros(len(has)) if between is None else pd.factorize(by_subject.loc[axes[0], between])[0]
     n_known = np.stack([has[group == g].sum(axis=0) for g in np.unique(group)]).min(axis=0)
-    known = [chosen for chosen in _subsets(presence.levels) if n_known[np.ix_(*chosen)].min() >= at_least]
+    known = [chosen for chosen in _subsets(axes[1:]) if n_known[np.ix_(*chosen)].min() >= at_least]
+    everyone = np.ones(len(has), dtype=bool)
     # The first of equal choices.
-    return presence.part(max(known, key=_n_cells), np.ones(len(subjects), dtype=bool)) if known else None
+    return _part(table, (subject, *within), axes, max(known, key=_n_cells), everyone) if known else None
+
+
+def _presence(table: pd.DataFrame, dependent: str, columns: Sequence[str]) -> tuple[list[list[Any]], Bools]:
+    """Return the sorted values of each column, and which of their combinations have a value."""
+    axes = [sorted(table[name].unique()) for name in columns]
+    has = np.zeros([len(names) for names in axes], dtype=bool)
+    known = table[table[dependent].notna()]
+    has[tuple(pd.Index(names).get_indexer(known[name]) for name, names in zip(columns, axes, strict=True))] = True
+    return axes, has
+
+
+def _part(
+    table: pd.DataFrame, columns: Sequence[str], axes: Sequence[list[Any]], chosen: Subset, complete: Bools
+) -> SubDesign:
+    """Return the table of the `complete` participants (first column) at the chosen levels of the other columns."""
+    kept_places = [tuple(np.flatnonzero(complete)), *chosen]
+    left_out = [f"participant {code}" for code, is_kept in zip(axes[0], complete, strict=True) if not is_kept]
+    for n, (name, values, places) in enumerate(zip(columns, axes, kept_places, strict=True)):
+        table = table[table[name].isin([values[i] for i in places])]
+        left_out += [f"{name} = {values[i]}" for i in range(len(values)) if n and i not in places]
+    within = tuple(name for name, places in zip(columns[1:], chosen, strict=True) if len(places) > 1)
+    return SubDesign(table, within, tuple(left_out))
 
 
 def _n_cells(chosen: Subset) -> int:

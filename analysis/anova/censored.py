@@ -119,7 +119,7 @@ def _determined_fit(design: BoundedDesign) -> BoundedFit:
         errors = np.array([np.nan])
     is_determined = np.isfinite(errors).all() and fit.converged and errors[: fit.means.size].max() < WIDEST_SE
     found = "no maximum of the likelihood"
-    expected = f"known values that hold each mean; {LEAVE_OUT}"
+    expected = f"enough known values for each mean; {LEAVE_OUT}"
     expect_defined(is_determined, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
     return fit
 

@@ -61,13 +61,7 @@ class ContrastEffect:
 
 
 def effects(design: WithinDesign) -> list[ContrastEffect]:
-    """Return the main effects, then the interactions.
-
-    >>> values = np.array([[1.0, 2, 4], [2, 2, 5], [1, 3, 3]])
-    >>> (effect,) = effects(WithinDesign(values, ("force_n",), ((0.5, 1, 2),), ("a", "b", "c")))
-    >>> effect.name, effect.df, round(effect.ss_error, 3)
-    ('force_n', (2, 4), 2.444)
-    """
+    """Return the main effects, then the interactions."""
     found = []
     for places in effect_places(len(design.factors)):
         scores = design.cells @ contrasts(design.values.shape[1:], places).T
@@ -79,11 +73,7 @@ def effects(design: WithinDesign) -> list[ContrastEffect]:
 
 
 def effect_places(n_factors: int) -> list[tuple[int, ...]]:
-    """Return the places of each effect's factors: main effects first, then the interactions.
-
-    >>> effect_places(2)
-    [(0,), (1,), (0, 1)]
-    """
+    """Return the places of each effect's factors: main effects first, then the interactions."""
     return [places for r in range(1, n_factors + 1) for places in combinations(range(n_factors), r)]
 
 
@@ -129,9 +119,6 @@ def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = N
 
     Exact for symmetric errors, whatever the sphericity and rank of the error matrix: the sum of squares of effect and
     error together is constant, so that the effect's own orders them as F does.
-
-    >>> permutation_p(ContrastEffect(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]])))
-    0.125
     """
     n = len(effect.scores)
     exact = n <= MOST_EXACT

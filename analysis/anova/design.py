@@ -101,12 +101,6 @@ def within_design(
         For a missing column, or other than one to three different factors.
     UndefinedStatistic
         For values that are not finite, missing cells, too few participants or levels.
-
-    >>> table = pd.DataFrame({"who": list("aabbcc"), "where": [1, 2] * 3, "y": [1.0, 2, 2, 4, 3, 4]})
-    >>> within_design(table, dependent="y", within=["where"], subject="who", where="doctest").values
-    array([[1., 2.],
-           [2., 4.],
-           [3., 4.]])
     """
     within = names_of(within)
     data = finite_rows(table, [dependent, subject, *within], dependent, where)

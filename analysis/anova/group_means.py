@@ -189,11 +189,7 @@ def _text(row: Mapping[str, Any], n: int, where: str) -> str:
 
 
 def within_variances(covariance: Array) -> Array:
-    """Return the variance of each condition without what participants share; missing for one condition.
-
-    >>> within_variances(np.array([[5.0, 4.0], [4.0, 6.0]])).tolist()
-    [1.5, 1.5]
-    """
+    """Return the variance of each condition without what participants share; missing for one condition."""
     k = len(covariance)
     if k < 2:
         return np.full(k, np.nan)

@@ -58,7 +58,12 @@ def scores(
     """
     answers, form, factors = _answers(table, questionnaire, within)
     keys = ["participant", *factors]
-    rows = [dict(zip(keys, key, strict=True)) | _mean_scores(rounds, form) for key, rounds in _rounds(answers, keys)]
+    # The second answer to an item in a condition is in the second round.
+    number = answers.groupby([*keys, "item"], observed=True, dropna=False).cumcount()
+    answers = answers.assign(round=number, raw=answers["raw"].astype(object).where(answers["raw"].notna(), None))
+    # Answers outside of the conditions have no level and come last.
+    groups = answers.groupby(keys, sort=True, observed=True, dropna=False)
+    rows = [dict(zip(keys, key, strict=True)) | _mean_scores(given, form) for key, given in groups]
     return _with_origin(pd.DataFrame(rows), form, factors)
 
 
@@ -113,10 +118,10 @@ def _raw_values(table: pd.DataFrame, form: Questionnaire) -> "pd.Series[float]":
     known = {item.id for item in form.items}
     text = table["response"].astype(object).where(table["response"].notna(), "")
     raw = pd.to_numeric(text.where(text != "", np.nan), errors="coerce")
-    beside = raw.notna() & ~raw.map(form.takes)
+    is_off_scale = raw.notna() & ~raw.map(form.takes)
     is_word = raw.isna() & (text != "")
     # The first of them is named.
-    for place in np.flatnonzero(~table["item"].isin(known) | is_word | beside):
+    for place in np.flatnonzero(~table["item"].isin(known) | is_word | is_off_scale):
         item = table["item"][place]
         row = table["row"][place] if "row" in table.columns else place
         if item not in known:
@@ -127,33 +132,14 @@ def _raw_values(table: pd.DataFrame, form: Questionnaire) -> "pd.Series[float]":
     return raw
 
 
-Round = dict[str, float | None]
-
-
-def _rounds(answers: pd.DataFrame, keys: Sequence[str]) -> list[tuple[tuple[object, ...], list[Round]]]:
-    """Return the rounds of answers of each participant and condition, sorted; most have one."""
-    by_key: dict[tuple[object, ...], list[Round]] = {}
-    columns = [[None if pd.isna(level) else level for level in answers[name]] for name in keys]
-    raw = [None if np.isnan(x) else x for x in answers["raw"].tolist()]
-    keyed = zip(zip(*columns, strict=True), answers["item"].tolist(), raw, strict=True)
-    for key, item, value in keyed:
-        rounds = by_key.setdefault(key, [])
-        # A second answer to an item begins the next round.
-        free = next((answered for answered in rounds if item not in answered), None)
-        if free is None:
-            rounds.append(free := {})
-        free[item] = value
-    # Answers outside of the conditions have no level and come last.
-    return sorted(
-        by_key.items(), key=lambda pair: [(level is None, 0 if level is None else level) for level in pair[0]]
-    )
-
-
-def _mean_scores(rounds: Sequence[Round], form: Questionnaire) -> dict[str, float | None]:
-    means = pd.DataFrame([form.scores(answers) for answers in rounds], dtype=np.float64).mean()
+def _mean_scores(answers: pd.DataFrame, form: Questionnaire) -> dict[str, float | None]:
+    """Return the mean scores of all rounds of answers."""
+    rounds: list[dict[str, float | None]] = [{} for _ in range(answers["round"].max() + 1)]
+    for number, item, raw in zip(answers["round"], answers["item"], answers["raw"], strict=True):
+        rounds[number][item] = raw
+    means = pd.DataFrame(map(form.scores, rounds), dtype=np.float64).mean()
     named: dict[str, float | None] = {str(name): None if np.isnan(x) else float(x) for name, x in means.items()}
-    values = [value for answers in rounds for value in answers.values()]
-    return named | {"n_answered": float(sum(value is not None for value in values))}
+    return named | {"n_answered": float(answers["raw"].notna().sum())}
 
 
 def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:

@@ -5,7 +5,7 @@ never their result. Other analyses are checks under other assumptions.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import pandas as pd
@@ -78,6 +78,10 @@ class Outcome:
     @property
     def factors(self) -> tuple[str, ...]:
         return tuple(self.group.columns[: self.group.columns.get_loc("mean")])
+
+    def noted(self, *notes: str) -> "Outcome":
+        """Return the outcome with further notes."""
+        return replace(self, notes=(*self.notes, *notes))
 
     def unit(self, of_levels: str) -> str:
         """Return the unit of the dependent value; a difference in decibels has no reference."""

@@ -6,6 +6,7 @@ from itertools import combinations
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from tactometry.errors import InvalidParameter
@@ -13,6 +14,7 @@ from tactometry.errors import InvalidParameter
 from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, fit_hierarchical
 from ..hierarchical.single_fits import Known
 from ..tasks.cell import Cell
+from ..tasks.cells import count_table
 from ..tasks.kinds import CURVES
 from ..tasks.task_analysis import DIFFERENCE_PER_WIDTH, SHAPE
 from ..threshold.fitting import ThresholdFit
@@ -28,8 +30,6 @@ OTHER_MODEL = (
     "no test of effects: this model of comparisons has asymptotes of 0 and 1, the fits of single participants "
     "have free ones, so that points of equality and just noticeable differences differ where a level is not always felt"
 )
-COLUMNS = ("participant", "level", "n_yes", "n_trials", "n_false_alarms", "n_catch")
-HAS_FIT = (GroupStatus.OK,)
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,10 @@ def group_fit(
     if any(cell.n_choices != n_choices for cell in cells):
         return _no_outcome(task, "conditions differ in the number of alternatives, and the model has one guess rate")
     varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in cells}) > 1]
-    table = _count_table(cells, factors)
+    table = count_table(cells, factors)
     if table.empty:
         return _no_outcome(task, "no trial with a level")
+    n_levels = [len(cell.levels) for cell in cells]
     # A fit needs a factor: without a varied one all cells have the same condition.
     conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
     places = [factors.index(name) for name in varied]
@@ -81,8 +82,8 @@ def group_fit(
         table["n_trials"],
         table["participant"].tolist(),
         conditions,
-        n_false_alarms=table["n_false_alarms"],
-        n_catch=table["n_catch"],
+        n_false_alarms=np.repeat([cell.n_false_alarms for cell in cells], n_levels),
+        n_catch=np.repeat([cell.n_catch for cell in cells], n_levels),
         width_by=varied if curve.has_difference else (),
         known={} if curve.has_difference else known,
         **options,
@@ -90,20 +91,12 @@ def group_fit(
     return _outcome(task, fit, varied, table)
 
 
-def _count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
-    rows: list[tuple[float | str, ...]] = []
-    for cell in cells:
-        counts = zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
-        rows += [(cell.participant, *count, cell.n_false_alarms, cell.n_catch, *cell.condition) for count in counts]
-    return pd.DataFrame(rows, columns=[*COLUMNS, *factors])
-
-
 def _no_outcome(task: str, why: str) -> HierarchicalOutcome:
     return HierarchicalOutcome(task, None, f"no hierarchical fit: {why}", pd.DataFrame(), pd.DataFrame())
 
 
 def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> HierarchicalOutcome:
-    if fit.status not in HAS_FIT:
+    if fit.status is not GroupStatus.OK:
         return _no_outcome(task, fit.note)
     if CURVES[task].has_difference:
         conditions, participants = map(_with_difference, (fit.conditions, fit.participants))

@@ -107,7 +107,7 @@ def _complete_part(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str,
     if not design.factors:
         return None, ("no analysis of variance: no factor has two levels",)
     if len(within) > MAX_FACTORS:
-        return None, (f"no analysis of variance: {len(within)} factors, at most {MAX_FACTORS} can be taken",)
+        return None, (f"no analysis of variance: {len(within)} factors, at most {MAX_FACTORS} are supported",)
     n_levels = design.table.groupby(SUBJECT)[design.factors].nunique().max()
     fixed = [name for name in within if n_levels[name] < 2]
     if fixed:
@@ -129,11 +129,9 @@ def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *,
     try:
         anova = _anova(design, complete.table, within)
     except UndefinedStatistic as refusal:
-        return replace(
-            result, notes=(*result.notes, f"no analysis of variance: {reason_of(refusal)}"), status=refusal.status
-        )
+        return replace(result.noted(f"no analysis of variance: {reason_of(refusal)}"), status=refusal.status)
     status = anova.attrs["status"]
-    result = replace(result, anova=anova, status=status, notes=(*result.notes, *anova.attrs["notes"]))
+    result = replace(result.noted(*anova.attrs["notes"]), anova=anova, status=status)
     if design.between is not None:
         return result
     result = replace(result, checks=checks(complete.table, anova, within=within, **arguments))
@@ -162,21 +160,21 @@ def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[st
         kept = largest_known(design.table, within=design.within, **design.arguments, **options)
     if kept is None:
         note = f"no analysis of bounds: no two conditions have {MIN_KNOWN} participants with a value"
-        return replace(result, notes=(*result.notes, note))
+        return result.noted(note)
     try:
         censored = _censored_anova(design, kept.table, kept.within)
     except InvalidParameter as refusal:
-        return replace(result, notes=(*result.notes, f"no analysis of bounds: {reason_of(refusal)}"))
+        return result.noted(f"no analysis of bounds: {reason_of(refusal)}")
     means = censored.means()
     # A factor with a single level left has the means of that level.
     means = means.assign(**{name: kept.table[name].iloc[0] for name in factors if name not in means.columns})
     group = group_table(result.estimates, factors, result.dependent, model=means)
-    notes = [*result.notes, *_count_notes(censored)]
+    notes = _count_notes(censored)
     if kept.left_out:
         names = f"leaves out {', '.join(kept.left_out)}"
         why = f"fewer than {MIN_KNOWN} participants have a value in one of its conditions"
         notes.append(f"the analysis of values and bounds {names}: {why}")
-    return replace(result, censored=censored, notes=tuple(notes), group=group, cross=cross_table(group, factors))
+    return replace(result.noted(*notes), censored=censored, group=group, cross=cross_table(group, factors))
 
 
 def _censored_anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:
@@ -210,7 +208,7 @@ def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -
     try:
         model = fit(data, factors=factors, covariates=[MEASURED], **design.arguments)
     except InvalidParameter as refusal:
-        return replace(result, notes=(*result.notes, f"no mixed model: {reason_of(refusal)}"))
+        return result.noted(f"no mixed model: {reason_of(refusal)}")
     title = " * ".join([*factors, MEASURED]) + ", participants at random"
     return replace(result, model=model, model_title=title)
 
@@ -220,8 +218,8 @@ def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outc
     if primary not in result.analyses():
         if not result.analyses() and named in (None, Primary.ANOVA):  # a note states the reason already
             return result
-        note = f"no primary analysis: {TITLES[primary]} ({reason}) has no answer here"
-        return replace(result, notes=(*result.notes, note))
+        note = f"no primary analysis: {TITLES[primary]} ({reason}) has no result"
+        return result.noted(note)
     return replace(result, primary=primary, reason=reason)
 
 
@@ -234,7 +232,7 @@ def _with_losses(result: Outcome) -> Outcome:
     if is_primary:
         which, chance = "the primary analysis", "; that is at random only if bounds are"
     note = f"{which} leaves out {', '.join(result.left_out)}: it needs a value in every condition{chance}"
-    return replace(result, notes=(*result.notes, note))
+    return result.noted(note)
 
 
 @dataclass(frozen=True)

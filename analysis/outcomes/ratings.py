@@ -99,7 +99,7 @@ class Ratings:
         n_averaged = int((is_apart & (self.scores["n_answered"] > len(self.form.items))).sum())
         of_all, notes = f"of {len(self.scores)} scores", []
         if n_apart:
-            where = f"it was asked outside of the conditions, and is compared with none ({self.stem}_scores.csv)"
+            where = f"it was answered outside of the conditions, and is compared with none ({self.stem}_scores.csv)"
             notes.append(f"{n_apart} {of_all} without a condition: {where}")
         if n_averaged:
             why = "each is a mean of answers that were given at several times, as before and after the blocks"

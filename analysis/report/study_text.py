@@ -102,8 +102,8 @@ def procedure_text(study: Table, unit: str) -> str:
     ...     "procedure": {"kind": "staircase", "start": 40.0, "n_reversals": 8},
     ... }, "dB re 1 V"))
     The conditions were frequency (60, 240 Hz). The order of frequency changed with the participant's number by
-    Williams squares. Touches were slides over the surface (force 1 N, speed 50 mm/s). Participants told whether they
-    felt a stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V,
+    Williams squares. Touches were slides over the surface (force 1 N, speed 50 mm/s). Participants reported whether
+    they felt a stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V,
     reversals 8).
     """
     factors, plan = _table(study, "factors"), _table(study, "plan")

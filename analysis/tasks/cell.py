@@ -2,10 +2,13 @@
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from ..arrays import Array
+from ..means import parts
 from ..threshold.fitting import ThresholdFit
 
 
@@ -39,6 +42,30 @@ class Estimate:
 def cell_keys(factors: Sequence[str]) -> list[str]:
     """Return the columns that identify the cell of a trial."""
     return ["participant", *factors, "task"]
+
+
+def counted_cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
+    """Count answers with `yes`, `is_catch`, the level `x` and `n_choices`, in the order of `cell_keys`."""
+    keys = cell_keys(factors)
+    # Groups of all columns would take most of the time.
+    return [_cell(key, rows) for key, rows in parts(answers[[*keys, "is_catch", "x", "yes", "n_choices"]], keys)]
+
+
+def _cell(key: tuple[Any, ...], rows: pd.DataFrame) -> Cell:
+    catch, x, yes = (rows[name].to_numpy() for name in ("is_catch", "x", "yes"))
+    at = ~catch & ~np.isnan(x)
+    levels, place = np.unique(x[at], return_inverse=True)
+    return Cell(
+        participant=str(key[0]),
+        condition=key[1:-1],
+        task=str(key[-1]),
+        levels=tuple(levels.tolist()),
+        n_yes=tuple(np.bincount(place, yes[at]).astype(int).tolist()),
+        n_trials=tuple(np.bincount(place).tolist()),
+        n_catch=int(catch.sum()),
+        n_false_alarms=int(yes[catch].sum()),
+        n_choices=int(rows["n_choices"].iloc[0]),
+    )
 
 
 def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:

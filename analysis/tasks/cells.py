@@ -10,12 +10,12 @@ import pandas as pd
 from tactometry.trials.tasks import tasks_with_level
 
 from ..arrays import Array
-from ..means import parts, rate_interval
+from ..means import rate_interval
 from ..reading.rows import bad_cell, correctness, delivered_level, is_catch, numbers_of
 from ..reading.trials import Trials
 from ..threshold.equality import fit_comparisons
 from ..threshold.fitting import ThresholdFit, fit_many
-from .cell import Cell, Estimate, catch_counts, cell_keys, stacked_counts
+from .cell import Cell, Estimate, catch_counts, cell_keys, counted_cells, stacked_counts
 from .kinds import CURVES
 
 LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
@@ -60,10 +60,7 @@ def level_unit(trials: Trials) -> str:
 
 def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
     """Count the answers of each cell, ordered by participant, condition and task."""
-    keys = cell_keys(factors)
-    counted = answers[[*keys, "is_catch", "x", "yes"]]  # groups of all columns would take most of the time
-    counted = counted.assign(n_choices=alternatives(answers, factors))
-    return [_cell(key, rows, len(factors)) for key, rows in parts(counted, keys)]
+    return counted_cells(answers.assign(n_choices=alternatives(answers, factors)), factors)
 
 
 def judgements(used: pd.DataFrame) -> pd.DataFrame:
@@ -78,30 +75,13 @@ def counted_answers(judged: pd.DataFrame) -> pd.DataFrame:
     return judged[judged["yes"].notna()]
 
 
-def _cell(key: tuple[Any, ...], rows: pd.DataFrame, n_factors: int) -> Cell:
-    catch, x, yes = (rows[name].to_numpy() for name in ("is_catch", "x", "yes"))
-    at = ~catch & ~np.isnan(x)
-    levels, place = np.unique(x[at], return_inverse=True)
-    return Cell(
-        participant=str(key[0]),
-        condition=tuple(key[1 : 1 + n_factors]),
-        task=str(key[-1]),
-        levels=tuple(levels.tolist()),
-        n_yes=tuple(np.bincount(place, yes[at]).astype(int).tolist()),
-        n_trials=tuple(np.bincount(place).tolist()),
-        n_catch=int(catch.sum()),
-        n_false_alarms=int(yes[catch].sum()),
-        n_choices=int(rows["n_choices"].iloc[0]),
-    )
-
-
 def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
     """Return a row per participant, condition and level."""
     rows: list[tuple[float | str, ...]] = []
     for cell in cells:
         names = (cell.participant, *cell.condition, cell.task)
         rows += [(*names, *counts) for counts in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)]
-    return pd.DataFrame(rows, columns=["participant", *factors, "task", "level", "n_yes", "n_trials"])
+    return pd.DataFrame(rows, columns=[*cell_keys(factors), "level", "n_yes", "n_trials"])
 
 
 def alternatives(answers: pd.DataFrame, factors: Sequence[str]) -> "pd.Series[float]":

@@ -21,7 +21,7 @@ The prior of the width is flat in its logarithm from one spacing of the levels. 
 spacings, biases small differences upwards. The bias study compares both (`benchmarks/bias_study.py`)."""
 
 ANALYSIS = TaskAnalysis(
-    "Participants told which of a standard and a level was stronger",
+    "Participants reported which of a standard and a level was stronger",
     R_OF_LEVEL,
     Curve(
         "Rate of “more”",

@@ -3,7 +3,7 @@
 from .task_analysis import Curve, TaskAnalysis, detection
 
 ANALYSIS = TaskAnalysis(
-    "Participants told in which interval the stimulus was",
+    "Participants reported in which interval the stimulus was",
     "lme4::glmer(correct ~ level{times} + (1 | participant), {data}, binomial(psyphy::mafc.probit({n_choices})))",
     Curve(
         "Rate correct",

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.special import betainc
+from scipy.special import bdtrc
 
 from tactometry.psychometric import shape_named
 
@@ -182,6 +182,5 @@ def _is_surprising(p: "pd.Series[float]") -> bool:
     """
     bounds = np.array([FLAGGED_P, FLAGGED_P / 10])
     n_small = (p.to_numpy()[:, None] <= bounds).sum(axis=0)
-    # The regularised incomplete beta function is the probability of at least as many.
-    chance_of_as_many = betainc(np.maximum(n_small, 1), len(p) - np.maximum(n_small, 1) + 1, bounds)
+    chance_of_as_many = bdtrc(n_small - 1, len(p), bounds)
     return bool(((n_small > 0) & (chance_of_as_many <= SURPRISING)).any())

@@ -14,7 +14,7 @@ from ..means import MEAN, POSITIVE, by_condition, mean_row, parts as split, rate
 from ..reading.rows import correctness, numbers_of
 from ..threshold.estimates import ThresholdFit
 from ..threshold.fitting import fit_many
-from .cell import Cell, Estimate
+from .cell import Cell, Estimate, counted_cells, stacked_counts
 from .goodness import SEED, goodness_columns
 from .task_analysis import Results, TaskAnalysis
 
@@ -82,11 +82,13 @@ def resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     if not _distance(judged) or judged[DISTANCE].nunique() < 2:
         return pd.DataFrame()
     conditions = conditions_of(judged, factors)
-    offered = pd.Series(0, judged.index)
-    for _, there in split(judged, conditions):
-        offered[there.index] = n_alternatives(there)
-    parts = [_resolutions_among(judged[offered == m], int(m), conditions) for m in sorted(offered.unique())]
-    return pd.concat(parts, ignore_index=True)
+    # A distance does not follow the answers.
+    answers = judged.assign(task=TASK, procedure="constant_stimuli", is_catch=False, n_choices=0)
+    answers = answers.assign(x=judged[DISTANCE], yes=judged["is_right"].astype(int))
+    for _, there in split(answers, conditions):
+        answers.loc[there.index, "n_choices"] = n_alternatives(there)
+    tables = [_resolutions_among(among, int(m), conditions) for (m,), among in split(answers, ["n_choices"])]
+    return pd.concat(tables, ignore_index=True)
 
 
 def conditions_of_fits(each: pd.DataFrame) -> list[str]:
@@ -94,36 +96,31 @@ def conditions_of_fits(each: pd.DataFrame) -> list[str]:
     return list(each.columns[1 : each.columns.get_loc("resolution_m")])
 
 
-def _resolutions_among(judged: pd.DataFrame, m: int, conditions: Sequence[str]) -> pd.DataFrame:
+def _resolutions_among(answers: pd.DataFrame, m: int, conditions: Sequence[str]) -> pd.DataFrame:
     """Return the resolutions among m alternatives, with their goodness of fit."""
-    keys = ["participant", *conditions]
-    counts = _counts(judged, [*keys, DISTANCE])
-    by_distance = counts.pivot(index=keys, columns=DISTANCE, values=["n_correct", "n_trials"]).fillna(0)
-    right, trials = by_distance["n_correct"], by_distance["n_trials"]
     options: dict[str, Any] = {"shape": SHAPE, "guess_rate": 1 / m, "scale_free_width": True}
-    fits = fit_many(right.columns.to_numpy(float), right.to_numpy(), trials.to_numpy(), **options)
-    found = pd.DataFrame([_row(fit, m) for fit in fits], index=trials.index).reset_index()
-    estimates = [Estimate(cell, fit) for cell, fit in zip(_cells(judged, keys, m), fits, strict=True)]
-    answers = judged.assign(task=TASK, x=judged[DISTANCE], yes=judged["is_right"].astype(int), is_catch=False)
-    answers["procedure"] = "constant_stimuli"  # a distance does not follow the answers
+    cells = counted_cells(answers, conditions)
+    fits = fit_many(*stacked_counts(cells), **options)
+    found = pd.DataFrame([_row(cell, fit, conditions) for cell, fit in zip(cells, fits, strict=True)])
+    estimates = list(map(Estimate, cells, fits))
     rng = np.random.default_rng(SEED)
     return found.join(goodness_columns(answers, conditions, estimates, {(TASK, m): options}, rng))
 
 
-def _cells(judged: pd.DataFrame, keys: Sequence[str], m: int) -> list[Cell]:
-    cells = []
-    for key, rows in split(judged, keys):
-        counts = _counts(rows, [DISTANCE])
-        levels, right, trials = (tuple(counts[name].tolist()) for name in (DISTANCE, "n_correct", "n_trials"))
-        cells.append(Cell(str(key[0]), tuple(key[1:]), TASK, levels, right, trials, 0, 0, n_choices=m))
-    return cells
-
-
-def _row(fit: ThresholdFit, m: int) -> dict[str, object]:
-    ends = {"resolution_m_low": fit.interval_low, "resolution_m_high": fit.interval_high}
-    rates = {"guess_rate": 1 / m, "lapse_rate": fit.lapse_rate}
-    said = {"status": fit.status.value, "note": fit.note, "n_trials": fit.n_trials, "deviance": fit.deviance}
-    return {"resolution_m": fit.threshold, **ends, **rates, **said}
+def _row(cell: Cell, fit: ThresholdFit, conditions: Sequence[str]) -> dict[str, object]:
+    return {
+        "participant": cell.participant,
+        **dict(zip(conditions, cell.condition, strict=True)),
+        "resolution_m": fit.threshold,
+        "resolution_m_low": fit.interval_low,
+        "resolution_m_high": fit.interval_high,
+        "guess_rate": 1 / cell.n_choices,
+        "lapse_rate": fit.lapse_rate,
+        "status": fit.status.value,
+        "note": fit.note,
+        "n_trials": fit.n_trials,
+        "deviance": fit.deviance,
+    }
 
 
 def mean_resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
@@ -187,7 +184,7 @@ def _counts(judged: pd.DataFrame, keys: Sequence[str]) -> pd.DataFrame:
 
 
 ANALYSIS = TaskAnalysis(
-    "Participants told which of the alternatives it was",
+    "Participants reported which of the alternatives it was",
     'lme4::glmer(correct ~ {plus} + (1 | participant), {data}, binomial("probit"))',
     results=Results(
         {
@@ -204,7 +201,7 @@ ANALYSIS = TaskAnalysis(
         "lapses and for foci that are not felt (prior Beta(1, 10)): posterior mode with a central 95 % interval of the "
         "marginal posterior. Intervals of mean resolutions are symmetric on the logarithm. Rates of participants were "
         "compared between distances and conditions as they are: near 0 "
-        "and 1 they vary less than an analysis of variance takes for granted.",
+        "and 1 they vary less than an analysis of variance assumes.",
         dependent=RATE,
         in_levels=False,
         compared=RATES,

@@ -6,18 +6,14 @@ order (Bradley and Terry 1952, Biometrika 39, 324-345; order: Davidson and Beave
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import StrEnum
 from itertools import permutations
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import expit
 
-from tactometry.arguments.require import expect
-from tactometry.errors import InvalidFile, nearest
+from tactometry.errors import InvalidFile
 from tactometry.trials.columns import stated_factors
 
 from ..arrays import Array, Bools, Indices
@@ -39,43 +35,6 @@ MOST_LOG_ODDS = 16.0
 WORTH = ("worth", "standard_error", "low", "high")
 
 
-class WorthStatus(StrEnum):
-    OK = "ok"
-    DISCONNECTED = "disconnected"
-
-
-@dataclass(frozen=True)
-class Worths:
-    """Bradley-Terry model.
-
-    `worths` has a row per item: `item, n_pairs, n_preferred, worth, standard_error, low, high`; worths are log odds
-    with mean 0, missing unless the status is ``ok``. `order` is the gain of the first of a pair. `disconnected`: some
-    items were never preferred to some others, directly or through others (Ford 1957), or the order decided; `note`
-    states which.
-    """
-
-    worths: pd.DataFrame
-    order: pd.DataFrame
-    status: WorthStatus
-    note: str
-
-    def probability(self, item: str, other: str) -> float:
-        """Return the probability that `item` is preferred to `other`, without an effect of the order.
-
-        Raises
-        ------
-        InvalidParameter
-            For an unknown item, or without finite worths.
-        """
-        worth_of = self.worths.set_index("item")["worth"]
-        names = worth_of.index.tolist()
-        for name in (item, other):
-            expected = f"an item with a worth of {', '.join(names)}{nearest(str(name), names)}"
-            is_known = name in names and self.status is WorthStatus.OK
-            expect(is_known, "item", f"{name!r} ({self.status.value})", expected)
-        return float(expit(worth_of[item] - worth_of[other]))
-
-
 def bradley_terry(
     first: Sequence[str],
     second: Sequence[str],
@@ -83,58 +42,48 @@ def bradley_terry(
     participants: Sequence[str] | None = None,
     *,
     interval: float = 0.95,
-) -> Worths:
+) -> pd.DataFrame:
     """Estimate the worths of the items of paired comparisons by maximum likelihood.
 
     Parameters
     ----------
     first, second : (n_trials,) sequence of str
-        Items of each pair, in their order.
+        Two different items of each pair, in their order.
     preferred : (n_trials,) sequence of int
         1 where the first, 2 where the second was preferred.
     participants : (n_trials,) sequence of str, optional
         From 5 participants on, standard errors are clustered by participant (Liang and Zeger's sandwich), intervals t
         with n - 1 degrees of freedom; else answers count as independent.
 
-    Raises
-    ------
-    InvalidParameter
-        For an answer other than 1 or 2, an item against itself, unequal lengths, or no trial.
+    Returns
+    -------
+    DataFrame
+        `item, n_pairs, n_preferred, worth, standard_error, low, high, note`: a row per item, then the gain of the first
+        of a pair. Worths are log odds with mean 0. They are missing, and `note` states why, if some items were never
+        preferred to some others, directly or through others (Ford 1957), or the order decided.
 
     >>> found = bradley_terry(["a", "a", "b", "b", "c", "c"] * 4, ["b", "c", "a", "c", "a", "b"] * 4,
     ...     [1, 1, 2, 1, 1, 2, 1, 1, 2, 1, 2, 2, 1, 2, 2, 1, 2, 1, 2, 1, 1, 2, 2, 2])
-    >>> (found.worths["worth"].round(2) + 0).tolist(), round(found.probability("a", "c"), 2)
-    ([0.76, 0.0, -0.76], 0.82)
+    >>> (found["worth"].round(2) + 0).tolist()
+    [0.76, 0.0, -0.76, 0.0]
     """
-    a, b = np.asarray(first, dtype=str), np.asarray(second, dtype=str)
     answer = np.asarray(preferred)
-    _check(a, b, answer, participants)
-    items, places = np.unique(np.stack([a, b]), return_inverse=True)
+    items, places = np.unique(
+        np.stack([np.asarray(first, dtype=str), np.asarray(second, dtype=str)]), return_inverse=True
+    )
     places = places.reshape(2, -1)  # of the first and of the second item of each pair
     winner, loser = np.where(answer == 1, places, places[::-1])
-    numbers = {"n_pairs": np.bincount(places.ravel()), "n_preferred": np.bincount(winner, minlength=len(items))}
-    counts = pd.DataFrame({"item": items.tolist(), **numbers})
+    n_pairs = [*np.bincount(places.ravel()), len(answer)]
+    n_preferred = [*np.bincount(winner, minlength=len(items)), np.nan]
+    table = pd.DataFrame({"item": [*items.tolist(), ORDER], "n_pairs": n_pairs, "n_preferred": n_preferred})
 
     note = _gap(items, winner, loser)
     fitted = None if note else _fit_worths(places, answer == 1, participants)
     if fitted is None:
-        nothing = dict.fromkeys(WORTH, np.nan)
-        status = WorthStatus.DISCONNECTED
-        return Worths(counts.assign(**nothing), pd.DataFrame([nothing]), status, note or ALWAYS_FIRST)
+        return table.assign(**dict.fromkeys(WORTH, np.nan), note=note or ALWAYS_FIRST)
     worth, error, df = fitted
     reach = error * Student.ppf((1 + interval) / 2, df)
-    table = pd.DataFrame(dict(zip(WORTH, (worth, error, worth - reach, worth + reach), strict=True)))
-    worths = pd.concat([counts, table.iloc[:-1]], axis=1)
-    return Worths(worths, table.iloc[-1:].reset_index(drop=True), WorthStatus.OK, "")
-
-
-def _check(a: Texts, b: Texts, answer: NDArray[Any], participants: Sequence[str] | None) -> None:
-    n = {len(a), len(b), len(answer)} | (set() if participants is None else {len(participants)})
-    numbers = f"{', '.join(map(str, sorted(n)))} values"
-    expect(len(n) == 1 and len(a) > 0, "first, second, preferred", numbers, "one a trial each")
-    for row, (one, other, number) in enumerate(zip(a, b, answer, strict=True)):
-        expect(number in (1, 2), f"preferred, row {row}", number, "1 (the first) or 2 (the second)")
-        expect(one != other, f"first, second, row {row}", f"{one} against itself", "two items")
+    return table.assign(worth=worth, standard_error=error, low=worth - reach, high=worth + reach, note="")
 
 
 def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
@@ -193,9 +142,9 @@ def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
     for key, pairs in parts(rows, varied):
         condition: dict[str, Any] = dict(zip(varied, key, strict=True))
         answers = numbers_of(pairs["response"]).astype(int).tolist()
-        model = bradley_terry(pairs["item"].tolist(), pairs["item_b"].tolist(), answers, pairs["participant"].tolist())
-        table = pd.concat([model.worths, model.order.assign(item=ORDER, n_pairs=len(pairs))], ignore_index=True)
-        tables.append(table.assign(note=model.note, **condition)[[*condition, *table.columns, "note"]])
+        people = pairs["participant"].tolist()
+        table = bradley_terry(pairs["item"].tolist(), pairs["item_b"].tolist(), answers, people)
+        tables.append(table.assign(**condition)[[*condition, *table.columns]])
     return pd.concat(tables)
 
 
@@ -244,7 +193,7 @@ def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
 
 
 ANALYSIS = TaskAnalysis(
-    "Participants told which of two they preferred",
+    "Participants reported which of two they preferred",
     "with({data}, BradleyTerry2::BTm(as.integer(response == 1), factor(item, unique(c(item, item_b))), "
     "factor(item_b, unique(c(item, item_b)))))",
     results=Results(

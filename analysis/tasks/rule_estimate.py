@@ -82,20 +82,16 @@ def from_rows(run: pd.DataFrame) -> RuleEstimate:
     names = set(run["procedure"]) if "procedure" in run.columns else set()
     name = str(next(iter(names))) if len(names) == 1 else ""
     if not name:
-        return RuleEstimate(note="no rule: the table does not say which chose the levels")
+        return RuleEstimate(note="no rule: the table does not name the procedure")
     if name in FIXED:
         return RuleEstimate(note=f"no rule: the levels of {name} do not depend on the answers")
     if "stair" not in name.lower():
-        return RuleEstimate(note=f"the parameters of {name} are not known: no study.toml beside the table")
+        return RuleEstimate(note=f"the parameters of {name} are not known: no study.toml next to the table")
     return of_reversals(reversals(run["x"].tolist()), "seen in the levels")
 
 
 def reversals(levels: Sequence[float]) -> list[float]:
-    """Return the levels at which a track changes direction.
-
-    >>> reversals([8, 6, 4, 4, 6, 6, 4, 6])
-    [4, 6, 4]
-    """
+    """Return the levels at which a track changes direction."""
     # A repeated level is no move: a reversal is a change between moves.
     moves = [(level, np.sign(then - level)) for level, then in pairwise(levels) if then != level]
     return [level for (_, old_sign), (level, sign) in pairwise(moves) if old_sign != sign]

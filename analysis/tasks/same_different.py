@@ -28,9 +28,6 @@ def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int,
     ------
     InvalidParameter
         If a count is negative or above its number of trials, or there are no trials.
-
-    >>> round(differencing_sensitivity(30, 50, 10, 50), 3)
-    2.13
     """
     from scipy.optimize import brentq  # slow to load
 
@@ -55,9 +52,6 @@ def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, 
     ------
     InvalidParameter
         As `differencing_sensitivity`.
-
-    >>> round(independent_sensitivity(30, 50, 10, 50), 3)
-    1.823
     """
     hit, false_alarm = _rates(n_hits, n_different, n_false_alarms, n_same)
     correct = ndtr((hit - false_alarm) / 2)
@@ -106,7 +100,7 @@ def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
 
 
 ANALYSIS = TaskAnalysis(
-    "Participants told whether a standard and a level differed",
+    "Participants reported whether a standard and a level differed",
     R_OF_LEVEL,
     results=Results(
         {TASK: same_different_table},

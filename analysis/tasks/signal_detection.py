@@ -4,7 +4,7 @@ Green and Swets, Signal Detection Theory and Psychophysics (1966); Hautus 1995 f
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
@@ -18,8 +18,7 @@ QUADRATURE_NODES = 80
 LARGEST_D_PRIME = 12.0
 
 
-@dataclass(frozen=True)
-class SensitivityIndex:
+class SensitivityIndex(NamedTuple):
     """d' and criterion c of a yes/no task, in standard deviations of the noise."""
 
     d_prime: float
@@ -33,10 +32,6 @@ def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noise
     ------
     InvalidParameter
         If a count is negative or above its number of trials, or there are no trials.
-
-    >>> found = yes_no_sensitivity(20, 20, 0, 20)
-    >>> round(found.d_prime, 4), round(found.criterion, 12)
-    (3.9615, 0.0)
     """
     z_hit = z_score("n_hits", n_hits, "n_signals", n_signals)
     z_false_alarm = z_score("n_false_alarms", n_false_alarms, "n_noises", n_noises)
@@ -56,9 +51,6 @@ def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
     ------
     InvalidParameter
         If there are fewer than two alternatives or d' is not finite.
-
-    >>> [round(forced_choice_chance(1.0, m), 5) for m in (2, 3, 4)]
-    [0.76025, 0.6337, 0.55203]
     """
     is_number = n_alternatives >= 2 and n_alternatives == int(n_alternatives)
     expect(is_number, "n_alternatives", n_alternatives, "a whole number from 2")
@@ -75,9 +67,6 @@ def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float
     ------
     InvalidParameter
         If the rate has no d' between -12 and 12.
-
-    >>> [round(forced_choice_sensitivity(0.75, m), 4) for m in (2, 3, 4)]
-    [0.9539, 1.4338, 1.6822]
     """
     from scipy.optimize import brentq  # slow to load
 
@@ -87,21 +76,14 @@ def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float
     return float(brentq(lambda d: forced_choice_chance(d, n_alternatives) - rate_correct, *ends, xtol=1e-13))
 
 
-@dataclass(frozen=True)
-class IntervalBias:
+class IntervalBias(NamedTuple):
     """Stimuli, choices and correct answers by interval.
 
-    Parameters
-    ----------
-    n_target, n_chosen : tuple of int
-        Number of times that each interval contained the stimulus, and was chosen.
-    share_correct : tuple of float or None
-        Share of correct answers by the interval with the stimulus; None without any.
-    criterion : float or None
-        For two intervals: -(z(H) + z(F)) / 2 of the log-linear rates at which the second was chosen with and without
-        the stimulus; above 0 the first was favoured (Macmillan and Creelman 2005, chapters 2 and 7).
-    p : float or None
-        Chi-square test of equal shares correct in all intervals; None if it is undefined.
+    `n_target` and `n_chosen` count how often each interval contained the stimulus, and was chosen. `share_correct` is
+    that of correct answers by the interval with the stimulus, None without any. `criterion`, for two intervals, is
+    -(z(H) + z(F)) / 2 of the log-linear rates at which the second was chosen with and without the stimulus; above 0 the
+    first was favoured (Macmillan and Creelman 2005, chapters 2 and 7). `p` is that of a chi-square test of equal shares
+    correct, None if it is undefined.
     """
 
     n_target: tuple[int, ...]
@@ -118,10 +100,6 @@ def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals:
     ------
     InvalidParameter
         If there is no trial, or an interval that does not exist.
-
-    >>> bias = interval_bias([1, 1, 2, 2] * 10, [1, 2, 2, 2] * 10)
-    >>> bias.n_chosen, bias.share_correct, round(bias.criterion, 3)
-    ((10, 30), (0.5, 1.0), -0.99)
     """
     table = _choices(targets, responses, n_intervals)
     n_target, n_correct = table.sum(axis=1), table.diagonal()
@@ -136,13 +114,13 @@ def _choices(targets: Sequence[int], responses: Sequence[int], n_intervals: int)
     """Return counts (target, response)."""
     numbers = f"{len(targets)} targets and {len(responses)} responses"
     expect(len(targets) == len(responses) > 0, "interval_bias", numbers, "as many of both, at least one")
-    intervals = range(1, n_intervals + 1)
+    answers = np.array([targets, responses])
+    wrong = ~np.isin(answers, np.arange(1, n_intervals + 1)).all(axis=0)
+    n = int(wrong.argmax())
+    given = f"target {targets[n]} and response {responses[n]}"
+    expect(not wrong.any(), f"interval_bias, trial {n}", given, f"intervals from 1 to {n_intervals}")
     table = np.zeros((n_intervals, n_intervals), dtype=np.int64)
-    for n, (target, response) in enumerate(zip(targets, responses, strict=True)):
-        known = target in intervals and response in intervals
-        given = f"target {target} and response {response}"
-        expect(known, f"interval_bias, trial {n}", given, f"intervals from 1 to {n_intervals}")
-        table[target - 1, response - 1] += 1
+    np.add.at(table, tuple(answers.astype(np.int64) - 1), 1)
     return table
 
 

@@ -3,7 +3,7 @@
 from .task_analysis import R_OF_LEVEL, Curve, TaskAnalysis, detection
 
 ANALYSIS = TaskAnalysis(
-    "Participants told whether they felt a stimulus",
+    "Participants reported whether they felt a stimulus",
     R_OF_LEVEL,
     Curve(
         "Rate of “yes”",

@@ -137,6 +137,11 @@ CONDITIONS = np.arange(12.0)
 NOT_FINITE = (
     "(subject = P1, force = {}, freq = {}), expected a finite number; leave the participant or the condition out"
 )
+ALL_ALIKE = (
+    "y: found the same differences in all participants, expected some to differ: the error is 0 and F is undefined"
+)
+NO_HOLE = "expected one in every cell; leave the participant or the condition out, or fit a mixed model"
+FEW = "expected at least 3 to compare"
 NO_NAME = "found nothing, expected the name of a participant or a condition; leave the row out"
 
 
@@ -150,40 +155,20 @@ NO_NAME = "found nothing, expected the name of a participant or a condition; lea
             "y: found no difference between the conditions of any participant, expected some: F is undefined",
             "no_variance_within",
         ),
-        (
-            lambda t: t.assign(y=(SUBJECTS + CONDITIONS**2).ravel()),
-            "y: found the same differences in all participants, "
-            "expected some to differ: the error is 0 and F is undefined",
-            "zero_error",
-        ),
-        (
-            lambda t: t.assign(y=(0 * SUBJECTS + CONDITIONS**2).ravel()),
-            "y: found the same differences in all participants, "
-            "expected some to differ: the error is 0 and F is undefined",
-            "zero_error",
-        ),
+        (lambda t: t.assign(y=(SUBJECTS + CONDITIONS**2).ravel()), ALL_ALIKE, "zero_error"),
+        (lambda t: t.assign(y=(0 * SUBJECTS + CONDITIONS**2).ravel()), ALL_ALIKE, "zero_error"),
         (
             lambda t: t.drop(index=17),
-            "y: found no value for subject = P2, force = 1.0, freq = 120 (1 missing cell, of P2), "
-            "expected one in every cell; leave the participant or the condition out, or fit a mixed model",
+            f"y: found no value for subject = P2, force = 1.0, freq = 120 (1 missing cell, of P2), {NO_HOLE}",
             "missing_cell",
         ),
         (
             lambda t: t.query("not (subject == 'P3' and freq == 480)"),
-            "y: found no value for subject = P3, force = 0.5, freq = 480 (3 missing cells, of P3), "
-            "expected one in every cell; leave the participant or the condition out, or fit a mixed model",
+            f"y: found no value for subject = P3, force = 0.5, freq = 480 (3 missing cells, of P3), {NO_HOLE}",
             "missing_cell",
         ),
-        (
-            lambda t: t[t["subject"] == "P1"],
-            "subject: found 1 participant, expected at least 3 to compare",
-            "too_few_participants",
-        ),
-        (
-            lambda t: t[t["subject"] < "P3"],
-            "subject: found 2 participants, expected at least 3 to compare",
-            "too_few_participants",
-        ),
+        (lambda t: t[t["subject"] == "P1"], f"subject: found 1 participant, {FEW}", "too_few_participants"),
+        (lambda t: t[t["subject"] < "P3"], f"subject: found 2 participants, {FEW}", "too_few_participants"),
         (lambda t: t[t["freq"] == 60], "freq: found 1 value, expected at least 2 to compare", "one_level"),
         (lambda t: t.iloc[:0], "table: found no row, expected values to compare", "no_data"),
         (lambda t: with_value(t, 5, math.nan), f"y, row 5: found nan {NOT_FINITE.format(1.0, 120)}", "not_finite"),

@@ -143,12 +143,7 @@ def test_word_pairs_keep_item_order_and_poles(answers) -> None:
     profile = word_pairs(item_scores(answers))
     assert len(profile) == 7 * 28
     first = profile.iloc[0]
-    assert (first["pattern"], first["item"], first["negative"], first["positive"]) == (
-        "P0",
-        "PQ1",
-        "Technical",
-        "Human",
-    )
+    assert first[["pattern", "item", "negative", "positive"]].tolist() == ["P0", "PQ1", "Technical", "Human"]
     assert profile["dimension"].iloc[:28].tolist() == ["PQ"] * 7 + ["HQI"] * 7 + ["HQS"] * 7 + ["ATT"] * 7
     means = profile[profile["pattern"] == "P2"].groupby("dimension")["mean"].mean()
     own = summary(scores(answers)).query("pattern == 'P2'").set_index("dimension")["mean"]

@@ -152,9 +152,7 @@ def test_missing_anova_of_one_participant_is_noted_once(named) -> None:
 def test_unavailable_named_analysis_leaves_no_primary() -> None:
     found = told(estimates(np.random.default_rng()), primary="mixed_model")
     assert (found.primary, primary_sentences(found)) == (None, [])
-    assert found.notes == (
-        "no primary analysis: linear mixed model (named by the plan of analysis) has no answer here",
-    )
+    assert found.notes == ("no primary analysis: linear mixed model (named by the plan of analysis) has no result",)
     assert "Check: repeated-measures analysis of variance" in outcome_sentences(found, "dB")
 
 

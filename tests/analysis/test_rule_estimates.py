@@ -147,9 +147,9 @@ def test_reversals_are_found_in_plain_table(tmp_path):
 @pytest.mark.parametrize(
     ("procedure", "header", "why"),
     [
-        ("quest,", "procedure,", "the parameters of quest are not known: no study.toml beside the table"),
+        ("quest,", "procedure,", "the parameters of quest are not known: no study.toml next to the table"),
         ("constant_stimuli,", "procedure,", "no rule: the levels of constant_stimuli do not depend on the answers"),
-        ("", "", "no rule: the table does not say which chose the levels"),
+        ("", "", "no rule: the table does not name the procedure"),
     ],
 )
 def test_missing_rule_estimate_has_reason(tmp_path, procedure, header, why):

@@ -3,7 +3,7 @@
 from .task_analysis import Curve, TaskAnalysis, detection
 
 ANALYSIS = TaskAnalysis(
-    "Participants told which of three intervals was the odd one",
+    "Participants reported which of three intervals was the odd one",
     "lme4::glmer(correct ~ level{times} + (1 | participant), {data}, binomial(psyphy::mafc.probit(3)))",
     Curve(
         "Rate correct",
