@@ -20,7 +20,6 @@ from ..session.request import (
     Fill,
     Play,
     Press,
-    Rate,
     Record,
     Show,
     Slide,
@@ -176,22 +175,6 @@ class Bench(DeviceRig):
         self._trial_log.note_answer(end_s)
         self._terminal.add(f"answered in {end_s - onset_s:.2f} s")
         return *self._times(onset_s, end_s), not self._supervisor.repeat
-
-    def _rate(self, request: Rate) -> Rated:
-        scale = layout.Scale(
-            words=self._texts.messages.get(request.item, self._texts.message("rate")),
-            low=self._texts.label(request.low_label),
-            high=self._texts.label(request.high_label),
-            hint=self._texts.message("hint_rate_continuous" if request.steps is None else "hint_rate"),
-            n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
-            rings=request.steps is not None,
-        )
-        unmarked: int | None = None
-        mark, timing = self._ask(
-            unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
-        )
-        value = None if mark is None else value_at(mark, scale.n_positions, request.low, request.high)
-        return Rated(value, *timing)
 
     def _enter(self, request: Enter) -> Rated:
         words, hint = self._texts.message(request.question), self._texts.message("hint_enter")

@@ -22,7 +22,6 @@ from ..session.request import (
     Play,
     Press,
     Question,
-    Rate,
     Record,
     Show,
     Slide,
@@ -169,11 +168,6 @@ class Console(DeviceRig):
 
     def _number(self, low: float, high: float) -> str:
         return self._phrases.of("number_from" if high == math.inf else "number", low=low, high=high)
-
-    def _rate(self, request: Rate) -> Rated:
-        prompt = f"{request.item} ({request.low:g} = {request.low_label}, {request.high:g} = {request.high_label}):"
-        expected = self._number(request.low, request.high)
-        return Rated(*self._ask(prompt, lambda line: _within(line, request.low, request.high), expected))
 
     def _enter(self, request: Enter) -> Rated:
         low, high = request.low, math.inf if request.high is None else request.high

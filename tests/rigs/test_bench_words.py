@@ -39,7 +39,6 @@ dry_run_lost        | practice unclear ask begins    | übung unklar rufen los  
 end                 | all thank lift                 | alles dank heben                   | terminé merci lever
 felt                | did feel something             | haben etwas gespürt                | senti quelque chose
 which_interval      | which interval                 | welchem intervall                  | quel intervalle
-rate                | where scale                    | wo skala                           | où échelle
 adjust              | change until right             | verändern bis stimmt               | changez jusqu'à convienne
 press               | press still                    | drücken still                      | appuyez immobile
 release             | lift then press again          | heben dann wieder                  | levez puis nouveau
@@ -66,8 +65,6 @@ dry_run             | try nothing yet                | versuchen noch nichts    
 hint_end            | space bar finish               | leertaste beenden                  | espace terminer
 hint_continue       | space bar go on                | leertaste weiter                   | espace continuer
 hint_choose         | key box                        | taste feld                         | touche case
-hint_rate           | number scale ok                | ziffern skala ok                   | chiffres échelle ok
-hint_rate_continuous | line arrow return             | linie pfeiltasten eingabe          | ligne flèches entrée
 hint_adjust         | arrow + − ok                   | pfeiltasten + − ok                 | flèches + − ok
 right               | correct                        | richtig                            | correct
 wrong               | wrong                          | falsch                             | faux

@@ -9,7 +9,7 @@ import pytest
 from tactometry.errors import Stopped
 from tactometry.rigs.console import N_TRIES, Console
 from tactometry.rigs.texts import phrases_in, texts_in
-from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Show, Slide
+from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Record, Show, Slide
 from tactometry.trials.trial import Trial
 
 FELT = Choose("felt", (0, 1), ("no", "yes"))
@@ -48,7 +48,6 @@ REFUSED = (
     (FELT, "vielleicht\n1\n", "de", "erwartet wird 0 oder 1, nicht 'vielleicht'"),
     (FELT, "x\n1\n", "fr", "réponse attendue : 0 ou 1, au lieu de 'x'"),
     (Choose("which_place", (1, 2, 3), ("a", "b", "c")), "4\n1\n", "en", "expected 1, 2 or 3, found '4'"),
-    (Rate("warm", 0.0, 10.0, None, "not", "much"), "11\n1\n", "en", "expected a number from 0 to 10, found '11'"),
     (Enter("how_strong", 0.0), "-1\n1\n", "en", "expected a number from 0, found '-1'"),
     (Adjust("tone", 5.0, 1.0, 0.0, 10.0), "x\n5\n", "en", "expected a number from 0 to 10, found 'x'"),
     (

@@ -11,7 +11,7 @@ from tactometry.errors import InvalidParameter, Stopped
 from tactometry.rigs.experimenter.terminal import order_of
 from tactometry.session.event import intervention_of
 from tactometry.session.intervention import Intervention
-from tactometry.session.request import Adjust, Enter, Fill, Intervene, Play, Press, Question, Rate, Record, Show, Wait
+from tactometry.session.request import Adjust, Enter, Fill, Intervene, Play, Press, Question, Record, Show, Wait
 
 
 def test_remark_is_recorded_with_time_during_a_page(bench_with, terminal, kept):
@@ -156,7 +156,6 @@ ITEM = Question("item", {"en": ("", "low", "high")})
 @pytest.mark.parametrize(
     ("ask", "keys"),
     [
-        (Rate("rate", 1.0, 5.0, 5, "low", "high"), ("3", "Return")),
         (Enter("how_strong", 0.0), ("7", "Return")),
         (Fill("form", (ITEM,), 1.0, 5.0, 5), ("3", "Return")),
         (Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0), ("Return",)),

@@ -84,20 +84,6 @@ def question_pages(texts, aspect):
     }
 
 
-def scale_pages(texts, aspect):
-    def page(name, n_positions, mark):
-        rings = n_positions < 10
-        scale = layout.Scale(texts.message("rate"), "unpleasant", "pleasant", texts.message(name), n_positions, rings)
-        return layout.scale_page(scale, mark, aspect)
-
-    return {
-        "scale": page("hint_rate", 7, None),
-        "scale_marked": page("hint_rate", 7, 4),
-        "line_marked": page("hint_rate_continuous", 101, 70),
-        "adjust": layout.adjust_page(texts.message("adjust"), texts.message("hint_adjust"), aspect),
-    }
-
-
 def marker_pages(texts):
     press, slide = texts.message("press_force"), texts.message("slide_force")
     why = texts.message("lost_too_light")
@@ -118,7 +104,7 @@ def all_pages(language, aspect):
         message_pages(texts, aspect)
         | picture_pages(texts, aspect)
         | question_pages(texts, aspect)
-        | scale_pages(texts, aspect)
+        | {"adjust": layout.adjust_page(texts.message("adjust"), texts.message("hint_adjust"), aspect)}
         | marker_pages(texts)
     )
 

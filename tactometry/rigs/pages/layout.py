@@ -2,7 +2,6 @@
 
 import unicodedata
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from ...session.request import Adjust
@@ -211,55 +210,6 @@ def sweep(phase: float) -> float:
     [-1.0, 0.0, 1.0, 0.0, -1.0]
     """
     return 1.0 - 2.0 * abs(phase % 2.0 - 1.0)
-
-
-@dataclass(frozen=True)
-class Scale:
-    """A question with a scale between two words: `n_positions` rings, or places on a line."""
-
-    words: str
-    low: str
-    high: str
-    hint: str
-    n_positions: int
-    rings: bool
-
-    def after(self, mark: int | None, answer: Answer) -> tuple[int | None, bool]:
-        """Return the mark (0..n_positions-1) after an answer, and whether it is confirmed.
-
-        >>> scale = Scale("", "ugly", "attractive", "", n_positions=7, rings=True)
-        >>> scale.after(None, LEFT), scale.after(6, RIGHT), scale.after(2, CONFIRM)
-        ((6, False), (6, False), (2, True))
-        """
-        if isinstance(answer, int):
-            return answer, False
-        if answer == CONFIRM:
-            return mark, True
-        return shift(mark, answer, self.n_positions), False
-
-
-def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
-    """Return a page with the scale and its mark."""
-    length = min(1.1, 0.75 * aspect)
-    pitch = length / scale.n_positions
-    places = [(k + 0.5) * pitch - length / 2 for k in range(scale.n_positions)]
-    if scale.rings:
-        digits = [Text(str(k), x, -0.085, HINT, QUIET) for k, x in enumerate(places[:9], 1)]
-        drawn = [*rings(places, 0, min(0.04, 0.4 * pitch), mark), *digits]
-    else:
-        ends = [Box(side * length / 2, 0, 0.006, 0.08, fill=INK) for side in (-1, 1)]
-        mark_box = [] if mark is None else [Box(places[mark], 0, 0.014, 0.12, fill=GOOD)]
-        drawn = [Box(0, 0, length, 0.006, fill=INK), *ends, *mark_box]
-    items = (
-        heading(scale.words, 0.26, aspect),
-        Text(scale.low, -length / 2 + 0.01, 0.13, BODY, wrap_width=length / 2, align="left"),
-        Text(scale.high, length / 2 - 0.01, 0.13, BODY, wrap_width=length / 2, align="right"),
-        *drawn,
-        *confirm_box(CONFIRM_BUTTON, ready=mark is not None),
-        hint_line(scale.hint, aspect),
-    )
-    buttons = [Button(k, digit_keys(k) if scale.rings else (), x, 0, pitch, 0.16) for k, x in enumerate(places)]
-    return Page(items, (*buttons, *ARROWS) if mark is None else (*buttons, *ARROWS, CONFIRM_BUTTON))
 
 
 def digit_keys(k: int) -> tuple[str, ...]:

@@ -14,22 +14,19 @@ from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages.page import KeyDown, Page, Text
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
-from tactometry.session.request import Adjust, Choose, Play, Press, Rate, Record, Show, Slide, Wait
+from tactometry.session.request import Adjust, Choose, Play, Press, Record, Show, Slide, Wait
 from tactometry.stimuli.electrovibration import Sine
 from tactometry.trials.trial import Trial
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=0.02, level_unit="V")
 FELT = Choose("felt", (0, 1), ("no", "yes"))
 WHICH = Choose("which_interval", (1, 2), ("1", "2"))
-SEVEN = Rate("warm", 1, 7, 7, "cold", "warm")
-LINE = Rate("intensity", 0, 100, None, "nothing", "very strong")
-PITCH = 1.1 / 7
 TRIAL = Trial(1, 1, {}, "staircase", 1.0, "V", "yes_no", 1)
 
 
 @pytest.fixture
 def bench(watched, output):
-    rig = Bench(watched, Equipment(output, {"tone": TONE}), texts_in("en", {"warm": "Cold or warm?"}))
+    rig = Bench(watched, Equipment(output, {"tone": TONE}), texts_in("en", {}))
     yield rig
     rig.close()
 
@@ -106,29 +103,6 @@ def test_key_pressed_before_question_is_ignored(bench, participant, hands, in_ba
     assert bench.answer(FELT).option == 0
 
 
-@pytest.mark.parametrize(
-    ("acts", "value"),
-    [
-        (("3", "Return"), 3),
-        (("6", "2", "space"), 2),
-        (("Right", "Right", "Return"), 2),
-        (("7", "Right", "Left", "KP_Enter"), 6),
-        (((0, -0.27), (-3 * PITCH, 0), (2 * PITCH, 0), 0.1, (0, -0.27)), 6),
-    ],
-    ids=["digit", "corrected", "entered from its end", "bounded", "touch"],
-)
-def test_scale_accepts_keys_and_touch(bench, participant, acts, value):
-    participant.answers(*acts)
-    rated = bench.answer(SEVEN)
-    assert rated.value == value
-    assert rated.latency_s > 0
-
-
-def test_continuous_scale_accepts_touch_and_arrows(bench, participant):
-    participant.answers((1.1 * 0.25, 0), 0.1, "Right", "Return")
-    assert bench.answer(LINE).value == 76
-
-
 def test_adjustment_stays_within_bounds(bench, participant, log):
     participant.answers(*["Up", 0.1] * 3, "Down", 0.1, "Return")
     adjusted = bench.answer(Adjust("tone", start=10.0, step=5.0, low=0.0, high=20.0))
@@ -174,8 +148,6 @@ PRESS = Press("tone", 5.0, 30.0, 1.0, 0.2, hold_s=0.05, timeout_s=5.0)
 REQUESTS = [
     Show("end"),
     FELT,
-    SEVEN,
-    LINE,
     Wait(30.0),
     Play("tone", 5.0, 30.0),
     PRESS,
