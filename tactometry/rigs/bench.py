@@ -7,10 +7,10 @@ import functools
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TypeVar
 
-from ..session.answer import Adjusted, Chosen, Done, Filled, Marked, Played, Rated, Touched
+from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.request import (
     ABOUT,
     Adjust,
@@ -24,7 +24,6 @@ from ..session.request import (
     Show,
     Slide,
     Wait,
-    value_at,
 )
 from ..trials.trial import REASON_WORDS, Reason, outcome
 from .device_rig import DeviceRig
@@ -32,7 +31,6 @@ from .experimenter.supervisor import CLOCK, TrialLog
 from .pages import entry, form, layout, touch_picture
 from .pages.page import Answer, Page
 from .pages.presenter import Dress, as_it_is
-from .texts import Texts
 from .touch.gated_samples import Trace
 from .touch.touch import TouchRun, moving_cue
 from .touch.watchdog import RepeatedStimulus, play_to_end, watchdog
@@ -188,14 +186,14 @@ class Bench(DeviceRig):
         return Rated(entry.value_of(typed, low, high), *timing)
 
     def _fill(self, request: Fill) -> Filled:
-        page = form_of(request, self._texts)
+        page = form.Form(request, self._texts)
         marks, onset_s, end_s = self._presenter.converse(
-            marks_of(request),
+            page.begun(),
             lambda marks: form.form_page(page, marks, self._screen.aspect),
             functools.partial(form.after, page),
-            Keeping(request, self._keep_marks, self._session_s),
+            form.Keeping(page, self._keep_marks, self._session_s),
         )
-        return Filled(values_of(marks, request), *self._timing(onset_s, end_s), back=marks.back)
+        return Filled(page.values(marks), *self._timing(onset_s, end_s), back=marks.back)
 
     def _adjust(self, request: Adjust) -> Adjusted:
         page = layout.adjust_page(
@@ -253,74 +251,3 @@ class Bench(DeviceRig):
             self._terminal.tell(f"! {request.aborted}")
         self._trial_log.begin_trial(trial)
         return self._done_between()
-
-
-KEPT_EVERY_S = 0.2
-"""Interval at which fast changes of marks, as in a drag, are kept."""
-Values = tuple[float | None, ...]
-
-
-def n_positions(request: Fill) -> int:
-    return layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps
-
-
-def form_of(request: Fill, texts: Texts) -> form.Form:
-    """Return the page in the participant's language."""
-    first, several = request.page == 1, request.n_pages > 1
-    words = form.FormWords(
-        hint=texts.message(form.hint_for(request.steps)),
-        gaps=texts.message("hint_gaps"),
-        stem=texts.in_language(request.stem),
-        count=texts.message("page_count", {"page": request.page, "n_pages": request.n_pages}) if several else "",
-        back="" if first else texts.message("page_back"),
-        leave_open=texts.message("leave_open"),
-    )
-    return form.Form(
-        rows=tuple(texts.question(question) for question in request.questions),
-        n_positions=n_positions(request),
-        rings=request.steps is not None,
-        words=words,
-    )
-
-
-def place_at(value: float | None, request: Fill) -> int | None:
-    """Return the place nearest to a value.
-
-    >>> place_at(3.0, Fill("f", (), low=1.0, high=7.0, steps=7))
-    2
-    """
-    if value is None:
-        return None
-    last = n_positions(request) - 1
-    return min(max(round((value - request.low) / (request.high - request.low) * last), 0), last)
-
-
-def marks_of(request: Fill) -> form.Marks:
-    given = request.given or (None,) * len(request.questions)
-    return form.begun(tuple(place_at(value, request) for value in given))
-
-
-def values_of(marks: form.Marks, request: Fill) -> Values:
-    """Return the value of each mark; None where there is none."""
-    n, low, high = n_positions(request), request.low, request.high
-    return tuple(None if place is None else value_at(place, n, low, high) for place in marks.places)
-
-
-@dataclass
-class Keeping:
-    """Keeps the marks of a page as they change; called in each frame."""
-
-    request: Fill
-    keep: Callable[[Marked], None]
-    session_s: Callable[[float], float]
-    _kept: Values = ()
-    _kept_s: float = field(default=-float("inf"))
-
-    def __post_init__(self) -> None:
-        self._kept = values_of(marks_of(self.request), self.request)
-
-    def __call__(self, marks: form.Marks) -> None:
-        values, now_s = values_of(marks, self.request), time.perf_counter()
-        if values != self._kept and now_s - self._kept_s >= KEPT_EVERY_S:
-            self.keep(Marked(self.request.form, values, self.session_s(now_s)))
-            self._kept, self._kept_s = values, now_s

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.rigs.keyboard import FreshPresses
-from tactometry.rigs.pages import layout
+from tactometry.rigs.pages import form, layout
 from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import value_at
@@ -121,8 +121,8 @@ def test_force_band_is_shown_by_colour_and_shape(force_n, held):
 
 @given(st.floats(-1e3, 1e3), st.floats(1e-3, 1e3))
 def test_scale_ends_have_end_values(low, span):
-    assert value_at(0, layout.N_POSITIONS_CONTINUOUS, low, low + span) == low
-    assert value_at(100, layout.N_POSITIONS_CONTINUOUS, low, low + span) == low + span
+    assert value_at(0, form.N_POSITIONS_CONTINUOUS, low, low + span) == low
+    assert value_at(100, form.N_POSITIONS_CONTINUOUS, low, low + span) == low + span
 
 
 @given(st.lists(st.tuples(st.sampled_from("yn"), st.integers(0, 50)), unique=True), st.data())

@@ -6,7 +6,6 @@ from pathlib import Path
 from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load, load_choices
-from tactometry.rigs.bench import form_of
 from tactometry.rigs.pages import entry, form, layout, touch_picture
 from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.request import MISSED_LABELS
@@ -113,7 +112,7 @@ def form_pages(name, language, aspect):
     """Return a questionnaire's last page with each of two answers."""
     loaded = load(name)
     page = pages(loaded, loaded.items)[-1]
-    drawn = form_of(page, texts_in(language, {}))
+    drawn = form.Form(page, texts_in(language, {}))
     left = (None,) * (len(page.questions) - 1)
     marked = [form.Marks((place, *left), row=min(1, len(left)), warned=name == "sus") for place in (2, 3)]
     return [form.form_page(drawn, marks, aspect) for marks in marked]

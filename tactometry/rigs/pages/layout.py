@@ -9,7 +9,6 @@ from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Di
 
 BODY, HEADING, HINT = 0.042, 0.056, 0.032
 """Letter heights, in screen heights."""
-N_POSITIONS_CONTINUOUS = 101
 MARGIN = 0.9
 """Largest share of the screen's width that a page fills."""
 LONGEST_NEXT_TO_BAR = 0.5
@@ -210,11 +209,6 @@ def sweep(phase: float) -> float:
     [-1.0, 0.0, 1.0, 0.0, -1.0]
     """
     return 1.0 - 2.0 * abs(phase % 2.0 - 1.0)
-
-
-def digit_keys(k: int) -> tuple[str, ...]:
-    """Return the keys of a place, from 0."""
-    return (str(k + 1), f"num_{k + 1}") if k < 9 else ()  # a tenth place has no digit
 
 
 def rings(places: Sequence[float], y: float, radius: float, mark: int | None) -> list[Item]:

@@ -21,7 +21,7 @@ from tactometry.protocols.session import question_of, words_of
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load, load_choices
 from tactometry.records.journal import read
-from tactometry.rigs.bench import Bench, form_of
+from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages import form
 from tactometry.rigs.texts import texts_in
@@ -37,7 +37,7 @@ ASPECT = 1.6
 
 
 def drawn(request=PAGE):
-    return form_of(request, texts_in("en", {}))
+    return form.Form(request, texts_in("en", {}))
 
 
 def place(row, k, request=PAGE):

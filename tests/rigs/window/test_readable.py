@@ -9,6 +9,7 @@ import screens
 from tactometry.rigs.pages import entry, form, layout, page
 from tactometry.rigs.pages.page import Click, KeyDown, Page, Text
 from tactometry.rigs.texts import languages, texts_in
+from tactometry.session.request import Fill, Question
 
 READ_AT_M, LEAST_ARCMIN = 2.0, 20.0
 SAID_ON_M, ALL_ON_M = 0.40, 0.52
@@ -71,7 +72,12 @@ def test_colours_have_contrast_for_colour_blind_participants(cones):
     assert contrast(page.PAPER, page.ACCENT, cones) >= 4.5, "the number in a filled circle"
 
 
-SEVEN = form.Form((("warm?", "cold", "warm"),), n_positions=7, rings=True, words=form.FormWords("", ""))
+def seven_steps(*rows):
+    questions = tuple(Question(f"q{k}", {"en": row}) for k, row in enumerate(rows))
+    return form.Form(Fill("form", questions, 1.0, 7.0, steps=7), texts_in("en", {}))
+
+
+SEVEN = seven_steps(("warm?", "cold", "warm"))
 
 
 def shapes(shown):
@@ -84,7 +90,7 @@ def test_states_differ_by_shape_and_colour():
     assert shapes(ready) != shapes(playing)
     held, light = (layout.force_page(ready, force_n, 1.0, 0.2) for force_n in (1.0, 0.5))
     assert shapes(held) != shapes(light)
-    blank, marked = (form.form_page(SEVEN, form.begun((place,)), 1.6) for place in (None, 3))
+    blank, marked = (form.form_page(SEVEN, form.Marks((place,)), 1.6) for place in (None, 3))
     assert shapes(blank) != shapes(marked)
 
 
@@ -113,11 +119,11 @@ def test_every_answer_works_by_keys_or_mouse(name):
 @pytest.mark.parametrize("place", range(7))
 def test_every_scale_position_works_by_arrows_or_mouse(place):
     """A touch screen has no keys; its touches are mouse presses."""
-    marks = form.begun((None,))
+    marks = SEVEN.begun()
     for key in ["right"] * 8 + ["left"] * (6 - place):
         marks, _ = form.after(SEVEN, marks, form.form_page(SEVEN, marks, 1.6).answer(KeyDown(key, 0.0)))
     assert marks.places == (place,)
-    marks, _ = after_click(SEVEN, form.begun((None,)), (0, place))
+    marks, _ = after_click(SEVEN, SEVEN.begun(), (0, place))
     marks, left = after_click(SEVEN, marks, layout.CONFIRM)
     assert (marks.places, left) == ((place,), True)
 
@@ -134,8 +140,8 @@ def at(shown, answer):
 
 
 def test_form_can_be_completed_by_mouse():
-    asked = form.Form((("", "a", "b"), ("", "c", "d")), n_positions=7, rings=True, words=form.FormWords("", ""))
-    marks = form.begun((None, None))
+    asked = seven_steps(("", "a", "b"), ("", "c", "d"))
+    marks = asked.begun()
     for answer in ((0, 3), (1, 6), layout.CONFIRM):
         marks, left = after_click(asked, marks, answer)
     assert (marks.places, left) == ((3, 6), True)
