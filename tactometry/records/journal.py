@@ -17,9 +17,8 @@ import msgspec
 
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file, whole_lines
-from ..session.answer import Chosen, Done, Marked
+from ..session.answer import Chosen, Done, Intervention, Marked, left
 from ..session.event import Event, decode_event, intervention_of, missed_text, trial_facts
-from ..session.intervention import Intervention, left
 from ..session.replay import Replay, rows
 from ..session.request import MISSED_PRACTICE, REQUESTS, Choose, Fact, Intervene, Record, Request, flaw
 from ..trials.trial import Trial

@@ -16,9 +16,8 @@ from ..files.durable import NO_LINK, drafts, open_private, read_file, replace_fi
 from ..files.rows import delimited_text
 from ..provenance import sha256
 from ..safety.limits import Exposure
-from ..session.answer import Marked, TracePart
+from ..session.answer import Intervention, Marked, TracePart
 from ..session.event import COLUMNS, Event, OnEvent, OnRequest, TraceKind, decode_event, events_tsv
-from ..session.intervention import Intervention
 from ..session.replay import Replay
 from ..session.request import Intervene, Record, Request
 from ..signal import FloatArray

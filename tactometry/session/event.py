@@ -12,8 +12,7 @@ from ..safety.limits import Exposure
 from ..signal import FloatArray
 from ..trials.columns import Column
 from ..trials.tasks import PRACTICE_MISSED
-from .answer import Marked, TracePart
-from .intervention import WANTED, Intervention
+from .answer import WANTED, Intervention, Marked, TracePart
 from .request import MISSED_LABELS, Fact, Request
 
 Kind = Literal[

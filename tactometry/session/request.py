@@ -11,8 +11,7 @@ from typing import Any, ClassVar, Final, Generic, Protocol, TypeVar, get_args
 
 from ..trials.cells import LARGEST_ANSWER
 from ..trials.trial import Key, Trial
-from .answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from .intervention import Intervention
+from .answer import Adjusted, Chosen, Done, Filled, Intervention, Played, Rated, Touched
 
 A = TypeVar("A")
 Fact = str | int | float | bool | None

@@ -17,8 +17,7 @@ from tactometry.experiments.data_sets.figures import heading, speed_of
 from tactometry.experiments.data_sets.touch_courses import touch_courses
 from tactometry.experiments.data_sets.traces import TouchTrace, read_traces, touches
 from tactometry.records.journal import Entry, read
-from tactometry.session.answer import Done
-from tactometry.session.intervention import Intervention
+from tactometry.session.answer import Done, Intervention
 from tactometry.session.request import Intervene
 
 RECORDED_TRACES = RECORDED / "format-2-traces-console"

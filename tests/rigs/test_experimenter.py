@@ -9,8 +9,8 @@ from patience import LONGEST_WAIT_S
 
 from tactometry.errors import InvalidParameter, Stopped
 from tactometry.rigs.experimenter.terminal import order_of
+from tactometry.session.answer import Intervention
 from tactometry.session.event import intervention_of
-from tactometry.session.intervention import Intervention
 from tactometry.session.request import Adjust, Enter, Fill, Intervene, Play, Press, Question, Record, Show, Wait
 
 

@@ -7,8 +7,8 @@ from datetime import UTC, datetime, timedelta
 from typing import Final
 
 from ...errors import Stopped
+from ...session.answer import Intervention
 from ...session.event import Event, EventLog, Kind, order_facts
-from ...session.intervention import Intervention
 from ...session.request import Fact, Intervene
 from ...trials.trial import Trial, without
 from ..frame_timing import timing_of

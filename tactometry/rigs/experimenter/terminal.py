@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal, TextIO
 
 from ...errors import InvalidParameter, count_of, nearest
+from ...session.answer import Wanted
 from ...session.event import Event
-from ...session.intervention import Wanted
 from ...session.progress import PartAhead, Progress
 from ...session.request import Request
 from ...trials.cells import cell
