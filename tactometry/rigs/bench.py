@@ -25,7 +25,7 @@ from ..session.request import (
     Slide,
     Wait,
 )
-from ..trials.trial import REASON_WORDS, Reason, outcome
+from ..trials.trial import Reason
 from .device_rig import DeviceRig
 from .experimenter.supervisor import CLOCK, TrialLog
 from .pages import entry, form, layout, touch_picture
@@ -129,7 +129,7 @@ class Bench(DeviceRig):
             why = f"lost_{touched.invalid_reason}"
         assert touched is not None
         reason = touched.invalid_reason
-        told = f"{kind}: {'held' if reason is None else f'not held, {REASON_WORDS[reason]}'}"
+        told = f"{kind}: {'held' if reason is None else f'not held, {self._terminal.phrase(reason)}'}"
         self._supervisor.note("dry_run", text=told)
         self._terminal.end_line()
         self._terminal.tell(f"dry run, {told} ({time.perf_counter() - begin_s:.0f} s)")
@@ -244,8 +244,9 @@ class Bench(DeviceRig):
         self._lost = trial.invalid_reason
         before, self._tally = self._tally, self._tally.after(trial)
         if self._tally.n_presented > before.n_presented:  # not for each item of a questionnaire
-            response = "no answer, " if trial.response is None else f"{trial.response}, "
-            self._terminal.add(f"{'' if trial.task == 'rating' else response}{outcome(trial, self._tally.n_presented)}")
+            response = "no answer" if trial.response is None else trial.response
+            outcome = self._terminal.outcome(trial, self._tally.n_presented)
+            self._terminal.add(outcome if trial.task == "rating" else f"{response}, {outcome}")
         self._terminal.end_line()
         if request.aborted:
             self._terminal.tell(f"! {request.aborted}")

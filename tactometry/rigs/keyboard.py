@@ -112,17 +112,15 @@ class HeldKeys:
 
 @dataclass(frozen=True)
 class ConnectedScreen:
-    """A screen, numbered from 0, with its size and place among the others (pixels).
+    """A screen, numbered from 0, with its size in pixels.
 
-    >>> str(ConnectedScreen(1, 1920, 1080, 1280, 0))
+    >>> str(ConnectedScreen(1, 1920, 1080))
     'screen 1: 1920 x 1080 px'
     """
 
     number: int
     width_px: int
     height_px: int
-    x_px: int = 0
-    y_px: int = 0
 
     def __str__(self) -> str:
         return f"screen {self.number}: {self.width_px} x {self.height_px} px"
@@ -131,7 +129,7 @@ class ConnectedScreen:
 def connected_screens(pyglet: Any) -> tuple[ConnectedScreen, ...]:
     """Return all screens of the desktop; pyglet is passed in."""
     return tuple(
-        ConnectedScreen(number, int(screen.width), int(screen.height), int(screen.x), int(screen.y))
+        ConnectedScreen(number, int(screen.width), int(screen.height))
         for number, screen in enumerate(pyglet.canvas.get_display().get_screens())
     )
 

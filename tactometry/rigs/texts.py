@@ -163,16 +163,6 @@ def _fill_in(name: str, text: str, values: Mapping[str, str | int | float]) -> s
         ) from error
 
 
-@dataclass(frozen=True)
-class Phrases:
-    """Texts of the experimenter's terminal by name, in one language."""
-
-    words: Mapping[str, str]
-
-    def of(self, name: str, /, **values: str | float) -> str:
-        return self.words[name].format(**values)
-
-
 @cache
 def _shipped(language: str) -> dict[str, dict[str, str]]:
     one_of("language", language, languages())
@@ -180,13 +170,18 @@ def _shipped(language: str) -> dict[str, dict[str, str]]:
     return {name: tables[name] for name in ("messages", "labels", "console")}
 
 
-def phrases_in(language: str) -> Phrases:
-    """Return the shipped terminal texts of a language.
+def phrases_in(language: str) -> Mapping[str, str]:
+    """Return the texts of the experimenter's terminal by name, in one language.
 
-    >>> phrases_in("fr").of("press", force_n=1.0, duration_s=0.5)
+    >>> phrases_in("fr")["press"].format(force_n=1.0, duration_s=0.5)
     'appuyez avec 1 N pendant 0.5 s'
     """
-    return Phrases(_shipped(language)["console"])
+    return _shipped(language)["console"]
+
+
+def reason_words(reason: str) -> str:
+    """Return the English words for the reason of an invalid trial."""
+    return phrases_in("en")[reason]
 
 
 def texts_in(language: str, study: Mapping[str, str]) -> Texts:

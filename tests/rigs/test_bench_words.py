@@ -111,6 +111,7 @@ console.either      | {options} or {last}            | {options} oder {last}    
 console.steps       | steps                          | schritten                          | pas de
 console.ways        | - leaves < back                | - lässt < zurück                   | - laisse < arrière
 console.level       | level                          | pegel                              | niveau
+console.valid       | valid                          | zählt                              | compte
 console.not_valid   | not valid                      | zählt nicht                        | compte pas
 console.not_valid_why | not valid: {reason}          | zählt nicht: {reason}              | ne compte pas : {reason}
 console.place       | trial {trial}                  | durchgang {trial}                  | essai {trial}
@@ -141,7 +142,7 @@ ALONE = ("no", "yes", "right", "wrong", "same", "different")
 
 def said_in(language):
     texts = texts_in(language, {})
-    told = {f"console.{name}": text for name, text in phrases_in(language).words.items()}
+    told = {f"console.{name}": text for name, text in phrases_in(language).items()}
     return {**texts.messages, **texts.labels, **told}
 
 

@@ -150,7 +150,7 @@ def test_console_prints_in_the_session_language(language):
     answers = [rig.answer(request) for request in ASKED]
     assert (answers[3].value, answers[4].values) == (3.5, (0.25,))
     first, *others = said.getvalue().splitlines()
-    assert (first, others) == (phrases_in(language).of("silent").strip(), list(TOLD[language]))
+    assert (first, others) == (phrases_in(language)["silent"].strip(), list(TOLD[language]))
 
 
 @pytest.mark.parametrize(("language", "heading"), [("en", "Stopped"), ("de", "Angehalten"), ("fr", "Arrêt")])

@@ -89,13 +89,13 @@ class Supervisor:
         self.mute(on=True)
         self._n_pauses += 1
         self.note("pause", text=by)
-        self.terminal.tell(self.terminal.phrases.of("paused", by=by) + (" (g goes on)" if self._wanted else ""))
+        self.terminal.tell(self.terminal.phrase("paused", by=by) + (" (g goes on)" if self._wanted else ""))
         self.screen.present(self.page)
         while self._wanted or not over():
             self.screen.refresh(self.page)
             self._look(self.screen.events())
         self.note("resume", text=by)
-        self.terminal.tell(self.terminal.phrases.of("goes_on"))
+        self.terminal.tell(self.terminal.phrase("goes_on"))
         self.mute(on=False)
 
     def _look(self, events: tuple[Input, ...]) -> None:
