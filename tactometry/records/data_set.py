@@ -29,9 +29,6 @@ class Session:
     """One session of one participant.
 
     Raises `InvalidParameter` if the code is not 1 to 32 letters and digits, or the session number is below 1.
-
-    >>> Session("P01", 1, "electrovibration-threshold").stem
-    'participant-P01_session-1_study-electrovibrationthreshold'
     """
 
     participant: str
@@ -138,11 +135,7 @@ REBUILD = "write it anew with tactometry rebuild"
 
 
 def is_beginning(existing: bytes, expected: bytes) -> bool:
-    """Return True if a file is the beginning of the expected one, as a crash may leave it, with zero bytes behind.
-
-    >>> is_beginning(b"a\\n1", b"a\\n12\\n"), is_beginning(b"a\\n2\\n", b"a\\n1\\n2\\n")
-    (True, False)
-    """
+    """Return True if a file is the beginning of the expected one, as a crash may leave it, with zero bytes behind."""
     return expected.startswith(existing.rstrip(b"\0"))
 
 
@@ -157,11 +150,7 @@ def first_difference(existing: bytes, expected: bytes) -> int | None:
 
 
 def disagreement(existing: bytes, expected: bytes) -> tuple[int, str] | None:
-    """Return the first line, from 1, in which a derived file differs from its journal, and how; None if equal.
-
-    >>> disagreement(b"a\\n1\\n", b"a\\n1\\n2\\n3\\n")
-    (3, 'lacks the last 2 rows of the journal, expected all of them; write it anew with tactometry rebuild')
-    """
+    """Return the first line, from 1, in which a derived file differs from its journal, and how; None if equal."""
     row = first_difference(existing, expected)
     if row is None:
         return None

@@ -64,10 +64,6 @@ class FreshPresses:
 
     PsychoPy reports a held press at its beginning and again, with the old time, at its end, and a tap only at its end.
     Queried for both, it reports everything, some of it twice.
-
-    >>> fresh = FreshPresses()
-    >>> fresh.of([("y", 1.5)]), fresh.of([("y", 1.5), ("n", 2.0)])
-    ([('y', 1.5)], [('n', 2.0)])
     """
 
     def __init__(self) -> None:
@@ -112,11 +108,7 @@ class HeldKeys:
 
 @dataclass(frozen=True)
 class ConnectedScreen:
-    """A screen, numbered from 0, with its size in pixels.
-
-    >>> str(ConnectedScreen(1, 1920, 1080))
-    'screen 1: 1920 x 1080 px'
-    """
+    """A screen, numbered from 0, with its size in pixels."""
 
     number: int
     width_px: int

@@ -69,11 +69,7 @@ def image_of(table: ImageTable, where: str) -> PageImage:
 
 @cache
 def languages() -> tuple[str, ...]:
-    """Return the shipped languages by their two letters.
-
-    >>> languages()
-    ('de', 'en', 'fr')
-    """
+    """Return the shipped languages by their two letters."""
     return tuple(sorted(path.stem.removeprefix(PREFIX) for path in FOLDER.glob(f"{PREFIX}*{SUFFIX}")))
 
 

@@ -32,11 +32,7 @@ ABOUT: Final = "about."
 
 
 class Request(Generic[A]):
-    """One request to a rig, which answers with an `A`.
-
-    >>> Enter.answer_type
-    <class 'tactometry.session.answer.Rated'>
-    """
+    """One request to a rig, which answers with an `A`."""
 
     answer_type: ClassVar[type]
 

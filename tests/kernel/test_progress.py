@@ -126,6 +126,8 @@ FIVE = [PartAhead(n_attempts=5), PartAhead(n_attempts=5)]
 )
 def test_track_warns_before_it_is_aborted(n, warning):
     assert recorded(*attempts(n)).warning(FIVE) == warning
+    first = recorded(*attempts(1)).warning([PartAhead(n_attempts=3)])
+    assert first == "the last touch did not count: 2 more abort this condition"
 
 
 def test_track_warning_ends_when_track_is_aborted():

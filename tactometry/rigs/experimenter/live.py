@@ -32,15 +32,7 @@ class Typed:
     in_sequence: bool = False
 
     def after(self, key: str) -> tuple["Typed", str | None]:
-        """Add a character; return also the line if the character ends it.
-
-        >>> Typed("n hell").after("o")
-        (Typed(text='n hello', in_sequence=False), None)
-        >>> Typed("s").after("\\n")
-        (Typed(text='', in_sequence=False), 's')
-        >>> Typed("s", in_sequence=True).after("\\n")
-        (Typed(text='', in_sequence=False), 's')
-        """
+        """Add a character; return also the line if the character ends it."""
         if self.in_sequence and key not in "\r\n":
             return replace(self, in_sequence=not (key.isalpha() or key == "~")), None
         if key in "\r\n":

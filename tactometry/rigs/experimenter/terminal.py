@@ -46,11 +46,7 @@ class Order:
 
 
 def order_of(line: str) -> Order:
-    """Parse a typed line.
-
-    >>> order_of("n moved the hand"), order_of(" P ")
-    (Order(wish='note', text='moved the hand'), Order(wish='pause', text=''))
-    """
+    """Parse a typed line."""
     word, _, text = line.strip().partition(" ")
     wish = WORDS.get(word.casefold())
     if wish is None or bool(text.strip()) != (wish == "note"):

@@ -120,14 +120,6 @@ def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
     """Return the marks after an answer, and whether the page is left.
 
     Return leaves a complete page; a first attempt with open questions shows the box that leaves them open.
-
-    >>> from tactometry.rigs.texts import texts_in
-    >>> from tactometry.session.request import Question
-    >>> form = Form(Fill("f", (Question("a", {}), Question("b", {})), 1.0, 7.0, steps=7), texts_in("en", {}))
-    >>> after(form, Marks((3, None)), layout.CONFIRM)
-    (Marks(places=(3, None), row=1, warned=True, back=False), False)
-    >>> [after(form, Marks((3, None), warned=True), answer)[1] for answer in (layout.CONFIRM, OPEN)]
-    [False, True]
     """
     last = len(marks.places) - 1
     if isinstance(answer, tuple):

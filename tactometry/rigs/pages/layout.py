@@ -135,15 +135,7 @@ def list_page(words: str, options: Sequence[int], labels: Sequence[str], hint: s
 
 
 def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str, ...]]:
-    """Return the keys of each option: the first letter of its label if unique on every keyboard, and its digit.
-
-    >>> option_keys((0, 1), ("no", "yes"))
-    [('n', '0', 'num_0'), ('y', 'z', '1', 'num_1')]
-    >>> option_keys((1, 2), ("first", "final")) == option_keys((1, 2), ("yes", "zero"))
-    True
-    >>> option_keys((1, 2), ("yes", "zero"))
-    [('1', 'num_1'), ('2', 'num_2')]
-    """
+    """Return the keys of each option: the first letter of its label if unique on every keyboard, and its digit."""
     letters = [_letter_keys(label) for label in labels]
     distinct = all(letters) and len({key for keys in letters for key in keys}) == sum(map(len, letters))
     digits = [(str(option), f"num_{option}") if 0 <= option <= 9 else () for option in options]

@@ -203,14 +203,6 @@ class Release:
     """Check that the force left its band between touches.
 
     A stuck sensor never does. The force is received continuously; if not `needed`, `happened` is always true.
-
-    >>> release, gate = Release(), ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.5)
-    >>> release.on_samples(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
-    >>> release.happened(gate), release.begin(), release.happened(gate)
-    (True, None, False)
-    >>> release.on_samples(np.array([0.2]), np.array([1.1]))
-    >>> release.happened(gate)
-    False
     """
 
     def __init__(self, *, needed: bool = True) -> None:
