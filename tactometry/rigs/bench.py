@@ -11,20 +11,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from ..session.request import (
-    ABOUT,
-    Adjust,
-    Choose,
-    Enter,
-    Facts,
-    Fill,
-    Play,
-    Press,
-    Record,
-    Show,
-    Slide,
-    Wait,
-)
+from ..session.request import ABOUT, Adjust, Choose, Enter, Facts, Fill, Play, Press, Record, Show, Slide, Wait
 from ..trials.trial import Reason
 from .device_rig import DeviceRig
 from .experimenter.supervisor import CLOCK, TrialLog

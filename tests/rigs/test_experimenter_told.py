@@ -6,10 +6,7 @@ from dataclasses import replace
 from experimenter_seat import FELT, PRESS, ROW
 
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
-from tactometry.session.request import (
-    Record,
-    Wait,
-)
+from tactometry.session.request import Record, Wait
 
 
 def test_terminal_prints_invalid_reason(bench_with, terminal):

@@ -16,12 +16,7 @@ from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
 from tactometry.rigs.texts import texts_in
-from tactometry.session.request import (
-    Choose,
-    Press,
-    Record,
-    Wait,
-)
+from tactometry.session.request import Choose, Press, Record, Wait
 from tactometry.stimuli.electrovibration import Sine
 from tactometry.trials.trial import Trial
 
