@@ -220,10 +220,9 @@ class Bench(DeviceRig):
         block, n_blocks = (request.values.get(name) for name in ("block", "n_blocks"))
         progress = (block - 1) / n_blocks if isinstance(block, int) and isinstance(n_blocks, int) else None
         words = self._texts.page(request, left_s)
-        image = self._texts.images.get(request.message)
-        shown = None if image is None else (image.path, image.ratio)
         below = self._texts.message(hint) if hint else ""
-        return layout.message_page(words, below, self._screen.aspect, progress, shown)
+        image = self._texts.images.get(request.message)
+        return layout.message_page(words, below, self._screen.aspect, progress, image)
 
     def _record(self, request: Record) -> Done:
         trial = request.trial

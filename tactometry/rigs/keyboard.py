@@ -118,14 +118,6 @@ class ConnectedScreen:
         return f"screen {self.number}: {self.width_px} x {self.height_px} px"
 
 
-def connected_screens(pyglet: Any) -> tuple[ConnectedScreen, ...]:
-    """Return all screens of the desktop; pyglet is passed in."""
-    return tuple(
-        ConnectedScreen(number, int(screen.width), int(screen.height))
-        for number, screen in enumerate(pyglet.canvas.get_display().get_screens())
-    )
-
-
 def check_screen(number: int, there: Sequence[ConnectedScreen]) -> None:
     """Refuse a number that no screen has."""
     known = ", ".join(map(str, there))

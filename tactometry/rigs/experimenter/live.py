@@ -89,7 +89,8 @@ class LiveTerminal(ExperimenterTerminal):
         atexit.register(self.close)
         super().__init__(source, output)
         self._opened.callback(self._leave)
-        self._opened.enter_context(redirected(redirected_files, self.tell))  # until their last output, before closing
+        for file in redirected_files:
+            self._opened.enter_context(redirected(file, self.tell))  # until its last output, before closing
 
     def _read(self, file: int) -> None:
         while data := available(file):
@@ -173,16 +174,8 @@ def one_by_one(file: int) -> Callable[[], None]:
 
 
 @contextmanager
-def redirected(files: Sequence[int], tell: Callable[[str], None]) -> Iterator[None]:
-    """Pass each line that is written to these file numbers to `tell`, also an unfinished last one."""
-    with ExitStack() as last_first:
-        for file in files:
-            last_first.enter_context(_redirected(file, tell))
-        yield
-
-
-@contextmanager
-def _redirected(file: int, tell: Callable[[str], None]) -> Iterator[None]:
+def redirected(file: int, tell: Callable[[str], None]) -> Iterator[None]:
+    """Pass each line that is written to a file number to `tell`, also an unfinished last one."""
     before, (source, sink) = os.dup(file), os.pipe()
     listener = threading.Thread(target=_listen, args=(source, tell), name=f"messages {file}", daemon=True)
     os.dup2(sink, file)

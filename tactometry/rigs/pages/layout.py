@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from ...session.request import Adjust
+from ..texts import PageImage
 from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Picture, Text
 
 BODY, HEADING, HINT = 0.042, 0.056, 0.032
@@ -56,19 +57,18 @@ def hint_line(words: str, aspect: float) -> Text:
 
 
 def message_page(
-    words: str, hint: str, aspect: float, progress: float | None = None, image: tuple[str, float] | None = None
+    words: str, hint: str, aspect: float, progress: float | None = None, image: PageImage | None = None
 ) -> Page:
     """Return a page of text, left by space, return or a click.
 
-    `progress` (0..1) is drawn as a bar, an `image` (file, width over height) below the heading.
+    `progress` (0..1) is drawn as a bar, an `image` below the heading.
     """
     width = min(WIDEST, MARGIN * aspect)
     first, _, body = words.strip().partition("\n\n")
     items: list[Item] = [heading(first, 0.43 if image else 0.33 if body else 0.05, aspect)]
     if image is not None:
-        path, ratio = image
-        height = min(TALLEST, width / ratio)
-        items.append(Picture(path, 0, 0.18, ratio * height, height))
+        height = min(TALLEST, width / image.ratio)
+        items.append(Picture(image.path, 0, 0.18, image.ratio * height, height))
     if body:
         items.append(Text(body.strip(), 0, -0.16 if image else 0, BODY, wrap_width=width))
     if progress is not None:
