@@ -156,7 +156,7 @@ def test_console_prints_in_the_session_language(language):
 @pytest.mark.parametrize(("language", "heading"), [("en", "Stopped"), ("de", "Angehalten"), ("fr", "Arrêt")])
 def test_stopped_page_names_the_experimenter(language, heading):
     rig, said = console("\x1b\n", language)
-    with pytest.raises(Stopped):
+    with pytest.raises(Stopped, match="Escape was typed; what was recorded is safe: go on with --resume"):
         rig.answer(FELT)
     experimenter = texts_in(language, {}).label("experimenter")
     assert said.getvalue().partition(f"{heading}\n\n")[2].count(experimenter) == 1

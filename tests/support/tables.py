@@ -2,6 +2,9 @@
 
 import csv
 
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+
 
 def rows_of(*paths):
     """Return the rows of CSV or TSV files, one after the other."""
@@ -20,3 +23,8 @@ def trial_rows(root):
 def event_rows(root):
     """Return the events of a data set's sessions."""
     return rows_of(*sorted((root / "journals").glob("*_events.tsv")))
+
+
+def is_sound(root):
+    """Return True if a data set of one session has no defect and replays to its end."""
+    return validate(root).defects == () and [session.complete for session in replay_data_set(root)] == [True]
