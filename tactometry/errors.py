@@ -136,7 +136,7 @@ class Diverged(TactometryError):  # noqa: N818
 
 
 class Stopped(TactometryError):  # noqa: N818
-    """The end of a session by participant or experimenter; what was recorded is safe."""
+    """The end of a session by participant or experimenter. Recorded data are safe."""
 
     exit_status = 1
 

@@ -307,9 +307,11 @@ class ChoiceForm:
 
 
 def _check_item(item: ChoiceItem, path: str) -> None:
-    expect(bool(item.id.strip()), f"{path}.id", repr(item.id), "a name, which stands in the tables")
+    expect(bool(item.id.strip()), f"{path}.id", repr(item.id), "a name for the tables")
     if item.low is None and item.high is None:
-        expect(len(item.options) >= 2, f"{path}.options", len(item.options), "at least 2, beside the one not to say")
+        expect(
+            len(item.options) >= 2, f"{path}.options", len(item.options), "at least 2, without the option not to say"
+        )
     else:
         low, high = item.bounds or (0.0, 0.0)
         can_be_typed = 0 <= low < high <= MOST_NUMBER and not item.options
@@ -323,7 +325,7 @@ def _check_item(item: ChoiceItem, path: str) -> None:
     texts |= {f"{path}.options[{n}].words": option.words for n, option in enumerate(item.options)}
     for where, by_language in texts.items():
         for language, text in by_language.items():
-            expect(bool(text.strip()), f"{where}.{language}", "a text that says nothing", "what participants read")
+            expect(bool(text.strip()), f"{where}.{language}", "an empty text", "what participants read")
 
 
 F = TypeVar("F", Questionnaire, ChoiceForm)

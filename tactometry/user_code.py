@@ -18,7 +18,7 @@ from .arguments.require import expect
 from .errors import InvalidParameter, TactometryError, Terminated, reason, shorten
 from .provenance import sha256
 
-WAY: Final = "mend it; what was recorded is safe, --resume goes on from there"
+WAY: Final = "mend it; recorded data are safe, --resume goes on from there"
 MARK: Final = "_is_guarded"
 
 

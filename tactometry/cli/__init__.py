@@ -88,11 +88,11 @@ _ENDING = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [
 """Signals that end a command cleanly. A closed terminal counts, except under nohup."""
 
 
-_IS_SAFE = "what was recorded is safe"
+_IS_SAFE = "recorded data are safe"
 MOST_MISTAKES = 20
 """Largest number of mistakes printed for one file."""
 _WAYS_ON = {
-    **dict.fromkeys(("run", "simulate", "power", "validate-method"), f"{_IS_SAFE}: go on with --resume"),
+    **dict.fromkeys(("run", "simulate", "power", "validate-method"), f"{_IS_SAFE}: continue with --resume"),
     "erase": "say it again: what was begun is finished",
 }
 

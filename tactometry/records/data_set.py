@@ -131,7 +131,7 @@ def sessions(root: Path) -> list[Path]:
     return [path for path in files if not path.name.endswith("_interruptions.jsonl")]
 
 
-REBUILD = "write it anew with tactometry rebuild"
+REBUILD = "rewrite it with tactometry rebuild"
 
 
 def is_beginning(existing: bytes, expected: bytes) -> bool:
@@ -155,8 +155,11 @@ def disagreement(existing: bytes, expected: bytes) -> tuple[int, str] | None:
     if row is None:
         return None
     if not is_beginning(existing, expected):
-        return row, f"found another row than the journal holds, expected the same; move the file away, then {REBUILD}"
+        return (
+            row,
+            f"found a row that differs from the journal, expected the same row; move the file away, then {REBUILD}",
+        )
     n_lacking = expected.count(b"\n") - existing.count(b"\n")
     if n_lacking == 0:
-        return row, f"found zero bytes behind the last row, expected none; {REBUILD}"
+        return row, f"found zero bytes after the last row, expected none; {REBUILD}"
     return row, f"lacks the last {count_of(n_lacking, 'row')} of the journal, expected all of them; {REBUILD}"

@@ -67,7 +67,7 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
 
 def read_description(path: Path) -> dict[str, object]:
     """Read the description of a data set."""
-    anew = "the description of Psych-DS; remove it, and it is made anew"
+    anew = "the description of Psych-DS; remove it to create a new one"
     described = json_object(path, anew)
     has_columns = isinstance(described.get("variableMeasured"), list)
     expect(has_columns, path, "no list 'variableMeasured'", anew, InvalidFile)

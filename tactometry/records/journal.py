@@ -148,7 +148,7 @@ def encode_entry(request: Request[Any], answer: object, before: int = 0) -> byte
     if loss is not None:
         raise DeviceFailed(
             f"journal: {request} with {answer} cannot be kept without loss, expected finite numbers and an answer to "
-            f"what was asked ({loss}); a device gave something else: check it, then go on with --resume"
+            f"what was asked ({loss}); a device returned something else: check it, then continue with --resume"
         )
     return line
 
@@ -227,7 +227,7 @@ def _next_line(whole: bytes, path: Path, place: Reached) -> tuple[Line | None, R
     """Decode the line behind a place (None: the end), and return the new place."""
     where = f"{path}, line {place.n_lines + 1}"
     if place.complete:
-        raise InvalidFile(f"{where}: found a line behind the end of the session, expected none; remove it")
+        raise InvalidFile(f"{where}: found a line after the end of the session, expected none; remove it")
     table = _table(whole, place.checksum, where)
     try:
         line = _decode_line(table, place.head)

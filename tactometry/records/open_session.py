@@ -251,8 +251,8 @@ class OpenSession:
             )
             it_is = "it is" if len(lost) == 1 else "they are"
             self._repaired.append(
-                f"{path.name} held {count_of(len(lost), 'row')} that the journal with its "
-                f"{count_of(self.tally.n_trials, 'trial')} does not: {it_is} kept in "
+                f"{path.name} had {count_of(len(lost), 'row')} missing from the journal of "
+                f"{count_of(self.tally.n_trials, 'trial')}: {it_is} kept in "
                 f"{self.journal.interruptions.name}; if the journal is an older copy, stop and restore the newer one"
             )
 
@@ -266,7 +266,7 @@ def _refuse_alike(root: Path, session: Session) -> None:
     for code in participants(root):
         is_other = code.casefold() != session.participant.casefold()
         beside = f"{session.participant!r} beside {code!r}"
-        apart = f"codes that differ in more than capitals, as not every disk tells those apart; give {code!r}"
+        apart = f"codes that differ in more than case, because some disks ignore case; give {code!r}"
         expect(is_other or code == session.participant, "participant", beside, f"{apart}, or another code")
 
 

@@ -49,8 +49,8 @@ def _psychopy() -> SimpleNamespace:
 
         if getattr(sys, "is_pyglet_doc_run", False):
             raise DeviceFailed(
-                "window: found sphinx in this process, beside which pyglet draws nothing, expected a process without it"
-                "; start the session in another, or import tactometry.rigs.window and call load_psychopy first"
+                "window: found sphinx in this process, which stops pyglet from drawing, expected a process without it"
+                "; start the session in another one, or import tactometry.rigs.window and call load_psychopy first"
             )
         from psychopy import event, monitors, visual
         from psychopy.hardware import keyboard

@@ -188,7 +188,7 @@ FLAWS = [
         'form = "habits"\nidentifies = true',
         "identifies: found true with no number in",
     ),
-    ('en = "less often"', 'en = " "', "forms.habits: items[0].options[1].words.en: found a text that says nothing"),
+    ('en = "less often"', 'en = " "', "forms.habits: items[0].options[1].words.en: found an empty text"),
     ('kind = "yes_no"', 'kind = "rating"\nform = "habits"', "task.form: found 'habits', a form of choices, expected"),
     ('kind = "yes_no"', 'kind = "rating"\nform = "demographics"', "task.form: found 'demographics', a form of choices"),
 ]

@@ -183,7 +183,7 @@ def test_a_trial_without_a_key_has_its_default(tmp_path, capsys):
     write(journal_of(root), tables)
     status, _, out = call(capsys, "validate", root)
     assert status == 1
-    assert "found another row than the journal holds" in out
+    assert "found a row that differs from the journal" in out
 
 
 def test_steps_may_miss_their_bounds_by_a_rounding():

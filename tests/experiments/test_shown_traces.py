@@ -184,4 +184,4 @@ def test_a_touch_whose_trial_was_taken_back_is_told_as_such():
     again = list(touches(replace(recording, lines=(*recording.lines, taken_back))))
     assert [touch.trial.valid for touch in (first, second, *again)] == [True, True, False, True]
     drawn = TouchTrace(again[0].head, again[0].trial, again[0].request, again[0].answer, None, None, None)
-    assert heading(drawn).endswith("not valid: as the experimenter wanted")
+    assert heading(drawn).endswith("not valid: invalidated by the experimenter")

@@ -97,7 +97,7 @@ ctrl_c              | ctrl-c                         | strg-c                   
 console.plays       | play through {output}          | werden über {output}               | passent par {output}
 console.silent      | nothing study --bench          | nichts studie --bench              | rien étude --bench
 console.stopping    | stops ctrl-d safe              | hält strg-d sicher                 | arrête ctrl-d sûreté
-console.go_on       | return on                      | weiter eingabetaste                | entrée continuer
+console.go_on       | return continue                | weiter eingabetaste                | entrée continuer
 console.no_answer   | expected {expected} {line}     | erwartet {expected} {line}         | attendue {expected} {line}
 console.trial       | trial                          | durchgang                          | essai
 console.interval    | interval                       | intervall                          | intervalle
@@ -125,14 +125,14 @@ console.lifted      | finger left                    | finger abgehoben         
 console.timeout     | touch not held time            | berührung nicht rechtzeitig        | toucher pas tenu temps
 console.sensor_lost | sensor silent                  | sensor stumm                       | capteur muet
 console.output_gap  | gap output                     | lücke ausgabe                      | coupure sortie
-console.experimenter | experimenter wanted           | wunsch versuchsleitung             | demande étude
+console.experimenter | invalidated experimenter           | wunsch versuchsleitung             | demande étude
 console.force       | {force_n:.2f} n                | {force_n:.2f} n                    | {force_n:.2f} n
 console.not_released | {force_n:.2f} not released    | {force_n:.2f} nicht losgelassen    | {force_n:.2f} non relevé
 console.played      | played {force_n:.2f}           | ausgegeben {force_n:.2f}           | émis {force_n:.2f}
 console.played_unmeasured | played no force          | ausgegeben keine kraft             | émis sans force
 console.not_played  | not played                     | nicht ausgegeben                   | non émis
 console.paused      | paused {by}                    | angehalten {by}                    | pause {by}
-console.goes_on     | goes on                        | geht weiter                        | reprend
+console.goes_on     | session continues              | geht weiter                        | reprend
 """
 ROWS = [[cell.strip() for cell in line.split("|")] for line in TABLE.strip().splitlines()]
 HELD = {language: {name: words[n].split() for name, *words in ROWS} for n, language in enumerate(COLUMNS)}

@@ -77,13 +77,13 @@ def test_page_waits_only_at_a_terminal():
     rig, said = console("1\n")
     rig.answer(Show("rest"))
     assert rig.answer(FELT).option == 1
-    assert "Return goes on" not in said.getvalue()
+    assert "Press return to continue" not in said.getvalue()
     rig, said = console("", source=Typed("\n1\n"))
     rig.answer(Show("rest"))
     rig.answer(Show("right", duration_s=0.001))
     rig.answer(Show("end"))
     assert rig.answer(FELT).option == 1
-    assert said.getvalue().count("Return goes on") == 1
+    assert said.getvalue().count("Press return to continue") == 1
 
 
 def test_consent_question_has_no_trial_number():
@@ -104,7 +104,7 @@ def test_session_stops_after_twenty_invalid_lines():
     rig, _ = console("x\n" * (N_TRIES - 1) + "1\n")
     assert rig.answer(FELT).option == 1
     rig, _ = console("x\n" * N_TRIES + "1\n")
-    with pytest.raises(Stopped, match="20 lines were no answers; what was recorded is safe: go on with"):
+    with pytest.raises(Stopped, match="20 lines were no answers; recorded data are safe: continue with"):
         rig.answer(FELT)
 
 
@@ -156,7 +156,7 @@ def test_console_prints_in_the_session_language(language):
 @pytest.mark.parametrize(("language", "heading"), [("en", "Stopped"), ("de", "Angehalten"), ("fr", "Arrêt")])
 def test_stopped_page_names_the_experimenter(language, heading):
     rig, said = console("\x1b\n", language)
-    with pytest.raises(Stopped, match="Escape was typed; what was recorded is safe: go on with --resume"):
+    with pytest.raises(Stopped, match="Escape was typed; recorded data are safe: continue with --resume"):
         rig.answer(FELT)
     experimenter = texts_in(language, {}).label("experimenter")
     assert said.getvalue().partition(f"{heading}\n\n")[2].count(experimenter) == 1

@@ -145,7 +145,14 @@ def test_console_plays_nothing_when_force_is_unheld(tmp_path):
 @pytest.mark.parametrize(
     ("language", "told"),
     [
-        ("en", ("press with 1 N for 0.3 s (lift the finger first)", "Lift your", "it goes on\nplayed, 1.00 N\n")),
+        (
+            "en",
+            (
+                "press with 1 N for 0.3 s (lift the finger first)",
+                "Lift your",
+                "the session continues\nplayed, 1.00 N\n",
+            ),
+        ),
         ("de", ("mit 1 N drücken (zuerst den Finger heben)", "Heben Sie den", "es geht weiter\nausgegeben, 1.00 N\n")),
     ],
 )
@@ -235,7 +242,7 @@ def test_terminal_session_stops_with_each_stop_key(tmp_path, key, status):
                 seen += os.read(master, 4096)
             except OSError:
                 break
-        if seen.rstrip().endswith(b"Return goes on:"):
+        if seen.rstrip().endswith(b"Press return to continue:"):
             os.write(master, b"\r")
             seen += b"|"
         elif typed and seen.rstrip().endswith(b"(0 = no, 1 = yes):"):
@@ -247,7 +254,7 @@ def test_terminal_session_stops_with_each_stop_key(tmp_path, key, status):
         process.kill()
         process.wait()
         os.close(master)
-    assert b"what was recorded is safe" in seen
+    assert b"recorded data are safe" in seen
     assert b"Traceback" not in seen
     assert len(trial_rows(tmp_path / "d")) == 2
     head = json.loads(next((tmp_path / "d" / "journals").glob("*.jsonl")).read_text().splitlines()[0])

@@ -104,7 +104,7 @@ def test_repeat_order_invalidates_current_trial_only(bench_with, terminal, kept,
     assert (touched.valid, chosen.valid, again.valid) == (False, False, True)
     assert (touched.invalid_reason, again.invalid_reason) == ("experimenter", None)
     assert kept.told[0] == ("repeat", "the experimenter")
-    terminal.shows("this trial will be asked again")
+    terminal.shows("this trial will be repeated")
     terminal.shows("trial 2: tone 5")
 
 
@@ -113,19 +113,19 @@ def test_orders_are_returned_with_next_record(bench_with, terminal, kept):
     assert bench.answer(ROW).interventions == ()
     terminal.types("i")
     terminal.types("k\nb\nend\ne")
-    waits_until(bench, lambda: terminal.sees("noted before"))
+    waits_until(bench, lambda: terminal.sees("already noted"))
     wanted = bench.answer(Record(replace(ROW.trial, trial=8))).interventions
     assert wanted == (Intervention("invalidate", (2, 7, 1)), *map(Intervention, ("skip", "rest", "end")))
     orders = [event for event in kept.events if event.kind == "order"]
     assert tuple(map(intervention_of, orders)) == wanted
     assert bench.answer(Record(replace(ROW.trial, trial=9))).interventions == ()
-    terminal.shows("trial 7: noted; it is done when this trial, or this page, has come to its end")
+    terminal.shows("trial 7: noted: takes effect after this trial or page")
 
 
 def test_orders_are_returned_with_a_page(bench_with, terminal, participant, watched):
     bench = bench_with()
     terminal.types("skip")
-    waits_until(bench, lambda: terminal.sees("noted; it is done"))
+    waits_until(bench, lambda: terminal.sees("noted: takes effect"))
     watched.shown.queue.clear()
     participant.answers("space")
     assert bench.answer(Show("rest")).interventions == (Intervention("skip"),)
@@ -134,12 +134,12 @@ def test_orders_are_returned_with_a_page(bench_with, terminal, participant, watc
 def test_trial_can_be_invalidated_only_once(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("i")
-    waits_until(bench, lambda: terminal.sees("no trial is recorded yet that could be invalidated"))
+    waits_until(bench, lambda: terminal.sees("there is no recorded trial to invalidate"))
     [wanted] = [bench.answer(ROW), terminal.types("i"), bench.answer(Wait(0.3)), bench.answer(ROW)][-1].interventions
     assert bench.answer(Intervene(wanted, "trial 7 does not count: it is asked again", (ROW.trial.key,))).at_s > 0
     terminal.shows("trial 7 does not count: it is asked again")
     terminal.types("i")
-    waits_until(bench, lambda: terminal.sees("trial 7 does not count already"))
+    waits_until(bench, lambda: terminal.sees("trial 7 is already invalid"))
     assert [event.kind for event in kept.events if event.kind == "order"] == ["order"]
 
 
@@ -147,7 +147,7 @@ def test_pending_orders_continue_after_resume(bench_with, terminal, kept):
     kept.wanted = (Intervention("invalidate", (2, 7, 1)), Intervention("rest"))
     bench = bench_with()
     bench.resume([ROW.trial], 60.0)
-    assert terminal.sees("still wanted from the last sitting: rest")
+    assert terminal.sees("pending order from the last sitting: rest")
     assert bench.answer(Record(replace(ROW.trial, trial=8))).interventions == kept.wanted
 
 
@@ -168,7 +168,7 @@ def test_repeat_order_invalidates_every_answer_type(bench_with, terminal, partic
     bench.answer(PRESS)
     watched.shown.queue.clear()
     terminal.types("r")
-    participant.answers(lambda: terminal.shows("this trial will be asked again"), *keys)
+    participant.answers(lambda: terminal.shows("this trial will be repeated"), *keys)
     assert not bench.answer(ask).valid
     bench.answer(ROW)
     watched.shown.queue.clear()
@@ -179,7 +179,7 @@ def test_repeat_order_invalidates_every_answer_type(bench_with, terminal, partic
 def test_repeat_order_is_refused_between_trials(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("r")
-    waits_until(bench, lambda: terminal.sees("no trial is under way that could be repeated"))
+    waits_until(bench, lambda: terminal.sees("there is no current trial to repeat"))
     assert bench.answer(PRESS).valid
     assert kept.told == [("stimulus", None)]
 
@@ -188,7 +188,7 @@ def test_repeat_order_is_refused_between_trials(bench_with, terminal, kept):
 def test_stop_order_zeroes_output_first(bench_with, terminal, kept, log, paused):
     bench = bench_with()
     terminal.types("p\nstop" if paused else "stop")
-    with pytest.raises(Stopped, match="the experimenter stopped the session; what was recorded is safe: go on with"):
+    with pytest.raises(Stopped, match="the experimenter stopped the session; recorded data are safe: continue with"):
         bench.answer(PRESS)
     assert kept.told[-1] == ("stop", "the experimenter stopped the session")
     assert log.index("output.stop") < log.index("output.close") < log.index("screen.close")
@@ -201,7 +201,7 @@ def test_closing_the_window_stops_the_session(bench_with, kept, watched, screen,
 
     bench = bench_with()
     in_background(close)
-    with pytest.raises(Stopped, match="the window was closed; what was recorded is safe: go on with --resume"):
+    with pytest.raises(Stopped, match="the window was closed; recorded data are safe: continue with --resume"):
         bench.answer(FELT)
     assert kept.told == [("stop", "the window was closed")]
     assert log[-3:] == ["output.stop", "output.close", "screen.close"]
@@ -252,7 +252,7 @@ def test_output_after_session_starts_on_new_line(bench_with, terminal):
 def test_aborted_block_is_reported_immediately(bench_with, terminal):
     bench = bench_with()
     bench.answer(Record(replace(ROW.trial, valid=False, invalid_reason="timeout"), aborted="block 2 is aborted: so"))
-    assert terminal.sees("the touch was not held as asked in time (trial 7)\r\n! block 2 is aborted: so\r\n")
+    assert terminal.sees("the touch was not held in time (trial 7)\r\n! block 2 is aborted: so\r\n")
 
 
 def test_multi_row_trial_is_one_event(bench_with, terminal, kept):

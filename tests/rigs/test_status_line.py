@@ -15,7 +15,7 @@ from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 from study_texts import tutorial_in
 from tables import event_rows, is_sound, trial_rows
 
-from tactometry.rigs.experimenter.live import LiveTerminal, Typed, can_stand
+from tactometry.rigs.experimenter.live import LiveTerminal, Typed, has_status_area
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal, StatusLine, status_words
 from tactometry.session.answer import Done
 from tactometry.session.event import Event
@@ -183,13 +183,13 @@ def test_abort_warning_is_printed_once_per_presentation(desk):
 def test_status_is_stored_when_terminal_is_dumb(monkeypatch, desk):
     _, _, slave = desk
     with open(slave, closefd=False) as source, open(slave, "w", closefd=False) as output:
-        assert can_stand(source, output)
+        assert has_status_area(source, output)
         monkeypatch.setenv("TERM", "dumb")
-        assert not can_stand(source, output)
-    assert not can_stand(None, sys.stderr)
+        assert not has_status_area(source, output)
+    assert not has_status_area(None, sys.stderr)
     plain = ExperimenterTerminal()
     plain.status("trial 1 of 40")
-    assert plain.standing == "trial 1 of 40"
+    assert plain.status_text == "trial 1 of 40"
 
 
 class Sitting:

@@ -66,7 +66,7 @@ class ExperimenterTerminal:
         self._phrases = phrases_in(language)
         self._output = output if output is not None and output.isatty() else None
         self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-        self._fresh_line, self.standing = True, ""
+        self._fresh_line, self.status_text = True, ""
         if self._output is not None and source is not None and source.isatty():
             threading.Thread(target=self._read, args=(source.fileno(),), name="terminal", daemon=True).start()
             self.tell(HELP)
@@ -91,7 +91,7 @@ class ExperimenterTerminal:
 
     def status(self, words: str) -> None:
         """Set the session status, shown in a status area or on request."""
-        self.standing = words
+        self.status_text = words
 
     def add(self, words: str) -> None:
         self._write(words if self._fresh_line else f" | {words}")

@@ -85,7 +85,7 @@ def test_failed_dry_run_repeats_with_reason(bench_with, watched, log):
     assert "play 5 V" not in log
     assert [shown(watched, name) for name in ("dry_run", "lost_timeout")] == [1, N_DRY_RUNS - 1]
     assert [shown(watched, name) for name in ("dry_run_held", "dry_run_lost")] == [0, 1]
-    assert of_dry_runs(kept) == ["press: not held, the touch was not held as asked in time"]
+    assert of_dry_runs(kept) == ["press: not held, the touch was not held in time"]
 
 
 def test_each_touch_kind_has_a_dry_run(bench_with, watched):

@@ -145,10 +145,10 @@ REQUESTS = [
 @pytest.mark.parametrize("request_", REQUESTS, ids=lambda request: type(request).__name__)
 def test_escape_stops_output_before_closing(bench, participant, log, request_):
     participant.answers("Escape")
-    with pytest.raises(Stopped, match="Escape was pressed; what was recorded is safe"):
+    with pytest.raises(Stopped, match="Escape was pressed; recorded data are safe"):
         bench.answer(request_)
     assert log[-3:] == ["output.stop", "output.close", "screen.close"]
-    with pytest.raises(DeviceFailed, match="bench: it is closed"):
+    with pytest.raises(DeviceFailed, match="bench: found a closed bench"):
         bench.answer(request_)
 
 

@@ -55,7 +55,7 @@ def sitting(display, tmp_path_factory):
 def test_escape_ends_session_with_status_1(sitting):
     status, _, errors = sitting.escaped
     assert status == 1
-    assert "Escape was pressed; what was recorded is safe" in errors
+    assert "Escape was pressed; recorded data are safe" in errors
     assert "Traceback" not in errors
 
 
