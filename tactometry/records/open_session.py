@@ -44,7 +44,7 @@ def refuse_mixing(root: Path, rig: str) -> None:
         held = {head.rig for journal in sessions(root) for head in heads(journal)[:1]}
     for other in sorted(held):
         whom = "simulated participants" if other == SIMULATED else "people"
-        none = f"none beside those of the rig {rig!r}, as real and simulated data never share a folder"
+        none = f"none next to those of the rig {rig!r}, because real and simulated data never share a folder"
         is_alike = (other == SIMULATED) == (rig == SIMULATED)
         expect(is_alike, root, f"sessions of {whom}", f"{none}; give another --out", InvalidFile)
 
@@ -265,9 +265,9 @@ class OpenSession:
 def _refuse_alike(root: Path, session: Session) -> None:
     for code in participants(root):
         is_other = code.casefold() != session.participant.casefold()
-        beside = f"{session.participant!r} beside {code!r}"
+        both = f"{session.participant!r} next to {code!r}"
         apart = f"codes that differ in more than case, because some disks ignore case; give {code!r}"
-        expect(is_other or code == session.participant, "participant", beside, f"{apart}, or another code")
+        expect(is_other or code == session.participant, "participant", both, f"{apart}, or another code")
 
 
 def _refuse_other(journal: Journal, session: Session, design: StudyDescription) -> None:

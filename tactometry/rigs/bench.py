@@ -95,8 +95,8 @@ class Bench(DeviceRig):
             height_m = self._equipment.display_height_m or ASSUMED_DISPLAY_HEIGHT_M
             words, dress = "slide", moving_cue(request, height_m, places)
         measured = self._texts.message(words if self._setup.sensor is None else f"{words}_force")
-        told = self._texts.message(why) if why else ""
-        return TouchRun(request, self._setup, places, measured, self._texts.message("release"), dress, told)
+        reason = self._texts.message(why) if why else ""
+        return TouchRun(request, self._setup, places, measured, self._texts.message("release"), dress, reason)
 
     def _dry_run(self, request: Press | Slide) -> None:
         """Explain the screen of a touch, and let the participant try it without a stimulus.
@@ -116,10 +116,10 @@ class Bench(DeviceRig):
             why = f"lost_{touched.invalid_reason}"
         assert touched is not None
         reason = touched.invalid_reason
-        told = f"{kind}: {'held' if reason is None else f'not held, {self._terminal.phrase(reason)}'}"
-        self._supervisor.note("dry_run", text=told)
+        result = f"{kind}: {'held' if reason is None else f'not held, {self._terminal.phrase(reason)}'}"
+        self._supervisor.note("dry_run", text=result)
         self._terminal.end_line()
-        self._terminal.tell(f"dry run, {told} ({time.perf_counter() - begin_s:.0f} s)")
+        self._terminal.tell(f"dry run, {result} ({time.perf_counter() - begin_s:.0f} s)")
         self._leave(self._message(Show(f"dry_run_{'held' if reason is None else 'lost'}"), HINT_CONTINUE))
         self._tracer.begin()
 

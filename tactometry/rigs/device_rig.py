@@ -90,9 +90,9 @@ class DeviceRig(LiveRig):
         limits, output = equipment.limits, equipment.output
         self._path = None if equipment.position is None else FingerPath()
         self._emitter = Emitter(equipment.bank, output, limits, equipment.ramp_s, self._path)
-        told = {"experimenter": texts.label("experimenter")}
+        names = {"experimenter": texts.label("experimenter")}
         paused, stopped = (
-            layout.message_page(texts.message(name, told), "", screen.aspect) for name in ("pause", "stopped")
+            layout.message_page(texts.message(name, names), "", screen.aspect) for name in ("pause", "stopped")
         )
         self._supervisor = Supervisor(screen, terminal, log, self._emitter.mute, paused, stopped)
         output.subscribe(self._supervisor.note_stimulus, self._supervisor.note_stimulus_end)

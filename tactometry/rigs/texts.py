@@ -122,9 +122,9 @@ class Texts:
 
     def page(self, request: Show, left_s: int = 0) -> str:
         """Return the text of a page, with its remaining seconds, the stop key, and lengths `x_m` also as `x_mm`."""
-        told = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
-        people = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
-        known = {**_lengths_mm(told), **told, "left_s": left_s, **people}
+        shown = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
+        names = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
+        known = {**_lengths_mm(shown), **shown, "left_s": left_s, **names}
         return self.message(request.message, known)
 
     def in_language(self, words: Mapping[str, str]) -> str:

@@ -220,7 +220,7 @@ def test_a_simulated_participant_beside_people_is_refused_before_anything_is_wri
     sit(tmp_path, SOUND)
     before = files(tmp_path)
     with pytest.raises(
-        InvalidFile, match="found sessions of people, expected none beside those of the rig 'simulated'"
+        InvalidFile, match="found sessions of people, expected none next to those of the rig 'simulated'"
     ):
         simulate(tmp_path, Who("P02", seed=1))
     assert files(tmp_path) == before
@@ -229,7 +229,7 @@ def test_a_simulated_participant_beside_people_is_refused_before_anything_is_wri
 def test_so_is_one_of_the_same_code(tmp_path):
     sit(tmp_path, SOUND)
     before, other = files(tmp_path), Who(WHO.participant, seed=2)
-    with pytest.raises(InvalidFile, match="found sessions of people, expected none beside those of the rig"):
+    with pytest.raises(InvalidFile, match="found sessions of people, expected none next to those of the rig"):
         simulate(tmp_path, other)
     with pytest.raises(InvalidParameter, match="--rig: found simulated, but this session began with bench"):
         record(EXPERIMENT, TOML, tmp_path, other, simulated(EXPERIMENT, other), resume=True)

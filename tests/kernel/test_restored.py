@@ -161,7 +161,7 @@ def test_resume_refuses_journal_of_another_study(lived, tmp_path):
 
 
 def test_participant_codes_must_differ_beyond_case(lived):
-    with pytest.raises(InvalidParameter, match="participant: found 'p01' beside 'P01', expected codes that differ in"):
+    with pytest.raises(InvalidParameter, match="participant: found 'p01' next to 'P01', expected codes that differ in"):
         live(lived, Who("p01", seed=1))
     assert validate(lived).notes == ()
     for path in [*(lived / "data").iterdir(), *(lived / "journals").iterdir()]:
