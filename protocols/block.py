@@ -8,8 +8,7 @@ import numpy as np
 from tactometry.arguments.constraints import excerpt
 from tactometry.arguments.require import expect, of_kind, some
 from tactometry.errors import count_of
-from tactometry.session.answer import Touched
-from tactometry.session.intervention import Intervention
+from tactometry.session.answer import Intervention, Touched
 from tactometry.session.request import Intervene, Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.tasks import EASY

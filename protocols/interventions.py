@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 from typing import Any, Final, TypeVar
 
-from tactometry.session.answer import Done
-from tactometry.session.intervention import Intervention
+from tactometry.session.answer import Done, Intervention
 from tactometry.session.request import Intervene, Record, Request, Show
 from tactometry.session.run import Course
 from tactometry.trials.trial import Trial

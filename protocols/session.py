@@ -8,8 +8,7 @@ import numpy as np
 
 from tactometry.arguments.require import of_kind
 from tactometry.questionnaire import NOT_SAID, PREFER_NOT, SAY, ChoiceForm, ChoiceItem, Questionnaire
-from tactometry.session.answer import Chosen, Done, Rated
-from tactometry.session.intervention import Intervention
+from tactometry.session.answer import Chosen, Done, Intervention, Rated
 from tactometry.session.request import (
     ABOUT,
     AGAIN,

@@ -187,10 +187,6 @@ class Questionnaire:
         """Return the score of each dimension, or None for too few answers.
 
         Raises `InvalidParameter` if an item is unknown or an answer is not on the scale.
-
-        >>> scores = load("attrakdiff").scores({item.id: 7.0 for item in load("attrakdiff").items})
-        >>> {name: round(7 * score) for name, score in scores.items()}
-        {'PQ': -3, 'HQI': 3, 'HQS': -3, 'ATT': -3, 'HQ': 0}
         """
         scored = {name: self.score(name, raw) for name, raw in answers.items() if raw is not None}
         return {name: self._mean(name, scored) for name in self.dimensions}
@@ -374,21 +370,13 @@ def _parse(kind: type[F], content: bytes, where: str) -> F:
 
 @cache
 def shipped_names() -> tuple[str, ...]:
-    """Return the names of the shipped questionnaires.
-
-    >>> "attrakdiff" in shipped_names()
-    True
-    """
+    """Return the names of the shipped questionnaires."""
     return shipped_in(FOLDER)
 
 
 @cache
 def shipped_choices() -> tuple[str, ...]:
-    """Return the names of the shipped forms of choices.
-
-    >>> shipped_choices()
-    ('demographics',)
-    """
+    """Return the names of the shipped forms of choices."""
     return shipped_in(f"{FOLDER}.choices")
 
 

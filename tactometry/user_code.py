@@ -18,7 +18,7 @@ from .arguments.require import expect
 from .errors import InvalidParameter, TactometryError, Terminated, reason, shorten
 from .provenance import sha256
 
-REMEDY: Final = "correct the code; what was recorded is safe: go on with --resume"
+REMEDY: Final = "correct the code; recorded data are safe: continue with --resume"
 MARK: Final = "_is_guarded"
 
 

@@ -8,10 +8,10 @@ import numpy as np
 from tactometry.analysis.figures.style import Drawing, drawing_of, new_figure
 from tactometry.gates import speeds_m_per_s
 from tactometry.palette import BLUE, GOLD, GREEN, ORANGE, PINK
+from tactometry.rigs.texts import reason_words
 from tactometry.session.answer import Touched
 from tactometry.session.request import Adjust, Press, Slide
 from tactometry.signal import FloatArray, Signal
-from tactometry.trials.trial import REASON_WORDS
 
 from .traces import Samples, TouchTrace
 
@@ -83,7 +83,7 @@ def heading(touch: TouchTrace) -> str:
     interval = None if isinstance(touch.request, Adjust) else touch.request.interval
     named = {"attempt": trial.attempt if trial.attempt > 1 else None, "interval": interval}
     words = [_asked(touch), *(f"{name} {number}" for name, number in named.items() if number is not None)]
-    return "\n".join([", ".join(words), *([f"not valid: {REASON_WORDS[reason]}"] if reason else [])])
+    return "\n".join([", ".join(words), *([f"not valid: {reason_words(reason)}"] if reason else [])])
 
 
 def _asked(touch: TouchTrace) -> str:

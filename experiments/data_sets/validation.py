@@ -276,7 +276,7 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
         text = f"found {n_bytes} after the end of the session, expected none; tactometry rebuild moves them to {kept}"
         yield Defect(name, len(recording.lines) + 2, text)
     if not recording.complete:
-        notes.append(f"{name}: the session is not finished ({tally(recording.trials)}); go on with --resume")
+        notes.append(f"{name}: the session is not finished ({tally(recording.trials)}); continue with --resume")
     if experiment is None:
         return
     if sha256(read_file(root / "study.toml", "the study that ran")) != head.study_sha256:

@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 from tactometry.analysis.wording import in_unit, level_of, number_text, plain_text, split_unit
 from tactometry.errors import count_of
+from tactometry.rigs.texts import reason_words
 from tactometry.session.progress import AnsweredTouch, PartAhead, Progress, TrackProgress
 from tactometry.session.request import Fact
 from tactometry.trials.tasks import TASKS, YES_OR_NO
-from tactometry.trials.trial import REASON_WORDS, Trial
+from tactometry.trials.trial import Trial
 
 from .plots import Plot, condition_words, last_presented, levels_plot
 from .sight import Sight
@@ -124,7 +125,7 @@ def _last(trial: Trial) -> str:
 
 def _answer(trial: Trial) -> str:
     if not trial.valid:
-        return f"not valid ({'no reason kept' if trial.invalid_reason is None else REASON_WORDS[trial.invalid_reason]})"
+        return f"not valid ({'no reason kept' if trial.invalid_reason is None else reason_words(trial.invalid_reason)})"
     if TASKS[trial.task].response is YES_OR_NO and trial.response is not None:
         return TASKS[trial.task].answers[trial.response == 1]
     if trial.correct is not None:
@@ -164,7 +165,7 @@ class TouchRow(NamedTuple):
 def touch_row(touch: AnsweredTouch) -> TouchRow:
     """Return a touch as a row of the table."""
     answer, level = touch.answer, touch.request.level
-    reason = "not valid" if answer.invalid_reason is None else REASON_WORDS[answer.invalid_reason]
+    reason = "not valid" if answer.invalid_reason is None else reason_words(answer.invalid_reason)
     return TouchRow(
         "blank" if level is None else plain_text(level),
         "valid" if answer.valid else reason,
@@ -190,7 +191,7 @@ def reasons(progress: Progress) -> str:
         return ""
     n_lost = sum(progress.reasons.values())
     by_reason = sorted(progress.reasons.items(), key=lambda item: -item[1])
-    named = ", ".join(f"{n} {REASON_WORDS.get(reason, reason)}" for reason, n in by_reason)  # type: ignore[call-overload]
+    named = ", ".join(f"{n} {reason_words(reason)}" for reason, n in by_reason)
     of = f"{progress.n_touches} touch{'es' if progress.n_touches > 1 else ''}"
     return f"{n_lost} of {of} not valid{f': {named}' if named else ''}."
 

@@ -89,9 +89,9 @@ _ENDING = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [
 
 MOST_MISTAKES = 20
 """Largest number of mistakes printed for one file."""
-_IS_SAFE = "what was recorded is safe"
+_IS_SAFE = "recorded data are safe"
 _HOW_TO_CONTINUE = {
-    **dict.fromkeys(("run", "simulate", "power", "validate-method"), f"{_IS_SAFE}: go on with --resume"),
+    **dict.fromkeys(("run", "simulate", "power", "validate-method"), f"{_IS_SAFE}: continue with --resume"),
     "erase": "run the command again to finish the erasure",
 }
 

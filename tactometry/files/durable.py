@@ -148,7 +148,7 @@ def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
         os.lseek(file, start, os.SEEK_SET)
         raise DeviceFailed(
             f"{path}: cannot write ({error.strerror}), expected room on the disk; all trials before are safe: make "
-            "room, then go on with --resume"
+            "room, then continue with --resume"
         ) from None
 
 

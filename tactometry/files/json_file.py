@@ -131,6 +131,6 @@ def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -
             found, asked = held.get(other), wanted[other]
             raise InvalidFile(f"{path}: found {other} {found!r}, expected {asked!r} as requested; choose another --out")
         if not resume:
-            raise InvalidFile(f"{root}: found this {work}, expected none; go on with --resume")
+            raise InvalidFile(f"{root}: found this {work}, expected none; continue with --resume")
     make_folder(root)
     write_atomically(path, json.dumps({**wanted, "versions": versions()}, indent=2).encode() + b"\n")

@@ -29,9 +29,6 @@ class Session:
     """One session of one participant.
 
     Raises `InvalidParameter` if the code is not 1 to 32 letters and digits, or the session number is below 1.
-
-    >>> Session("P01", 1, "electrovibration-threshold").stem
-    'participant-P01_session-1_study-electrovibrationthreshold'
     """
 
     participant: str
@@ -134,15 +131,11 @@ def sessions(root: Path) -> list[Path]:
     return [path for path in files if not path.name.endswith("_interruptions.jsonl")]
 
 
-REBUILD = "write it anew with tactometry rebuild"
+REBUILD = "rewrite it with tactometry rebuild"
 
 
 def is_beginning(existing: bytes, expected: bytes) -> bool:
-    """Return True if a file is the beginning of the expected one, as a crash may leave it, with zero bytes behind.
-
-    >>> is_beginning(b"a\\n1", b"a\\n12\\n"), is_beginning(b"a\\n2\\n", b"a\\n1\\n2\\n")
-    (True, False)
-    """
+    """Return True if a file is the beginning of the expected one, as a crash may leave it, with zero bytes behind."""
     return expected.startswith(existing.rstrip(b"\0"))
 
 
@@ -157,17 +150,16 @@ def first_difference(existing: bytes, expected: bytes) -> int | None:
 
 
 def disagreement(existing: bytes, expected: bytes) -> tuple[int, str] | None:
-    """Return the first line, from 1, in which a derived file differs from its journal, and how; None if equal.
-
-    >>> disagreement(b"a\\n1\\n", b"a\\n1\\n2\\n3\\n")
-    (3, 'lacks the last 2 rows of the journal, expected all of them; write it anew with tactometry rebuild')
-    """
+    """Return the first line, from 1, in which a derived file differs from its journal, and how; None if equal."""
     row = first_difference(existing, expected)
     if row is None:
         return None
     if not is_beginning(existing, expected):
-        return row, f"found another row than the journal holds, expected the same; move the file away, then {REBUILD}"
+        return (
+            row,
+            f"found a row that differs from the journal, expected the same row; move the file away, then {REBUILD}",
+        )
     n_lacking = expected.count(b"\n") - existing.count(b"\n")
     if n_lacking == 0:
-        return row, f"found zero bytes behind the last row, expected none; {REBUILD}"
+        return row, f"found zero bytes after the last row, expected none; {REBUILD}"
     return row, f"lacks the last {count_of(n_lacking, 'row')} of the journal, expected all of them; {REBUILD}"

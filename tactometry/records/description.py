@@ -67,7 +67,7 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
 
 def read_description(path: Path) -> dict[str, object]:
     """Read the description of a data set."""
-    anew = "the description of Psych-DS; remove it, and it is made anew"
+    anew = "the description of Psych-DS; remove it to create a new one"
     described = json_object(path, anew)
     has_columns = isinstance(described.get("variableMeasured"), list)
     expect(has_columns, path, "no list 'variableMeasured'", anew, InvalidFile)
@@ -78,9 +78,6 @@ def variable_names(described: Mapping[str, Any]) -> list[str]:
     """Return the names of the columns that a description explains.
 
     Raises `InvalidParameter` if an entry is no object with a name.
-
-    >>> variable_names({"variableMeasured": [{"name": "level"}]})
-    ['level']
     """
     names: list[str] = []
     for n, variable in enumerate(described["variableMeasured"]):
@@ -106,11 +103,7 @@ def as_simulated(described: Mapping[str, object]) -> dict[str, object]:
 
 
 def says_simulated(described: Mapping[str, object]) -> bool:
-    """Return True if a description says that its data are simulated.
-
-    >>> says_simulated(as_simulated({})), says_simulated({"keywords": "simulated data"})
-    (True, False)
-    """
+    """Return True if a description says that its data are simulated."""
     keywords = described.get("keywords")
     return isinstance(keywords, list) and KEYWORD in keywords
 

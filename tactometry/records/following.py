@@ -26,13 +26,7 @@ class News:
 
 @dataclass
 class Follower:
-    """Reads a journal again and again.
-
-    >>> Follower(Path("nowhere.jsonl")).news()
-    Traceback (most recent call last):
-    ...
-    tactometry.errors.InvalidFile: nowhere.jsonl: cannot be read (No such file or directory), expected a journal
-    """
+    """Reads a journal again and again."""
 
     path: Path
     _place: Reached = field(default_factory=Reached, init=False)

@@ -17,9 +17,8 @@ import msgspec
 
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file, whole_lines
-from ..session.answer import Chosen, Done, Marked
+from ..session.answer import Chosen, Done, Intervention, Marked, left
 from ..session.event import Event, decode_event, intervention_of, missed_text, trial_facts
-from ..session.intervention import Intervention, left
 from ..session.replay import Replay, rows
 from ..session.request import MISSED_PRACTICE, REQUESTS, Choose, Fact, Intervene, Record, Request, flaw
 from ..trials.trial import Trial
@@ -149,7 +148,7 @@ def encode_entry(request: Request[Any], answer: object, before: int = 0) -> byte
     if loss is not None:
         raise DeviceFailed(
             f"journal: {request} with {answer} cannot be kept without loss, expected finite numbers and an answer to "
-            f"what was asked ({loss}); a device gave something else: check it, then go on with --resume"
+            f"what was asked ({loss}); a device returned something else: check it, then continue with --resume"
         )
     return line
 
@@ -183,11 +182,7 @@ def _table(line: bytes, before: int, where: str) -> dict[str, Any]:
 
 
 def checksum(line: bytes) -> int:
-    """Return the checksum of a written line and all before it.
-
-    >>> checksum(encode({"end": "complete"})) == int(encode({"end": "complete"})[-11:-3], 16)
-    True
-    """
+    """Return the checksum of a written line and all before it."""
     return int(line.rstrip(b"\n")[-10:-2], 16)
 
 
@@ -232,7 +227,7 @@ def _next_line(whole: bytes, path: Path, place: Reached) -> tuple[Line | None, R
     """Decode the line behind a place (None: the end), and return the new place."""
     where = f"{path}, line {place.n_lines + 1}"
     if place.complete:
-        raise InvalidFile(f"{where}: found a line behind the end of the session, expected none; remove it")
+        raise InvalidFile(f"{where}: found a line after the end of the session, expected none; remove it")
     table = _table(whole, place.checksum, where)
     try:
         line = _decode_line(table, place.head)

@@ -47,8 +47,8 @@ class Journal:
         try:
             if not resume and path.stat().st_size > 0:
                 raise InvalidFile(
-                    f"{path}: this session has been recorded already, expected a new one; go on with --resume, or give "
-                    "another --session number"
+                    f"{path}: this session has been recorded already, expected a new one; continue with --resume, or "
+                    "give another --session number"
                 )
             self.recording, self.cut = self._repair()
         except BaseException:

@@ -16,9 +16,8 @@ from ..files.durable import NO_LINK, drafts, open_private, read_file, replace_fi
 from ..files.rows import delimited_text
 from ..provenance import sha256
 from ..safety.limits import Exposure
-from ..session.answer import Marked, TracePart
+from ..session.answer import Intervention, Marked, TracePart
 from ..session.event import COLUMNS, Event, OnEvent, OnRequest, TraceKind, decode_event, events_tsv
-from ..session.intervention import Intervention
 from ..session.replay import Replay
 from ..session.request import Intervene, Record, Request
 from ..signal import FloatArray
@@ -45,7 +44,7 @@ def refuse_mixing(root: Path, rig: str) -> None:
         held = {head.rig for journal in sessions(root) for head in heads(journal)[:1]}
     for other in sorted(held):
         whom = "simulated participants" if other == SIMULATED else "people"
-        none = f"none beside those of the rig {rig!r}, as real and simulated data never share a folder"
+        none = f"none next to those of the rig {rig!r}, because real and simulated data never share a folder"
         is_alike = (other == SIMULATED) == (rig == SIMULATED)
         expect(is_alike, root, f"sessions of {whom}", f"{none}; give another --out", InvalidFile)
 
@@ -252,8 +251,8 @@ class OpenSession:
             )
             it_is = "it is" if len(lost) == 1 else "they are"
             self._repaired.append(
-                f"{path.name} held {count_of(len(lost), 'row')} that the journal with its "
-                f"{count_of(self.tally.n_trials, 'trial')} does not: {it_is} kept in "
+                f"{path.name} had {count_of(len(lost), 'row')} missing from the journal of "
+                f"{count_of(self.tally.n_trials, 'trial')}: {it_is} kept in "
                 f"{self.journal.interruptions.name}; if the journal is an older copy, stop and restore the newer one"
             )
 
@@ -266,9 +265,9 @@ class OpenSession:
 def _refuse_alike(root: Path, session: Session) -> None:
     for code in participants(root):
         is_other = code.casefold() != session.participant.casefold()
-        beside = f"{session.participant!r} beside {code!r}"
-        apart = f"codes that differ in more than capitals, as not every disk tells those apart; give {code!r}"
-        expect(is_other or code == session.participant, "participant", beside, f"{apart}, or another code")
+        both = f"{session.participant!r} next to {code!r}"
+        apart = f"codes that differ in more than case, because some disks ignore case; give {code!r}"
+        expect(is_other or code == session.participant, "participant", both, f"{apart}, or another code")
 
 
 def _refuse_other(journal: Journal, session: Session, design: StudyDescription) -> None:

@@ -59,11 +59,7 @@ _AXES: Final = "xyz"
 
 
 def columns_of(kind: TraceKind, n_columns: int) -> tuple[Column, ...]:
-    """Return the columns of a file of traces.
-
-    >>> [column.name for column in columns_of("position", 3)]
-    ['time_s', 'x_m', 'y_m']
-    """
+    """Return the columns of a file of traces."""
     stamp = Column("time_s", "Stamp of the sample since the start of the session", "s")
     if kind == "emitted":
         return tuple(Column(f"channel_{n}", "What was emitted", "V") for n in range(1, n_columns + 1))
@@ -89,9 +85,6 @@ def decode_rows(text: bytes) -> FloatArray:
     """Parse rows (n_rows, n_columns); a lost sample is NaN.
 
     Raises `ValueError` if the text is no table of numbers.
-
-    >>> decode_rows(b"0.001000\\t1\\n0.002000\\tn/a\\n").tolist()
-    [[0.001, 1.0], [0.002, nan]]
     """
     n_columns = text[: text.find(b"\n")].count(b"\t") + 1
     numbers = text.replace(MISSING.encode(), b"nan").split()
@@ -105,11 +98,7 @@ def packed(text: bytes) -> bytes:
 
 
 def whole_length(content: bytes) -> int:
-    """Return the length without an incomplete last gzip member; other damage stays.
-
-    >>> whole_length(packed(b"a") + packed(b"b")[:-1]) == len(packed(b"a"))
-    True
-    """
+    """Return the length without an incomplete last gzip member; other damage stays."""
     at = n_whole = 0
     unpacker = zlib.decompressobj(_GZIP)
     while at < len(content):
@@ -158,11 +147,7 @@ def _flaw(held: bytes, part: TracePart) -> str | None:
 
 
 def kind_of(part: TracePart) -> TraceKind | None:
-    """Return which samples a part contains, or None for an unknown kind.
-
-    >>> kind_of(TracePart("traces/participant-P01_session-1_study-a_recording-force_physio.tsv.gz", 0, 20, ""))
-    'force'
-    """
+    """Return which samples a part contains, or None for an unknown kind."""
     return next((kind for kind, name in FILES.items() if part.file.endswith(f"_{name}.tsv.gz")), None)
 
 

@@ -7,33 +7,17 @@ import functools
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TypeVar
 
-from ..session.answer import Adjusted, Chosen, Done, Filled, Marked, Played, Rated, Touched
-from ..session.request import (
-    ABOUT,
-    Adjust,
-    Choose,
-    Enter,
-    Facts,
-    Fill,
-    Play,
-    Press,
-    Rate,
-    Record,
-    Show,
-    Slide,
-    Wait,
-    value_at,
-)
-from ..trials.trial import REASON_WORDS, Reason, outcome
+from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
+from ..session.request import ABOUT, Adjust, Choose, Enter, Facts, Fill, Play, Press, Record, Show, Slide, Wait
+from ..trials.trial import Reason
 from .device_rig import DeviceRig
 from .experimenter.supervisor import CLOCK, TrialLog
 from .pages import entry, form, layout, touch_picture
 from .pages.page import Answer, Page
 from .pages.presenter import Dress, as_it_is
-from .texts import Texts
 from .touch.gated_samples import Trace
 from .touch.touch import TouchRun, moving_cue
 from .touch.watchdog import RepeatedStimulus, play_to_end, watchdog
@@ -111,8 +95,8 @@ class Bench(DeviceRig):
             height_m = self._equipment.display_height_m or ASSUMED_DISPLAY_HEIGHT_M
             words, dress = "slide", moving_cue(request, height_m, places)
         measured = self._texts.message(words if self._setup.sensor is None else f"{words}_force")
-        told = self._texts.message(why) if why else ""
-        return TouchRun(request, self._setup, places, measured, self._texts.message("release"), dress, told)
+        reason = self._texts.message(why) if why else ""
+        return TouchRun(request, self._setup, places, measured, self._texts.message("release"), dress, reason)
 
     def _dry_run(self, request: Press | Slide) -> None:
         """Explain the screen of a touch, and let the participant try it without a stimulus.
@@ -132,10 +116,10 @@ class Bench(DeviceRig):
             why = f"lost_{touched.invalid_reason}"
         assert touched is not None
         reason = touched.invalid_reason
-        told = f"{kind}: {'held' if reason is None else f'not held, {REASON_WORDS[reason]}'}"
-        self._supervisor.note("dry_run", text=told)
+        result = f"{kind}: {'held' if reason is None else f'not held, {self._terminal.phrase(reason)}'}"
+        self._supervisor.note("dry_run", text=result)
         self._terminal.end_line()
-        self._terminal.tell(f"dry run, {told} ({time.perf_counter() - begin_s:.0f} s)")
+        self._terminal.tell(f"dry run, {result} ({time.perf_counter() - begin_s:.0f} s)")
         self._leave(self._message(Show(f"dry_run_{'held' if reason is None else 'lost'}"), HINT_CONTINUE))
         self._tracer.begin()
 
@@ -177,22 +161,6 @@ class Bench(DeviceRig):
         self._terminal.add(f"answered in {end_s - onset_s:.2f} s")
         return *self._times(onset_s, end_s), not self._supervisor.repeat
 
-    def _rate(self, request: Rate) -> Rated:
-        scale = layout.Scale(
-            words=self._texts.messages.get(request.item, self._texts.message("rate")),
-            low=self._texts.label(request.low_label),
-            high=self._texts.label(request.high_label),
-            hint=self._texts.message("hint_rate_continuous" if request.steps is None else "hint_rate"),
-            n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
-            rings=request.steps is not None,
-        )
-        unmarked: int | None = None
-        mark, timing = self._ask(
-            unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
-        )
-        value = None if mark is None else value_at(mark, scale.n_positions, request.low, request.high)
-        return Rated(value, *timing)
-
     def _enter(self, request: Enter) -> Rated:
         words, hint = self._texts.message(request.question), self._texts.message("hint_enter")
         low, high = request.low, request.high
@@ -205,14 +173,14 @@ class Bench(DeviceRig):
         return Rated(entry.value_of(typed, low, high), *timing)
 
     def _fill(self, request: Fill) -> Filled:
-        page = form_of(request, self._texts)
+        page = form.Form(request, self._texts)
         marks, onset_s, end_s = self._presenter.converse(
-            marks_of(request),
+            page.begun(),
             lambda marks: form.form_page(page, marks, self._screen.aspect),
             functools.partial(form.after, page),
-            Keeping(request, self._keep_marks, self._session_s),
+            form.Keeping(page, self._keep_marks, self._session_s),
         )
-        return Filled(values_of(marks, request), *self._timing(onset_s, end_s), back=marks.back)
+        return Filled(page.values(marks), *self._timing(onset_s, end_s), back=marks.back)
 
     def _adjust(self, request: Adjust) -> Adjusted:
         page = layout.adjust_page(
@@ -252,10 +220,9 @@ class Bench(DeviceRig):
         block, n_blocks = (request.values.get(name) for name in ("block", "n_blocks"))
         progress = (block - 1) / n_blocks if isinstance(block, int) and isinstance(n_blocks, int) else None
         words = self._texts.page(request, left_s)
-        image = self._texts.images.get(request.message)
-        shown = None if image is None else (image.path, image.ratio)
         below = self._texts.message(hint) if hint else ""
-        return layout.message_page(words, below, self._screen.aspect, progress, shown)
+        image = self._texts.images.get(request.message)
+        return layout.message_page(words, below, self._screen.aspect, progress, image)
 
     def _record(self, request: Record) -> Done:
         trial = request.trial
@@ -263,81 +230,11 @@ class Bench(DeviceRig):
         self._lost = trial.invalid_reason
         before, self._tally = self._tally, self._tally.after(trial)
         if self._tally.n_presented > before.n_presented:  # not for each item of a questionnaire
-            response = "no answer, " if trial.response is None else f"{trial.response}, "
-            self._terminal.add(f"{'' if trial.task == 'rating' else response}{outcome(trial, self._tally.n_presented)}")
+            response = "no answer" if trial.response is None else trial.response
+            outcome = self._terminal.outcome(trial, self._tally.n_presented)
+            self._terminal.add(outcome if trial.task == "rating" else f"{response}, {outcome}")
         self._terminal.end_line()
         if request.aborted:
             self._terminal.tell(f"! {request.aborted}")
         self._trial_log.begin_trial(trial)
         return self._done_between()
-
-
-KEPT_EVERY_S = 0.2
-"""Interval at which fast changes of marks, as in a drag, are kept."""
-Values = tuple[float | None, ...]
-
-
-def n_positions(request: Fill) -> int:
-    return layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps
-
-
-def form_of(request: Fill, texts: Texts) -> form.Form:
-    """Return the page in the participant's language."""
-    first, several = request.page == 1, request.n_pages > 1
-    words = form.FormWords(
-        hint=texts.message(form.hint_for(request.steps)),
-        gaps=texts.message("hint_gaps"),
-        stem=texts.in_language(request.stem),
-        count=texts.message("page_count", {"page": request.page, "n_pages": request.n_pages}) if several else "",
-        back="" if first else texts.message("page_back"),
-        leave_open=texts.message("leave_open"),
-    )
-    return form.Form(
-        rows=tuple(texts.question(question) for question in request.questions),
-        n_positions=n_positions(request),
-        rings=request.steps is not None,
-        words=words,
-    )
-
-
-def place_at(value: float | None, request: Fill) -> int | None:
-    """Return the place nearest to a value.
-
-    >>> place_at(3.0, Fill("f", (), low=1.0, high=7.0, steps=7))
-    2
-    """
-    if value is None:
-        return None
-    last = n_positions(request) - 1
-    return min(max(round((value - request.low) / (request.high - request.low) * last), 0), last)
-
-
-def marks_of(request: Fill) -> form.Marks:
-    given = request.given or (None,) * len(request.questions)
-    return form.begun(tuple(place_at(value, request) for value in given))
-
-
-def values_of(marks: form.Marks, request: Fill) -> Values:
-    """Return the value of each mark; None where there is none."""
-    n, low, high = n_positions(request), request.low, request.high
-    return tuple(None if place is None else value_at(place, n, low, high) for place in marks.places)
-
-
-@dataclass
-class Keeping:
-    """Keeps the marks of a page as they change; called in each frame."""
-
-    request: Fill
-    keep: Callable[[Marked], None]
-    session_s: Callable[[float], float]
-    _kept: Values = ()
-    _kept_s: float = field(default=-float("inf"))
-
-    def __post_init__(self) -> None:
-        self._kept = values_of(marks_of(self.request), self.request)
-
-    def __call__(self, marks: form.Marks) -> None:
-        values, now_s = values_of(marks, self.request), time.perf_counter()
-        if values != self._kept and now_s - self._kept_s >= KEPT_EVERY_S:
-            self.keep(Marked(self.request.form, values, self.session_s(now_s)))
-            self._kept, self._kept_s = values, now_s

@@ -22,18 +22,16 @@ from ..session.request import (
     Play,
     Press,
     Question,
-    Rate,
     Record,
     Show,
     Slide,
     Wait,
 )
-from ..trials.trial import Trial
 from .device_rig import DeviceRig, Equipment
 from .experimenter.terminal import ExperimenterTerminal
 from .pages import layout
 from .pages.page import Display
-from .texts import Phrases, Texts
+from .texts import Texts
 from .touch.gated_samples import Trace
 from .touch.touch import TouchRun
 from .touch.watchdog import play_to_end
@@ -81,15 +79,15 @@ class Console(DeviceRig):
         self._source, self._output = source or sys.stdin, output or sys.stdout
         texts = replace(texts, stop="ctrl_c")
         terminal = Lines(self._output, texts.language)
-        self._phrases = terminal.phrases
+        self._phrase = terminal.phrase
         super().__init__(Display(), equipment, texts, terminal=terminal, log=log)
 
     def _open(self) -> None:
         super()._open()
         output = self._equipment.output
-        of = self._phrases.of
-        self._terminal.tell(of("plays", output=output.name) if output.emits else of("silent").strip())
-        self._terminal.tell(of("stopping"))
+        plays = self._phrase("plays", output=output.name) if output.emits else self._phrase("silent").strip()
+        self._terminal.tell(plays)
+        self._terminal.tell(self._phrase("stopping"))
 
     def facts(self) -> Facts:
         clock = time.get_clock_info("perf_counter")
@@ -117,7 +115,7 @@ class Console(DeviceRig):
             try:
                 return read(line.strip()), *self._times(onset_s, time.perf_counter())
             except ValueError:
-                self._terminal.tell(self._phrases.of("no_answer", expected=expected, line=repr(line.strip())))
+                self._terminal.tell(self._phrase("no_answer", expected=expected, line=repr(line.strip())))
         raise self._stop(f"{N_TRIES} lines were no answers")
 
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
@@ -132,14 +130,14 @@ class Console(DeviceRig):
         return self._supervisor.stop(why, f" ({self._tally})")
 
     def _present(self, what: str, interval: int | None) -> None:
-        self._terminal.tell(f"{self._next()} {what}{self._phrases.of('interval', n=interval) if interval else ''}")
+        self._terminal.tell(f"{self._next()} {what}{self._phrase('interval', n=interval) if interval else ''}")
 
     def _next(self) -> str:
-        return self._phrases.of("trial", n=self._tally.n_presented + 1)
+        return self._phrase("trial", n=self._tally.n_presented + 1)
 
     def _play(self, request: Play) -> Played:
         signal = self._signal(request)
-        self._present(self._phrases.of("play", duration_s=request.duration_s), request.interval)
+        self._present(self._phrase("play", duration_s=request.duration_s), request.interval)
         if not self._equipment.output.emits:
             return Played(self._done().at_s, None, "")
         return self._in_session(play_to_end(self._setup, request, layout.waiting_page(), signal))
@@ -147,12 +145,12 @@ class Console(DeviceRig):
     def _feel(self, request: Press | Slide) -> Touched:
         how = {"force_n": request.target_n, "duration_s": request.duration_s}
         if isinstance(request, Slide):
-            what = self._phrases.of("slide", speed_mm_per_s=1e3 * request.speed_m_per_s, **how)
+            what = self._phrase("slide", speed_mm_per_s=1e3 * request.speed_m_per_s, **how)
         else:
-            what = self._phrases.of("press", **how)
+            what = self._phrase("press", **how)
         signal = self._signal(request)
         lifts = self._setup.sensor is not None and self._equipment.output.emits
-        self._present(f"{what}{self._phrases.of('lift') if lifts else ''}", request.interval)
+        self._present(f"{what}{self._phrase('lift') if lifts else ''}", request.interval)
         if not self._equipment.output.emits:
             return Touched(self._done().at_s, None, None)
         return self._touched_in_session(TouchRun(request, self._setup, Trace()).carry_out(signal)[0])
@@ -164,16 +162,11 @@ class Console(DeviceRig):
         of_trial = "" if request.question in (CONSENT, MISSED_PRACTICE) else f"{self._next()} "
         prompt = f"{of_trial}{question} ({words}):"
         *others, last = map(str, request.options)
-        expected = self._phrases.of("either", options=", ".join(others), last=last) if others else last
+        expected = self._phrase("either", options=", ".join(others), last=last) if others else last
         return Chosen(*self._ask(prompt, lambda line: _option(line, request.options, labels), expected))
 
     def _number(self, low: float, high: float) -> str:
-        return self._phrases.of("number_from" if high == math.inf else "number", low=low, high=high)
-
-    def _rate(self, request: Rate) -> Rated:
-        prompt = f"{request.item} ({request.low:g} = {request.low_label}, {request.high:g} = {request.high_label}):"
-        expected = self._number(request.low, request.high)
-        return Rated(*self._ask(prompt, lambda line: _within(line, request.low, request.high), expected))
+        return self._phrase("number_from" if high == math.inf else "number", low=low, high=high)
 
     def _enter(self, request: Enter) -> Rated:
         low, high = request.low, math.inf if request.high is None else request.high
@@ -200,9 +193,9 @@ class Console(DeviceRig):
         """Return by how many questions to move on, and the answer."""
         statement, left, right = self._texts.question(question)
         step = (request.high - request.low) / (request.steps - 1) if request.steps else 1.0
-        by = "" if step == 1 else self._phrases.of("steps", step=step)
+        by = "" if step == 1 else self._phrase("steps", step=step)
         ends = f"{request.low:g} = {left}, {request.high:g} = {right}{by}"
-        ways = self._phrases.of("ways")
+        ways = self._phrase("ways")
         prompt = f"{statement} ({ends}; {ways}):".lstrip()
         expected = f"{self._number(request.low, request.high)}{by} ({ways})"
         return self._ask(prompt, lambda line: WAYS.get(line) or (1, _on_scale(line, request)), expected)[0]
@@ -210,7 +203,7 @@ class Console(DeviceRig):
     def _adjust(self, request: Adjust) -> Adjusted:
         adjustment = "an adjustment, whose level plays while it is set"
         expect(not self._equipment.output.emits, "console", adjustment, "a task without one; use --rig bench")
-        prompt = self._phrases.of("level", stimulus=request.stimulus, low=request.low, high=request.high)
+        prompt = self._phrase("level", stimulus=request.stimulus, low=request.low, high=request.high)
         expected = self._number(request.low, request.high)
         return Adjusted(*self._ask(prompt, lambda line: _within(line, request.low, request.high), expected))
 
@@ -223,7 +216,7 @@ class Console(DeviceRig):
         if self._source.isatty() and request.message != "end":
             # at a terminal a page stays for its duration, or until a key is pressed
             if request.duration_s is None:
-                self._ask(self._phrases.of("go_on"), str)
+                self._ask(self._phrase("go_on"), str)
             else:
                 time.sleep(request.duration_s)
         return self._done_between()
@@ -232,20 +225,11 @@ class Console(DeviceRig):
         self._supervisor.end_trial(request.trial)
         before, self._tally = self._tally, self._tally.after(request.trial)
         if self._tally.n_invalid > before.n_invalid:
-            n_told = self._tally.n_presented
-            self._terminal.tell(f"{self._phrases.of('trial', n=n_told)} {_lost(request.trial, n_told, self._phrases)}")
+            n = self._tally.n_presented
+            self._terminal.tell(f"{self._phrase('trial', n=n)} {self._terminal.outcome(request.trial, n)}")
         if request.aborted:
             self._terminal.tell(f"! {request.aborted}")
         return self._done_between()
-
-
-def _lost(trial: Trial, n_told: int, phrases: Phrases) -> str:
-    """Say why a trial does not count, with its place in the table if that differs from the announced number."""
-    reason = trial.invalid_reason
-    why = phrases.of("not_valid") if reason is None else phrases.of("not_valid_why", reason=phrases.of(reason))
-    place = "place_again" if trial.attempt > 1 else "place"
-    is_elsewhere = trial.trial != n_told
-    return why + (phrases.of(place, trial=trial.trial, attempt=trial.attempt) if is_elsewhere else "")
 
 
 def _option(line: str, options: Sequence[int], labels: Sequence[str]) -> int:

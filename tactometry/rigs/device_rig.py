@@ -90,9 +90,9 @@ class DeviceRig(LiveRig):
         limits, output = equipment.limits, equipment.output
         self._path = None if equipment.position is None else FingerPath()
         self._emitter = Emitter(equipment.bank, output, limits, equipment.ramp_s, self._path)
-        told = {"experimenter": texts.label("experimenter")}
+        names = {"experimenter": texts.label("experimenter")}
         paused, stopped = (
-            layout.message_page(texts.message(name, told), "", screen.aspect) for name in ("pause", "stopped")
+            layout.message_page(texts.message(name, names), "", screen.aspect) for name in ("pause", "stopped")
         )
         self._supervisor = Supervisor(screen, terminal, log, self._emitter.mute, paused, stopped)
         output.subscribe(self._supervisor.note_stimulus, self._supervisor.note_stimulus_end)
@@ -134,7 +134,7 @@ class DeviceRig(LiveRig):
         Raises `DeviceFailed` if it is closed already, or PsychoPy ends the program.
         """
         if self.closed:
-            raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
+            raise DeviceFailed("bench: found a closed bench, expected an open one; open it again")
         try:
             yield
         except SystemExit as end:
@@ -142,7 +142,7 @@ class DeviceRig(LiveRig):
             if ended_by_signal(end):
                 raise
             raise DeviceFailed(
-                f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
+                f"window: PsychoPy ended the program by itself (exit status {end.code}); continue with --resume"
             ) from end
         except BaseException:  # Ctrl-C too: nothing may play after a failed request
             self.close()

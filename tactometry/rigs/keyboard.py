@@ -64,10 +64,6 @@ class FreshPresses:
 
     PsychoPy reports a held press at its beginning and again, with the old time, at its end, and a tap only at its end.
     Queried for both, it reports everything, some of it twice.
-
-    >>> fresh = FreshPresses()
-    >>> fresh.of([("y", 1.5)]), fresh.of([("y", 1.5), ("n", 2.0)])
-    ([('y', 1.5)], [('n', 2.0)])
     """
 
     def __init__(self) -> None:
@@ -112,28 +108,14 @@ class HeldKeys:
 
 @dataclass(frozen=True)
 class ConnectedScreen:
-    """A screen, numbered from 0, with its size and place among the others (pixels).
-
-    >>> str(ConnectedScreen(1, 1920, 1080, 1280, 0))
-    'screen 1: 1920 x 1080 px'
-    """
+    """A screen, numbered from 0, with its size in pixels."""
 
     number: int
     width_px: int
     height_px: int
-    x_px: int = 0
-    y_px: int = 0
 
     def __str__(self) -> str:
         return f"screen {self.number}: {self.width_px} x {self.height_px} px"
-
-
-def connected_screens(pyglet: Any) -> tuple[ConnectedScreen, ...]:
-    """Return all screens of the desktop; pyglet is passed in."""
-    return tuple(
-        ConnectedScreen(number, int(screen.width), int(screen.height), int(screen.x), int(screen.y))
-        for number, screen in enumerate(pyglet.canvas.get_display().get_screens())
-    )
 
 
 def check_screen(number: int, there: Sequence[ConnectedScreen]) -> None:

@@ -30,7 +30,6 @@ from ..session.request import (
     Fill,
     Play,
     Press,
-    Rate,
     Record,
     Show,
     Slide,
@@ -73,7 +72,7 @@ def meeting(stimulus: str, request: Play | Press | Slide | Adjust) -> Meeting:
     return stimulus, force_n or 0.0, speed_m_per_s or 0.0
 
 
-def value_of(liking: float, scale: Rate | Fill) -> float:
+def value_of(liking: float, scale: Fill) -> float:
     """Convert a liking from -1 to 1 to an answer on a scale."""
     fraction = (1 + liking) / 2
     if scale.steps is None:
@@ -239,9 +238,6 @@ class SimulatedRig(LiveRig):
     def _timing(self, n_questions: int) -> tuple[float, float]:
         latency_s = round(sum(self._observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
         return self._pass(latency_s), latency_s
-
-    def _rate(self, request: Rate) -> Rated:
-        return Rated(value_of(self._liking(), request), *self._timing(1))
 
     def _enter(self, request: Enter) -> Rated:
         if request.question.startswith(ABOUT) and request.high is not None:

@@ -69,11 +69,7 @@ def image_of(table: ImageTable, where: str) -> PageImage:
 
 @cache
 def languages() -> tuple[str, ...]:
-    """Return the shipped languages by their two letters.
-
-    >>> languages()
-    ('de', 'en', 'fr')
-    """
+    """Return the shipped languages by their two letters."""
     return tuple(sorted(path.stem.removeprefix(PREFIX) for path in FOLDER.glob(f"{PREFIX}*{SUFFIX}")))
 
 
@@ -126,9 +122,9 @@ class Texts:
 
     def page(self, request: Show, left_s: int = 0) -> str:
         """Return the text of a page, with its remaining seconds, the stop key, and lengths `x_m` also as `x_mm`."""
-        told = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
-        people = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
-        known = {**_lengths_mm(told), **told, "left_s": left_s, **people}
+        shown = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
+        names = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
+        known = {**_lengths_mm(shown), **shown, "left_s": left_s, **names}
         return self.message(request.message, known)
 
     def in_language(self, words: Mapping[str, str]) -> str:
@@ -163,16 +159,6 @@ def _fill_in(name: str, text: str, values: Mapping[str, str | int | float]) -> s
         ) from error
 
 
-@dataclass(frozen=True)
-class Phrases:
-    """Texts of the experimenter's terminal by name, in one language."""
-
-    words: Mapping[str, str]
-
-    def of(self, name: str, /, **values: str | float) -> str:
-        return self.words[name].format(**values)
-
-
 @cache
 def _shipped(language: str) -> dict[str, dict[str, str]]:
     one_of("language", language, languages())
@@ -180,13 +166,18 @@ def _shipped(language: str) -> dict[str, dict[str, str]]:
     return {name: tables[name] for name in ("messages", "labels", "console")}
 
 
-def phrases_in(language: str) -> Phrases:
-    """Return the shipped terminal texts of a language.
+def phrases_in(language: str) -> Mapping[str, str]:
+    """Return the texts of the experimenter's terminal by name, in one language.
 
-    >>> phrases_in("fr").of("press", force_n=1.0, duration_s=0.5)
+    >>> phrases_in("fr")["press"].format(force_n=1.0, duration_s=0.5)
     'appuyez avec 1 N pendant 0.5 s'
     """
-    return Phrases(_shipped(language)["console"])
+    return _shipped(language)["console"]
+
+
+def reason_words(reason: str) -> str:
+    """Return the English words for the reason of an invalid trial."""
+    return phrases_in("en")[reason]
 
 
 def texts_in(language: str, study: Mapping[str, str]) -> Texts:

@@ -35,11 +35,7 @@ def fault_of_speed(speed_m_per_s: float, target_m_per_s: float) -> Reason:
 
 
 def compliance_fields(force: Compliance | None, speed: SpeedCompliance | None) -> dict[str, Any]:
-    """Return compliance of force and speed as fields of an answer; None if not measured.
-
-    >>> compliance_fields(Compliance(1.0, 0.1, in_band=0.9), None)
-    {'force_mean_n': 1.0, 'force_sd_n': 0.1, 'force_in_band': 0.9, 'speed_in_band': None}
-    """
+    """Return compliance of force and speed as fields of an answer; None if not measured."""
     names = ("force_mean_n", "force_sd_n", "force_in_band")
     of_force = [None] * len(names) if force is None else [round(value, 6) for value in force]
     speed_in_band = None if speed is None else round(speed.in_band, 6)

@@ -27,7 +27,6 @@ from .keyboard import (
     FreshPresses,
     HeldKeys,
     check_screen,
-    connected_screens,
     failing_as,
     keyboard_of_script,
     open_keyboard,
@@ -37,6 +36,7 @@ from .pages.page import PAPER, Click, Closed, Display, Input, KeyDown, Page
 N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3
 VIEWING_DISTANCE_CM = 60.0
 UNSTATED_WIDTH_CM = 50.0
+NO_DISPLAY = "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
 
 
 def _psychopy() -> SimpleNamespace:
@@ -49,8 +49,8 @@ def _psychopy() -> SimpleNamespace:
 
         if getattr(sys, "is_pyglet_doc_run", False):
             raise DeviceFailed(
-                "window: found sphinx in this process, beside which pyglet draws nothing, expected a process without it"
-                "; start the session in another, or import tactometry.rigs.window and call load_psychopy first"
+                "window: found sphinx in this process, which stops pyglet from drawing, expected a process without it"
+                "; start the session in another one, or import tactometry.rigs.window and call load_psychopy first"
             )
         from psychopy import event, monitors, visual
         from psychopy.hardware import keyboard
@@ -63,8 +63,7 @@ def load_psychopy() -> SimpleNamespace:
 
     Raises `DeviceFailed` if it or a system library is missing, there is no display, or sphinx is imported.
     """
-    no_display = "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
-    with failing_as(*no_display):
+    with failing_as(*NO_DISPLAY):
         try:
             return _psychopy()
         except ModuleNotFoundError as error:
@@ -96,10 +95,9 @@ class Window(Display):
 
     def screens(self) -> tuple[ConnectedScreen, ...]:
         """Return the connected displays."""
-        with failing_as(
-            "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
-        ):
-            return connected_screens(self._psychopy.pyglet)
+        with failing_as(*NO_DISPLAY):
+            screens = self._psychopy.pyglet.canvas.get_display().get_screens()
+            return tuple(ConnectedScreen(n, int(each.width), int(each.height)) for n, each in enumerate(screens))
 
     @classmethod
     def adopt(cls, window: Any) -> Self:

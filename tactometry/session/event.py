@@ -12,8 +12,7 @@ from ..safety.limits import Exposure
 from ..signal import FloatArray
 from ..trials.columns import Column
 from ..trials.tasks import PRACTICE_MISSED
-from .answer import Marked, TracePart
-from .intervention import WANTED, Intervention
+from .answer import WANTED, Intervention, Marked, TracePart
 from .request import MISSED_LABELS, Fact, Request
 
 Kind = Literal[
@@ -192,11 +191,7 @@ def _cell(value: Fact) -> str:
 
 
 def events_tsv(events: Sequence[Event], columns: Sequence[Column] = COLUMNS) -> bytes:
-    """Format the events file of a session: a header, and a row for each event.
-
-    >>> events_tsv([]).decode().split()[:3]
-    ['onset', 'duration', 'trial_type']
-    """
+    """Format the events file of a session: a header, and a row for each event."""
     rows = [[column.name for column in columns], *(event.cells(columns) for event in events)]
     return "".join("\t".join(row) + "\n" for row in rows).encode()
 

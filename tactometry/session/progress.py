@@ -56,13 +56,7 @@ class AnsweredTouch:
 
 @dataclass(frozen=True)
 class TrackProgress:
-    """The presentations of a track, one row each, and how many of the last were not valid.
-
-    >>> levels = (10.0, 8.0, 6.0, 8.0, 6.0)
-    >>> rows = [Trial(1, n, {}, "staircase", level, "dB", "yes_no", 1) for n, level in enumerate(levels, 1)]
-    >>> [row.level for row in TrackProgress(tuple(rows)).reversals]
-    [6.0, 8.0]
-    """
+    """The presentations of a track, one row each, and how many of the last were not valid."""
 
     presented: tuple[Trial, ...] = ()
     n_invalid_in_a_row: int = 0
@@ -108,16 +102,7 @@ class TrackProgress:
         return max(self.n_invalid_in_a_row, self.n_attempts) if self.n_invalid_in_a_row else 0
 
     def warning(self, n_attempts: int | None) -> str | None:
-        """Return a warning before the track is aborted.
-
-        >>> lost = Trial(1, 1, {}, "staircase", 10.0, "dB", "yes_no", None, valid=False)
-        >>> TrackProgress().after(lost, aborted=False).warning(3)
-        'the last touch did not count: 2 more abort this condition'
-        >>> TrackProgress().after(lost, aborted=False).warning(5) is None
-        True
-        >>> TrackProgress().after(replace(lost, attempt=4), aborted=False).warning(5)
-        'one trial did not count in 4 attempts: 1 more aborts this condition'
-        """
+        """Return a warning before the track is aborted."""
         n_left = 0 if n_attempts is None else n_attempts - self.n_lost
         if self.aborted or not self.n_lost or not 0 < n_left <= NEAR:
             return None
@@ -303,11 +288,7 @@ class Progress:
         return None if self.track is None or is_left else self.track.warning(ahead.n_attempts)
 
     def left_s(self, parts: Sequence[PartAhead]) -> float:
-        """Return the longest remaining time (s), at the pace of the last trials.
-
-        >>> Progress().left_s([PartAhead(n_trials=10, lasts_s=50.0), PartAhead(lasts_s=20.0)])
-        70.0
-        """
+        """Return the longest remaining time (s), at the pace of the last trials."""
         if self.over:
             return 0.0
         number = max(self.part, 1)

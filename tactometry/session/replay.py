@@ -92,8 +92,8 @@ class Replay:
         Raises `Diverged`, with line and difference, if the request is not the recorded one.
         """
         if not self.n_left:
-            ended = f"the recording has ended, the protocol asks for {_name(request)}"
-            raise self._divergence(f"{ended}; the session is not complete: go on with --resume")
+            ended = f"the recording has ended, the protocol requests {_name(request)}"
+            raise self._divergence(f"{ended}; the session is not complete: continue with --resume")
         asked = self._as_kept(request)  # older journals recorded fewer fields of a request
         n_passed = self._pages_before(asked)
         if n_passed is None:
@@ -145,7 +145,7 @@ def difference(recorded: object, asked: object, path: str = "") -> str:
     if type(recorded) is not type(asked) or not is_dataclass(recorded):
         name = path or "request"
         shown = (_name(recorded), _name(asked)) if is_dataclass(recorded) else (repr(recorded), repr(asked))
-        return f"{name}: the recording holds {shown[0]}, the protocol asks for {shown[1]}"
+        return f"{name}: the recording has {shown[0]}, the protocol requests {shown[1]}"
     for item in (item for item in fields(recorded) if item.compare):
         then, now = getattr(recorded, item.name), getattr(asked, item.name)
         if then != now:

@@ -11,8 +11,7 @@ from typing import Any, ClassVar, Final, Generic, Protocol, TypeVar, get_args
 
 from ..trials.cells import LARGEST_ANSWER
 from ..trials.trial import Key, Trial
-from .answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from .intervention import Intervention
+from .answer import Adjusted, Chosen, Done, Filled, Intervention, Played, Rated, Touched
 
 A = TypeVar("A")
 Fact = str | int | float | bool | None
@@ -33,11 +32,7 @@ ABOUT: Final = "about."
 
 
 class Request(Generic[A]):
-    """One request to a rig, which answers with an `A`.
-
-    >>> Rate.answer_type
-    <class 'tactometry.session.answer.Rated'>
-    """
+    """One request to a rig, which answers with an `A`."""
 
     answer_type: ClassVar[type]
 
@@ -121,18 +116,6 @@ class Choose(Request[Chosen]):
     options: tuple[int, ...]
     labels: tuple[str, ...]
     stimuli: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Rate(Request[Rated]):
-    """Ask for a point between `low` and `high` in `steps` (None: continuous), with a word at each end."""
-
-    item: str
-    low: float
-    high: float
-    steps: int | None
-    low_label: str
-    high_label: str
 
 
 @dataclass(frozen=True)
@@ -231,8 +214,7 @@ class Intervene(Request[Done]):
 
 
 REQUESTS: Mapping[str, type[Request[Any]]] = {
-    kind.__name__: kind
-    for kind in (Play, Press, Slide, Choose, Rate, Enter, Fill, Adjust, Wait, Show, Record, Intervene)
+    kind.__name__: kind for kind in (Play, Press, Slide, Choose, Enter, Fill, Adjust, Wait, Show, Record, Intervene)
 }
 
 
@@ -255,8 +237,6 @@ def flaw(request: object, answer: object) -> str | None:
             return f"the option {option}, expected one of {', '.join(map(str, options))}"
         case Enter(low=low, high=high), Rated(value):
             return _out_of_range((value,), low, LARGEST_ANSWER if high is None else high)
-        case Rate(low=low, high=high), Rated(value):
-            return _out_of_range((value,), low, high, SLACK)
         case Fill(questions=questions), Filled(values) if len(values) != len(questions):
             return f"{len(values)} values, expected one for each of {len(questions)} questions"
         case Fill(low=low, high=high), Filled(values):

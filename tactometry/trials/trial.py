@@ -25,18 +25,6 @@ Reason = Literal[
 ]
 """Reason for which a touch or an answer is invalid."""
 REASONS: Final[tuple[str, ...]] = get_args(Reason)
-REASON_WORDS: Final[Mapping[Reason, str]] = {
-    "too_light": "too light",
-    "too_heavy": "too heavy",
-    "stopped": "the finger stopped",
-    "too_slow": "too slow",
-    "too_fast": "too fast",
-    "lifted": "the finger left",
-    "timeout": "the touch was not held as asked in time",
-    "sensor_lost": "the sensor was silent",
-    "output_gap": "a gap in the output",
-    "experimenter": "as the experimenter wanted",
-}
 
 
 @dataclass(frozen=True)
@@ -110,28 +98,6 @@ def without(trials: Iterable[Trial], retracted: Collection[Key]) -> tuple[Trial,
         else trial
         for trial in trials
     )
-
-
-def validity(trial: Trial) -> str:
-    """Say whether a trial counts.
-
-    >>> validity(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None, valid=False, invalid_reason="too_light"))
-    'not valid: too light'
-    """
-    if trial.valid:
-        return "valid"
-    return "not valid" if trial.invalid_reason is None else f"not valid: {REASON_WORDS[trial.invalid_reason]}"
-
-
-def outcome(trial: Trial, n_told: int) -> str:
-    """Say whether a trial counts, with its place in the table if that differs from the announced number.
-
-    >>> outcome(Trial(1, 2, {}, "staircase", 5.0, "V", "yes_no", 1, attempt=2), 9)
-    'valid (trial 2, attempt 2)'
-    """
-    attempt = f", attempt {trial.attempt}" if trial.attempt > 1 else ""
-    place = "" if trial.trial == n_told else f" (trial {trial.trial}{attempt})"
-    return f"{validity(trial)}{place}"
 
 
 @dataclass(frozen=True)

@@ -167,7 +167,7 @@ def test_edited_answer_has_warning_in_all_output(data_set, capsys, single):
     assert sentence in page
     _, _, out = call(capsys, "analyse", path, "--json")
     (warning,) = [text for text in json.loads(out)["warnings"] if "journal" in text]
-    assert re.search(rf"{re.escape(file.name)}, row \d+: found another row than the journal holds", warning)
+    assert re.search(rf"{re.escape(file.name)}, row \d+: found a row that differs from the journal", warning)
 
 
 @pytest.mark.parametrize(
@@ -175,7 +175,7 @@ def test_edited_answer_has_warning_in_all_output(data_set, capsys, single):
     [
         (lambda text: text.replace("latency_s", "latenz_s", 1), "row 1: found other columns than"),
         (lambda text: "\n".join(text.split("\n")[:-3]) + "\n", "lacks the last 2 rows of the journal"),
-        (lambda text: text + text.split("\n")[-2] + "\n", "found another row than the journal holds"),
+        (lambda text: text + text.split("\n")[-2] + "\n", "found a row that differs from the journal"),
     ],
 )
 def test_changed_columns_and_rows_have_warning(data_set, edit, said):

@@ -44,7 +44,14 @@ def test_session_with_force_and_sound_is_recorded(needed, display, alsa, tmp_pat
     finally:
         device.close()
     errors = b"".join(seen).decode()
-    told = ("p pause   g go on", "trial 1: ", "noted", "this trial will be asked again", "it goes on", "not valid")
+    told = (
+        "p pause   g go on",
+        "trial 1: ",
+        "noted",
+        "this trial will be repeated",
+        "the session continues",
+        "not valid",
+    )
     assert all(words in errors for words in told), errors
     assert status == 0, errors
     rows = trial_rows(tmp_path / "data")

@@ -53,7 +53,7 @@ DEFECTS = {
         ),
         "expected each trial once",
     ),
-    "value": (lambda root: edit(trials_of(root), b",1,1,", b",1,0,"), "found another row than the journal holds"),
+    "value": (lambda root: edit(trials_of(root), b",1,1,", b",1,0,"), "found a row that differs from the journal"),
     "study": (lambda root: edit(root / "study.toml", b"tutorial", b"tutoria"), "digest of another study.toml"),
     "no study": (
         lambda root: (root / "study.toml").unlink(),
@@ -129,7 +129,7 @@ def test_replay_names_the_first_row_that_differs(copied, capsys):
     edit(trials_of(copied), b",1,1,", b",1,0,")
     status, said, _ = call(capsys, "replay", copied)
     assert status == 1
-    assert re.search(r"row \d+: found another row than the journal holds", said)
+    assert re.search(r"row \d+: found a row that differs from the journal", said)
 
 
 def test_replay_of_a_damaged_journal_is_bad_input(copied, capsys):
@@ -147,7 +147,7 @@ def test_validation_names_first_differing_row_with_wrong_seed(copied):
     study, _ = load("tutorial")
     experiment = wire(study, "tutorial")
     recording = read(next((copied / "journals").glob("*P01*")))
-    with pytest.raises(Diverged, match=r"line \d+: .*the recording holds .*, the protocol asks for"):
+    with pytest.raises(Diverged, match=r"line \d+: .*the recording has .*, the protocol requests"):
         replay(experiment.course("P01", 1, 1, 4), recording.replay("journal"))
 
 

@@ -51,7 +51,7 @@ def test_validate_reports_bytes_after_end(journal, rubbish):
     [defect] = validate(journal.parent.parent).defects
     assert (defect.file, defect.row) == (f"journals/{journal.name}", n_lines + 1)
     n_bytes = len(RUBBISH.get(rubbish, b""))
-    expected = f"found {n_bytes} byte{'s' * (n_bytes != 1)} after the" if n_bytes else "found a line behind the"
+    expected = f"found {n_bytes} byte{'s' * (n_bytes != 1)} after the" if n_bytes else "found a line after the"
     assert f"{expected} end of the session, expected none" in defect.text
 
 
@@ -76,7 +76,7 @@ def test_many_lines_after_end_need_little_memory(journal):
     append(journal, b"\n" * 10_000_000)
     tracemalloc.start()
     try:
-        with pytest.raises(InvalidFile, match="found a line behind the end"):
+        with pytest.raises(InvalidFile, match="found a line after the end"):
             read(journal)
         assert tracemalloc.get_traced_memory()[1] < 30e6
     finally:

@@ -63,7 +63,7 @@ def test_the_order_of_work_changes_no_byte(whole, tmp_path):
 @pytest.mark.parametrize(
     ("seed", "resume", "sentence"),
     [
-        (1, False, "found this run of tracks, expected none; go on with --resume"),
+        (1, False, "found this run of tracks, expected none; continue with --resume"),
         (2, True, "found seed 1, expected 2 as requested; choose another --out"),
     ],
 )

@@ -19,7 +19,7 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
 from tactometry.records.journal import checksum, encode, read
 from tactometry.session.answer import Adjusted, Filled, Rated
-from tactometry.session.request import Adjust, Enter, Fill, Question, Rate, flaw
+from tactometry.session.request import Adjust, Enter, Fill, Question, flaw
 
 SETS = ("console", "inquiries", "preference", "adjustment")
 VALUES = [None, True, 0, -1, 2**62, 3.5, 1e308, -1e308, "", "x", "../../x", "=x", "a\nb", [], [1], {}, {"a": 1}]
@@ -183,13 +183,13 @@ def test_a_trial_without_a_key_has_its_default(tmp_path, capsys):
     write(journal_of(root), tables)
     status, _, out = call(capsys, "validate", root)
     assert status == 1
-    assert "found another row than the journal holds" in out
+    assert "found a row that differs from the journal" in out
 
 
 def test_steps_may_miss_their_bounds_by_a_rounding():
     adjust = Adjust("tone", 0.1, 0.1, 0.0, 0.3)
     assert flaw(adjust, Adjusted(adjust.level(2), 0.0, 1.0)) is None
     assert flaw(adjust, Adjusted(0.31, 0.0, 1.0)) == "the value 0.31, expected from 0 to 0.3"
-    assert flaw(Rate("x", 0.0, 1.0, None, "", ""), Rated(None, 0.0, 1.0)) is None
+    assert flaw(Enter("x", 0.0), Rated(None, 0.0, 1.0)) is None
     assert flaw(Enter("x", 0.0), Rated(1e16, 0.0, 1.0)) == "the value 1e+16, expected from 0 to 1e+15"
     assert flaw(Fill("f", (Question("a", {}),), 1.0, 7.0, 7), Filled((None,), 0.0, 1.0)) is None

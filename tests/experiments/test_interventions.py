@@ -101,8 +101,8 @@ def test_forged_discarded_trial_is_found(lived):
         lines.append(encode(value, before))
         before = int(lines[-1][-11:-3], 16)
     path.write_bytes(b"".join(lines))
-    assert any("found another row than the journal holds" in defect.text for defect in validate(lived).defects)
-    with pytest.raises(Exception, match="Intervene.retracted: the recording holds"):
+    assert any("found a row that differs from the journal" in defect.text for defect in validate(lived).defects)
+    with pytest.raises(Exception, match="Intervene.retracted: the recording has"):
         replay_data_set(lived)
 
 

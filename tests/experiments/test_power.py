@@ -146,7 +146,7 @@ def test_a_stopped_analysis_says_how_to_go_on_and_does(capsys, tmp_path):
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert said.strip() == "tactometry: interrupted; what was recorded is safe: go on with --resume"
+    assert said.strip() == "tactometry: interrupted; recorded data are safe: continue with --resume"
     assert not (tmp_path / "p" / "power.csv").exists()
     output(capsys, *words, tmp_path / "p", "--resume")
     output(capsys, *words, tmp_path / "alone")
@@ -162,7 +162,7 @@ def test_an_interrupted_analysis_goes_on_to_the_same_bytes(capsys, tmp_path, alo
     (tmp_path / "power.csv").unlink()
     code, said, _ = call(capsys, *ASKED, "--out", tmp_path)
     assert code == 2
-    assert "go on with --resume" in said
+    assert "continue with --resume" in said
     output(capsys, *ASKED, "--out", tmp_path, "--resume")
     assert files(tmp_path) == alone
 

@@ -73,7 +73,7 @@ def test_line_after_end_is_refused(lived):
     last = journal_of(lived).read_bytes().split(b"\n")[-2]
     with journal_of(lived).open("ab") as file:
         file.write(encode({"request": "Wait", "asked": {"duration_s": 1.0}, "answer": {"at_s": 1.0}}, checksum(last)))
-    with pytest.raises(InvalidFile, match="found a line behind the end of the session"):
+    with pytest.raises(InvalidFile, match="found a line after the end of the session"):
         read(journal_of(lived))
 
 
@@ -168,7 +168,7 @@ def test_changed_trial_is_found():
     request, answer = lived.entries[at]
     changed = Record(replace(request.trial, latency_s=9.0))
     entries = [*lived.entries[:at], (changed, answer), *lived.entries[at + 1 :]]
-    with pytest.raises(Diverged, match=rf"line {at + 1}: Record.trial.latency_s: the recording holds 9.0"):
+    with pytest.raises(Diverged, match=rf"line {at + 1}: Record.trial.latency_s: the recording has 9.0"):
         replay(one_block(np.random.default_rng(1)), Replay(entries))
 
 

@@ -17,8 +17,7 @@ from tactometry.experiments.data_sets.figures import heading, speed_of
 from tactometry.experiments.data_sets.touch_courses import touch_courses
 from tactometry.experiments.data_sets.traces import TouchTrace, read_traces, touches
 from tactometry.records.journal import Entry, read
-from tactometry.session.answer import Done
-from tactometry.session.intervention import Intervention
+from tactometry.session.answer import Done, Intervention
 from tactometry.session.request import Intervene
 
 RECORDED_TRACES = RECORDED / "format-2-traces-console"
@@ -185,4 +184,4 @@ def test_touch_of_retracted_trial_is_marked():
     again = list(touches(replace(recording, lines=(*recording.lines, taken_back))))
     assert [touch.trial.valid for touch in (first, second, *again)] == [True, True, False, True]
     drawn = TouchTrace(again[0].head, again[0].trial, again[0].request, again[0].answer, None, None, None)
-    assert heading(drawn).endswith("not valid: as the experimenter wanted")
+    assert heading(drawn).endswith("not valid: invalidated by the experimenter")

@@ -212,7 +212,7 @@ def test_simulated_participant_among_people_is_refused(tmp_path):
     sit(tmp_path, SOUND)
     before = contents(tmp_path)
     with pytest.raises(
-        InvalidFile, match="found sessions of people, expected none beside those of the rig 'simulated'"
+        InvalidFile, match="found sessions of people, expected none next to those of the rig 'simulated'"
     ):
         simulate(tmp_path, Who("P02", seed=1))
     assert contents(tmp_path) == before
@@ -221,7 +221,7 @@ def test_simulated_participant_among_people_is_refused(tmp_path):
 def test_so_is_one_of_the_same_code(tmp_path):
     sit(tmp_path, SOUND)
     before, other = contents(tmp_path), Who(WHO.participant, seed=2)
-    with pytest.raises(InvalidFile, match="found sessions of people, expected none beside those of the rig"):
+    with pytest.raises(InvalidFile, match="found sessions of people, expected none next to those of the rig"):
         simulate(tmp_path, other)
     with pytest.raises(InvalidParameter, match="--rig: found simulated, but this session began with bench"):
         record(EXPERIMENT, TOML, tmp_path, other, simulated(EXPERIMENT, other), resume=True)

@@ -111,7 +111,7 @@ def test_interrupted_command_states_how_to_resume(tmp_path, capsys, monkeypatch)
 
     monkeypatch.setattr("tactometry.cli.validate_method.validate", interrupted)
     code, said, _ = call(capsys, "validate-method", "--out", tmp_path / "v")
-    assert (code, said.strip()) == (130, "tactometry: interrupted; what was recorded is safe: go on with --resume")
+    assert (code, said.strip()) == (130, "tactometry: interrupted; recorded data are safe: continue with --resume")
 
 
 def test_tables_do_not_depend_on_processes(whole, tmp_path):
@@ -171,7 +171,7 @@ def test_invalid_options_are_refused(case, capsys, tmp_path):
 
 @pytest.mark.parametrize(
     ("more", "expected"),
-    [([], "found this validation, expected none; go on with --resume"), (["--resume"], "found seed 3, expected 1")],
+    [([], "found this validation, expected none; continue with --resume"), (["--resume"], "found seed 3, expected 1")],
 )
 def test_folder_of_another_run_is_unchanged(more, expected, whole, capsys):
     root, _ = whole

@@ -110,7 +110,7 @@ def test_session_without_events_has_no_events_table(lived):
     ("how", "row", "message"),
     [
         (lambda path: path.unlink(), None, "found no such file, expected the events of the journal"),
-        (lambda path: path.write_bytes(path.read_bytes().replace(b"request 3", b"request X")), 4, "another row"),
+        (lambda path: path.write_bytes(path.read_bytes().replace(b"request 3", b"request X")), 4, "a row that differs"),
         (lambda path: path.with_suffix(".json").unlink(), None, "found no description of its columns"),
     ],
     ids=["removed", "changed", "not described"],

@@ -149,11 +149,6 @@ def test_journal_refuses_a_second_process(lived):
     assert "another process is writing this session" in other.stdout
 
 
-def test_closing_a_journal_releases_its_lock(lived):
-    Journal(journal_of(lived), resume=True).close()
-    live(lived, resume=True)
-
-
 @pytest.mark.parametrize("n_bytes", [0, 1, 2000, 5000, 9000])
 def test_full_disk_ends_session_without_losing_trials(whole, tmp_path, n_bytes):
     full = tmp_path / "full"

@@ -10,9 +10,8 @@ from tutorial_session import EXPERIMENT, journal_of
 from tactometry.experiments.study.dry_run import duration_s, parts_ahead, plan
 from tactometry.protocols import Staircase, WeightedStaircase
 from tactometry.records.journal import Entry, read
-from tactometry.session.answer import Done, Touched
+from tactometry.session.answer import Done, Intervention, Touched
 from tactometry.session.event import Event
-from tactometry.session.intervention import Intervention
 from tactometry.session.progress import MOST_SHOWN, PartAhead, Progress, TrackProgress
 from tactometry.session.request import Intervene, Press, Record, Show
 from tactometry.trials.trial import Trial, tally
@@ -127,6 +126,8 @@ FIVE = [PartAhead(n_attempts=5), PartAhead(n_attempts=5)]
 )
 def test_track_warns_before_it_is_aborted(n, warning):
     assert recorded(*attempts(n)).warning(FIVE) == warning
+    first = recorded(*attempts(1)).warning([PartAhead(n_attempts=3)])
+    assert first == "the last touch did not count: 2 more abort this condition"
 
 
 def test_track_warning_ends_when_track_is_aborted():

@@ -47,7 +47,7 @@ def test_resume_keeps_rows_missing_from_an_older_journal(lived, capsys):
     kept = kept_rows(lived)
     assert kept
     assert rows[-len(kept) :] == kept
-    assert f"held {len(kept)} rows that the journal with its {len(rows) - len(kept)} trials does not" in said
+    assert f"had {len(kept)} rows missing from the journal of {len(rows) - len(kept)} trials: they are kept" in said
     assert "restore the newer one" in said
 
 
@@ -56,7 +56,7 @@ def test_resume_keeps_rows_edited_by_hand(lived, capsys):
     path.write_bytes(path.read_bytes().replace(b",1,1,", b",1,0,", 1))
     status, said, _ = call(capsys, *resume(lived))
     assert (status, len(kept_rows(lived))) == (0, 1)
-    assert "held 1 row that the journal" in said
+    assert "had 1 row missing from the journal" in said
 
 
 def test_resume_rewrites_torn_trials_file_without_a_message(lived, capsys):
@@ -74,7 +74,7 @@ def test_resume_rewrites_torn_trials_file_without_a_message(lived, capsys):
 def test_missing_last_rows_are_reported_and_rebuilt(lived, capsys, n):
     path, whole = trials_of(lived), trials_of(lived).read_bytes()
     path.write_bytes(b"".join(whole.splitlines(keepends=True)[:-n]))
-    lacks = f"lacks the last {n} row{'s' * (n > 1)} of the journal, expected all of them; write it anew with tactometry"
+    lacks = f"lacks the last {n} row{'s' * (n > 1)} of the journal, expected all of them; rewrite it with tactometry"
     status, said, _ = call(capsys, "replay", lived)
     assert status == 1
     assert lacks in said
@@ -90,7 +90,7 @@ def test_missing_last_rows_are_reported_and_rebuilt(lived, capsys, n):
 
 def test_zero_bytes_after_last_row_are_reported():
     row, how = disagreement(b"a\n1\n\0\0", b"a\n1\n")
-    assert (row, how.partition(";")[0]) == (3, "found zero bytes behind the last row, expected none")
+    assert (row, how.partition(";")[0]) == (3, "found zero bytes after the last row, expected none")
 
 
 def test_rebuild_refuses_folder_without_journal(tmp_path, capsys):
@@ -161,7 +161,7 @@ def test_resume_refuses_journal_of_another_study(lived, tmp_path):
 
 
 def test_participant_codes_must_differ_beyond_case(lived):
-    with pytest.raises(InvalidParameter, match="participant: found 'p01' beside 'P01', expected codes that differ in"):
+    with pytest.raises(InvalidParameter, match="participant: found 'p01' next to 'P01', expected codes that differ in"):
         live(lived, Who("p01", seed=1))
     assert validate(lived).notes == ()
     for path in [*(lived / "data").iterdir(), *(lived / "journals").iterdir()]:

@@ -19,8 +19,7 @@ from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.procedures.procedure import FixedOrder, after_answer
 from tactometry.protocols.session import Inquiry
 from tactometry.questionnaire import load as load_form
-from tactometry.session.answer import Done
-from tactometry.session.intervention import Intervention
+from tactometry.session.answer import Done, Intervention
 from tactometry.session.progress import PartAhead, Progress
 from tactometry.session.replay import Replay, rows
 from tactometry.session.request import Intervene, Record, Show

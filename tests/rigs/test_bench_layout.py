@@ -6,14 +6,12 @@ import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.rigs.keyboard import FreshPresses
-from tactometry.rigs.pages import layout
+from tactometry.rigs.pages import form, layout
 from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import value_at
 
 ASPECTS = [4 / 3, 16 / 10, 16 / 9, 21 / 9]
-SEVEN = layout.Scale("warm?", "cold", "warm", "hint", n_positions=7, rings=True)
-LINE = layout.Scale("how much?", "nothing", "much", "hint", layout.N_POSITIONS_CONTINUOUS, rings=False)
 
 
 def pages(aspect):
@@ -21,8 +19,6 @@ def pages(aspect):
         layout.message_page("Heading\n\nbody", "hint", aspect),
         layout.question_page("felt?", (0, 1), ("no", "yes"), "hint", aspect),
         layout.question_page("which?", (1, 2, 3, 4), ("1", "2", "3", "4"), "hint", aspect),
-        layout.scale_page(SEVEN, 6, aspect),
-        layout.scale_page(LINE, 100, aspect),
         layout.adjust_page("set", "hint", aspect),
         layout.bar_page("Heading\n\nbody", "hint", aspect, 0.5),
         layout.track_page(layout.force_page(layout.marker_page(1, playing=True), 9.0, 1.0, 0.9), 1.0, 1 / 3),
@@ -123,26 +119,10 @@ def test_force_band_is_shown_by_colour_and_shape(force_n, held):
     assert any(isinstance(item, Box) and item.fill == layout.GOOD for item in items) is held
 
 
-@given(st.lists(st.sampled_from([layout.LEFT, layout.RIGHT, 0, 3, 6]), max_size=20))
-def test_scale_mark_stays_within_range(answers):
-    mark = None
-    for answer in answers:
-        mark, settled = SEVEN.after(mark, answer)
-        assert mark in range(7)
-        assert not settled
-    assert SEVEN.after(mark, layout.CONFIRM) == (mark, True)
-
-
-def test_scale_requires_a_mark_to_confirm():
-    page = layout.scale_page(SEVEN, None, 1.6)
-    assert page.answer(KeyDown("return", 0.0)) is None
-    assert page.answer(Click(0, -0.27, 0.0)) is None
-
-
 @given(st.floats(-1e3, 1e3), st.floats(1e-3, 1e3))
 def test_scale_ends_have_end_values(low, span):
-    assert value_at(0, LINE.n_positions, low, low + span) == low
-    assert value_at(100, LINE.n_positions, low, low + span) == low + span
+    assert value_at(0, form.N_POSITIONS_CONTINUOUS, low, low + span) == low
+    assert value_at(100, form.N_POSITIONS_CONTINUOUS, low, low + span) == low + span
 
 
 @given(st.lists(st.tuples(st.sampled_from("yn"), st.integers(0, 50)), unique=True), st.data())

@@ -9,7 +9,7 @@ import pytest
 from tactometry.errors import Stopped
 from tactometry.rigs.console import N_TRIES, Console
 from tactometry.rigs.texts import phrases_in, texts_in
-from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Show, Slide
+from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Record, Show, Slide
 from tactometry.trials.trial import Trial
 
 FELT = Choose("felt", (0, 1), ("no", "yes"))
@@ -48,7 +48,6 @@ REFUSED = (
     (FELT, "vielleicht\n1\n", "de", "erwartet wird 0 oder 1, nicht 'vielleicht'"),
     (FELT, "x\n1\n", "fr", "réponse attendue : 0 ou 1, au lieu de 'x'"),
     (Choose("which_place", (1, 2, 3), ("a", "b", "c")), "4\n1\n", "en", "expected 1, 2 or 3, found '4'"),
-    (Rate("warm", 0.0, 10.0, None, "not", "much"), "11\n1\n", "en", "expected a number from 0 to 10, found '11'"),
     (Enter("how_strong", 0.0), "-1\n1\n", "en", "expected a number from 0, found '-1'"),
     (Adjust("tone", 5.0, 1.0, 0.0, 10.0), "x\n5\n", "en", "expected a number from 0 to 10, found 'x'"),
     (
@@ -78,13 +77,13 @@ def test_page_waits_only_at_a_terminal():
     rig, said = console("1\n")
     rig.answer(Show("rest"))
     assert rig.answer(FELT).option == 1
-    assert "Return goes on" not in said.getvalue()
+    assert "Press return to continue" not in said.getvalue()
     rig, said = console("", source=Typed("\n1\n"))
     rig.answer(Show("rest"))
     rig.answer(Show("right", duration_s=0.001))
     rig.answer(Show("end"))
     assert rig.answer(FELT).option == 1
-    assert said.getvalue().count("Return goes on") == 1
+    assert said.getvalue().count("Press return to continue") == 1
 
 
 def test_consent_question_has_no_trial_number():
@@ -105,7 +104,7 @@ def test_session_stops_after_twenty_invalid_lines():
     rig, _ = console("x\n" * (N_TRIES - 1) + "1\n")
     assert rig.answer(FELT).option == 1
     rig, _ = console("x\n" * N_TRIES + "1\n")
-    with pytest.raises(Stopped, match="20 lines were no answers; what was recorded is safe: go on with"):
+    with pytest.raises(Stopped, match="20 lines were no answers; recorded data are safe: continue with"):
         rig.answer(FELT)
 
 
@@ -151,13 +150,13 @@ def test_console_prints_in_the_session_language(language):
     answers = [rig.answer(request) for request in ASKED]
     assert (answers[3].value, answers[4].values) == (3.5, (0.25,))
     first, *others = said.getvalue().splitlines()
-    assert (first, others) == (phrases_in(language).of("silent").strip(), list(TOLD[language]))
+    assert (first, others) == (phrases_in(language)["silent"].strip(), list(TOLD[language]))
 
 
 @pytest.mark.parametrize(("language", "heading"), [("en", "Stopped"), ("de", "Angehalten"), ("fr", "Arrêt")])
 def test_stopped_page_names_the_experimenter(language, heading):
     rig, said = console("\x1b\n", language)
-    with pytest.raises(Stopped):
+    with pytest.raises(Stopped, match="Escape was typed; recorded data are safe: continue with --resume"):
         rig.answer(FELT)
     experimenter = texts_in(language, {}).label("experimenter")
     assert said.getvalue().partition(f"{heading}\n\n")[2].count(experimenter) == 1

@@ -12,11 +12,12 @@ from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import Sliding
 from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
+from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
 from tactometry.rigs.touch_validity import broken_condition
 from tactometry.session.answer import Adjusted, Chosen, Touched
 from tactometry.session.run import run
 from tactometry.trials.row_rules import defects
-from tactometry.trials.trial import REASON_WORDS, REASONS, Trial, validity
+from tactometry.trials.trial import REASONS, Trial
 
 GATED = Sliding(0.2, 1.0, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05, tolerance=0.2, speed_tolerance=0.1)
 FINGER = SimulatedFinger(waver_cv=0.1, speed_cv=0.1)
@@ -86,8 +87,11 @@ def test_valid_trial_has_no_reason():
 @pytest.mark.parametrize("reason", REASONS)
 def test_every_reason_has_words(reason):
     trial = Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None, valid=False, invalid_reason=reason)
-    assert validity(trial) == f"not valid: {REASON_WORDS[reason]}"
-    assert validity(replace(trial, valid=True, invalid_reason=None)) == "valid"
+    terminal = ExperimenterTerminal()
+    assert terminal.outcome(trial, 1) == f"not valid: {terminal.phrase(reason)}"
+    again = terminal.outcome(replace(trial, attempt=2), 9)
+    assert again == f"not valid: {terminal.phrase(reason)} (trial 1, attempt 2)"
+    assert terminal.outcome(replace(trial, valid=True, invalid_reason=None), 1) == "valid"
 
 
 def test_reason_in_valid_row_is_a_defect(whole):

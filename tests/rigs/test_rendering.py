@@ -50,5 +50,10 @@ def test_every_rig_enforces_study_limits(rig_with):
         rig_with(TIGHT).answer(Play("tone", 20.0, 1.0))
 
 
+def test_bench_refuses_an_output_without_limits():
+    with pytest.raises(LimitExceeded, match=r"output 'null': found no limits, .*nothing was played"):
+        Bench(Display(), Equipment(Guarded(NullOutput(), None), BANK, Limits(1000.0)), texts_in("en", {}))
+
+
 def test_render_returns_stimulus_signal_at_level():
     assert render(BANK, "tone", 20.0, None).digest() == BANK["tone"].at(20.0).digest()

@@ -13,11 +13,9 @@ import pytest
 from hypothesis import given, strategies as st
 from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 from study_texts import tutorial_in
-from tables import event_rows, trial_rows
+from tables import event_rows, is_sound, trial_rows
 
-from tactometry.experiments.data_sets.replaying import replay_data_set
-from tactometry.experiments.data_sets.validation import validate
-from tactometry.rigs.experimenter.live import LiveTerminal, Typed, can_stand
+from tactometry.rigs.experimenter.live import LiveTerminal, Typed, has_status_area
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal, StatusLine, status_words
 from tactometry.session.answer import Done
 from tactometry.session.event import Event
@@ -185,13 +183,13 @@ def test_abort_warning_is_printed_once_per_presentation(desk):
 def test_status_is_stored_when_terminal_is_dumb(monkeypatch, desk):
     _, _, slave = desk
     with open(slave, closefd=False) as source, open(slave, "w", closefd=False) as output:
-        assert can_stand(source, output)
+        assert has_status_area(source, output)
         monkeypatch.setenv("TERM", "dumb")
-        assert not can_stand(source, output)
-    assert not can_stand(None, sys.stderr)
+        assert not has_status_area(source, output)
+    assert not has_status_area(None, sys.stderr)
     plain = ExperimenterTerminal()
     plain.status("trial 1 of 40")
-    assert plain.standing == "trial 1 of 40"
+    assert plain.status_text == "trial 1 of 40"
 
 
 class Sitting:
@@ -271,7 +269,7 @@ def test_experimenter_can_invalidate_skip_and_end(sitting):
     assert sitting.process.returncode == 1
     assert b"block 2 is left, and the session ends" in sitting.seen.data
     assert b"2 skipped; next: tactometry analyse" in sitting.seen.data
-    assert (validate(sitting.data).defects, replay_data_set(sitting.data)[0].complete) == ((), True)
+    assert is_sound(sitting.data)
     slips = [row for row in trial_rows(sitting.data) if row["valid"] == "0"]
     assert [(row["attempt"], row["correct"], row["invalid_reason"]) for row in slips] == [("1", "", "experimenter")]
     orders = [row["text"] for row in event_rows(sitting.data) if row["trial_type"] == "order"]

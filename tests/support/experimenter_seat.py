@@ -8,24 +8,18 @@ from contextlib import suppress
 import pytest
 from kept_events import Kept
 from patience import LONGEST_WAIT_S
-from sampled import Sampled
+from sampled import force_sensor
 
-from tactometry.devices.sensors.reader import Reader
-from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
 from tactometry.rigs.texts import texts_in
-from tactometry.session.request import (
-    Choose,
-    Press,
-    Record,
-    Wait,
-)
+from tactometry.session.request import Choose, Press, Record, Wait
 from tactometry.stimuli.electrovibration import Sine
 from tactometry.trials.trial import Trial
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
+BLIP = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=0.02, level_unit="V")
 PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=20.0)
 FELT = Choose("felt", (0, 1), ("no", "yes"))
 ROW = Record(Trial(2, 7, {}, "staircase", 5.0, "V", "yes_no", 1))
@@ -70,6 +64,14 @@ class Terminal:
 
 
 @pytest.fixture
+def bench(watched, output):
+    """A bench without sensors and terminal."""
+    rig = Bench(watched, Equipment(output, {"tone": BLIP}), texts_in("en", {}))
+    yield rig
+    rig.close()
+
+
+@pytest.fixture
 def terminal():
     made = Terminal()
     yield made
@@ -86,10 +88,7 @@ def bench_with(watched, output, kept, terminal, log):
     rigs = []
 
     def make(force_n=None):
-        sensor = None
-        if force_n is not None:
-            reader = Reader(Sampled(force_n, log))
-            sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
+        sensor = None if force_n is None else force_sensor(force_n, log)
         equipment = Equipment(output, {"tone": TONE}, sensor=sensor, release=False)
         rigs.append(Bench(watched, equipment, texts_in("en", {}), log=kept, terminal=terminal.desk))
         return rigs[-1]

@@ -1,10 +1,11 @@
-"""A sensor that samples a function of time in the reader's thread."""
+"""A sensor that samples a function of time in the reader's thread, and wrappers of devices."""
 
 import time
 
 import numpy as np
 
-from tactometry.devices.sensors.reader import SampleBlock
+from tactometry.devices.sensors.reader import Reader, SampleBlock
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 
 STEP_S = 0.002
 
@@ -35,3 +36,18 @@ class Sampled:
     def close(self):
         if isinstance(self._log, list):
             self._log.append("sensor.close")
+
+
+def force_sensor(force_n, log=()):
+    """Return a force sensor whose force (N) is a function of time (s)."""
+    return streamed_force(Reader(Sampled(force_n, log)), 0, ForceCalibration(newtons_per_count=1.0))
+
+
+class Passing:
+    """Passes everything on to `wrapped`, for subclasses that change one method."""
+
+    def __init__(self, wrapped):
+        self.wrapped = wrapped
+
+    def __getattr__(self, name):
+        return getattr(self.wrapped, name)

@@ -6,7 +6,6 @@ from pathlib import Path
 from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load, load_choices
-from tactometry.rigs.bench import form_of
 from tactometry.rigs.pages import entry, form, layout, touch_picture
 from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.request import MISSED_LABELS
@@ -84,20 +83,6 @@ def question_pages(texts, aspect):
     }
 
 
-def scale_pages(texts, aspect):
-    def page(name, n_positions, mark):
-        rings = n_positions < 10
-        scale = layout.Scale(texts.message("rate"), "unpleasant", "pleasant", texts.message(name), n_positions, rings)
-        return layout.scale_page(scale, mark, aspect)
-
-    return {
-        "scale": page("hint_rate", 7, None),
-        "scale_marked": page("hint_rate", 7, 4),
-        "line_marked": page("hint_rate_continuous", 101, 70),
-        "adjust": layout.adjust_page(texts.message("adjust"), texts.message("hint_adjust"), aspect),
-    }
-
-
 def marker_pages(texts):
     press, slide = texts.message("press_force"), texts.message("slide_force")
     why = texts.message("lost_too_light")
@@ -118,7 +103,7 @@ def all_pages(language, aspect):
         message_pages(texts, aspect)
         | picture_pages(texts, aspect)
         | question_pages(texts, aspect)
-        | scale_pages(texts, aspect)
+        | {"adjust": layout.adjust_page(texts.message("adjust"), texts.message("hint_adjust"), aspect)}
         | marker_pages(texts)
     )
 
@@ -127,7 +112,7 @@ def form_pages(name, language, aspect):
     """Return a questionnaire's last page with each of two answers."""
     loaded = load(name)
     page = pages(loaded, loaded.items)[-1]
-    drawn = form_of(page, texts_in(language, {}))
+    drawn = form.Form(page, texts_in(language, {}))
     left = (None,) * (len(page.questions) - 1)
     marked = [form.Marks((place, *left), row=min(1, len(left)), warned=name == "sus") for place in (2, 3)]
     return [form.form_page(drawn, marks, aspect) for marks in marked]

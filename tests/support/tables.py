@@ -2,6 +2,9 @@
 
 import csv
 
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+
 
 def rows_of(*paths):
     """Return the rows of CSV or TSV files, one after the other."""
@@ -25,3 +28,8 @@ def event_rows(root):
 def contents(root):
     """Return the bytes of each file below a folder by its relative path."""
     return {path.relative_to(root): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+def is_sound(root):
+    """Return True if a data set of one session has no defect and replays to its end."""
+    return validate(root).defects == () and [session.complete for session in replay_data_set(root)] == [True]

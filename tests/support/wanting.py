@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-from tactometry.session.answer import Done
+from tactometry.session.answer import Done, Intervention
 from tactometry.session.event import Event, order_facts
-from tactometry.session.intervention import Intervention
 from tactometry.session.request import Intervene, Record, Show
 
 

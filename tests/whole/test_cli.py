@@ -173,7 +173,7 @@ def test_interrupted_simulation_leaves_complete_files_and_resumes(tmp_path, caps
     _, said = child.communicate()
     assert (child.returncode, said.strip()) == (
         130,
-        "tactometry: interrupted; what was recorded is safe: go on with --resume",
+        "tactometry: interrupted; recorded data are safe: continue with --resume",
     )
     output(capsys, *words, "--out", stopped, "--resume")
     kept = {name: content for name, content in files(stopped).items() if "_interruptions" not in name}

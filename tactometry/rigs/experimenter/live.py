@@ -32,15 +32,7 @@ class Typed:
     in_sequence: bool = False
 
     def after(self, key: str) -> tuple["Typed", str | None]:
-        """Add a character; return also the line if the character ends it.
-
-        >>> Typed("n hell").after("o")
-        (Typed(text='n hello', in_sequence=False), None)
-        >>> Typed("s").after("\\n")
-        (Typed(text='', in_sequence=False), 's')
-        >>> Typed("s", in_sequence=True).after("\\n")
-        (Typed(text='', in_sequence=False), 's')
-        """
+        """Add a character; return also the line if the character ends it."""
         if self.in_sequence and key not in "\r\n":
             return replace(self, in_sequence=not (key.isalpha() or key == "~")), None
         if key in "\r\n":
@@ -70,7 +62,7 @@ def _end(words: str, room: int) -> str:
     return words if len(words) <= room else f"…{words[-room + 1 :]}"
 
 
-def can_stand(source: TextIO | None, output: TextIO | None) -> bool:
+def has_status_area(source: TextIO | None, output: TextIO | None) -> bool:
     """Return True if these are terminals with cursor control whose keys can be read one by one."""
     if source is None or output is None or not (source.isatty() and output.isatty()):
         return False
@@ -79,13 +71,13 @@ def can_stand(source: TextIO | None, output: TextIO | None) -> bool:
 
 def experimenter_terminal(source: TextIO, output: TextIO) -> ExperimenterTerminal:
     """Return the terminal of these files, with a status area if possible."""
-    if not can_stand(source, output):
+    if not has_status_area(source, output):
         return ExperimenterTerminal(source, output)
     return LiveTerminal(source, output, [file for file in (1, 2) if os.isatty(file)])
 
 
 class LiveTerminal(ExperimenterTerminal):
-    """An `ExperimenterTerminal` with a status area; requires `can_stand`."""
+    """An `ExperimenterTerminal` with a status area; requires `has_status_area`."""
 
     def __init__(self, source: TextIO, output: TextIO, redirected_files: Sequence[int] = ()) -> None:
         self._drawing, self._n_rows, self._width = threading.RLock(), 0, USUAL_WIDTH
@@ -97,7 +89,8 @@ class LiveTerminal(ExperimenterTerminal):
         atexit.register(self.close)
         super().__init__(source, output)
         self._opened.callback(self._leave)
-        self._opened.enter_context(redirected(redirected_files, self.tell))  # until their last output, before closing
+        for file in redirected_files:
+            self._opened.enter_context(redirected(file, self.tell))  # until its last output, before closing
 
     def _read(self, file: int) -> None:
         while data := available(file):
@@ -108,7 +101,7 @@ class LiveTerminal(ExperimenterTerminal):
             self._draw()
 
     def status(self, words: str) -> None:
-        if words != self.standing:
+        if words != self.status_text:
             super().status(words)
             self._draw()
 
@@ -138,14 +131,14 @@ class LiveTerminal(ExperimenterTerminal):
         with self._drawing:
             if self._output is None:
                 return
-            told = "" if above is None else f"{above}\n"
+            message = "" if above is None else f"{above}\n"
             try:
                 width = os.get_terminal_size(self._kept_file).columns or USUAL_WIDTH
             except OSError:
                 width = USUAL_WIDTH
-            standing = rows(self._trial, self.standing, self._typed.text, width)
-            drawn = f"{self._erased()}{told}" + "\n".join(standing)
-            self._n_rows = len(standing)
+            shown = rows(self._trial, self.status_text, self._typed.text, width)
+            drawn = f"{self._erased()}{message}" + "\n".join(shown)
+            self._n_rows = len(shown)
             self._put(drawn)
 
     def _put(self, words: str) -> None:
@@ -181,16 +174,8 @@ def one_by_one(file: int) -> Callable[[], None]:
 
 
 @contextmanager
-def redirected(files: Sequence[int], tell: Callable[[str], None]) -> Iterator[None]:
-    """Pass each line that is written to these file numbers to `tell`, also an unfinished last one."""
-    with ExitStack() as last_first:
-        for file in files:
-            last_first.enter_context(_redirected(file, tell))
-        yield
-
-
-@contextmanager
-def _redirected(file: int, tell: Callable[[str], None]) -> Iterator[None]:
+def redirected(file: int, tell: Callable[[str], None]) -> Iterator[None]:
+    """Pass each line that is written to a file number to `tell`, also an unfinished last one."""
     before, (source, sink) = os.dup(file), os.pipe()
     listener = threading.Thread(target=_listen, args=(source, tell), name=f"messages {file}", daemon=True)
     os.dup2(sink, file)

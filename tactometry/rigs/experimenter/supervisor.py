@@ -7,8 +7,8 @@ from datetime import UTC, datetime, timedelta
 from typing import Final
 
 from ...errors import Stopped
+from ...session.answer import Intervention
 from ...session.event import Event, EventLog, Kind, order_facts
-from ...session.intervention import Intervention
 from ...session.request import Fact, Intervene
 from ...trials.trial import Trial, without
 from ..frame_timing import timing_of
@@ -17,8 +17,8 @@ from ..pages.presenter import CLOSED, linger, reason_to_end
 from .terminal import HELP, ExperimenterTerminal, Order
 
 EXPERIMENTER = "the experimenter"
-WHEN: Final = "noted; it is done when this trial, or this page, has come to its end"
-SAFE = "what was recorded is safe: go on with --resume"
+WHEN: Final = "noted: takes effect after this trial or page"
+SAFE = "recorded data are safe: continue with --resume"
 STOPPED_S: Final = 10.0
 """Duration of the page that asks to call the experimenter, unless a key is pressed (unverified default)."""
 CLOCK = "_clock_offset_s"
@@ -89,13 +89,13 @@ class Supervisor:
         self.mute(on=True)
         self._n_pauses += 1
         self.note("pause", text=by)
-        self.terminal.tell(self.terminal.phrases.of("paused", by=by) + (" (g goes on)" if self._wanted else ""))
+        self.terminal.tell(self.terminal.phrase("paused", by=by) + (" (g goes on)" if self._wanted else ""))
         self.screen.present(self.page)
         while self._wanted or not over():
             self.screen.refresh(self.page)
             self._look(self.screen.events())
         self.note("resume", text=by)
-        self.terminal.tell(self.terminal.phrases.of("goes_on"))
+        self.terminal.tell(self.terminal.phrase("goes_on"))
         self.mute(on=False)
 
     def _look(self, events: tuple[Input, ...]) -> None:
@@ -127,12 +127,12 @@ class Supervisor:
                 self._repeat()
             case "help":
                 self.terminal.tell(HELP)
-                self.terminal.tell(self.terminal.standing)
+                self.terminal.tell(self.terminal.status_text)
             case "invalidate":
                 if self.last is None:
-                    self.terminal.tell("no trial is recorded yet that could be invalidated")
+                    self.terminal.tell("there is no recorded trial to invalidate")
                 elif not self.last.valid:
-                    self.terminal.tell(f"trial {self.last.trial} does not count already")
+                    self.terminal.tell(f"trial {self.last.trial} is already invalid")
                 else:
                     self._intervene(Intervention("invalidate", self.last.key), f"trial {self.last.trial}: {WHEN}")
             case "skip" | "rest" | "end":
@@ -140,15 +140,15 @@ class Supervisor:
 
     def _repeat(self) -> None:
         if not self.under_way:
-            self.terminal.tell("no trial is under way that could be repeated")
+            self.terminal.tell("there is no current trial to repeat")
             return
         self.repeat = True
         self.note("repeat", text=EXPERIMENTER)
-        self.terminal.tell("this trial will be asked again")
+        self.terminal.tell("this trial will be repeated")
 
     def _intervene(self, intervention: Intervention, words: str) -> None:
         if intervention in self._interventions:
-            self.terminal.tell(f"noted before: {WHEN}")
+            self.terminal.tell(f"already noted: {WHEN}")
             return
         self._interventions += (intervention,)
         self.note("order", **order_facts(intervention))
@@ -159,7 +159,7 @@ class Supervisor:
         self._recorded(trials)
         self._interventions = () if self.log is None else self.log.wanted
         for intervention in self._interventions:
-            self.terminal.tell(f"still wanted from the last sitting: {intervention.wanted}")
+            self.terminal.tell(f"pending order from the last sitting: {intervention.wanted}")
 
     def _recorded(self, trials: Iterable[Trial]) -> None:
         self.last = next((trial for trial in reversed(tuple(trials)) if not trial.is_form), self.last)

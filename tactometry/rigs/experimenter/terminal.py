@@ -9,15 +9,16 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal, TextIO
 
 from ...errors import InvalidParameter, count_of, nearest
+from ...session.answer import Wanted
 from ...session.event import Event
-from ...session.intervention import Wanted
 from ...session.progress import PartAhead, Progress
 from ...session.request import Request
 from ...trials.cells import cell
+from ...trials.trial import Trial
 from ..texts import phrases_in
 
 Wish = Literal["pause", "go", "repeat", "note", "stop", "help"] | Wanted
-WORDS: Final[dict[str, Wish]] = {
+KEYS: Final[dict[str, Wish]] = {
     "p": "pause",
     "g": "go",
     "r": "repeat",
@@ -28,17 +29,8 @@ WORDS: Final[dict[str, Wish]] = {
     "n": "note",
     "s": "stop",
     "?": "help",
-    "pause": "pause",
-    "go": "go",
-    "repeat": "repeat",
-    "invalidate": "invalidate",
-    "skip": "skip",
-    "rest": "rest",
-    "end": "end",
-    "note": "note",
-    "stop": "stop",
-    "help": "help",
 }
+WORDS: Final[dict[str, Wish]] = KEYS | {wish: wish for wish in KEYS.values()}
 OF_TRIALS: Final = "p pause   g go on   r repeat this trial   i invalidate the one before"
 OF_SESSION: Final = "k skip this block   b rest   e end in good order   n TEXT remark   s stop"
 HELP: Final = f"{OF_TRIALS}   (return)\n{OF_SESSION}"
@@ -54,11 +46,7 @@ class Order:
 
 
 def order_of(line: str) -> Order:
-    """Parse a typed line.
-
-    >>> order_of("n moved the hand"), order_of(" P ")
-    (Order(wish='note', text='moved the hand'), Order(wish='pause', text=''))
-    """
+    """Parse a typed line."""
     word, _, text = line.strip().partition(" ")
     wish = WORDS.get(word.casefold())
     if wish is None or bool(text.strip()) != (wish == "note"):
@@ -75,10 +63,10 @@ class ExperimenterTerminal:
     """
 
     def __init__(self, source: TextIO | None = None, output: TextIO | None = None, language: str = "en") -> None:
-        self.phrases = phrases_in(language)
+        self._phrases = phrases_in(language)
         self._output = output if output is not None and output.isatty() else None
         self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-        self._fresh_line, self.standing = True, ""
+        self._fresh_line, self.status_text = True, ""
         if self._output is not None and source is not None and source.isatty():
             threading.Thread(target=self._read, args=(source.fileno(),), name="terminal", daemon=True).start()
             self.tell(HELP)
@@ -103,14 +91,31 @@ class ExperimenterTerminal:
 
     def status(self, words: str) -> None:
         """Set the session status, shown in a status area or on request."""
-        self.standing = words
+        self.status_text = words
 
     def add(self, words: str) -> None:
         self._write(words if self._fresh_line else f" | {words}")
         self._fresh_line = False
 
+    def phrase(self, name: str, /, **values: str | float) -> str:
+        """Return a text in the language of this terminal, filled with `values`."""
+        return self._phrases[name].format(**values)
+
     def say(self, phrase: str, /, **values: str | float) -> None:
-        self.add(self.phrases.of(phrase, **values))
+        self.add(self.phrase(phrase, **values))
+
+    def outcome(self, trial: Trial, n_announced: int) -> str:
+        """Say whether a trial counts, with its place in the table if that differs from the announced number."""
+        reason = trial.invalid_reason
+        if trial.valid:
+            said = self.phrase("valid")
+        else:
+            said = self.phrase("not_valid_why", reason=self.phrase(reason)) if reason else self.phrase("not_valid")
+        if trial.trial == n_announced:
+            return said
+        return said + self.phrase(
+            "place_again" if trial.attempt > 1 else "place", trial=trial.trial, attempt=trial.attempt
+        )
 
     def end_line(self) -> None:
         self._write("" if self._fresh_line else "\n")

@@ -2,15 +2,14 @@
 
 import unicodedata
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from ...session.request import Adjust
+from ..texts import PageImage
 from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Picture, Text
 
 BODY, HEADING, HINT = 0.042, 0.056, 0.032
 """Letter heights, in screen heights."""
-N_POSITIONS_CONTINUOUS = 101
 MARGIN = 0.9
 """Largest share of the screen's width that a page fills."""
 LONGEST_NEXT_TO_BAR = 0.5
@@ -58,19 +57,18 @@ def hint_line(words: str, aspect: float) -> Text:
 
 
 def message_page(
-    words: str, hint: str, aspect: float, progress: float | None = None, image: tuple[str, float] | None = None
+    words: str, hint: str, aspect: float, progress: float | None = None, image: PageImage | None = None
 ) -> Page:
     """Return a page of text, left by space, return or a click.
 
-    `progress` (0..1) is drawn as a bar, an `image` (file, width over height) below the heading.
+    `progress` (0..1) is drawn as a bar, an `image` below the heading.
     """
     width = min(WIDEST, MARGIN * aspect)
     first, _, body = words.strip().partition("\n\n")
     items: list[Item] = [heading(first, 0.43 if image else 0.33 if body else 0.05, aspect)]
     if image is not None:
-        path, ratio = image
-        height = min(TALLEST, width / ratio)
-        items.append(Picture(path, 0, 0.18, ratio * height, height))
+        height = min(TALLEST, width / image.ratio)
+        items.append(Picture(image.path, 0, 0.18, image.ratio * height, height))
     if body:
         items.append(Text(body.strip(), 0, -0.16 if image else 0, BODY, wrap_width=width))
     if progress is not None:
@@ -137,15 +135,7 @@ def list_page(words: str, options: Sequence[int], labels: Sequence[str], hint: s
 
 
 def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str, ...]]:
-    """Return the keys of each option: the first letter of its label if unique on every keyboard, and its digit.
-
-    >>> option_keys((0, 1), ("no", "yes"))
-    [('n', '0', 'num_0'), ('y', 'z', '1', 'num_1')]
-    >>> option_keys((1, 2), ("first", "final")) == option_keys((1, 2), ("yes", "zero"))
-    True
-    >>> option_keys((1, 2), ("yes", "zero"))
-    [('1', 'num_1'), ('2', 'num_2')]
-    """
+    """Return the keys of each option: the first letter of its label if unique on every keyboard, and its digit."""
     letters = [_letter_keys(label) for label in labels]
     distinct = all(letters) and len({key for keys in letters for key in keys}) == sum(map(len, letters))
     digits = [(str(option), f"num_{option}") if 0 <= option <= 9 else () for option in options]
@@ -211,60 +201,6 @@ def sweep(phase: float) -> float:
     [-1.0, 0.0, 1.0, 0.0, -1.0]
     """
     return 1.0 - 2.0 * abs(phase % 2.0 - 1.0)
-
-
-@dataclass(frozen=True)
-class Scale:
-    """A question with a scale between two words: `n_positions` rings, or places on a line."""
-
-    words: str
-    low: str
-    high: str
-    hint: str
-    n_positions: int
-    rings: bool
-
-    def after(self, mark: int | None, answer: Answer) -> tuple[int | None, bool]:
-        """Return the mark (0..n_positions-1) after an answer, and whether it is confirmed.
-
-        >>> scale = Scale("", "ugly", "attractive", "", n_positions=7, rings=True)
-        >>> scale.after(None, LEFT), scale.after(6, RIGHT), scale.after(2, CONFIRM)
-        ((6, False), (6, False), (2, True))
-        """
-        if isinstance(answer, int):
-            return answer, False
-        if answer == CONFIRM:
-            return mark, True
-        return shift(mark, answer, self.n_positions), False
-
-
-def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
-    """Return a page with the scale and its mark."""
-    length = min(1.1, 0.75 * aspect)
-    pitch = length / scale.n_positions
-    places = [(k + 0.5) * pitch - length / 2 for k in range(scale.n_positions)]
-    if scale.rings:
-        digits = [Text(str(k), x, -0.085, HINT, QUIET) for k, x in enumerate(places[:9], 1)]
-        drawn = [*rings(places, 0, min(0.04, 0.4 * pitch), mark), *digits]
-    else:
-        ends = [Box(side * length / 2, 0, 0.006, 0.08, fill=INK) for side in (-1, 1)]
-        mark_box = [] if mark is None else [Box(places[mark], 0, 0.014, 0.12, fill=GOOD)]
-        drawn = [Box(0, 0, length, 0.006, fill=INK), *ends, *mark_box]
-    items = (
-        heading(scale.words, 0.26, aspect),
-        Text(scale.low, -length / 2 + 0.01, 0.13, BODY, wrap_width=length / 2, align="left"),
-        Text(scale.high, length / 2 - 0.01, 0.13, BODY, wrap_width=length / 2, align="right"),
-        *drawn,
-        *confirm_box(CONFIRM_BUTTON, ready=mark is not None),
-        hint_line(scale.hint, aspect),
-    )
-    buttons = [Button(k, digit_keys(k) if scale.rings else (), x, 0, pitch, 0.16) for k, x in enumerate(places)]
-    return Page(items, (*buttons, *ARROWS) if mark is None else (*buttons, *ARROWS, CONFIRM_BUTTON))
-
-
-def digit_keys(k: int) -> tuple[str, ...]:
-    """Return the keys of a place, from 0."""
-    return (str(k + 1), f"num_{k + 1}") if k < 9 else ()  # a tenth place has no digit
 
 
 def rings(places: Sequence[float], y: float, radius: float, mark: int | None) -> list[Item]:

@@ -122,20 +122,15 @@ class Button:
     def outline(self, line: str) -> Box:
         return Box(self.x, self.y, self.width, self.height, line=line)
 
-    def takes(self, event: Input) -> bool:
-        """Return True if this event presses the button.
-
-        >>> Button(1, keys=("y",)).takes(KeyDown("y", at_s=0.0))
-        True
-        """
-        if isinstance(event, KeyDown):
-            return event.name in self.keys and (self.repeats or not event.repeated)
-        if isinstance(event, Closed) or event.dragged:
-            return False
-        return abs(event.x - self.x) < self.width / 2 and abs(event.y - self.y) < self.height / 2
-
     def answer_to(self, event: Input) -> Answer | None:
-        return self.answer if self.takes(event) else None
+        """Return the answer if this event presses the button."""
+        if isinstance(event, KeyDown):
+            is_pressed = event.name in self.keys and (self.repeats or not event.repeated)
+        elif isinstance(event, Closed) or event.dragged:
+            is_pressed = False
+        else:
+            is_pressed = abs(event.x - self.x) < self.width / 2 and abs(event.y - self.y) < self.height / 2
+        return self.answer if is_pressed else None
 
 
 @dataclass(frozen=True)

@@ -74,25 +74,6 @@ class Trace:
         return mean_speed_m_per_s(times_s, positions_m) if times_s.size else None
 
 
-class Since:
-    """How long we have known of a condition that began at a sensor's stamp, by our own clock.
-
-    Samples that waited and came at once count from now. Requiring both clocks may decide late, never early.
-    """
-
-    def __init__(self) -> None:
-        self._began_s: float | None = None
-        self._heard_s = time.perf_counter()
-
-    def update(self, began_s: float | None) -> None:
-        """Set the stamp at which the condition began; None if it is over."""
-        if began_s != self._began_s:
-            self._began_s, self._heard_s = began_s, time.perf_counter()
-
-    def lasts(self, longest_s: float) -> bool:
-        return self._began_s is not None and time.perf_counter() - self._heard_s >= longest_s
-
-
 class GatedSamples(ABC, Generic[G]):
     """Passes the samples of one touch through a gate; `opened_s` is the stamp that opened it."""
 
@@ -100,13 +81,16 @@ class GatedSamples(ABC, Generic[G]):
         self.gate: G = gate
         """The gate after the last sample."""
         self.opened_s: float | None = None
-        self._trace, self._since = Trace(), Since()
+        self._trace, self._heard_s = Trace(), time.perf_counter()
         self._good_s: float | None = None
 
     @property
     def open(self) -> bool:
-        """True if the condition lasted long enough, by the sensor's stamps and by our clock."""
-        return self.gate.open and self._since.lasts(self.gate.hold_s)
+        """True if the condition lasted long enough, by the sensor's stamps and by our clock.
+
+        By our clock, samples that waited and came at once count from now. Requiring both may decide late, never early.
+        """
+        return self.gate.open and time.perf_counter() - self._heard_s >= self.gate.hold_s
 
     @abstractmethod
     def _is_good(self, value: float) -> bool:
@@ -116,10 +100,10 @@ class GatedSamples(ABC, Generic[G]):
         self._trace.on_samples(times_s, values)
         along = values if values.ndim == 1 else values[:, 0]  # the first axis of positions
         for time_s, value in zip(times_s.tolist(), along.tolist(), strict=True):
-            was_open = self.gate.open
-            self.gate = self.gate.after(time_s, value)
-            self._since.update(self.gate.since_s)
-            if self.gate.open and not was_open:
+            before, self.gate = self.gate, self.gate.after(time_s, value)
+            if self.gate.since_s != before.since_s:
+                self._heard_s = time.perf_counter()
+            if self.gate.open and not before.open:
                 self.opened_s = time_s
             if self._is_good(value) or self._good_s is None:
                 self._good_s = time_s  # the time also counts from a first sample that is not good
@@ -203,14 +187,6 @@ class Release:
     """Check that the force left its band between touches.
 
     A stuck sensor never does. The force is received continuously; if not `needed`, `happened` is always true.
-
-    >>> release, gate = Release(), ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.5)
-    >>> release.on_samples(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
-    >>> release.happened(gate), release.begin(), release.happened(gate)
-    (True, None, False)
-    >>> release.on_samples(np.array([0.2]), np.array([1.1]))
-    >>> release.happened(gate)
-    False
     """
 
     def __init__(self, *, needed: bool = True) -> None:

@@ -83,7 +83,7 @@ def test_moving_frames_do_not_call_psychopy(screen, monkeypatch):
 
 def test_page_is_independent_of_earlier_pages(screen):
     shown = screens.every_page(screen.aspect)
-    names = ["en_force_low", "form_nasa-tlx_en", "en_force_held", "en_scale_marked", "entry", "form_attrakdiff_en"]
+    names = ["en_force_low", "form_nasa-tlx_en", "en_force_held", "form_sus_en", "entry", "form_attrakdiff_en"]
     first = {name: pixels(screen, shown[name]) for name in names}
     assert all(np.array_equal(pixels(screen, shown[name]), first[name]) for name in reversed(names))
     assert len({picture.tobytes() for picture in first.values()}) == len(names)

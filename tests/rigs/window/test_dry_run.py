@@ -4,10 +4,8 @@ from dataclasses import replace
 
 import pytest
 from kept_events import Kept
-from sampled import Sampled
+from sampled import Passing, force_sensor
 
-from tactometry.devices.sensors.reader import Reader
-from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.rigs.bench import N_DRY_RUNS, Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages.page import Text
@@ -21,17 +19,15 @@ SLIDE = Slide("tone", 5.0, 0.1, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout
 ENGLISH = texts_in("en", {}).messages
 
 
-class Leaving:
+class Leaving(Passing):
     """A screen whose participant leaves each page that has buttons."""
 
     def __init__(self, watched, hands, in_background):
-        self._watched, self._hands, self._in_background = watched, hands, in_background
-
-    def __getattr__(self, name):
-        return getattr(self._watched, name)
+        super().__init__(watched)
+        self._hands, self._in_background = hands, in_background
 
     def present(self, page):
-        shown_s = self._watched.present(page)
+        shown_s = self.wrapped.present(page)
         if page.buttons:
             self._in_background(self._leave)
         return shown_s
@@ -45,7 +41,7 @@ def bench_with(watched, hands, in_background, output, log):
     kept, rigs = Kept(), []
 
     def make(force_n=None):
-        sensor = force_n and streamed_force(Reader(Sampled(force_n, log)), 0, ForceCalibration(newtons_per_count=1.0))
+        sensor = force_n and force_sensor(force_n, log)
         equipment = Equipment(output, {"tone": TONE}, sensor=sensor, release=False, dry_run=True)
         screen = Leaving(watched, hands, in_background)
         rigs.append(Bench(screen, equipment, texts_in("en", {}), log=kept))
@@ -89,7 +85,7 @@ def test_failed_dry_run_repeats_with_reason(bench_with, watched, log):
     assert "play 5 V" not in log
     assert [shown(watched, name) for name in ("dry_run", "lost_timeout")] == [1, N_DRY_RUNS - 1]
     assert [shown(watched, name) for name in ("dry_run_held", "dry_run_lost")] == [0, 1]
-    assert of_dry_runs(kept) == ["press: not held, the touch was not held as asked in time"]
+    assert of_dry_runs(kept) == ["press: not held, the touch was not held in time"]
 
 
 def test_each_touch_kind_has_a_dry_run(bench_with, watched):

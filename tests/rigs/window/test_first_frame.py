@@ -8,25 +8,15 @@ import time
 import pytest
 from patience import LONGEST_WAIT_S
 
-from tactometry.rigs.bench import Bench
-from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages.page import PAPER
-from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Choose, Enter, Wait
 
 N_PAGES, PATIENCE_S = 50, 5.0
-HOW_MUCH, FELT, BETWEEN = Enter("force", 0.0), Choose("felt", (0, 1), ("no", "yes")), Wait(0.01)
+HOW_MUCH, FELT, BETWEEN = Enter("how_strong", 0.0), Choose("felt", (0, 1), ("no", "yes")), Wait(0.01)
 OF_NUMBER_PX = (640, 164)
 """A point on the border of the number box, blank on the page in between."""
 OF_NO = (-0.23, -0.06)
 """A point in the box of the answer "no", in screen heights from the centre."""
-
-
-@pytest.fixture
-def bench(watched, output):
-    rig = Bench(watched, Equipment(output, {}), texts_in("en", {"force": "How much?"}))
-    yield rig
-    rig.close()
 
 
 @pytest.fixture(autouse=True, params=["quiet", pytest.param("busy", marks=pytest.mark.slow)])

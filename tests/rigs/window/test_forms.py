@@ -8,20 +8,19 @@ from command_line import call
 from learnt_file import write_responses
 from screens import entry_page, form_pages
 from short_studies import shortened
+from tables import is_sound
 
 from tactometry.devices.outputs.output import RAMP_S, with_ramps
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.bench.bench_parts import Learnt
 from tactometry.experiments.bench.stimuli import bank_of
-from tactometry.experiments.data_sets.replaying import replay_data_set
-from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load as load_study
 from tactometry.protocols.session import question_of, words_of
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load, load_choices
 from tactometry.records.journal import read
-from tactometry.rigs.bench import Bench, form_of
+from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages import form
 from tactometry.rigs.texts import texts_in
@@ -37,7 +36,7 @@ ASPECT = 1.6
 
 
 def drawn(request=PAGE):
-    return form_of(request, texts_in("en", {}))
+    return form.Form(request, texts_in("en", {}))
 
 
 def place(row, k, request=PAGE):
@@ -46,13 +45,6 @@ def place(row, k, request=PAGE):
     pitch = (form.TOP - form.BOTTOM) / len(page.rows)
     y = form.scale_y(page, row, form.TOP - (row + 0.5) * pitch, pitch)
     return ((k + 0.5) / page.n_positions - 0.5) * form.scale_extent(page, ASPECT), y
-
-
-@pytest.fixture
-def bench(watched, output):
-    rig = Bench(watched, Equipment(output, {}), texts_in("en", {}))
-    yield rig
-    rig.close()
 
 
 @pytest.mark.parametrize(("pressed", "code"), [("3", 3), ("0", 0), ((0.0, 0.24), 1)])
@@ -64,33 +56,26 @@ def test_demographics_accept_digit_or_touch(watched, output, participant, presse
     bench.close()
 
 
-def test_digits_fill_form_row_by_row(bench, participant):
-    participant.answers(*"1234567", "Return")
+@pytest.mark.parametrize(
+    ("acts", "values"),
+    [
+        ([*"1234567", "Return"], (1, 2, 3, 4, 5, 6, 7)),
+        ([*(place(row, row) for row in (6, 2, 0, 1, 5, 4, 3)), place(6, 0), 0.05, OK], (1, 2, 3, 4, 5, 6, 1)),
+        (
+            [*"1111111", "Up", "Right", "Right", "Up", "End", "Up", "End", "Home", "Right", "Return"],
+            (1, 1, 1, 2, 7, 3, 1),
+        ),
+        (["Right", "Down", "Left", "Down", *"11111", "Return"], (1, 7, 1, 1, 1, 1, 1)),
+        ([*["Return"] * 4, *"2222222", "Return"], (2,) * 7),
+    ],
+    ids=["digits", "touches in any order", "arrows", "arrows from each end", "return on open rows"],
+)
+def test_form_accepts_digits_touches_and_arrows(bench, participant, acts, values):
+    participant.answers(*acts)
     filled = bench.answer(PAGE)
-    assert filled.values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+    assert filled.values == values
     assert filled.latency_s > 0
     assert filled.timestamp_utc.endswith("+00:00")
-
-
-def test_touch_fills_and_changes_form_in_any_order(bench, participant):
-    touches = [place(row, row) for row in (6, 2, 0, 1, 5, 4, 3)]
-    participant.answers(*touches, place(6, 0), 0.05, OK)
-    assert bench.answer(PAGE).values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1.0)
-
-
-def test_arrow_home_and_end_keys_navigate_form(bench, participant):
-    participant.answers(*"1111111", "Up", "Right", "Right", "Up", "End", "Up", "End", "Home", "Right", "Return")
-    assert bench.answer(PAGE).values == (1.0, 1.0, 1.0, 2.0, 7.0, 3.0, 1.0)
-
-
-def test_arrow_enters_empty_row_from_matching_end(bench, participant):
-    participant.answers("Right", "Down", "Left", "Down", *"11111", "Return")
-    assert bench.answer(PAGE).values == (1.0, 7.0, 1.0, 1.0, 1.0, 1.0, 1.0)
-
-
-def test_repeated_return_does_not_leave_incomplete_page(bench, participant):
-    participant.answers(*["Return"] * 4, *"2222222", "Return")
-    assert bench.answer(PAGE).values == (2.0,) * 7
 
 
 def test_leaving_incomplete_page_requires_separate_key(bench, participant, watched):
@@ -255,7 +240,6 @@ def test_shortened_study_completes_in_window_and_replays(in_the_window, tmp_path
     run = ("run", tmp_path / "s.toml", "--participant", "P01", "--seed", 3, "--bench", tmp_path / "bench.toml")
     status, errors, _ = in_the_window(*run, "--out", tmp_path / "d")
     assert (status, errors) == (0, "")
-    assert validate(tmp_path / "d").defects == ()
-    assert [session.complete for session in replay_data_set(tmp_path / "d")] == [True]
+    assert is_sound(tmp_path / "d")
     if name == LEARNT:
         check_played(tmp_path)

@@ -11,11 +11,9 @@ from patience import LONGEST_WAIT_S
 from scripted_finger import Eye
 from short_studies import shortened
 from study_texts import changed
-from tables import trial_rows
+from tables import is_sound, trial_rows
 from window_sitting import tactometry
 
-from tactometry.experiments.data_sets.replaying import replay_data_set
-from tactometry.experiments.data_sets.validation import validate
 from tactometry.records.journal import read
 from tactometry.rigs.pages.page import PAPER
 from tactometry.session.request import ABOUT, CONSENT, Choose, Record, Show
@@ -128,10 +126,6 @@ def messages(killed):
 
 def n_trials(killed):
     return sum(isinstance(each, Record) and not each.trial.item for each in killed.requests())
-
-
-def is_sound(data):
-    return validate(data).defects == () and [session.complete for session in replay_data_set(data)] == [True]
 
 
 def on_each_page(killed, *keys):

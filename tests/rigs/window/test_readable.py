@@ -9,6 +9,7 @@ import screens
 from tactometry.rigs.pages import entry, form, layout, page
 from tactometry.rigs.pages.page import Click, KeyDown, Page, Text
 from tactometry.rigs.texts import languages, texts_in
+from tactometry.session.request import Fill, Question
 
 READ_AT_M, LEAST_ARCMIN = 2.0, 20.0
 SAID_ON_M, ALL_ON_M = 0.40, 0.52
@@ -71,6 +72,14 @@ def test_colours_have_contrast_for_colour_blind_participants(cones):
     assert contrast(page.PAPER, page.ACCENT, cones) >= 4.5, "the number in a filled circle"
 
 
+def seven_steps(*rows):
+    questions = tuple(Question(f"q{k}", {"en": row}) for k, row in enumerate(rows))
+    return form.Form(Fill("form", questions, 1.0, 7.0, steps=7), texts_in("en", {}))
+
+
+SEVEN = seven_steps(("warm?", "cold", "warm"))
+
+
 def shapes(shown):
     return sorted((type(item).__name__, item.fill is None) for item in shown.items if not isinstance(item, Text))
 
@@ -81,8 +90,8 @@ def test_states_differ_by_shape_and_colour():
     assert shapes(ready) != shapes(playing)
     held, light = (layout.force_page(ready, force_n, 1.0, 0.2) for force_n in (1.0, 0.5))
     assert shapes(held) != shapes(light)
-    scale = layout.Scale("", "a", "b", "", n_positions=7, rings=True)
-    assert shapes(layout.scale_page(scale, None, 1.6)) != shapes(layout.scale_page(scale, 3, 1.6))
+    blank, marked = (form.form_page(SEVEN, form.Marks((place,)), 1.6) for place in (None, 3))
+    assert shapes(blank) != shapes(marked)
 
 
 def by_mouse(shown):
@@ -90,7 +99,6 @@ def by_mouse(shown):
     return {shown.answer(Click(button.x, button.y, 0.0)) for button in clicked}
 
 
-SEVEN = layout.Scale("warm?", "cold", "warm", "hint", n_positions=7, rings=True)
 BOTH_WAYS = {
     "message": layout.message_page("Heading\n\nbody", "hint", 1.6),
     "question": layout.question_page("which?", (1, 2, 3, 4), ("1", "2", "3", "4"), "hint", 1.6),
@@ -111,14 +119,18 @@ def test_every_answer_works_by_keys_or_mouse(name):
 @pytest.mark.parametrize("place", range(7))
 def test_every_scale_position_works_by_arrows_or_mouse(place):
     """A touch screen has no keys; its touches are mouse presses."""
-    mark = None
+    marks = SEVEN.begun()
     for key in ["right"] * 8 + ["left"] * (6 - place):
-        mark, _ = SEVEN.after(mark, layout.scale_page(SEVEN, mark, 1.6).answer(KeyDown(key, 0.0)))
-    assert mark == place
-    blank = layout.scale_page(SEVEN, None, 1.6)
-    clicked, _ = SEVEN.after(None, blank.answer(Click(*at(blank, place), 0.0)))
-    shown = layout.scale_page(SEVEN, clicked, 1.6)
-    assert SEVEN.after(clicked, shown.answer(Click(*at(shown, layout.CONFIRM), 0.0))) == (place, True)
+        marks, _ = form.after(SEVEN, marks, form.form_page(SEVEN, marks, 1.6).answer(KeyDown(key, 0.0)))
+    assert marks.places == (place,)
+    marks, _ = after_click(SEVEN, SEVEN.begun(), (0, place))
+    marks, left = after_click(SEVEN, marks, layout.CONFIRM)
+    assert (marks.places, left) == ((place,), True)
+
+
+def after_click(asked, marks, answer):
+    shown = form.form_page(asked, marks, 1.6)
+    return form.after(asked, marks, shown.answer(Click(*at(shown, answer), 0.0)))
 
 
 def at(shown, answer):
@@ -128,9 +140,8 @@ def at(shown, answer):
 
 
 def test_form_can_be_completed_by_mouse():
-    asked = form.Form((("", "a", "b"), ("", "c", "d")), n_positions=7, rings=True, words=form.FormWords("", ""))
-    marks = form.begun((None, None))
+    asked = seven_steps(("", "a", "b"), ("", "c", "d"))
+    marks = asked.begun()
     for answer in ((0, 3), (1, 6), layout.CONFIRM):
-        shown = form.form_page(asked, marks, 1.6)
-        marks, left = form.after(asked, marks, shown.answer(Click(*at(shown, answer), 0.0)))
+        marks, left = after_click(asked, marks, answer)
     assert (marks.places, left) == ((3, 6), True)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
+from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Record, Show, Slide, Wait
 from ..session.run import LiveRig
 from ..trials.trial import Trial
 
@@ -28,9 +28,6 @@ class Hurried(LiveRig):
 
     def _choose(self, request: Choose) -> Chosen:
         return Chosen(request.options[0], 0.0, 0.0)
-
-    def _rate(self, request: Rate) -> Rated:
-        return Rated(request.low, 0.0, 0.0)
 
     def _enter(self, request: Enter) -> Rated:
         return Rated(request.low, 0.0, 0.0)
