@@ -22,7 +22,7 @@ from tactometry.psychometric import Shape
 
 from ..arrays import Array, Expansion, Indices, lay_out
 from ..threshold.counts import POOLED_BELOW, Counts, normalise
-from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, chance_slopes, expansion
+from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, expansion, information
 from ..threshold.log_posterior import BETA_B, LARGEST_RATE
 
 SCALES = {"threshold": 0.25, "log_width": 0.5, "lapse": 1.0, "threshold_cell": 0.125, "log_width_cell": 0.25}
@@ -331,51 +331,43 @@ class GroupModel:
         middles = np.concatenate([(low + high) / 2, np.log(wide) + mean])
         return middles, np.concatenate([reach**-2, np.full(study.n_groups, sd**-2)])
 
-    def _theta(self, points: Array, hyper: Array) -> tuple[Array, Array | None]:
-        """Return the parameters of each cell and slopes of its lapse rate.
-
-        The slopes are along the logit.
-        """
-        theta, slope = np.empty((len(points), len(self.counts), N_PARAMETERS)), None
+    def _theta(self, points: Array, hyper: Array) -> tuple[Array, Array]:
+        """Return the parameters of each cell, and their slopes along its predictors."""
+        theta = np.empty((len(points), len(self.counts), N_PARAMETERS))
         theta[..., LAPSE], theta[..., GUESS] = self.study.lapse_rate or 0.0, self.study.guess_rate or 0.0
         theta[..., self.kept] = points.reshape(*theta.shape[:2], -1)
+        slopes = np.ones((*theta.shape[:2], len(self.kept)))
         if self.study.guess_rate is None:
             theta[..., GUESS] = rate_of(self.at(hyper, "guess_rate"))[0][:, None]
         if self.study.lapse_rate is None:
-            theta[..., LAPSE], slope, _ = rate_of(theta[..., LAPSE])
-        return theta, slope
+            theta[..., LAPSE], slopes[..., 2], _ = rate_of(theta[..., LAPSE])
+        return theta, slopes
+
+    def _by_predictors(self, hessian: Array, slopes: Array) -> Array:
+        """Convert second derivatives along the parameters of each cell."""
+        return hessian[..., self.kept, :][..., self.kept] * slopes[..., None] * slopes[..., None, :]
 
     def log_likelihood(self, points: Array, hyper: Array) -> Expansion:
         """Return the log-likelihood of the cells at their predictors.
 
         Predictors have the shape (n_points, n_participants, n_conditions, n_predictors).
         """
-        study, shape = self.study, points.shape
-        theta, slope = self._theta(points, hyper)
-        whole = expansion(study.shape, self.counts, theta)
-        gradient, hessian = whole.gradient[..., self.kept], whole.hessian[..., self.kept, :][..., self.kept]
-        if slope is not None:
-            hessian[..., 2, :] *= slope[..., None]
-            hessian[..., :, 2] *= slope[..., None]
-            hessian[..., 2, 2] += gradient[..., 2] * slope * (1 - 2 * theta[..., LAPSE] / LARGEST_RATE)
-            gradient[..., 2] *= slope
-        value = whole.value.reshape(shape[:3])
-        return Expansion(value, gradient.reshape(shape), hessian.reshape(*shape, len(self.kept)))
+        theta, slopes = self._theta(points, hyper)
+        whole = expansion(self.study.shape, self.counts, theta)
+        gradient, hessian = whole.gradient[..., self.kept] * slopes, self._by_predictors(whole.hessian, slopes)
+        if self.study.lapse_rate is None:
+            hessian[..., 2, 2] += gradient[..., 2] * (1 - 2 * theta[..., LAPSE] / LARGEST_RATE)
+        value = whole.value.reshape(points.shape[:3])
+        return Expansion(value, gradient.reshape(points.shape), hessian.reshape(*points.shape, -1))
 
     def information(self, points: Array, hyper: Array) -> Array:
-        """Return Fisher's information of the cells.
+        """Return Fisher's information of the cells, which unlike the negative Hessian is never negative.
 
-        The shape is (n_points, n_participants, n_conditions, d, d).
-
-        Unlike the negative Hessian it is never negative.
+        The shape is (n_points, n_participants, n_conditions, n_predictors, n_predictors).
         """
-        theta, slope = self._theta(points, hyper)
-        by_threshold, by_width, by_lapse, variance = chance_slopes(self.study.shape, self.counts.u, theta)
-        slopes = [by_threshold, by_width, *([by_lapse * slope[..., None]] if slope is not None else [])]
-        with np.errstate(all="ignore"):
-            share = np.where(variance > 0, self.counts.n_trials / variance, 0.0)
-        rows = [[(share * one * other).sum(axis=-1) for other in slopes] for one in slopes]
-        return np.moveaxis(np.array(rows), (0, 1), (-2, -1)).reshape(*points.shape, len(slopes))
+        theta, slopes = self._theta(points, hyper)
+        known = information(self.study.shape, self.counts, theta)
+        return self._by_predictors(known, slopes).reshape(*points.shape, -1)
 
     def start(self, thresholds: Array, log_widths: Array) -> tuple[Array, Array]:
         """Return start values of hyperparameters and means."""
