@@ -43,10 +43,7 @@ class Contrast:
 
 @dataclass(frozen=True)
 class FactorEffect:
-    """Wald's F of an effect with its degrees of freedom and p.
-
-    Both degrees of freedom are already multiplied by `epsilon`.
-    """
+    """Wald's F of an effect with p; both df are multiplied by `epsilon`."""
 
     f: float
     df: int
@@ -150,10 +147,7 @@ class HierarchicalFit:
         return FactorEffect(f, df, df_error, p, epsilon)
 
     def _epsilon(self, weights: Array, of: str) -> float:
-        """Return Chi and Muller's epsilon over participants with all conditions.
-
-        With fewer than three such participants it is the lower bound.
-        """
+        """Return Chi and Muller's epsilon, the lower bound below 3 participants."""
         names, column = list(self.factors), {"threshold": "threshold", "log_width": "width"}[of]
         wide = self.participants.pivot(index="participant", columns=names, values=column)
         keys = [key if len(key) > 1 else key[0] for key in self._keys()]  # pandas names one level without a tuple
@@ -169,10 +163,7 @@ class HierarchicalFit:
         return [tuple(row) for row in self.conditions[list(self.factors)].itertuples(index=False)]
 
     def _rows(self, weights: Array, of: str) -> Array:
-        """Return weights (n_rows, n_conditions) as weights of all means.
-
-        The means are thresholds, then log widths.
-        """
+        """Return weights (n_rows, n_conditions) as weights of all means."""
         expect(of in ("threshold", "log_width"), "of", repr(of), "'threshold' or 'log_width'")
         is_fitted = self.n_participants > 1 and len(self.means) > 0
         expect(is_fitted, "participants", self.n_participants, "two or more with a fit")

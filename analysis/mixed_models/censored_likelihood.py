@@ -103,11 +103,7 @@ class Intervals:
         return u, here[2]
 
     def log_likelihood(self, parameters: Array, start: Array) -> tuple[float, Array, Array]:
-        """Return the log-likelihood, its gradient and the intercepts' modes.
-
-        By Fisher's identity the gradient is the mean, over the intercepts given the values, of the gradient given the
-        intercepts.
-        """
+        """Return the log-likelihood, its gradient and the intercepts' modes."""
         mode, curvature = self.intercepts(parameters, start)
         points, weights = np.polynomial.hermite.hermgauss(N_NODES)
         u = mode + np.sqrt(2 / curvature) * points[:, None]
@@ -124,10 +120,7 @@ class Intervals:
         return float(value), gradient, mode
 
     def start(self) -> Array:
-        """Return start values by least squares through middles or bounds.
-
-        Half of the residual variance is assigned to each variance component.
-        """
+        """Return start values by least squares through middles or bounds."""
         y = middle(np.stack([self.low, self.high], axis=-1))
         beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
         residuals = (y - self.x @ beta)[self.used]
@@ -136,12 +129,7 @@ class Intervals:
 
 
 class _Objective:
-    """Negative log-likelihood with its gradient.
-
-    Each call starts at the intercepts of the previous call.
-
-    Parameters for which a number overflows are treated like those with a likelihood of 0.
-    """
+    """Negative log-likelihood with its gradient, 1e12 where it overflows."""
 
     def __init__(self, intervals: Intervals) -> None:
         self._intervals, self._modes = intervals, np.zeros(len(intervals.low))
@@ -187,10 +175,7 @@ def maximise(intervals: Intervals) -> Maximum:
 
 
 def _newton_steps(objective: _Objective, parameters: Array) -> tuple[Array, Array]:
-    """Take Newton steps as long as they shrink the gradient.
-
-    The Hessian returned is that of the last but one place.
-    """
+    """Take Newton steps as long as they shrink the gradient."""
     value, gradient = objective(parameters)
     for _ in range(MAX_POLISHING):
         hessian = objective.hessian(parameters)
@@ -230,10 +215,7 @@ def of_value(y: Array, mean: Array, log_sd: Array) -> Expansion:
 
 
 def of_interval(low: Array, high: Array, mean: Array, log_sd: Array) -> Expansion:
-    """Return the log probability of a normal value in an interval.
-
-    One of the ends may be infinite.
-    """
+    """Return the log probability of a normal value in an interval."""
     inverse = np.exp(-log_sd)
     a, b = (low - mean) * inverse, (high - mean) * inverse
     log_chance = _log_chance(a, b)
@@ -258,10 +240,7 @@ def _square(first: Array, mixed: Array, second: Array) -> Array:
 
 
 def _log_chance(a: Array, b: Array) -> Array:
-    """Return log(Phi(b) - Phi(a)), computed in the tail that keeps digits.
-
-    It is 0 for an empty interval.
-    """
+    """Return log(Phi(b) - Phi(a)), computed in the tail that keeps digits."""
     flipped = a > 0
     low, high = np.where(flipped, -b, a), np.where(flipped, -a, b)
     upper = log_ndtr(high)

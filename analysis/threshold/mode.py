@@ -62,10 +62,7 @@ class Mode(Rows):
 
 
 def find_mode(posterior: LogPosterior, near: Array | None = None) -> Mode:
-    """Climb from a coarse grid or from `near`, then from steep starts.
-
-    `near` has the shape (n_sets, 4).
-    """
+    """Climb from a grid or from `near` (n_sets, 4), then from steep starts."""
     if near is None:
         summits, _ = grid_starts(posterior)
         mode = _highest(posterior, summits)
@@ -86,10 +83,7 @@ def _second_starts(posterior: LogPosterior, mode: Mode) -> Starts:
 
 
 def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None) -> Mode:
-    """Return the highest mode of each set from the starts or `known`.
-
-    Of equal modes it is the first.
-    """
+    """Return the highest mode of each set from the starts or `known`."""
     n_sets = len(posterior)
     starts = _distinct(starts, *_ascend(posterior[starts.sets], starts.theta, ROUGH_DECREMENT))
     sets = starts.sets
@@ -117,18 +111,12 @@ def _distinct(starts: Starts, theta: Array, log_density: Array) -> Starts:
 
 
 def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMALL_DECREMENT) -> Mode:
-    """Climb from `start` (n_sets, 4) until the gain per step is small.
-
-    The last step gains at most `small_decrement` of log density.
-    """
+    """Climb from `start` (n_sets, 4) until a step gains `small_decrement`."""
     return _laplace(posterior, _ascend(posterior, start, small_decrement)[0])
 
 
 def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tuple[Array, Array]:
-    """Return the ends of climbs from `start`, and their log densities.
-
-    Shapes are (n_sets, 4) and (n_sets,).
-    """
+    """Return the ends of climbs from `start`, and their log densities."""
     low, high = posterior.prior.bounds()
     theta = posterior.prior.tied(np.clip(start, low, high))
     log_density = np.empty(len(posterior))
@@ -157,10 +145,7 @@ def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tu
 
 
 def _is_held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
-    """Return True for parameters that are fixed or held at a bound.
-
-    They are held if the density rises beyond the bound.
-    """
+    """Return True if fixed, or at a bound beyond which the density rises."""
     at_low = (theta <= low) & (gradient <= 0)
     at_high = (theta >= high) & (gradient >= 0)
     return np.asarray((low == high) | at_low | at_high)
@@ -206,20 +191,14 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
 
 
 def _without(matrix: Array, held: Bools) -> Array:
-    """Replace rows and columns of held parameters by those of the unit matrix.
-
-    An infinite curvature becomes NaN, which discards the step.
-    """
+    """Replace rows and columns of held parameters by those of a unit matrix."""
     either = held[:, :, None] | held[:, None, :]
     finite = np.where(np.isfinite(matrix), matrix, np.nan)
     return np.where(either, np.eye(N_PARAMETERS), finite)
 
 
 def _convex_inverse(matrix: Array) -> Array:
-    """Invert matrices made positive definite; NaN if one is not finite.
-
-    On the scale of the diagonal each eigenvalue is replaced by its size, at least 1e-8.
-    """
+    """Invert matrices made positive definite; NaN if one is not finite."""
     is_finite = np.asarray(np.isfinite(matrix).all(axis=(1, 2)))[:, None, None]
     known = np.where(is_finite, matrix, np.eye(N_PARAMETERS))
     scale = np.sqrt(np.abs(np.diagonal(known, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
@@ -243,10 +222,7 @@ def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
 
 
 def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
-    """Return the mode with its eta (n_sets,), and its covariance.
-
-    The search uses a grid of eta and golden sections.
-    """
+    """Return the mode over a grid and golden sections of eta, and eta."""
     nodes, near = np.array(COARSE), find_mode(posterior).theta
 
     def at(eta: Array) -> Mode:
@@ -268,10 +244,7 @@ def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
 
 
 def _at(posterior: LogPosterior, near: Array) -> Mode:
-    """Return the highest maximum from the grid or from `near`.
-
-    `near` is the mode of the binomial.
-    """
+    """Return the highest maximum from the grid or the binomial mode `near`."""
     by_grid, by_binomial = find_mode(posterior), find_mode(posterior, near)
     highest = by_binomial.where(by_binomial.log_density > by_grid.log_density, by_grid)
     return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(posterior.prior.overdispersion)))

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import betainc, betaincinv, betaln, logsumexp
+from scipy.special import betainc, betaincinv, betaln, logsumexp, xlog1py, xlogy
 
 from ..arrays import Array, Bools, StatusWithNote
 from ..distributions import ChiSquare
 from .counts import Counts
-from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood, weighted
+from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood
 from .log_posterior import LARGEST_RATE, LogPosterior, Prior, log_rate_mass
 from .mode import Mode
 from .posterior import Marginals
@@ -83,25 +83,22 @@ def notes(counts: Counts, status: Statuses, interval: float) -> list[str]:
 
 
 def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Status]:
-    """Return the first status that applies to each data set.
-
-    `shares` are those of `verdict_shares`.
-    """
+    """Return the first status that applies to each data set."""
     counts = posterior.counts
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
-    falls, status = _falls(counts), []
-    for i in range(len(counts)):
-        outside = _outside(shares[i], k[i], n[i], _guess(posterior.prior, i))
-        tests = (
-            (n[i] == 0, Status.NO_DATA),
-            (counts.n_levels[i] == 1, Status.TOO_FEW_LEVELS),
-            (falls[i], Status.NON_MONOTONE),
-            (k[i] == n[i], Status.BELOW),
-            (shares[i, 0] < HELD, outside),
-            (step.is_between[i], Status.SEPARATED),
-            (counts.n_levels[i] == 2, Status.TOO_FEW_LEVELS),
-        )
-        status.append(next((verdict for applies, verdict in tests if applies), Status.OK))
+    tests = (
+        (n == 0, Status.NO_DATA),
+        (counts.n_levels == 1, Status.TOO_FEW_LEVELS),
+        (_falls(counts), Status.NON_MONOTONE),
+        (k == n, Status.BELOW),
+        (shares[:, 0] < HELD, Status.FLAT),
+        (step.is_between, Status.SEPARATED),
+        (counts.n_levels == 2, Status.TOO_FEW_LEVELS),
+    )
+    applies, verdicts = zip(*tests, strict=True)
+    status = [Status(word) for word in np.select(applies, verdicts, Status.OK)]
+    for i in np.flatnonzero([one is Status.FLAT for one in status]):
+        status[i] = _outside(shares[i], k[i], n[i], _guess(posterior.prior, i))
     return status
 
 
@@ -113,10 +110,7 @@ def _outside(shares: Array, k: float, n: float, guess: float) -> Status:
 
 
 def _guess(prior: Prior, i: int) -> float:
-    """Return the guess rate of a data set.
-
-    For a free rate it is the highest that catch trials allow, or the mean of its prior.
-    """
+    """Return the guess rate, or the highest plausible one if it is free."""
     if prior.guess_rate is not None:
         return prior.guess_rate
     if prior.n_catch[i] == 0:
@@ -137,10 +131,7 @@ def proportion_interval(k: float, n: float, interval: float) -> tuple[float, flo
 
 
 def _falls(counts: Counts) -> Bools:
-    """Return True for a falling trend or drops that no rising curve explains.
-
-    The trend is a score test.
-    """
+    """Return True for a falling trend or drops that no rising curve explains."""
     n = counts.n_trials.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         # Equal answers or one level make z 0 / 0; NaN is below no criterion.
@@ -156,50 +147,23 @@ def _falls(counts: Counts) -> Bools:
 
 
 def _isotonic_log_likelihood(counts: Counts) -> Array:
-    """Return the log-likelihood of the best rising function.
+    from scipy.optimize import isotonic_regression  # slow to load
 
-    Only data sets with a drop are fitted.
-    """
     fitted = saturated_log_likelihood(counts)  # exact if the answers rise already
     for i in range(len(counts)):
         used = counts.n_trials[i] > 0
         k, n = counts.n_yes[i, used], counts.n_trials[i, used]
         if np.any(np.diff(k / n) < 0):
-            p = rising_fit(k / n, n)
-            with np.errstate(divide="ignore"):
-                # A weighted mean of ones may round to above 1, for which log1p is undefined.
-                log_no = np.log1p(-np.minimum(p, 1))
-                fitted[i] = (weighted(k, np.log(p)) + weighted(n - k, log_no)).sum()
+            p = np.minimum(isotonic_regression(k / n, weights=n).x, 1)  # a mean of ones may round to above 1
+            fitted[i] = (xlogy(k, p) + xlog1py(n - k, -p)).sum()
     return fitted
-
-
-def rising_fit(values: Array, weights: Array) -> Array:
-    """Return the rising sequence nearest to the values by weighted squares.
-
-    The method is pool adjacent violators; values have the shape (n,).
-
-    >>> rising_fit(np.array([1.0, 3.0, 2.0, 4.0]), np.array([1.0, 1.0, 3.0, 1.0])).tolist()
-    [1.0, 2.25, 2.25, 4.0]
-    """
-    blocks: list[tuple[float, float, int]] = []
-    for value, weight in zip(values.tolist(), weights.tolist(), strict=True):
-        mean, total, size = value, weight, 1
-        while blocks and blocks[-1][0] >= mean:
-            before, its_total, its_size = blocks.pop()
-            mean = (before * its_total + mean * total) / (its_total + total)
-            total, size = total + its_total, size + its_size
-        blocks.append((mean, total, size))
-    means, _, sizes = zip(*blocks, strict=True)
-    return np.repeat(means, sizes)
 
 
 def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
     """Return the best step with the asymptotes of the likeliest curve.
 
-    At most one level has another rate.
-
-    If it fits at least as well as the likeliest curve, the steepness has no upper bound. A step between two levels lies
-    at their middle. A step before or after all levels would be a constant rate and does not count.
+    At most one level has another rate. If it fits at least as well as the likeliest curve, the steepness has no upper
+    bound. A step between two levels lies at their middle. A step before or after all levels does not count.
     """
     counts = posterior.counts
     at_level, between = _step_likelihoods(counts, likeliest)
@@ -218,16 +182,11 @@ def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
 
 
 def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
-    """Return likelihoods of steps at each level and around the levels.
-
-    Shapes are (n_sets, n_levels) and (n_sets, n_levels + 1).
-    """
     k, n = counts.n_yes, counts.n_trials
     lapse, guess = likeliest.theta[:, LAPSE, None], likeliest.theta[:, GUESS, None]
-    with np.errstate(divide="ignore"):
-        at_guess = weighted(k, np.log(guess)) + weighted(n - k, np.log1p(-guess))
-        at_lapse = weighted(k, np.log1p(-lapse)) + weighted(n - k, np.log(lapse))
-    below, above = _finite_log(at_guess), _finite_log(at_lapse)
+    # Sums need finite numbers.
+    below = np.maximum(xlogy(k, guess) + xlog1py(n - k, -guess), -1e12)
+    above = np.maximum(xlog1py(k, -lapse) + xlogy(n - k, lapse), -1e12)
     none = np.zeros((len(counts), 1))
     left = np.hstack([none, np.cumsum(below, axis=1)])  # entry i: levels before i, on the lower asymptote
     right = np.hstack([np.cumsum(above[:, ::-1], axis=1)[:, ::-1], none])  # levels from i on, on the upper one
@@ -235,14 +194,10 @@ def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
     return at_level, left + right
 
 
-def _finite_log(log_chance: Array) -> Array:
-    return np.maximum(log_chance, -1e12)
-
-
 def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
     """Return probabilities (n_sets, 4) of the four explanations.
 
-    They are that the levels meet the rise, lie above it, lie below it, or that there is no rise.
+    The levels meet the rise, lie above it, lie below it, or there is no rise.
     """
     met = 1 - marginals.beyond.sum(axis=1, keepdims=True)
     curves = marginals.log_evidence[:, None] + _logarithm(np.hstack([met, marginals.beyond]))
@@ -258,9 +213,7 @@ def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
 
 
 def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array]:
-    """Return the log evidence (n_sets,) of constant rates.
-
-    The rates are the upper asymptote, the lower one, and any constant.
+    """Return the log evidence (n_sets,) of both asymptotes and any constant.
 
     The last is uniform between the asymptotes if they are known. All include the answers to catch trials.
     """
@@ -268,7 +221,7 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
     alarms, correct = prior.n_false_alarms, prior.n_catch - prior.n_false_alarms
     low, high = prior.guess_rate or 0.0, 1 - (prior.lapse_rate or 0.0)
     share = np.asarray(betainc(k + 1, n - k + 1, high) - betainc(k + 1, n - k + 1, low))
-    any_chance = _log_beta(k + 1, n - k + 1) + _logarithm(share)
+    any_chance = betaln(k + 1, n - k + 1) + _logarithm(share)
     catch = np.zeros(len(counts))
     if prior.guess_rate is None:
         # Answers to catch trials are guesses: they share the rate of a lower asymptote, else they have a separate one.
@@ -281,20 +234,11 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
 
 
 def _log_mean_chance(rate: float | None, beta: float, k: Array, rest: Array) -> Array:
-    """Return the log probability of k answers at a rate.
-
-    The rest are at its complement; a free rate is integrated over its prior.
-    """
     if rate is None:
         a, b = k + 1, rest + beta
         share = np.asarray(betainc(a, b, LARGEST_RATE), dtype=np.float64)  # a free rate ends there, before 1
-        return _log_beta(a, b) + _logarithm(share) - log_rate_mass(beta)
-    with np.errstate(divide="ignore"):
-        return np.asarray(weighted(k, np.log(rate)) + weighted(rest, np.log1p(-rate)))
-
-
-def _log_beta(a: Array, b: Array) -> Array:
-    return np.asarray(betaln(a, b), dtype=np.float64)
+        return betaln(a, b) + _logarithm(share) - log_rate_mass(beta)
+    return np.asarray(xlogy(k, rate) + xlog1py(rest, -rate))
 
 
 def _logarithm(x: Array) -> Array:
