@@ -1,16 +1,14 @@
 """Modes of many posteriors (or likelihoods) at once.
 
-Damped Newton steps start from every local maximum of a coarse grid.
-
-The Hessian is exact, the damping is scaled by its diagonal, and steps are projected on the bounds, where lapse and
-guess rates often lie.
+Damped Newton steps with the exact Hessian start from every local maximum of a coarse grid. The damping is scaled by the
+diagonal, and steps are projected on the bounds, where lapse and guess rates often lie.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import Array, Bools, Expansion, Rows
+from ..arrays import Array, Bools, Expansion, Rows, symmetric_inverse
 from .likelihood import LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from .log_posterior import LARGEST_ETA, LogPosterior, log_prior_of
 from .start_values import Starts, grid_starts, step_starts
@@ -43,9 +41,7 @@ N_GOLDEN = 16
 
 @dataclass(frozen=True)
 class Mode(Rows):
-    """Parameters (n_sets, 4) at the largest log density.
-
-    The log density and Laplace's covariance there are included.
+    """Parameters (n_sets, 4) at the largest log density, and Laplace's covariance.
 
     The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is false where
     threshold or width lie on a bound: there is no mode.
@@ -197,25 +193,14 @@ def _without(matrix: Array, held: Bools) -> Array:
     return np.where(either, np.eye(N_PARAMETERS), finite)
 
 
-def _convex_inverse(matrix: Array) -> Array:
-    """Invert matrices made positive definite; NaN if one is not finite."""
-    is_finite = np.asarray(np.isfinite(matrix).all(axis=(1, 2)))[:, None, None]
-    known = np.where(is_finite, matrix, np.eye(N_PARAMETERS))
-    scale = np.sqrt(np.abs(np.diagonal(known, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
-    outer = scale[:, :, None] * scale[:, None, :]
-
-    values, vectors = np.linalg.eigh(known / outer)
-    values = np.maximum(np.abs(values), 1e-8)
-    inverse = np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer
-    return np.where(is_finite, inverse, np.nan)
-
-
 def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
     here = posterior.expansion(theta)
     low, high = posterior.prior.bounds()
     # A curvature at a bound is not used, whichever way the density rises there.
     held = _is_held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
-    inverse = _convex_inverse(_without(-here.hessian, held))
+    curvature = _without(-here.hessian, held)
+    is_finite = np.isfinite(curvature).all(axis=(1, 2))[:, None, None]
+    inverse = np.where(is_finite, symmetric_inverse(np.where(is_finite, curvature, np.eye(N_PARAMETERS))), np.nan)
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
     on_bound = held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)
     return Mode(theta, here.value, covariance, np.asarray(~on_bound))
@@ -226,7 +211,10 @@ def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
     nodes, near = np.array(COARSE), find_mode(posterior).theta
 
     def at(eta: Array) -> Mode:
-        return _at(posterior.under(overdispersion=eta), near)
+        overdispersed = posterior.under(overdispersion=eta)
+        by_grid, by_binomial = find_mode(overdispersed), find_mode(overdispersed, near)
+        highest = by_binomial.where(by_binomial.log_density > by_grid.log_density, by_grid)
+        return replace(highest, log_density=highest.log_density + log_prior_of(eta))
 
     densities = np.stack([at(np.full(len(posterior), eta)).log_density for eta in nodes], axis=1)
     best = densities.argmax(axis=1)
@@ -241,10 +229,3 @@ def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
     is_binomial = at(np.zeros(len(posterior))).log_density >= at(eta).log_density
     eta = np.where(is_binomial, 0.0, eta)
     return at(eta), eta
-
-
-def _at(posterior: LogPosterior, near: Array) -> Mode:
-    """Return the highest maximum from the grid or the binomial mode `near`."""
-    by_grid, by_binomial = find_mode(posterior), find_mode(posterior, near)
-    highest = by_binomial.where(by_binomial.log_density > by_grid.log_density, by_grid)
-    return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(posterior.prior.overdispersion)))

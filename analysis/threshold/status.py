@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import betainc, betaincinv, betaln, logsumexp, xlog1py, xlogy
+from scipy.special import betainc, betaln, logsumexp, xlog1py, xlogy
 
 from ..arrays import Array, Bools, StatusWithNote
-from ..distributions import ChiSquare
+from ..distributions import ChiSquare, exact_interval
 from .counts import Counts
 from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood
 from .log_posterior import LARGEST_RATE, LogPosterior, Prior, log_rate_mass
@@ -77,7 +77,7 @@ def notes(counts: Counts, status: Statuses, interval: float) -> list[str]:
     said = [Status(word).note for word in status]
     for i in np.flatnonzero((status == Status.TOO_FEW_LEVELS) & (counts.n_levels == 1)):
         k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
-        low, high = proportion_interval(k, n, interval)
+        low, high = exact_interval(k, n, interval)
         said[i] = f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
     return said
 
@@ -86,48 +86,29 @@ def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Stat
     """Return the first status that applies to each data set."""
     counts = posterior.counts
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
+    low, high = exact_interval(k, n)
+    is_outside = shares[:, 0] < HELD
     tests = (
         (n == 0, Status.NO_DATA),
         (counts.n_levels == 1, Status.TOO_FEW_LEVELS),
         (_falls(counts), Status.NON_MONOTONE),
         (k == n, Status.BELOW),
-        (shares[:, 0] < HELD, Status.FLAT),
+        (is_outside & (shares[:, 1] >= HELD) & (high >= CEILING_RATE), Status.BELOW),
+        (is_outside & (shares[:, 2] >= HELD) & (low <= _highest_guess(posterior.prior)), Status.ABOVE),
+        (is_outside, Status.FLAT),
         (step.is_between, Status.SEPARATED),
         (counts.n_levels == 2, Status.TOO_FEW_LEVELS),
     )
     applies, verdicts = zip(*tests, strict=True)
-    status = [Status(word) for word in np.select(applies, verdicts, Status.OK)]
-    for i in np.flatnonzero([one is Status.FLAT for one in status]):
-        status[i] = _outside(shares[i], k[i], n[i], _guess(posterior.prior, i))
-    return status
+    return [Status(word) for word in np.select(applies, verdicts, Status.OK)]
 
 
-def _outside(shares: Array, k: float, n: float, guess: float) -> Status:
-    low, high = proportion_interval(k, n, 0.95)
-    if shares[1] >= HELD and high >= CEILING_RATE:
-        return Status.BELOW
-    return Status.ABOVE if shares[2] >= HELD and low <= guess else Status.FLAT
-
-
-def _guess(prior: Prior, i: int) -> float:
+def _highest_guess(prior: Prior) -> Array | float:
     """Return the guess rate, or the highest plausible one if it is free."""
     if prior.guess_rate is not None:
         return prior.guess_rate
-    if prior.n_catch[i] == 0:
-        return 1 / (1 + prior.guess_beta)
-    return proportion_interval(prior.n_false_alarms[i], prior.n_catch[i], 0.95)[1]
-
-
-def proportion_interval(k: float, n: float, interval: float) -> tuple[float, float]:
-    """Return Clopper and Pearson's exact interval of a proportion.
-
-    >>> [round(end, 4) for end in proportion_interval(15, 20, 0.95)]
-    [0.509, 0.9134]
-    """
-    tail = (1 - interval) / 2
-    low = 0.0 if k == 0 else float(betaincinv(k, n - k + 1, tail))
-    high = 1.0 if k == n else float(betaincinv(k + 1, n - k, 1 - tail))
-    return low, high
+    _, high = exact_interval(prior.n_false_alarms, prior.n_catch)
+    return np.where(prior.n_catch > 0, high, 1 / (1 + prior.guess_beta))
 
 
 def _falls(counts: Counts) -> Bools:
