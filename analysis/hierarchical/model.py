@@ -65,8 +65,8 @@ class StudyCounts:
     @classmethod
     def of(
         cls,
-        names: Sequence[str],
-        factors: Mapping[str, Sequence[float | str]],
+        names: ArrayLike,
+        factors: Mapping[str, ArrayLike],
         width_by: Sequence[str],
         answers: tuple[Array, Array, Array],
         catch: tuple[ArrayLike, ArrayLike] = (0, 0),

@@ -144,8 +144,13 @@ def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
     place = np.cumsum(is_new & used, axis=1) - 1
     rows = np.broadcast_to(np.arange(u.shape[0])[:, None], u.shape)[used]
     cells = rows * u.shape[1] + place[used]
-    sums, k, n = (np.bincount(cells, value[used], u.size).reshape(u.shape) for value in (u * n, k, n))
+    sums, k, n = (totals(cells, value[used], u.shape) for value in (u * n, k, n))
     return np.divide(sums, n, out=sums, where=n > 0), k, n
+
+
+def totals(cells: Indices, values: Array, shape: tuple[int, ...]) -> Array:
+    """Return the sum of the values in each cell of an array."""
+    return np.bincount(cells, values, int(np.prod(shape))).astype(np.float64).reshape(shape)
 
 
 def _smallest_gap(u: Array, n: Array) -> Array:

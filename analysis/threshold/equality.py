@@ -59,7 +59,7 @@ def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highe
         return fit
     (low, pse, high), (narrow, jnd, wide) = equality.pse, equality.jnd
     if fit.threshold is None:
-        ends = {"interval_low": low, "interval_high": high}
+        ends: dict[str, Any] = {"interval_low": low, "interval_high": high}
         return replace(fit, **{name: end for name, end in ends.items() if getattr(fit, name) is not None})
     if not lowest <= pse <= highest:
         end = {"interval_high": high} if pse < lowest else {"interval_low": low}

@@ -9,6 +9,7 @@ from tactometry.arguments.require import expect
 from tactometry.psychometric import shape_named
 
 from ..arrays import Array, Bools, Rows
+from .counts import totals
 from .estimates import is_regular
 from .fitting import log_posterior
 from .likelihood import LOG_WIDTH, THRESHOLD
@@ -81,6 +82,4 @@ def _pooled(shared: Array, x: Array, y: Array, used: Bools) -> tuple[Array, Arra
     """Return levels (1, n_levels) and counts (n_sets, n_levels) of answers."""
     shape = (len(x), len(shared))
     cells = (np.arange(len(x))[:, None] * shape[1] + np.searchsorted(shared, x))[used]
-    counts = (np.bincount(cells, weights, shape[0] * shape[1]) for weights in (y[used], np.ones(len(cells))))
-    n_yes, n_trials = (count.reshape(shape) for count in counts)
-    return shared[None], n_yes, n_trials
+    return shared[None], totals(cells, y[used], shape), totals(cells, np.ones(len(cells)), shape)
