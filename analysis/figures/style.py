@@ -202,7 +202,7 @@ def bars(rows: pd.DataFrame, name: str, ends: str | None = None) -> tuple[Array,
     """
     columns = name, f"{ends or name}_low", f"{ends or name}_high"
     middle, low, high = (rows[column].astype(float).to_numpy() for column in columns)
-    return middle, np.stack([middle - low, high - middle])
+    return np.asarray(middle), np.stack([middle - low, high - middle])
 
 
 def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:

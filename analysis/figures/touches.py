@@ -42,7 +42,7 @@ def _draw(axes: "Axes", rows: pd.DataFrame, quantity: str, targets: list[float])
     for target, course in rows.groupby("target", sort=True):
         colour = COLOURS[targets.index(float(str(target))) % len(COLOURS)]
         times_s = course["time_s"]
-        name = f"{scale * float(str(target)):g} {unit} asked"
+        name = f"{scale * float(str(target)):g} {unit} target"
         axes.fill_between(times_s, scale * course["low"], scale * course["high"], color=colour, alpha=0.2, linewidth=0)
         axes.plot(times_s, scale * course["median"], color=colour, label=name)
         for edge in ("band_low", "band_high"):

@@ -20,9 +20,9 @@ class GroupStatus(StatusWithNote):
     OK = "ok", ""
     ONE_PARTICIPANT = (
         "one_participant",
-        "one participant: no variance between participants; the intervals are this one's",
+        "one participant: no variance between participants, and intervals of this participant only",
     )
-    NO_THRESHOLD = "no_threshold", "no participant tells a threshold in any condition: bounds at most"
+    NO_THRESHOLD = "no_threshold", "no participant has a threshold in any condition, at most a bound"
     NOT_CONVERGED = "not_converged", "the integral over the variances did not converge: no estimate"
     NO_DATA = "no_data", "no trial was given"
 
@@ -137,8 +137,8 @@ class HierarchicalFit:
         weights = self._effect_weights(factors)
         rows = self._rows(weights, of)
         has_own_widths = np.linalg.matrix_rank(rows) == len(rows)
-        asked = f"{of!r} over {', '.join(factors)}"
-        expect(has_own_widths, "of", asked, "conditions whose widths are their own (width_by)")
+        requested = f"{of!r} over {', '.join(factors)}"
+        expect(has_own_widths, "of", requested, "conditions with separate widths (width_by)")
         differences, df = self.means @ rows.T, len(rows)
         scaled = np.linalg.solve(rows @ self.covariance @ rows.T, differences[..., None])[..., 0]
         f = float(self.weights @ (differences * scaled).sum(axis=1)) / df
@@ -183,10 +183,10 @@ class HierarchicalFit:
     def _effect_weights(self, factors: Sequence[str]) -> Array:
         levels = [sorted(self.conditions[name].unique()) for name in self.factors]
         is_complete = len(self.conditions) == int(np.prod([len(values) for values in levels]))
-        asked = f"{', '.join(factors) or 'none'} over {len(self.conditions)} conditions"
+        requested = f"{', '.join(factors) or 'none'} over {len(self.conditions)} conditions"
         known = f"factors of {', '.join(self.factors)} with every combination of their levels"
         are_known = len(factors) > 0 and {*factors} <= {*self.factors}
-        expect(are_known and is_complete, "factors", asked, known)
+        expect(are_known and is_complete, "factors", requested, known)
         by_factor = []
         for name, values in zip(self.factors, levels, strict=True):
             # Differences between levels of a requested factor, means over the levels of the others.

@@ -265,7 +265,7 @@ def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequen
             term = next((term for term, places in terms.items() if n - 1 in places), names[n - 1])
             raise InvalidParameter(
                 f"{term}: found that {names[n - 1]} follows from the terms before it, expected terms that the data "
-                "tell apart; leave the term or the condition out"
+                "can separate; leave the term or the condition out"
             )
 
 

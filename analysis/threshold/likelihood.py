@@ -159,9 +159,9 @@ def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
 
 
 def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """Return `log_chances` (n_curves, n_rates, n_levels) of curves that axis 1 shares."""
+    """Return `log_chances` (n_rates, n_curves, n_levels) of curves that axis 0 shares."""
     guess, lapse = _rates(theta)
-    z, _, _ = _z(shape, u, theta[:, :1])
+    z, _, _ = _z(shape, u, theta[:1])
     if guess.min() == 0 or lapse.min() == 0:
         # Without an asymptote a probability may underflow; only its logarithm keeps the digits.
         return log_mixture(shape.log_cdf(z), shape.log_sf(z), guess, lapse)

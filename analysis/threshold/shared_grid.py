@@ -19,9 +19,9 @@ from .mode import Mode
 from .posterior import NEGLIGIBLE, Marginals, marginals, others, quantiles, rate_rule
 
 MOST_FREE = 3
-"""With two free rates a grid for all has so many nodes that grids of their own are faster."""
+"""With two free rates a grid for all has so many nodes that separate grids are faster."""
 WORTH_SHARING = 8
-"""Fewer data sets get grids of their own."""
+"""Fewer data sets get separate grids."""
 SEARCH_NODES = (41, 21, 6, 6)
 MODE_SD = 6.0
 """The grid reaches at least so many standard deviations beyond each mode."""

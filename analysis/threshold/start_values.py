@@ -53,26 +53,23 @@ def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
     counts, prior = posterior.counts, posterior.prior
     summits, halves = [Starts.none()], [Starts.none()]
     for members in posterior.alike():
-        sizes, nodes = _nodes(prior, counts[members[:1]])
-        curves = nodes.reshape(-1, sizes[2], N_PARAMETERS)
+        nodes = _nodes(prior, counts[members[:1]])
+        curves, flat = nodes.reshape(len(nodes), -1, N_PARAMETERS), nodes.reshape(-1, N_PARAMETERS)
         by_curve = log_chances_by_curve(posterior.shape, counts.u[members[0]], curves)
         # Minus infinity times a count of 0 would be NaN.
-        # Rates come first, so that the best of them is found along contiguous memory.
-        log_chances = np.maximum(np.concatenate(by_curve, axis=2), FLOOR).swapaxes(0, 1).reshape(len(nodes), -1)
-        nodes = curves.swapaxes(0, 1).reshape(-1, N_PARAMETERS)
-        shape = (sizes[2], *sizes[:2])
-        size = max(1, CHUNK // len(nodes))
+        log_chances = np.maximum(np.concatenate(by_curve, axis=2), FLOOR).reshape(len(flat), -1)
+        size = max(1, CHUNK // len(flat))
         for sets in (members[start : start + size] for start in range(0, len(members), size)):
             density = _answers(counts[sets]) @ log_chances.T
-            density += prior[sets[:1]].log_density(nodes[None])
-            tops, bests = _tops(sets, density.reshape(len(sets), *shape), nodes.reshape(*shape, N_PARAMETERS))
+            density += prior[sets[:1]].log_density(flat[None])
+            tops, bests = _tops(sets, density.reshape(len(sets), *nodes.shape[:-1]), nodes)
             summits.append(tops)
             halves.append(bests)
     return reduce(Starts.joined, summits), reduce(Starts.joined, halves)
 
 
-def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
-    """Return nodes (n_nodes, 4) for the levels of one data set, and sizes."""
+def _nodes(prior: Prior, one: Counts) -> Array:
+    """Return nodes (n_rates, n_widths, n_thresholds, 4) for one data set."""
     narrow = min(max(1.3 * float(one.gap[0]), NARROWEST_NODE), 1.5)
     has_two_rates = LAPSE in prior.free and GUESS in prior.free
     rates = RATES[2 if has_two_rates else 1]
@@ -80,10 +77,9 @@ def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
     thresholds = _places(one.u[0, one.n_trials[0] > 0]).tolist()
     lapses = rates if prior.lapse_rate is None else [prior.lapse_rate]
     guesses = rates if GUESS in prior.free else [prior.guess_rate or 0.0]
-    sizes = (len(log_widths), len(thresholds), len(lapses) * len(guesses))
-    # Widths come before thresholds, as `_tops` expects; a parameter vector begins with the threshold.
-    nodes = np.array(list(product(log_widths, thresholds, lapses, guesses)))
-    return sizes, prior.tied(nodes[:, [1, 0, 2, 3]])
+    # Rates come first, so that the best of them is found along contiguous memory.
+    nodes = np.array(list(product(lapses, guesses, log_widths, thresholds)))[:, [3, 2, 0, 1]]
+    return prior.tied(nodes.reshape(-1, len(log_widths), len(thresholds), N_PARAMETERS))
 
 
 def _places(levels: Array) -> Array:

@@ -31,7 +31,7 @@ DROP_SIGNIFICANCE = 0.01
 CEILING_RATE = 0.9
 """A constant rate that may be this high is a ceiling."""
 TOLERATED = 1.0
-"""A difference of log-likelihoods that the data do not tell apart."""
+"""A difference of log-likelihoods that the data do not resolve."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,10 @@ class Status(StatusWithNote):
 
 
 CEILING_WEIGHT, GUESSES_WEIGHT, CONSTANT_WEIGHT = 0.3, 3.5, 0.05
-"""Before the data, of a threshold so far below, or above, the levels that they tell nothing, and of no rise at all,
-beside 1 for the curves of the fit. Unverified defaults: with them the bias study (docs/reference/analysis.md) keeps the
-shares of wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers at a
-ceiling do."""
+"""Prior weights, relative to 1 for the curves of the fit, of a threshold so far below, or above, the levels that only
+an asymptote is seen, and of no rise at all. Unverified defaults: with them the bias study (docs/reference/analysis.md)
+keeps the shares of wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers
+at a ceiling do."""
 
 Statuses = NDArray[np.object_]
 
