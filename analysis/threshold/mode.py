@@ -199,7 +199,7 @@ def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
     # A curvature at a bound is not used, whichever way the density rises there.
     held = _is_held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
     curvature = _without(-here.hessian, held)
-    is_finite = np.isfinite(curvature).all(axis=(1, 2))[:, None, None]
+    is_finite = np.isfinite(curvature).all(axis=(1, 2), keepdims=True)
     inverse = np.where(is_finite, symmetric_inverse(np.where(is_finite, curvature, np.eye(N_PARAMETERS))), np.nan)
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
     on_bound = held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)
