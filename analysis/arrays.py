@@ -90,11 +90,15 @@ class Expansion(Rows):
 
 
 def symmetric_inverse(matrix: Array) -> Array:
-    """Invert a symmetric matrix with each eigenvalue (at a diagonal of 1) by its size, at least `FLATTEST`."""
-    scale = np.sqrt(np.maximum(np.abs(np.diagonal(matrix)), FLATTEST))
-    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    inverse = (vectors / np.maximum(np.abs(values), FLATTEST)) @ vectors.T / np.outer(scale, scale)
-    return np.asarray((inverse + inverse.T) / 2)
+    """Invert symmetric matrices (..., p, p) made positive definite.
+
+    At a diagonal of 1 each eigenvalue is replaced by its size, at least `FLATTEST`.
+    """
+    scale = np.sqrt(np.maximum(np.abs(np.diagonal(matrix, axis1=-2, axis2=-1)), FLATTEST))
+    outer = scale[..., :, None] * scale[..., None, :]
+    values, vectors = np.linalg.eigh(matrix / outer)
+    inverse = (vectors / np.maximum(np.abs(values), FLATTEST)[..., None, :]) @ vectors.mT / outer
+    return np.asarray((inverse + inverse.mT) / 2)
 
 
 def lay_out(cluster: Indices, *columns: Array, n_clusters: int = 0) -> list[Array]:

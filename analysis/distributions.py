@@ -1,9 +1,12 @@
-"""Distributions of test statistics by scipy.special, as scipy.stats is slow to load."""
+"""Distributions and exact intervals by scipy.special, as scipy.stats is slow to load."""
 
 from typing import Any
 
 import numpy as np
-from scipy.special import chdtrc, chdtri, fdtrc, fdtri, gammaincinv, stdtr, stdtrit
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import betaincinv, chdtrc, chdtri, fdtrc, fdtri, gammaincinv, stdtr, stdtrit
+
+Array = NDArray[np.float64]
 
 
 class Student:
@@ -52,3 +55,17 @@ class ChiSquare:
     @staticmethod
     def isf(p: Any, df: Any) -> Any:
         return chdtri(df, p)
+
+
+def exact_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = 0.95) -> tuple[Array, Array]:
+    """Return both ends of the exact interval of rates (Clopper and Pearson 1934, Biometrika 26, 404-413).
+
+    >>> [end.round(3).tolist() for end in exact_interval([0, 5, 10], [10, 10, 10])]
+    [[0.0, 0.187, 0.692], [0.308, 0.813, 1.0]]
+    """
+    k, n = (np.asarray(counts, dtype=np.float64) for counts in (n_yes, n_trials))
+    tail = (1 - interval) / 2
+    # Without successes or failures the beta function is undefined.
+    low = np.where(k > 0, betaincinv(np.maximum(k, 1), n - k + 1, tail), 0.0)
+    high = np.where(k < n, betaincinv(k + 1, np.maximum(n - k, 1), 1 - tail), 1.0)
+    return low, high

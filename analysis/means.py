@@ -1,4 +1,4 @@
-"""Tables by condition, means with t-intervals, rates with Wilson's or exact intervals."""
+"""Tables by condition, means with t-intervals, rates with Wilson's intervals."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from scipy.special import betaincinv, expit, ndtri
+from scipy.special import expit, ndtri
 
 from .arrays import RELATIVE_ZERO, Array, size_of
 from .distributions import Student
@@ -118,17 +118,3 @@ def rate_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTER
         half = z * np.sqrt(rate * (1 - rate) / n + (z / (2 * n)) ** 2) / (1 + z**2 / n)
     # Rounding may exclude a rate of exactly 0 or 1, and an error bar cannot be negative.
     return np.minimum(middle - half, rate), np.maximum(middle + half, rate)
-
-
-def exact_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTERVAL) -> tuple[Array, Array]:
-    """Return both ends of the exact interval of rates (Clopper and Pearson 1934, Biometrika 26, 404-413).
-
-    >>> [end.round(3).tolist() for end in exact_interval([0, 5, 10], [10, 10, 10])]
-    [[0.0, 0.187, 0.692], [0.308, 0.813, 1.0]]
-    """
-    k, n = (np.asarray(counts, dtype=np.float64) for counts in (n_yes, n_trials))
-    tail = (1 - interval) / 2
-    # Without successes or failures the beta function is undefined.
-    low = np.where(k > 0, betaincinv(np.maximum(k, 1), n - k + 1, tail), 0.0)
-    high = np.where(k < n, betaincinv(k + 1, np.maximum(n - k, 1), 1 - tail), 1.0)
-    return low, high

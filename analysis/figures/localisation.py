@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ..wording import percent_text
-from .style import Drawing, drawing_of, look, new_figure, series
+from .style import Drawing, bars, drawing_of, grid_of, look, new_figure, series
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,6 +16,7 @@ DISTANCE_IN_MM = "distance_mm"
 MM = 1e3
 MOST_PANELS = 12
 """More conditions are drawn together."""
+N_COLUMNS = 4
 BELOW = 0.06
 """Distance of the bars of resolutions below the axis."""
 DARK = 0.55
@@ -28,9 +29,8 @@ def distance_figure(rates: pd.DataFrame, resolutions: pd.DataFrame, chance: floa
     with new_figure(5.4, 3.4) as figure:
         axes = figure.add_subplot()
         for n, (name, line) in enumerate(series(rates, keys)):
-            rate, low, high = (line[column].to_numpy(float) for column in ("rate", "rate_low", "rate_high"))
-            bars = np.stack([rate - low, high - rate])
-            axes.errorbar(MM * line[DISTANCE], rate, yerr=bars, label=name, capsize=2.5, elinewidth=1.0, **look(n))
+            rate, reach = bars(line, "rate")
+            axes.errorbar(MM * line[DISTANCE], rate, yerr=reach, label=name, capsize=2.5, elinewidth=1.0, **look(n))
         lines = series(resolutions, keys) if len(resolutions) else []
         for n, (_, row) in enumerate(lines):
             _draw_resolution(axes, row.iloc[0], -BELOW * (n + 1), look(n)["color"])
@@ -58,17 +58,12 @@ def confusion_figure(confusions: pd.DataFrame) -> Drawing:
     parts = series(renamed, list(renamed.columns[: len(keys)]))
     panels = parts if len(parts) <= MOST_PANELS else [("all conditions", confusions)]
     places = list(dict.fromkeys([*confusions["right_place"], *sorted(confusions["answered_place"])]))
-    columns = min(4, len(panels))
-    rows = -(-len(panels) // columns)
-    with new_figure(1.75 * columns + 1.2, 1.75 * rows + 0.9) as figure:
-        grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
-        for axes, (name, panel) in zip(grid, panels, strict=False):
+    with grid_of(len(panels), N_COLUMNS, (1.75, 1.75), (1.2, 0.9)) as (figure, grid, _):
+        for axes, (name, panel) in zip(grid, panels, strict=True):
             _draw_matrix(axes, panel, places)
             axes.set_title(name, fontsize=8)
-        for axes in grid[len(panels) - columns : len(panels)]:  # the lowest panel of each column
+        for axes in grid[-N_COLUMNS:]:  # the lowest panel of each column
             axes.tick_params(labelbottom=True)
-        for axes in grid[len(panels) :]:
-            axes.set_visible(False)
         figure.supxlabel("Answered place", fontsize=9)
         figure.supylabel("Right place", fontsize=9)
         return drawing_of(figure)

@@ -10,7 +10,7 @@ import pandas as pd
 from ..anova.group_means import HIGH, LOW
 from ..tasks.kinds import CURVES
 from ..wording import with_unit
-from .style import Drawing, FactorAxis, drawing_of, look, means_with_intervals, new_figure, panels, series, shift
+from .style import Drawing, FactorAxis, bars, drawing_of, look, means_with_intervals, new_figure, panels, series, shift
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -167,6 +167,6 @@ def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
 def _draw_losses(axes: "Axes", panel: pd.DataFrame, axis: FactorAxis, lines: Sequence[str]) -> None:
     where = axis.place(axes, panel)
     for n, (name, line) in enumerate(series(panel, lines)):
-        mean, low, high = (100 * line[column].astype(float).to_numpy() for column in ("mean", "mean_low", "mean_high"))
-        ends = np.nan_to_num(np.stack([mean - low, high - mean]), nan=0.0)
-        axes.errorbar(axis.x(line, where), mean, yerr=ends, label=name, capsize=2.5, elinewidth=1.0, **look(n))
+        mean, reach = (100 * values for values in bars(line, "mean"))
+        reach = np.nan_to_num(reach, nan=0.0)
+        axes.errorbar(axis.x(line, where), mean, yerr=reach, label=name, capsize=2.5, elinewidth=1.0, **look(n))

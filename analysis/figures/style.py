@@ -183,22 +183,26 @@ def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **s
 
     Without intervals within participants, bars are those between them. `style` is that of `errorbar`.
     """
-    mean = means["mean"].astype(float).to_numpy()
-    known, between = np.isfinite(mean), _ends(means, "mean")
-    within = _ends(means, "within") if "within_low" in means.columns else np.full_like(between, np.nan)
-    is_within = np.isfinite(within).all(axis=0)
-    bars = np.nan_to_num(np.where(is_within, within, between)[:, known], nan=0.0)
-    drawn_bars = axes.errorbar(x[known], mean[known], yerr=bars, **({"capsize": 2.5, "elinewidth": 1.2} | style))
+    mean, between = bars(means, "mean")
+    has_within = "within_low" in means.columns
+    within = bars(means, "mean", "within")[1] if has_within else np.full_like(between, np.nan)
+    known, is_within = np.isfinite(mean), np.isfinite(within).all(axis=0)
+    reach = np.nan_to_num(np.where(is_within, within, between)[:, known], nan=0.0)
+    drawn_bars = axes.errorbar(x[known], mean[known], yerr=reach, **({"capsize": 2.5, "elinewidth": 1.2} | style))
     behind = known & is_within & np.isfinite(between).all(axis=0)
     low, high = mean - between[0], mean + between[1]
     colour = drawn_bars.lines[0].get_color()
     axes.vlines(x[behind], low[behind], high[behind], color=colour, linewidth=0.6, alpha=0.7)
 
 
-def _ends(means: pd.DataFrame, name: str) -> Array:
-    """Return the reach of the interval below and above the mean, shape (2, condition)."""
-    mean, low, high = (means[column].astype(float).to_numpy() for column in ("mean", f"{name}_low", f"{name}_high"))
-    return np.stack([mean - low, high - mean])
+def bars(rows: pd.DataFrame, name: str, ends: str | None = None) -> tuple[Array, Array]:
+    """Return a column, and the reach (2, n_rows) of its interval.
+
+    The columns of the interval begin with `ends`, by default with the name of the column.
+    """
+    columns = name, f"{ends or name}_low", f"{ends or name}_high"
+    middle, low, high = (rows[column].astype(float).to_numpy() for column in columns)
+    return np.asarray(middle), np.stack([middle - low, high - middle])
 
 
 def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:
@@ -217,6 +221,23 @@ def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dic
     return dict(zip(where, (np.exp(moved) if log else moved).tolist(), strict=True))
 
 
+@contextmanager
+def grid_of(
+    n: int, most: int, panel_in: tuple[float, float], margin_in: tuple[float, float], *, share_x: bool = True
+) -> "Iterator[tuple[Figure, list[Axes], list[Axes]]]":
+    """Make a figure of `n` panels, at most `most` side by side.
+
+    Yield it with the axes of the panels, and with those at the left.
+    """
+    columns = min(most, n)
+    rows = -(-n // columns)  # rounded up
+    with new_figure(panel_in[0] * columns + margin_in[0], panel_in[1] * rows + margin_in[1]) as figure:
+        grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=True)
+        for axes in grid.flat[n:]:
+            axes.set_visible(False)
+        yield figure, list(grid.flat[:n]), list(grid[:, 0])
+
+
 def panels(
     table: pd.DataFrame,
     axis: FactorAxis,
@@ -226,19 +247,14 @@ def panels(
     height_in: float,
     share_x: bool,
 ) -> Drawing:
-    """Draw a panel for each series, at most three side by side, with one legend."""
+    """Draw a panel for each series with one legend."""
     parts = series(table, axis.series)
-    columns = min(3, len(parts))
-    rows = -(-len(parts) // columns)  # rounded up
-    with new_figure(2.6 * columns + 1.4, height_in * rows + 0.4) as figure:
-        grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=True).ravel()
-        for axes, (name, panel) in zip(grid, parts, strict=False):
+    with grid_of(len(parts), 3, (2.6, height_in), (1.4, 0.4), share_x=share_x) as (figure, grid, left):
+        for axes, (name, panel) in zip(grid, parts, strict=True):
             draw(axes, panel)
             axes.set_title(name)
             axes.set_xlabel(labels[0])
-        for axes in grid[len(parts) :]:
-            axes.set_visible(False)
-        for axes in grid[::columns]:
+        for axes in left:
             axes.set_ylabel(labels[1])
         if axis.along:
             figure.legend(*grid[0].get_legend_handles_labels(), loc="outside right center")

@@ -6,7 +6,7 @@ import pandas as pd
 
 from tactometry.palette import COLOURS
 
-from .style import Drawing, drawing_of, new_figure
+from .style import Drawing, drawing_of, grid_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,23 +20,18 @@ def courses_figure(table: pd.DataFrame, quantity: str) -> Drawing:
     """Draw medians over touches with the 5th to 95th percentile, and the target band, a panel for each participant."""
     rows = table[table["quantity"] == quantity]
     people, targets = sorted(rows["participant"].unique()), sorted(rows["target"].unique())
-    n_columns = min(N_COLUMNS, len(people))
-    n_rows = -(-len(people) // n_columns)  # rounded up
-    with new_figure(2.6 * n_columns + 1.6, 2.1 * n_rows + 0.4) as figure:
-        grid = figure.subplots(n_rows, n_columns, squeeze=False, sharex=True, sharey=True)
-        for axes, person in zip(grid.ravel(), people, strict=False):
+    with grid_of(len(people), N_COLUMNS, (2.6, 2.1), (1.6, 0.4)) as (figure, grid, left):
+        for axes, person in zip(grid, people, strict=True):
             _draw(axes, rows[rows["participant"] == person], quantity, targets)
             axes.set_title(person)
-        for axes in grid.ravel()[len(people) :]:
-            axes.set_visible(False)
-        for axes in grid[:, 0]:
+        for axes in left:
             axes.set_ylabel(SCALES[quantity][2])
-        for axes in grid.ravel()[max(0, len(people) - n_columns) : len(people)]:
+        for axes in grid[-N_COLUMNS:]:  # the lowest panel of each column
             axes.set_xlabel("Time from the onset (s)")
             axes.tick_params(labelbottom=True)
-        highest = max(axes.dataLim.y1 for axes in grid.ravel()[: len(people)])
-        grid[0, 0].set_ylim(0.0, 1.1 * highest or 1.0)  # a finger that rests may not move at all
-        named = [pair for axes in grid.flat for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
+        highest = max(axes.dataLim.y1 for axes in grid)
+        grid[0].set_ylim(0.0, 1.1 * highest or 1.0)  # a finger that rests may not move at all
+        named = [pair for axes in grid for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
         lines = {text: line for line, text in named}  # each name once
         figure.legend(lines.values(), lines.keys(), loc="outside right upper")
         return drawing_of(figure)
@@ -47,7 +42,7 @@ def _draw(axes: "Axes", rows: pd.DataFrame, quantity: str, targets: list[float])
     for target, course in rows.groupby("target", sort=True):
         colour = COLOURS[targets.index(float(str(target))) % len(COLOURS)]
         times_s = course["time_s"]
-        name = f"{scale * float(str(target)):g} {unit} asked"
+        name = f"{scale * float(str(target)):g} {unit} target"
         axes.fill_between(times_s, scale * course["low"], scale * course["high"], color=colour, alpha=0.2, linewidth=0)
         axes.plot(times_s, scale * course["median"], color=colour, label=name)
         for edge in ("band_low", "band_high"):

@@ -1,8 +1,12 @@
 """Hierarchical fit of thresholds over participants and conditions.
 
 Means and effects (`model`) are integrated out by Laplace's approximation, all other parameters by importance sampling
-(`posterior`). Estimates of participants with few or extreme answers shrink to the group mean. A threshold out of range
-of the levels is reported as a bound, never as a value.
+(`posterior`) at fixed quasi-random points, so the same answers give the same result. Estimates of participants with few
+or extreme answers shrink to the group mean. A threshold out of range of the levels is reported as a bound only.
+
+Priors, in ranges of the levels (of logarithms for widths): mean thresholds normal about the middle of their levels,
+mean log widths normal about half of the range, standard deviations half-normal, the correlation LKJ(2), lapse rates of
+participants normal on the logit scale.
 """
 
 from __future__ import annotations  # `help` then shows ArrayLike instead of its expansion
@@ -10,7 +14,7 @@ from __future__ import annotations  # `help` then shows ArrayLike instead of its
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Required, TypedDict, Unpack
 
 import numpy as np
 import pandas as pd
@@ -22,7 +26,6 @@ from tactometry.psychometric import shape_named
 from ..arrays import Array
 from ..threshold.counts import count_arrays
 from ..threshold.fitting import check_rates
-from ..threshold.log_posterior import BETA_B
 from .model import GroupModel, StudyCounts, rate_of
 from .posterior import N_POINTS, Integrated, Laplace, integrate
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
@@ -34,6 +37,17 @@ COARSE = "the integral over the variances rests on {:.0f} effective points: its 
 OPEN_MEAN = "the mean threshold of a condition is known to no better than the range of its levels"
 
 
+class GroupOptions(TypedDict, total=False):
+    """Rates, shape and priors of `fit_hierarchical`."""
+
+    shape: Required[str]
+    guess_rate: Required[float | None]
+    lapse_rate: float | None
+    lapse_beta: float
+    guess_beta: float
+    scale_free_width: bool
+
+
 def fit_hierarchical(
     levels: ArrayLike,
     n_correct: ArrayLike,
@@ -41,18 +55,13 @@ def fit_hierarchical(
     participants: Sequence[str],
     conditions: Mapping[str, Sequence[float | str]],
     *,
-    shape: str,
-    guess_rate: float | None,
-    lapse_rate: float | None = None,
     width_by: Sequence[str] = (),
     interval: float = 0.95,
-    lapse_beta: float = BETA_B,
-    guess_beta: float = BETA_B,
-    scale_free_width: bool = True,
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
     known: Known | None = None,
     n_points: int = N_POINTS,
+    **options: Unpack[GroupOptions],
 ) -> HierarchicalFit:
     """Fit the thresholds of all participants and conditions at once.
 
@@ -64,7 +73,7 @@ def fit_hierarchical(
         The values of each factor.
     shape, guess_rate, lapse_rate, lapse_beta, guess_beta, scale_free_width
         As for `threshold.fit`. A free lapse rate differs between participants, a free guess rate is shared. The last
-        option applies to the fits of single cells, which determine the statuses.
+        option (the default) applies to the fits of single cells, which determine the statuses.
     n_false_alarms, n_catch : int or (n_rows,)
         "Yes" answers to catch trials, and number of catch trials: over all participants, or (better) per row's cell.
     width_by : sequence of str
@@ -79,44 +88,23 @@ def fit_hierarchical(
     InvalidParameter
         For a value that is not a number, an impossible count (naming the row), or an unknown name.
 
-    Notes
-    -----
-    The posterior of variances, correlation, mean width and rates is integrated by importance sampling at fixed
-    quasi-random points, so the same answers give the same result. Priors, in ranges of the levels (of logarithms for
-    widths): mean thresholds normal about the middle of their levels, mean log widths normal about half of the range,
-    standard deviations half-normal, the correlation LKJ(2), lapse rates of participants normal on the logit scale.
-
     Examples
     --------
-    >>> rows = [(who, x, k) for who, ks in {"A": (1, 4, 9, 10), "B": (0, 2, 6, 10), "C": (3, 6, 9, 10)}.items()
-    ...     for x, k in zip((1, 2, 3, 4), ks)]
-    >>> participants, levels, k = zip(*rows)
-    >>> found = fit_hierarchical(levels, k, 10, participants, {"force_n": [0.5] * 12}, shape="logistic", guess_rate=0.0,
-    ...     lapse_rate=0.0)
+    >>> k, levels = [1, 4, 9, 10, 0, 2, 6, 10, 3, 6, 9, 10], [1, 2, 3, 4] * 3
+    >>> found = fit_hierarchical(levels, k, 10, list("AAAABBBBCCCC"), {"force_n": [0.5] * 12}, shape="logistic",
+    ...     guess_rate=0.0, lapse_rate=0.0)
     >>> found.n_participants, round(float(found.conditions["threshold"][0]), 1)
     (3, 2.2)
     """
-    curve = shape_named(shape)
-    x, k, n = (rows[0] for rows in count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels))
-    _check({"participants": participants, **conditions}, x.size, width_by, interval, (guess_rate, lapse_rate))
-    used = n > 0
-    if not used.any():
+    curve = shape_named(options["shape"])
+    answers = tuple(rows[0] for rows in count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels))
+    rates = options["guess_rate"], options.get("lapse_rate")
+    _check({"participants": participants, **conditions}, answers[0].size, width_by, interval, rates)
+    if not answers[2].any():
         return _no_data(tuple(conditions), interval)
-
-    catch = np.array([np.broadcast_to(count, n.shape)[used] for count in (n_false_alarms, n_catch)], dtype=np.float64)
-    prior = {"guess_rate": guess_rate, "lapse_rate": lapse_rate, "lapse_beta": lapse_beta, "guess_beta": guess_beta}
-    study = StudyCounts.of(
-        np.asarray([str(name) for name in participants])[used],
-        {name: np.asarray(values)[used] for name, values in conditions.items()},
-        width_by,
-        (x[used], k[used], n[used]),
-        catch if np.ndim(n_catch) else None,  # a single number is the total of all participants
-        **dict(zip(("n_false_alarms", "n_catch"), catch.max(axis=1), strict=True)),
-        **prior,
-        shape=curve,
-        scale_free_width=scale_free_width,
-    )
-    return _fit(single_fits(study, shape, known or {}), interval, n_points)
+    catch, of_study = (n_false_alarms, n_catch), {**options, "shape": curve}
+    study = StudyCounts.of(participants, conditions, width_by, answers, catch, **of_study)
+    return _fit(single_fits(study, options["shape"], known or {}), interval, n_points)
 
 
 def _check(
@@ -178,10 +166,7 @@ def _fit(single: SingleFits, interval: float, n_points: int) -> HierarchicalFit:
 
 
 def _mean_hyperparameters(model: GroupModel, found: Integrated) -> dict[str, Any]:
-    """Return posterior means of the hyperparameters.
-
-    They are standard deviations, correlation and guess rate.
-    """
+    """Return posterior means of standard deviations, correlation, guess rate."""
     study, hyper = model.study, found.at.hyper
     sds = found.mean(np.exp(hyper[:, : len(model.sds)])).tolist()
     components = {
@@ -198,17 +183,14 @@ def _mean_hyperparameters(model: GroupModel, found: Integrated) -> dict[str, Any
 def _open(study: StudyCounts, group: ParameterPlace, n_effective: float) -> Iterator[str]:
     """Yield notes on parameters that the responses do not determine."""
     low, high, _ = study.ranges()
-    if np.any((high > low) & ~(group.threshold_se <= high - low)):
+    if np.any((high > low) & ~(group.se[:, 0] <= high - low)):
         yield OPEN_MEAN
     if n_effective < ENOUGH_EFFECTIVE:
         yield COARSE.format(n_effective)
 
 
 def _means_of_all(single: SingleFits, model: GroupModel, found: Integrated) -> tuple[Array, Array, tuple[int, ...]]:
-    """Return means and covariances in the unit of the levels.
-
-    Conditions without a threshold have zeros.
-    """
+    """Return means and covariances in the unit of the levels."""
     study, kept, n_points = single.study, model.study, len(found.weights)
     group = np.zeros(study.n_conditions, dtype=np.int64)
     group[single.with_threshold] = kept.width_group

@@ -1,6 +1,4 @@
-"""Hierarchical model of thresholds, log widths and lapse rates of cells.
-
-A cell is a participant in a condition.
+"""Hierarchical model of thresholds, log widths and lapse rates of cells (a participant in a condition).
 
 The threshold of participant p in condition c is the mean of c, plus the effect of p, plus the deviation of the cell.
 The log width is the mean of its group plus the effect of p (plus a deviation of the cell if there are several groups).
@@ -15,14 +13,14 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 from scipy.special import expit, log_expit
 
 from tactometry.psychometric import Shape
 
 from ..arrays import Array, Expansion, Indices, lay_out
 from ..threshold.counts import POOLED_BELOW, Counts, normalise
-from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, chance_slopes, expansion
+from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, expansion, information
 from ..threshold.log_posterior import BETA_B, LARGEST_RATE
 
 SCALES = {"threshold": 0.25, "log_width": 0.5, "lapse": 1.0, "threshold_cell": 0.125, "log_width_cell": 0.25}
@@ -38,9 +36,7 @@ START_RATE = 0.03
 
 @dataclass(frozen=True)
 class StudyCounts:
-    """Counts of all cells, on the scale of the whole study.
-
-    Levels are u = (level - centre) / spread.
+    """Counts of all cells, on the scale of the whole study, u = (level - centre) / spread.
 
     `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
     `own_catch` (2, n_participants, n_conditions) are false alarms and catch trials of each cell, `n_false_alarms` and
@@ -57,11 +53,11 @@ class StudyCounts:
     own_catch: Array
     centre: float
     spread: float
+    n_false_alarms: float
+    n_catch: float
     shape: Shape
     guess_rate: float | None
-    lapse_rate: float | None
-    n_false_alarms: float = 0
-    n_catch: float = 0
+    lapse_rate: float | None = None
     lapse_beta: float = BETA_B
     guess_beta: float = BETA_B
     scale_free_width: bool = True
@@ -69,35 +65,39 @@ class StudyCounts:
     @classmethod
     def of(
         cls,
-        names: NDArray[np.str_],
-        factors: Mapping[str, NDArray[np.generic]],
+        names: ArrayLike,
+        factors: Mapping[str, ArrayLike],
         width_by: Sequence[str],
         answers: tuple[Array, Array, Array],
-        own_catch: Array | None = None,
+        catch: tuple[ArrayLike, ArrayLike] = (0, 0),
         **known: Any,
     ) -> "StudyCounts":
-        """Arrange rows, one per level, into a study.
+        """Arrange rows with levels, "yes" answers and trials into a study.
 
-        `own_catch` (2, n_rows) contains false alarms and catch trials of the cell of each row.
+        `catch` are false alarms and catch trials: of the cell of each row, or numbers of all participants.
         """
-        keys = pd.DataFrame(dict(factors))
+        used = answers[2] > 0
+        keys = pd.DataFrame({name: np.asarray(values)[used] for name, values in factors.items()})
         conditions = keys.drop_duplicates().sort_values(list(factors)).reset_index(drop=True)
         both = conditions.reset_index().merge(keys.reset_index(), on=list(factors))
         place = both.sort_values("index_y")["index_x"]  # index of each row's condition, in the original order of rows
-        who, participant = np.unique(names, return_inverse=True)
+        who, participant = np.unique(np.asarray(names, dtype=str)[used], return_inverse=True)
         cell = participant * len(conditions) + place.to_numpy()
-        n_cells = len(who) * len(conditions)
-        levels, n_yes, n_trials = answers
-        centre, spread = _scale(levels)
-        columns = _counts_of_cells(cell, n_cells, ((levels - centre) / spread, n_yes, n_trials))
-        u, k, n = (rows.reshape(len(who), len(conditions), -1) for rows in columns)
+        shape = (len(who), len(conditions))
+        levels, n_yes, n_trials = (rows[used] for rows in answers)
+        low, high = float(levels.min()), float(levels.max())
+        centre, spread = low + (high - low) / 2, (high - low) or 1.0
+        columns = _counts_of_cells(cell, shape[0] * shape[1], ((levels - centre) / spread, n_yes, n_trials))
+        u, k, n = (rows.reshape(*shape, -1) for rows in columns)
         group = conditions.groupby(list(width_by), sort=True).ngroup() if width_by else np.zeros(len(conditions))
-        catch = np.zeros((2, n_cells))
-        if own_catch is not None:
-            catch[:, cell] = own_catch
-            known |= dict(zip(("n_false_alarms", "n_catch"), catch.sum(axis=1), strict=True))
-        by_cell, width_group = catch.reshape(2, *u.shape[:2]), np.asarray(group, dtype=np.int64)
-        return cls(tuple(map(str, who)), conditions, width_group, u, k, n, by_cell, centre, spread, **known)
+        stated = np.array([np.broadcast_to(count, used.shape)[used] for count in catch], dtype=np.float64)
+        own, totals = np.zeros((2, shape[0] * shape[1])), stated.max(axis=1)
+        if np.ndim(catch[1]):
+            own[:, cell] = stated
+            totals = own.sum(axis=1)
+        width_group, participants = np.asarray(group, dtype=np.int64), tuple(map(str, who))
+        of_cells = u, k, n, own.reshape(2, *shape)
+        return cls(participants, conditions, width_group, *of_cells, centre, spread, *totals.tolist(), **known)
 
     @property
     def n_participants(self) -> int:
@@ -133,16 +133,8 @@ class StudyCounts:
         return low, high, np.array(gaps)
 
 
-def _scale(x: Array) -> tuple[float, float]:
-    low, high = float(x.min()), float(x.max())
-    return low + (high - low) / 2, (high - low) or 1.0
-
-
 def _counts_of_cells(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-    """Arrange rows by cell and pool equal levels of a cell.
-
-    The result has the shape (n_cells, n_rows of the largest cell).
-    """
+    """Arrange rows by cell, shape (n_cells, most rows), and pool equal levels."""
     counts = normalise(*lay_out(cell, *columns, n_clusters=n_cells))
     # The means of conditions need the scale of the study, not that of each cell.
     u = counts.centre[:, None] + counts.spread[:, None] * counts.u
@@ -170,10 +162,7 @@ def logit_of(probability: float) -> float:
 
 
 def log_rate_prior(logit: Array, beta: float, n_yes: float = 0.0, n_no: float = 0.0) -> Array:
-    """Return the log posterior density of a rate along its logit.
-
-    The prior is Beta(1, beta); `n_yes` and `n_no` are answers that follow the rate.
-    """
+    """Return the log density of a rate's logit, Beta(1, beta) with answers."""
     rate = rate_of(logit)[0]
     counted = n_yes * (np.log(LARGEST_RATE) + log_expit(logit)) + (beta - 1 + n_no) * np.log1p(-rate)
     return np.asarray(counted + log_expit(logit) + log_expit(-logit))
@@ -230,10 +219,7 @@ class GroupModel:
 
     @cached_property
     def random(self) -> Array:
-        """Design Z (n_conditions, n_predictors, n_random) of random effects.
-
-        Random effects are those of a participant and the deviations of the cells.
-        """
+        """Design Z (n_conditions, n_predictors, n_random) of random effects."""
         c, d = self.study.n_conditions, len(self.kept)
         columns = [np.zeros((c, d, 0))]
         for name in self.sds:
@@ -264,10 +250,7 @@ class GroupModel:
         return offsets
 
     def every_mean(self, hyper: Array, means: Array) -> Array:
-        """Return thresholds of conditions and log widths of groups.
-
-        The shape is (n_points, n_conditions + n_groups).
-        """
+        """Return thresholds of conditions, then log widths of groups."""
         widths = [self.at(hyper, "width")[:, None]] if self.has_one_width else []
         return np.concatenate([means, *widths], axis=1)
 
@@ -279,10 +262,7 @@ class GroupModel:
         return rate_of(self.at(hyper, "lapse_rate")[:, None] + own)[0]
 
     def precision(self, hyper: Array) -> tuple[Array, Array]:
-        """Return the precision of a participant's effects and half its log det.
-
-        The precision has the shape (n_points, n_random, n_random).
-        """
+        """Return the precision of a participant's effects and half its log det."""
         size = self.random.shape[2]
         precision, half = np.zeros((len(hyper), size, size)), np.zeros(len(hyper))
         place = 0
@@ -319,10 +299,7 @@ class GroupModel:
 
     @cached_property
     def means_prior(self) -> tuple[Array, Array]:
-        """Mean and precision of the normal priors of the means.
-
-        Both have the shape (n_conditions + n_groups,): thresholds, then log widths.
-        """
+        """Mean and precision of the means' priors: thresholds, log widths."""
         study = self.study
         low, high, _ = study.ranges()
         reach = np.where(high > low, high - low, 1.0)
@@ -331,51 +308,43 @@ class GroupModel:
         middles = np.concatenate([(low + high) / 2, np.log(wide) + mean])
         return middles, np.concatenate([reach**-2, np.full(study.n_groups, sd**-2)])
 
-    def _theta(self, points: Array, hyper: Array) -> tuple[Array, Array | None]:
-        """Return the parameters of each cell and slopes of its lapse rate.
-
-        The slopes are along the logit.
-        """
-        theta, slope = np.empty((len(points), len(self.counts), N_PARAMETERS)), None
+    def _theta(self, points: Array, hyper: Array) -> tuple[Array, Array]:
+        """Return the parameters of each cell, and their slopes along its predictors."""
+        theta = np.empty((len(points), len(self.counts), N_PARAMETERS))
         theta[..., LAPSE], theta[..., GUESS] = self.study.lapse_rate or 0.0, self.study.guess_rate or 0.0
         theta[..., self.kept] = points.reshape(*theta.shape[:2], -1)
+        slopes = np.ones((*theta.shape[:2], len(self.kept)))
         if self.study.guess_rate is None:
             theta[..., GUESS] = rate_of(self.at(hyper, "guess_rate"))[0][:, None]
         if self.study.lapse_rate is None:
-            theta[..., LAPSE], slope, _ = rate_of(theta[..., LAPSE])
-        return theta, slope
+            theta[..., LAPSE], slopes[..., 2], _ = rate_of(theta[..., LAPSE])
+        return theta, slopes
+
+    def _by_predictors(self, hessian: Array, slopes: Array) -> Array:
+        """Convert second derivatives along the parameters of each cell."""
+        return hessian[..., self.kept, :][..., self.kept] * slopes[..., None] * slopes[..., None, :]
 
     def log_likelihood(self, points: Array, hyper: Array) -> Expansion:
         """Return the log-likelihood of the cells at their predictors.
 
         Predictors have the shape (n_points, n_participants, n_conditions, n_predictors).
         """
-        study, shape = self.study, points.shape
-        theta, slope = self._theta(points, hyper)
-        whole = expansion(study.shape, self.counts, theta)
-        gradient, hessian = whole.gradient[..., self.kept], whole.hessian[..., self.kept, :][..., self.kept]
-        if slope is not None:
-            hessian[..., 2, :] *= slope[..., None]
-            hessian[..., :, 2] *= slope[..., None]
-            hessian[..., 2, 2] += gradient[..., 2] * slope * (1 - 2 * theta[..., LAPSE] / LARGEST_RATE)
-            gradient[..., 2] *= slope
-        value = whole.value.reshape(shape[:3])
-        return Expansion(value, gradient.reshape(shape), hessian.reshape(*shape, len(self.kept)))
+        theta, slopes = self._theta(points, hyper)
+        whole = expansion(self.study.shape, self.counts, theta)
+        gradient, hessian = whole.gradient[..., self.kept] * slopes, self._by_predictors(whole.hessian, slopes)
+        if self.study.lapse_rate is None:
+            hessian[..., 2, 2] += gradient[..., 2] * (1 - 2 * theta[..., LAPSE] / LARGEST_RATE)
+        value = whole.value.reshape(points.shape[:3])
+        return Expansion(value, gradient.reshape(points.shape), hessian.reshape(*points.shape, -1))
 
     def information(self, points: Array, hyper: Array) -> Array:
-        """Return Fisher's information of the cells.
+        """Return Fisher's information of the cells, which unlike the negative Hessian is never negative.
 
-        The shape is (n_points, n_participants, n_conditions, d, d).
-
-        Unlike the negative Hessian it is never negative.
+        The shape is (n_points, n_participants, n_conditions, n_predictors, n_predictors).
         """
-        theta, slope = self._theta(points, hyper)
-        by_threshold, by_width, by_lapse, variance = chance_slopes(self.study.shape, self.counts.u, theta)
-        slopes = [by_threshold, by_width, *([by_lapse * slope[..., None]] if slope is not None else [])]
-        with np.errstate(all="ignore"):
-            share = np.where(variance > 0, self.counts.n_trials / variance, 0.0)
-        rows = [[(share * one * other).sum(axis=-1) for other in slopes] for one in slopes]
-        return np.moveaxis(np.array(rows), (0, 1), (-2, -1)).reshape(*points.shape, len(slopes))
+        theta, slopes = self._theta(points, hyper)
+        known = information(self.study.shape, self.counts, theta)
+        return self._by_predictors(known, slopes).reshape(*points.shape, -1)
 
     def start(self, thresholds: Array, log_widths: Array) -> tuple[Array, Array]:
         """Return start values of hyperparameters and means."""

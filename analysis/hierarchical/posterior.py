@@ -77,10 +77,7 @@ class Bordered:
 
 
 def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) -> InnerMode:
-    """Climb from `means` and `effects` by damped Newton steps.
-
-    Each point has a separate damping.
-    """
+    """Climb from `means` and `effects` by damped Newton steps."""
     precision, n = model.precision(hyper)[0], len(hyper)
     start = np.broadcast_to(means, (n, means.shape[-1])), np.broadcast_to(effects, (n, *effects.shape[-2:]))
     found = inner_at(model, hyper, precision, *start)
@@ -319,10 +316,7 @@ def _weights(at: Conditional, proposals: list[tuple[Array, Array]], sizes: list[
 
 
 def _moments(x: Array, weights: Array, before: Array) -> tuple[Array, Array]:
-    """Return the weighted mean and covariance.
-
-    With few effective points the covariance shrinks to `before`.
-    """
+    """Return weighted moments, shrunk to `before` with few effective points."""
     mean = weights @ x
     away = x - mean
     n = 1 / np.square(weights).sum()
@@ -342,8 +336,5 @@ def quantiles(weights: Array, means: Array, sds: Array, share: float) -> Array:
 
 
 def normal_chances(means: Array, sds: Array) -> Array:
-    """Return the probabilities that normal values are below 0.
-
-    Without a spread they are 0 or 1.
-    """
+    """Return the probabilities that normal values are below 0."""
     return np.asarray(ndtr(-means / np.maximum(sds, SMALLEST_SD)))

@@ -20,9 +20,9 @@ class GroupStatus(StatusWithNote):
     OK = "ok", ""
     ONE_PARTICIPANT = (
         "one_participant",
-        "one participant: no variance between participants; the intervals are this one's",
+        "one participant: no variance between participants, and intervals of this participant only",
     )
-    NO_THRESHOLD = "no_threshold", "no participant tells a threshold in any condition: bounds at most"
+    NO_THRESHOLD = "no_threshold", "no participant has a threshold in any condition, at most a bound"
     NOT_CONVERGED = "not_converged", "the integral over the variances did not converge: no estimate"
     NO_DATA = "no_data", "no trial was given"
 
@@ -43,10 +43,7 @@ class Contrast:
 
 @dataclass(frozen=True)
 class FactorEffect:
-    """Wald's F of an effect with its degrees of freedom and p.
-
-    Both degrees of freedom are already multiplied by `epsilon`.
-    """
+    """Wald's F of an effect with p; both df are multiplied by `epsilon`."""
 
     f: float
     df: int
@@ -140,8 +137,8 @@ class HierarchicalFit:
         weights = self._effect_weights(factors)
         rows = self._rows(weights, of)
         has_own_widths = np.linalg.matrix_rank(rows) == len(rows)
-        asked = f"{of!r} over {', '.join(factors)}"
-        expect(has_own_widths, "of", asked, "conditions whose widths are their own (width_by)")
+        requested = f"{of!r} over {', '.join(factors)}"
+        expect(has_own_widths, "of", requested, "conditions with separate widths (width_by)")
         differences, df = self.means @ rows.T, len(rows)
         scaled = np.linalg.solve(rows @ self.covariance @ rows.T, differences[..., None])[..., 0]
         f = float(self.weights @ (differences * scaled).sum(axis=1)) / df
@@ -150,10 +147,7 @@ class HierarchicalFit:
         return FactorEffect(f, df, df_error, p, epsilon)
 
     def _epsilon(self, weights: Array, of: str) -> float:
-        """Return Chi and Muller's epsilon over participants with all conditions.
-
-        With fewer than three such participants it is the lower bound.
-        """
+        """Return Chi and Muller's epsilon, the lower bound below 3 participants."""
         names, column = list(self.factors), {"threshold": "threshold", "log_width": "width"}[of]
         wide = self.participants.pivot(index="participant", columns=names, values=column)
         keys = [key if len(key) > 1 else key[0] for key in self._keys()]  # pandas names one level without a tuple
@@ -169,10 +163,7 @@ class HierarchicalFit:
         return [tuple(row) for row in self.conditions[list(self.factors)].itertuples(index=False)]
 
     def _rows(self, weights: Array, of: str) -> Array:
-        """Return weights (n_rows, n_conditions) as weights of all means.
-
-        The means are thresholds, then log widths.
-        """
+        """Return weights (n_rows, n_conditions) as weights of all means."""
         expect(of in ("threshold", "log_width"), "of", repr(of), "'threshold' or 'log_width'")
         is_fitted = self.n_participants > 1 and len(self.means) > 0
         expect(is_fitted, "participants", self.n_participants, "two or more with a fit")
@@ -192,10 +183,10 @@ class HierarchicalFit:
     def _effect_weights(self, factors: Sequence[str]) -> Array:
         levels = [sorted(self.conditions[name].unique()) for name in self.factors]
         is_complete = len(self.conditions) == int(np.prod([len(values) for values in levels]))
-        asked = f"{', '.join(factors) or 'none'} over {len(self.conditions)} conditions"
+        requested = f"{', '.join(factors) or 'none'} over {len(self.conditions)} conditions"
         known = f"factors of {', '.join(self.factors)} with every combination of their levels"
         are_known = len(factors) > 0 and {*factors} <= {*self.factors}
-        expect(are_known and is_complete, "factors", asked, known)
+        expect(are_known and is_complete, "factors", requested, known)
         by_factor = []
         for name, values in zip(self.factors, levels, strict=True):
             # Differences between levels of a requested factor, means over the levels of the others.

@@ -37,14 +37,11 @@ class SingleFits:
         It is `ok` if a cell or the pooled answers have a threshold. Otherwise it is the common status of the cells, or
         that of the pooled answers.
         """
-        statuses = []
+        with_threshold, statuses = Status.SEPARATED if self.separated else Status.OK, []
         for cell, together in zip(self.cells, self.together, strict=True):
             of_cells = {one.status for one in cell} - {Status.NO_DATA}
-            if any(has_threshold(one) for one in (*cell, together)):
-                statuses.append(Status.SEPARATED if self.separated else Status.OK)
-            else:
-                agreed = of_cells.pop() if len(of_cells) == 1 else together.status
-                statuses.append(Status(agreed))
+            agreed = of_cells.pop() if len(of_cells) == 1 else together.status
+            statuses.append(with_threshold if any(map(has_threshold, (*cell, together))) else agreed)
         return statuses
 
     @property
@@ -53,18 +50,12 @@ class SingleFits:
         return np.flatnonzero([status in (Status.OK, Status.SEPARATED) for status in self.statuses()])
 
     def cell_bounds(self) -> Array:
-        """Return bounds of each cell, NaN if there is none.
-
-        The shape is (n_conditions, n_participants, 2).
-        """
+        """Return bounds (n_conditions, n_participants, 2), NaN if none."""
         ends = [[(one.interval_low, one.interval_high) for one in cell] for cell in self.cells]
         return np.array(ends, dtype=np.float64)
 
     def width_bounds(self) -> Array:
-        """Return an upper bound of the width per condition, NaN if none.
-
-        It is from the pooled answers of the condition.
-        """
+        """Return the highest width of each condition's pooled answers, or NaN."""
         return np.array([np.nan if one.width_high is None else one.width_high for one in self.together])
 
     def start(self) -> tuple[Array, Array]:
@@ -94,10 +85,7 @@ WIDTHS = ("width", "width_low", "width_high")
 
 
 def single_fits(study: StudyCounts, shape: str, known: Known) -> SingleFits:
-    """Fit single cells as an analysis does, except those that are `known`.
-
-    See `cells.estimates`.
-    """
+    """Fit single cells as `cells.estimates` does, except those `known`."""
     if study.shape.on_log_levels:  # a Weibull function is a Gumbel function of logarithms
         shape, known = "gumbel", {}
     n, c = study.n_participants, study.n_conditions
@@ -116,11 +104,11 @@ def single_fits(study: StudyCounts, shape: str, known: Known) -> SingleFits:
 
 
 def _on_scale(one: ThresholdFit, study: StudyCounts) -> ThresholdFit:
-    values: dict[str, float | None] = {name: getattr(one, name) for name in (*PLACES, *WIDTHS)}
-    moved: dict[str, Any] = {
-        name: None if value is None else (value - study.centre * (name in PLACES)) / study.spread
-        for name, value in values.items()
-    }
+    moved: dict[str, Any] = {}
+    for name in (*PLACES, *WIDTHS):
+        value = getattr(one, name)
+        if value is not None:
+            moved[name] = (value - study.centre * (name in PLACES)) / study.spread
     return replace(one, **moved)
 
 

@@ -9,21 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from ..arrays import Array, Bools, Rows
+from ..arrays import Array, Rows
 from ..threshold.status import Status
 from .model import GroupModel, StudyCounts
 from .posterior import InnerMode, Integrated, bordered, inner_at, quantiles
 from .single_fits import SingleFits
 
 CONDITION_COLUMNS = (
-    "threshold",
-    "standard_error",
-    "interval_low",
-    "interval_high",
-    "width",
-    "width_low",
-    "width_high",
-    "status",
+    *("threshold", "standard_error", "interval_low", "interval_high"),
+    *("width", "width_low", "width_high", "status"),
 )
 CENSORED = (Status.BELOW, Status.ABOVE)
 FEWEST_DRAWS = 100.0
@@ -39,35 +33,28 @@ WITHOUT_NUMBER = (*CENSORED, Status.FLAT, Status.NO_DATA)
 
 @dataclass(frozen=True)
 class ParameterPlace(Rows):
-    """Thresholds and log widths with their uncertainty.
+    """Thresholds (in ranges of the levels) and log widths with their uncertainty.
 
-    Thresholds (in ranges of the levels) have standard errors and intervals, log widths have intervals. All have the
-    shape (n_conditions, ...) and are NaN for a condition without a threshold. The last axis of an interval has its two
-    ends.
+    `mean` and `se` have the shape (n_conditions, ..., 2), and `ends` of intervals one more axis. They are NaN for a
+    condition without a threshold.
     """
 
-    threshold: Array
-    threshold_se: Array
+    mean: Array
+    se: Array
     ends: Array
-    log_width: Array
-    log_width_ends: Array
 
     @classmethod
     def unknown(cls, *size: int) -> "ParameterPlace":
-        of_each, two = np.full(size, np.nan), np.full((*size, 2), np.nan)
-        return cls(of_each, of_each, two, of_each, two)
+        both = np.full((*size, 2), np.nan)
+        return cls(both, both, np.full((*size, 2, 2), np.nan))
 
     @classmethod
     def of(cls, found: Integrated, values: Array, variances: Array, interval: float) -> "ParameterPlace":
-        """Summarise values with their variances at each point.
-
-        Values have the shape (n_points, n_conditions, ..., 2).
-        """
+        """Summarise values (n_points, n_conditions, ..., 2) with variances."""
         mean = found.mean(values)
         se = np.sqrt(found.mean(variances + np.square(values - mean)))
-        shares = ((1 - interval) / 2, (1 + interval) / 2)
-        ends = np.stack([quantiles(found.weights, values, np.sqrt(variances), p) for p in shares], axis=-1)
-        return cls(mean[..., 0], se[..., 0], ends[..., 0, :], mean[..., 1], ends[..., 1, :])
+        ends = [quantiles(found.weights, values, np.sqrt(variances), share) for share in _tails(interval)]
+        return cls(mean, se, np.stack(ends, axis=-1))
 
     def turned(self) -> "ParameterPlace":
         """Return the estimates with the first two axes swapped."""
@@ -76,6 +63,10 @@ class ParameterPlace(Rows):
     def by_participant(self) -> "ParameterPlace":
         """Return the cells as rows, ordered by participant."""
         return self.turned()._of_each(lambda values: values.reshape(-1, *values.shape[2:]))
+
+
+def _tails(interval: float) -> tuple[float, float]:
+    return (1 - interval) / 2, (1 + interval) / 2
 
 
 @dataclass(frozen=True)
@@ -127,17 +118,6 @@ def _log_density(inner: InnerMode, precision: Array) -> Array:
     return np.asarray(inner.at.value.sum(axis=2) - 0.5 * bound)
 
 
-def weighted_quantiles(values: Array, weights: Array, share: float) -> Array:
-    """Return weighted quantiles over the first axis.
-
-    Values and weights have the same shape (n, ...).
-    """
-    order = np.argsort(values, axis=0)
-    values, reached = np.take_along_axis(values, order, 0), np.cumsum(np.take_along_axis(weights, order, 0), axis=0)
-    place = np.minimum((reached < share).sum(axis=0, keepdims=True), len(values) - 1)
-    return np.asarray(np.take_along_axis(values, place, 0)[0])
-
-
 def group_place(model: GroupModel, found: Integrated, interval: float) -> ParameterPlace:
     """Return thresholds and widths of the conditions."""
     c, n_free = model.study.n_conditions, found.at.means.shape[1]
@@ -164,20 +144,16 @@ def _place_of_draws(draws: CellDraws, interval: float) -> ParameterPlace:
     weights = np.broadcast_to(draws.weights[..., None, None], draws.points.shape)
     mean = (weights * draws.points).sum(axis=0)
     se = np.sqrt((weights * np.square(draws.points - mean)).sum(axis=0))
-    shares = ((1 - interval) / 2, (1 + interval) / 2)
-    ends = np.stack([weighted_quantiles(draws.points, weights, share) for share in shares], axis=-1)
-    return ParameterPlace(mean[..., 0], se[..., 0], ends[..., 0, :], mean[..., 1], ends[..., 1, :])
+    ends = np.quantile(draws.points, _tails(interval), axis=0, weights=weights, method="inverted_cdf")
+    return ParameterPlace(mean, se, np.moveaxis(ends, 0, -1))
 
 
 def condition_table(single: SingleFits, place: ParameterPlace) -> pd.DataFrame:
-    """Return the table of the means.
-
-    Without any threshold only the status is given.
-    """
+    """Return the table of the means."""
     study = single.study
     low, high, _ = study.ranges()
-    status = [_status_of_mean(*one) for one in zip(single.statuses(), place.threshold, low, high, strict=True)]
-    table = _table(study, place, status, place.ends)
+    means = zip(single.statuses(), place.mean[:, 0], low, high, strict=True)
+    table = _table(study, place, [_status_of_mean(*one) for one in means])
     if single.separated:
         widest = np.where(table["width"].isna(), np.nan, study.spread * single.width_bounds())
         table = table.assign(width=np.nan, width_low=np.nan, width_high=widest)
@@ -185,24 +161,20 @@ def condition_table(single: SingleFits, place: ParameterPlace) -> pd.DataFrame:
 
 
 def participant_table(single: SingleFits, place: ParameterPlace, lapse_rates: Array | None) -> pd.DataFrame:
-    """Return the table of the cells.
-
-    A cell without a threshold keeps its status and bound.
-    """
+    """Return the table of the cells."""
     study, rows = single.study, place.by_participant()
-    statuses = [cell[p].status for p in range(study.n_participants) for cell in single.cells]
-    status = np.array(statuses, dtype=object)
+    status = np.array([cell[p].status for p in range(study.n_participants) for cell in single.cells], dtype=object)
     # Shrinkage to the group gives a width even to a cell whose answers change in one step.
-    status[(status == Status.SEPARATED) & ~np.isnan(rows.threshold)] = Status.OK
-    cell_bounds = single.cell_bounds().swapaxes(0, 1).reshape(-1, 2)  # participant by participant, as the rows are
+    status[(status == Status.SEPARATED) & ~np.isnan(rows.mean[:, 0])] = Status.OK
+    # A cell without a threshold keeps its status and bound.
     is_censored = np.isin(status, CENSORED)
-    ends = np.where(is_censored[:, None], cell_bounds, rows.ends)
-    table = _table(study, rows, status.tolist(), ends)
-    n_trials = study.n_trials.sum(axis=2).ravel().astype(int)
+    rows.ends[is_censored, 0] = single.cell_bounds().swapaxes(0, 1).reshape(-1, 2)[is_censored]
+    table = _table(study, rows, status.tolist())
     conditions = np.tile(np.arange(study.n_conditions), study.n_participants)
     keys = study.conditions.loc[conditions].reset_index(drop=True)
     keys.insert(0, "participant", np.repeat(study.participants, study.n_conditions))
     lapses = np.nan if lapse_rates is None else np.repeat(lapse_rates, study.n_conditions)
+    n_trials = study.n_trials.sum(axis=2).ravel().astype(int)
     return pd.concat([keys, table.assign(n_trials=n_trials, lapse_rate=lapses)], axis=1)
 
 
@@ -214,25 +186,23 @@ def _status_of_mean(status: Status, threshold: float, low: float, high: float) -
     return Status.ABOVE if threshold > high else status
 
 
-def _table(study: StudyCounts, place: ParameterPlace, status: list[Status], ends: Array) -> pd.DataFrame:
-    has_number = np.array([one not in WITHOUT_NUMBER for one in status]) & ~np.isnan(place.threshold)
+def _table(study: StudyCounts, place: ParameterPlace, status: list[Status]) -> pd.DataFrame:
+    threshold, log_width = np.concatenate([place.mean[..., None], place.ends], axis=-1).swapaxes(0, 1)
+    has_number = np.array([one not in WITHOUT_NUMBER for one in status]) & ~np.isnan(threshold[:, 0])
     # The bound is the lower end for a threshold above the levels, the upper end for one below.
     has_low = has_number | np.array([one == Status.ABOVE for one in status])
     has_high = has_number | np.array([one == Status.BELOW for one in status])
     with np.errstate(over="ignore"):
-        width, narrow, wide = study.spread * np.exp([place.log_width, *place.log_width_ends.T])
+        width, narrow, wide = study.spread * np.exp(log_width.T)
+    level, low, high = study.level(threshold.T)
     columns = {
-        "threshold": _where(has_number, study.level(place.threshold)),
-        "standard_error": _where(has_number, study.spread * place.threshold_se),
-        "interval_low": _where(has_low, study.level(ends[:, 0])),
-        "interval_high": _where(has_high, study.level(ends[:, 1])),
-        "width": _where(has_number, width),
-        "width_low": _where(has_number, narrow),
-        "width_high": _where(has_number & np.isfinite(wide), wide),
-        "status": [one.value for one in status],
+        "threshold": (level, has_number),
+        "standard_error": (study.spread * place.se[:, 0], has_number),
+        "interval_low": (low, has_low),
+        "interval_high": (high, has_high),
+        "width": (width, has_number),
+        "width_low": (narrow, has_number),
+        "width_high": (wide, has_number & np.isfinite(wide)),
     }
-    return pd.DataFrame(columns)
-
-
-def _where(is_known: Bools, values: Array) -> Array:
-    return np.where(is_known, values, np.nan)
+    known = {name: np.where(is_known, values, np.nan) for name, (values, is_known) in columns.items()}
+    return pd.DataFrame(known | {"status": [one.value for one in status]})

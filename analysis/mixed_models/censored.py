@@ -1,6 +1,10 @@
 """Linear mixed models of censored values.
 
-A censored value is known only to lie below, above or between bounds.
+A censored value is known only to lie below, above or between bounds. Censoring may depend on the value itself, which a
+model of the known values alone does not allow.
+
+The fit is by maximum likelihood. The variances and squared standard errors are multiplied by n / (n - 1) for n
+participants. In a balanced design without covariates and censoring they then equal those of the restricted likelihood.
 
 Tobin 1958, Econometrica 26, 24-36; with random effects Pettitt 1986, Biometrika 73, 635-643.
 """
@@ -23,7 +27,7 @@ ZERO_SD = 1e-3
 WIDEST_SE = 100.0
 """A coefficient of a larger standard error, in standard deviations of the values, has no finite maximum."""
 LARGEST_STEP = 0.02
-"""In standard errors: what the gradient that is left may still ask for."""
+"""In standard errors: the largest step that the remaining gradient suggests."""
 ZERO = 1e-7
 
 
@@ -39,9 +43,7 @@ def censored_model(
     interactions: bool = True,
     interval: float = 0.95,
 ) -> MixedModel:
-    """Fit a linear mixed model to values that may be censored.
-
-    The model has a random intercept per participant.
+    """Fit a mixed model with random intercepts to values that may be censored.
 
     Parameters
     ----------
@@ -57,12 +59,6 @@ def censored_model(
     InvalidParameter
         As `mixed_model`. Also for a row without value and bounds or with crossed bounds, and if the likelihood has no
         finite maximum (for example if all values of a condition are below a bound).
-
-    Notes
-    -----
-    The fit is by maximum likelihood. The variances and squared standard errors are multiplied by n / (n - 1) for n
-    participants. In a balanced design without covariates and censoring they then equal those of the restricted
-    likelihood. Censoring may depend on the value itself, which a model of the known values alone does not allow.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, None, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
@@ -106,8 +102,8 @@ def _refuse_unheld(ends: Array, matrix: ModelDesign) -> None:
 
 def _endless(name: str) -> InvalidParameter:
     return InvalidParameter(
-        f"{name}: found that the likelihood has no finite maximum, expected known values that hold each coefficient; "
-        "leave the condition out in which all values are censored"
+        f"{name}: found that the likelihood has no finite maximum, expected known values that determine each "
+        "coefficient; leave the condition out in which all values are censored"
     )
 
 
@@ -134,10 +130,8 @@ def _intercept_fit(maximum: Maximum, design: ModelDesign, log_likelihood: float)
 def endless_direction(ends: Array, x: Array) -> Array | None:
     """Return a direction of coefficients in which the likelihood never falls.
 
-    Along it no known value moves, and every bound (row, 2) is satisfied ever better.
-
-    None if there is no such direction: the likelihood then has a finite maximum at any variance. This is the separation
-    of Albert and Anderson (1984, Biometrika 71, 1-10), found by a linear programme.
+    Along it no known value moves, and every bound (row, 2) is satisfied ever better. Without one the likelihood has a
+    finite maximum at any variance (the separation of Albert and Anderson 1984, Biometrika 71, 1-10).
 
     >>> endless_direction(np.array([[1.0, 1.0], [2.0, 2.0], [3.0, np.inf]]), np.array([[1.0, 0], [1, 0], [1, 1]]))
     array([0., 1.])

@@ -6,14 +6,14 @@ Statistics 15(1), 58-81), which is exact where nothing is censored.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import log_ndtr, logsumexp
 
 from tactometry.psychometric import log1mexp
 
-from ..arrays import Array, Bools, Expansion, Indices, lay_out, symmetric_inverse
+from ..arrays import Array, Bools, Indices, lay_out, symmetric_inverse
 
 N_NODES = 31
 NARROW = 1e-6
@@ -27,12 +27,21 @@ MAX_RESTARTS, MAX_POLISHING = 5, 4
 IMPOSSIBLE = 1e12
 
 
+class Terms(NamedTuple):
+    """Log-likelihoods, slopes, and curvatures along the mean."""
+
+    value: Array
+    by_mean: Array
+    by_log_sd: Array
+    curvature: Array
+
+
 @dataclass(frozen=True)
 class Maximum:
-    """Parameters at the largest log-likelihood.
+    """Parameters at the largest log-likelihood with their covariance.
 
-    They are coefficients, log residual standard deviation and the standard deviation of participants. `covariance` is
-    theirs, and the gradient is the largest that is left over.
+    They are coefficients, log residual standard deviation and the standard deviation of participants. The gradient is
+    the largest that is left over.
     """
 
     parameters: Array
@@ -64,19 +73,12 @@ class Intervals:
     def n_censored(self) -> int:
         return int((self.used & (self.low < self.high)).sum())
 
-    def values(self, mean: Array, log_sd: Array) -> Expansion:
-        """Return the log-likelihood of each slot with its derivatives.
-
-        Derivatives are along mean (..., participant, slot) and log standard deviation.
-        """
-        of_values = of_value(self.low, mean, log_sd)
-        of_intervals = of_interval(self.low, self.high, mean, log_sd)
-        is_known, merged = self.low == self.high, []
-        for exact, chance in zip(vars(of_values).values(), vars(of_intervals).values(), strict=True):
-            axes = (..., *[None] * (exact.ndim - mean.ndim))
-            values = np.where(is_known[axes], exact, chance)
-            merged.append(np.where(self.used[axes], values, 0.0))
-        return Expansion(*merged)
+    def values(self, mean: Array, log_sd: Array) -> Terms:
+        """Return the terms of each slot at means (..., participant, slot)."""
+        exact = of_value(self.low, mean, log_sd)
+        chance = of_interval(self.low, self.high, mean, log_sd)
+        merged = (np.where(self.low == self.high, *both) for both in zip(exact, chance, strict=True))
+        return Terms(*(np.where(self.used, values, 0.0) for values in merged))
 
     def intercepts(self, parameters: Array, start: Array) -> tuple[Array, Array]:
         """Return the modes and curvatures of the standardised intercepts."""
@@ -85,8 +87,8 @@ class Intervals:
         def at(u: Array) -> Array:
             found = self.values(fixed + scale * u[:, None], log_sd)
             value = found.value.sum(axis=1) - 0.5 * u * u
-            slope = scale * found.gradient[..., 0].sum(axis=1) - u
-            return np.array([value, slope, 1 - scale**2 * found.hessian[..., 0, 0].sum(axis=1)])
+            slope = scale * found.by_mean.sum(axis=1) - u
+            return np.array([value, slope, 1 - scale**2 * found.curvature.sum(axis=1)])
 
         u, length = start, np.ones(len(start))
         here = at(u)
@@ -103,11 +105,7 @@ class Intervals:
         return u, here[2]
 
     def log_likelihood(self, parameters: Array, start: Array) -> tuple[float, Array, Array]:
-        """Return the log-likelihood, its gradient and the intercepts' modes.
-
-        By Fisher's identity the gradient is the mean, over the intercepts given the values, of the gradient given the
-        intercepts.
-        """
+        """Return the log-likelihood, its gradient and the intercepts' modes."""
         mode, curvature = self.intercepts(parameters, start)
         points, weights = np.polynomial.hermite.hermgauss(N_NODES)
         u = mode + np.sqrt(2 / curvature) * points[:, None]
@@ -117,17 +115,14 @@ class Intervals:
         terms = at.value.sum(axis=2) - 0.5 * u * u + (points**2 + np.log(weights))[:, None]
         of_each = logsumexp(terms, axis=0)
         shares = np.exp(terms - of_each)
-        by_mean, by_log_sd = np.moveaxis(shares[..., None, None] * at.gradient, -1, 0)
+        by_mean, by_log_sd = (shares[..., None] * slopes for slopes in (at.by_mean, at.by_log_sd))
         by_scale = (by_mean.sum(axis=2) * u).sum()
         gradient = np.array([*np.tensordot(by_mean.sum(axis=0), self.x, axes=2), by_log_sd.sum(), by_scale])
         value = (of_each - 0.5 * np.log(np.pi * curvature)).sum()
         return float(value), gradient, mode
 
     def start(self) -> Array:
-        """Return start values by least squares through middles or bounds.
-
-        Half of the residual variance is assigned to each variance component.
-        """
+        """Return start values by least squares through middles or bounds."""
         y = middle(np.stack([self.low, self.high], axis=-1))
         beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
         residuals = (y - self.x @ beta)[self.used]
@@ -136,12 +131,7 @@ class Intervals:
 
 
 class _Objective:
-    """Negative log-likelihood with its gradient.
-
-    Each call starts at the intercepts of the previous call.
-
-    Parameters for which a number overflows are treated like those with a likelihood of 0.
-    """
+    """Negative log-likelihood with its gradient, 1e12 where it overflows."""
 
     def __init__(self, intervals: Intervals) -> None:
         self._intervals, self._modes = intervals, np.zeros(len(intervals.low))
@@ -187,10 +177,7 @@ def maximise(intervals: Intervals) -> Maximum:
 
 
 def _newton_steps(objective: _Objective, parameters: Array) -> tuple[Array, Array]:
-    """Take Newton steps as long as they shrink the gradient.
-
-    The Hessian returned is that of the last but one place.
-    """
+    """Take Newton steps as long as they shrink the gradient."""
     value, gradient = objective(parameters)
     for _ in range(MAX_POLISHING):
         hessian = objective.hessian(parameters)
@@ -219,49 +206,28 @@ def middle(ends: Array) -> Array:
     return np.asarray(low + (high - low) / 2)
 
 
-def of_value(y: Array, mean: Array, log_sd: Array) -> Expansion:
+def of_value(y: Array, mean: Array, log_sd: Array) -> Terms:
     """Return the log density of a known value."""
-    y = np.where(np.isfinite(y), y, 0.0)
     inverse = np.exp(-log_sd)
-    z = (y - mean) * inverse
-    log_density = -0.5 * z * z - log_sd - LOG_ROOT_TWO_PI
-    gradient = np.stack([z * inverse, z * z - 1], axis=-1)
-    return Expansion(log_density, gradient, _square(-(inverse**2), -2 * z * inverse, -2 * z * z))
+    z = (np.where(np.isfinite(y), y, 0.0) - mean) * inverse
+    return Terms(-0.5 * z * z - log_sd - LOG_ROOT_TWO_PI, z * inverse, z * z - 1, -(inverse**2))
 
 
-def of_interval(low: Array, high: Array, mean: Array, log_sd: Array) -> Expansion:
-    """Return the log probability of a normal value in an interval.
-
-    One of the ends may be infinite.
-    """
+def of_interval(low: Array, high: Array, mean: Array, log_sd: Array) -> Terms:
+    """Return the log probability of a normal value in an interval."""
     inverse = np.exp(-log_sd)
     a, b = (low - mean) * inverse, (high - mean) * inverse
     log_chance = _log_chance(a, b)
     ratio_a, ratio_b = (np.exp(-0.5 * end * end - LOG_ROOT_TWO_PI - log_chance) for end in (a, b))
     # The density is 0 at an infinite end; a finite factor keeps their product from being NaN.
     a, b = (np.where(np.isfinite(end), end, 0.0) for end in (a, b))
-    by_a, by_b = -ratio_a, ratio_b
-    aa = a * ratio_a - ratio_a**2
-    ab = ratio_a * ratio_b
-    bb = -b * ratio_b - ratio_b**2
-
-    gradient = np.stack([-(by_a + by_b) * inverse, -(a * by_a + b * by_b)], axis=-1)
-    curved = np.minimum(aa + 2 * ab + bb, 0.0) * inverse**2  # log-concave even if all digits are lost
-    mixed = (by_a + by_b + a * aa + (a + b) * ab + b * bb) * inverse
-    by_log_sd_twice = a * by_a + b * by_b + a * a * aa + 2 * a * b * ab + b * b * bb
-    return Expansion(log_chance, gradient, _square(curved, mixed, by_log_sd_twice))
-
-
-def _square(first: Array, mixed: Array, second: Array) -> Array:
-    rows = np.broadcast_arrays(first, mixed, mixed, second)
-    return np.stack(rows, axis=-1).reshape(*rows[0].shape, 2, 2)
+    slope = ratio_a - ratio_b
+    curvature = np.minimum(a * ratio_a - b * ratio_b - slope**2, 0.0)  # log-concave even if all digits are lost
+    return Terms(log_chance, slope * inverse, a * ratio_a - b * ratio_b, curvature * inverse**2)
 
 
 def _log_chance(a: Array, b: Array) -> Array:
-    """Return log(Phi(b) - Phi(a)), computed in the tail that keeps digits.
-
-    It is 0 for an empty interval.
-    """
+    """Return log(Phi(b) - Phi(a)), computed in the tail that keeps digits."""
     flipped = a > 0
     low, high = np.where(flipped, -b, a), np.where(flipped, -a, b)
     upper = log_ndtr(high)

@@ -236,10 +236,6 @@ def model_design(
 
 
 def _centred(codes: Mapping[str, Array]) -> dict[str, Array]:
-    """Centre codes about the mean over a factor's levels.
-
-    Each level counts once.
-    """
     different = np.unique(np.stack(list(codes.values()), axis=1), axis=0)
     means = different.mean(axis=0)
     return {name: column - mean for (name, column), mean in zip(codes.items(), means, strict=True)}
@@ -269,7 +265,7 @@ def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequen
             term = next((term for term, places in terms.items() if n - 1 in places), names[n - 1])
             raise InvalidParameter(
                 f"{term}: found that {names[n - 1]} follows from the terms before it, expected terms that the data "
-                "tell apart; leave the term or the condition out"
+                "can separate; leave the term or the condition out"
             )
 
 
@@ -290,10 +286,7 @@ def _group_means(columns: Array, groups: Indices) -> Array:
 
 @dataclass(frozen=True)
 class InterceptFit:
-    """Estimates for values (y - centre) / scale.
-
-    The standard deviations are not yet multiplied by the square root of `inflation`.
-    """
+    """Estimates for values (y - centre) / scale, not yet inflated."""
 
     estimates: Array
     covariance: Array
@@ -304,10 +297,7 @@ class InterceptFit:
 
 
 def _fit(y: Array, design: ModelDesign) -> InterceptFit:
-    """Return statsmodels' fit at the maximum of the restricted likelihood.
-
-    The search is over the ratio of the two variances.
-    """
+    """Return statsmodels' fit at the best ratio of the two variances."""
     from scipy.optimize import minimize_scalar  # slow to load
     from statsmodels.regression.linear_model import OLS
     from statsmodels.regression.mixed_linear_model import MixedLM, MixedLMParams

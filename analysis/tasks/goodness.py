@@ -7,13 +7,11 @@ import numpy as np
 import pandas as pd
 from scipy.special import bdtrc
 
-from tactometry.psychometric import shape_named
-
 from ..arrays import Array, Indices
 from ..reading.unfolded import COUNTED
-from ..threshold.counts import POOLED_BELOW, Counts, count_arrays, normalise
+from ..threshold.counts import POOLED_BELOW, Counts
+from ..threshold.fitting import log_posterior
 from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
-from ..threshold.log_posterior import LogPosterior, Prior
 from ..threshold.mode import climb
 from ..wording import named_cells
 from .cell import Estimate, catch_counts, cell_keys, stacked_counts
@@ -108,16 +106,12 @@ def _goodness_of(
     rng: np.random.Generator,
     counting: Container[str],
 ) -> Goodness:
-    curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
     fitted_cells = [estimate.cell for estimate in estimates]
     levels, n_yes, n_trials = stacked_counts(fitted_cells)
-    counts = normalise(*count_arrays(levels, n_yes, n_trials, logarithms=curve.on_log_levels))
-    alarms, catch = np.array(catch_counts(fitted_cells, counting), dtype=np.float64)
-    del known["shape"]
-    prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
+    alarms, catch = catch_counts(fitted_cells, counting)
+    posterior = log_posterior(levels, n_yes, n_trials, n_false_alarms=alarms, n_catch=catch, **options)
+    counts, on_axis = posterior.counts, _logarithm if posterior.shape.on_log_levels else np.asarray
     # The estimates may be medians: deviance is compared at the mode, as that of the draws is.
-    posterior = LogPosterior(curve, counts, prior)
-    on_axis = _logarithm if curve.on_log_levels else np.asarray
     theta = climb(posterior, _parameters(estimates, counts, on_axis)).theta
     answers = rows[rows["cell"].isin(cells)]
     number = np.searchsorted(cells, answers["cell"])

@@ -17,8 +17,8 @@ from tactometry.errors import InvalidFile
 from tactometry.trials.columns import stated_factors
 
 from ..arrays import Array, Bools, Indices
-from ..distributions import Student
-from ..means import exact_interval, parts
+from ..distributions import Student, exact_interval
+from ..means import parts
 from ..reading.rows import no_column, numbers_of, place_of
 from ..reading.trials import Trials
 from ..wording import level_of

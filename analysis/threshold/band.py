@@ -21,10 +21,7 @@ N_DRAWS = 500
 
 @dataclass(frozen=True)
 class CurveBand:
-    """Lower end, median and upper end of the response probability.
-
-    They are given at each of the `levels`. `threshold` has the same three numbers for the threshold.
-    """
+    """Lower end, median and upper end of psi at `levels`, and of the threshold."""
 
     levels: Array
     low: Array
@@ -44,23 +41,16 @@ def curve_band(
 ) -> CurveBand | None:
     """Return the posterior band of a psychometric function at levels `at`.
 
-    None with fewer than two levels.
-
     Parameters
     ----------
     levels, n_correct, n_trials : (n_levels,) array_like
-        As for `fit`.
+        As for `fit`. There is no band with fewer than two levels.
     at : (n,) array_like
         Levels of the band, in the same unit.
     interval : float
         Coverage at each level, between 0 and 1.
     **options
         ``shape``, ``guess_rate`` and the other options of `log_posterior`.
-
-    Raises
-    ------
-    InvalidParameter
-        As for `fit`.
 
     Examples
     --------
@@ -85,12 +75,7 @@ def curve_band(
 
 
 def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
-    """Return parameters (n_draws, 4) that represent a posterior.
-
-    The posterior is that of one data set, on the scale of `Counts.u`.
-
-    They are nodes of a grid at equal steps of the cumulated mass, so the same answers give the same draws.
-    """
+    """Return nodes (n_draws, 4) at equal steps of one posterior's mass."""
     prior, box = posterior.prior, find_box(posterior, find_mode(posterior))
     axes, mass = masses_in(posterior, box.low[0], box.high[0])
     cumulated = np.cumsum(mass.ravel(), dtype=np.float64)

@@ -37,10 +37,7 @@ class Counts(Rows):
         return len(self.u)
 
     def by_level(self) -> "Counts":
-        """Return the same counts laid out in memory level by level.
-
-        This makes sums over the levels of many sets faster.
-        """
+        """Return the counts with a level's sets together, for faster sums."""
         u, k, n = (np.asfortranarray(values) for values in (self.u, self.n_yes, self.n_trials))
         return replace(self, u=u, n_yes=k, n_trials=n)
 
@@ -102,10 +99,10 @@ def _refuse(name: str, values: Array, bad: Bools, expected: str) -> None:
 
 
 def normalise(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Counts:
-    """Sort levels, pool equal ones, and scale each set to its range.
+    """Sort levels (n_sets, n_levels), pool equal ones, and scale each set.
 
-    Levels that differ by less than `POOLED_BELOW` of the range are pooled. Shapes (n_sets, n_levels). The
-    range is that of all levels, or (`robust_range`) of those within Tukey's fences.
+    Levels that differ by less than `POOLED_BELOW` of the range are pooled. The range is that of all levels, or
+    (`robust_range`) of those within Tukey's fences.
     """
     if x.shape[1] == 0:  # add an unused place, as the code below needs ends and neighbours
         x, k, n = (np.zeros((x.shape[0], 1)) for _ in range(3))
@@ -127,10 +124,7 @@ def _ends(x: Array, used: Bools) -> tuple[Array, Array]:
 
 
 def _tukey_range(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """Clip the range to Tukey's fences unless that leaves nothing.
-
-    Tukey 1977, section 2D, with quartiles over trials.
-    """
+    """Clip the range to Tukey's fences (1977) unless that leaves nothing."""
     share = np.cumsum(n, axis=1) / np.maximum(n.sum(axis=1, keepdims=True), 1)
     places = ((share < quarter).sum(axis=1, keepdims=True) for quarter in (0.25, 0.75))
     first, third = (np.take_along_axis(x, np.minimum(place, x.shape[1] - 1), 1)[:, 0] for place in places)
@@ -149,18 +143,17 @@ def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
         return u, k, n  # nothing to pool: the mean u n / n would change the last bits of the levels
     place = np.cumsum(is_new & used, axis=1) - 1
     rows = np.broadcast_to(np.arange(u.shape[0])[:, None], u.shape)[used]
-    pooled = [np.zeros_like(u) for _ in range(3)]
-    for total, value in zip(pooled, (u * n, k, n), strict=True):
-        np.add.at(total, (rows, place[used]), value[used])
-    sums, k, n = pooled
+    cells = rows * u.shape[1] + place[used]
+    sums, k, n = (totals(cells, value[used], u.shape) for value in (u * n, k, n))
     return np.divide(sums, n, out=sums, where=n > 0), k, n
 
 
-def _smallest_gap(u: Array, n: Array) -> Array:
-    """Return the smallest spacing of used levels over their range.
+def totals(cells: Indices, values: Array, shape: tuple[int, ...]) -> Array:
+    """Return the sum of the values in each cell of an array."""
+    return np.bincount(cells, values, int(np.prod(shape))).astype(np.float64).reshape(shape)
 
-    It is 1 for fewer than two levels.
-    """
+
+def _smallest_gap(u: Array, n: Array) -> Array:
     if u.shape[1] < 2:
         return np.ones(u.shape[0])
     both = (n[:, 1:] > 0) & (n[:, :-1] > 0)

@@ -1,7 +1,4 @@
-"""Point of subjective equality and just noticeable difference.
-
-Both come from the posterior of the curve of a comparison.
-"""
+"""Point of subjective equality and just noticeable difference of comparisons."""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -29,15 +26,12 @@ UNKNOWN = (
     *("threshold", "threshold_mode", "threshold_median", "threshold_mean", "width", "width_low", "width_high"),
     *("guess_rate", "lapse_rate", "deviance", "interval_low", "interval_high"),
 )
-"""Fields without a value where the equality lies outside of the levels."""
+"""Fields without a value if the equality lies outside of the levels."""
 
 
 @dataclass(frozen=True)
 class Equality:
-    """Posterior medians with central intervals, in the unit of the levels.
-
-    Each is lower end, median and upper end.
-    """
+    """Lower end, median and upper end in the unit of the levels."""
 
     pse: tuple[float, float, float]
     jnd: tuple[float, float, float]
@@ -46,34 +40,27 @@ class Equality:
 def fit_comparisons(
     levels: ArrayLike, n_more: ArrayLike, n_trials: ArrayLike, *, interval: float = 0.95, **options: Any
 ) -> tuple[ThresholdFit, ...]:
-    """Fit comparisons with their equality points and noticeable differences.
+    """Fit comparisons as `fit_many` does, with points of equality and differences.
 
-    Arguments are those of `fit_many`.
-
-    Examples
-    --------
     >>> (found,) = fit_comparisons([36, 38, 40, 42, 44], [1, 3, 10, 17, 19], 20, guess_rate=None, scale_free_width=True)
     >>> 39.5 < found.threshold < 40.5, 1 < found.jnd < 3
     (True, True)
     """
     fitted = fitting(levels, n_more, n_trials, interval=interval, **options)
-    counts, fits = fitted.posterior.counts, fitted.results()
+    counts = fitted.posterior.counts
     lowest, highest = (counts.centre + side * counts.spread / 2 for side in (-1, 1))
-    found = zip(fits, equalities(fitted), lowest.tolist(), highest.tolist(), strict=True)
+    found = zip(fitted.results(), equalities(fitted), lowest.tolist(), highest.tolist(), strict=True)
     return tuple(_compared(*one) for one in found)
 
 
 def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highest: float) -> ThresholdFit:
-    """Replace the middle of the curve by the equality point.
-
-    Outside of the levels it becomes a bound.
-    """
+    """Replace the middle of the curve by the equality point or its bound."""
     if equality is None:
         return fit
     (low, pse, high), (narrow, jnd, wide) = equality.pse, equality.jnd
     if fit.threshold is None:
-        has_low, has_high = (end is not None for end in (fit.interval_low, fit.interval_high))
-        return replace(fit, interval_low=low if has_low else None, interval_high=high if has_high else None)
+        ends: dict[str, Any] = {"interval_low": low, "interval_high": high}
+        return replace(fit, **{name: end for name, end in ends.items() if getattr(fit, name) is not None})
     if not lowest <= pse <= highest:
         end = {"interval_high": high} if pse < lowest else {"interval_low": low}
         status = Status.BELOW if pse < lowest else Status.ABOVE
@@ -99,15 +86,14 @@ def equalities(fitted: Fitting) -> list[Equality | None]:
     The rate is that of all answers, not the part between the asymptotes: a standard compared with itself is called
     "more" in half of the trials, even if it is often not felt. The shape of the curve is the cumulative normal.
     """
-    posterior, marginals = fitted.posterior, fitted.marginals
+    posterior, boxes = fitted.posterior, fitted.marginals
     found: list[Equality | None] = []
     for n, n_levels in enumerate(posterior.counts.n_levels.tolist()):
-        one = slice(n, n + 1)
-        low, high = marginals.low[n], marginals.high[n]
+        one, low, high = posterior[n : n + 1], boxes.low[n], boxes.high[n]
         if n_levels > 1 and np.isnan(low).any():  # the data set shared its grid with others
-            box = find_box(posterior[one], fitted.mode[one])
+            box = find_box(one, fitted.mode[n : n + 1])
             low, high = box.low[0], box.high[0]
-        found.append(_equality(posterior[one], low, high, fitted.interval) if n_levels > 1 else None)
+        found.append(_equality(one, low, high, fitted.interval) if n_levels > 1 else None)
     return found
 
 
@@ -128,10 +114,7 @@ def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float)
 
 
 def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> Array:
-    """Return lower end, median and upper end of values with masses.
-
-    Each mass is spread over a step of the grid.
-    """
+    """Return lower end, median and upper end of values with masses."""
     flat, weights = np.broadcast_to(values, mass.shape).ravel(), mass.ravel()
     middle = float((flat * weights).sum() / weights.sum())
     reach = WIDEST_STEPS * step

@@ -1,9 +1,14 @@
-"""Thresholds from counts of answers: one fit, or thousands in one call."""
+"""Thresholds from counts of answers: one fit, or thousands in one call.
+
+Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision Research 122,
+105-123). The status, and the bound of a threshold out of range, are those of the binomial posterior.
+"""
 
 from __future__ import annotations  # `help` then shows ArrayLike instead of its expansion
 
 from collections.abc import Sequence
-from typing import TypedDict, Unpack
+from dataclasses import replace
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +19,7 @@ from tactometry.psychometric import shape_named
 from ..arrays import Array
 from .counts import count_arrays, normalise
 from .estimates import Fitting, ThresholdFit
-from .log_posterior import BETA_B, LARGEST_RATE, LogPosterior, Prior
+from .log_posterior import LARGEST_RATE, LogPosterior, Prior
 from .status import Status
 
 METHODS = ("posterior", "likelihood")
@@ -23,12 +28,10 @@ SHAPE = "normal"
 
 
 class PriorOptions(TypedDict, total=False):
-    """Options of `log_posterior`, with its defaults."""
+    """Options of the priors, with the defaults of `Prior`."""
 
-    shape: str
     guess_rate: float | None
     lapse_rate: float | None
-    robust_range: bool
     scale_free_width: bool
     lapse_beta: float
     guess_beta: float
@@ -39,6 +42,8 @@ class PriorOptions(TypedDict, total=False):
 class Options(PriorOptions, total=False):
     """Options of `fit`, with the defaults of `fitting`."""
 
+    shape: str
+    robust_range: bool
     method: str
     interval: float
     overdispersion: bool
@@ -92,11 +97,6 @@ def fit(
         For a value that is not a number, an impossible count (naming the row), an unknown name, or a rate outside
         [0, 1).
 
-    Notes
-    -----
-    Model, priors and the meaning of threshold and width are psignifit 4's (Schuett et al. 2016, Vision Research 122,
-    105-123). The status, and the bound of a threshold out of range, are those of the binomial posterior.
-
     Examples
     --------
     >>> found = fit([1, 2, 3, 4, 5], [10, 11, 15, 19, 20], 20, shape="normal", guess_rate=0.5)
@@ -140,22 +140,27 @@ def fitting(
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
     *,
+    shape: str = SHAPE,
+    robust_range: bool = False,
     method: str = "posterior",
     interval: float = 0.95,
     overdispersion: bool = False,
     estimate: str = "mode",
     **prior: Unpack[PriorOptions],
 ) -> Fitting:
-    """Return data sets with their priors, ready to be fitted.
-
-    Arguments are those of `fit_many`.
-    """
+    """Return data sets with their priors, ready for the fits of `fit_many`."""
     between("fit", 0, 1, interval=interval)
     one_of("method", method, METHODS)
     one_of("estimate", estimate, ESTIMATES)
-    catch = {"n_false_alarms": n_false_alarms, "n_catch": n_catch}
-    posterior = log_posterior(levels, n_correct, n_trials, **catch, **prior)
-    return Fitting(posterior, prior.get("shape", SHAPE), method, interval, estimate, overdispersion)
+    posterior = log_posterior(
+        *(levels, n_correct, n_trials),
+        shape=shape,
+        n_false_alarms=n_false_alarms,
+        n_catch=n_catch,
+        robust_range=robust_range,
+        **prior,
+    )
+    return Fitting(posterior, shape, method, interval, estimate, overdispersion)
 
 
 def log_posterior(
@@ -164,44 +169,28 @@ def log_posterior(
     n_trials: ArrayLike,
     *,
     shape: str = SHAPE,
-    guess_rate: float | None = None,
-    lapse_rate: float | None = None,
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
     robust_range: bool = False,
-    scale_free_width: bool = False,
-    lapse_beta: float = BETA_B,
-    guess_beta: float = BETA_B,
-    equal_asymptotes: bool = False,
-    narrowest_spacings: float = 1.0,
+    **options: Unpack[PriorOptions],
 ) -> LogPosterior:
-    """Return the log posterior of the parameters of each data set.
-
-    Arguments are those of `fit_many`.
-    """
+    """Return the log posterior of the data sets of `fit_many`."""
     curve = shape_named(shape)
-    check_rates("fit", guess_rate, lapse_rate)
-    positive("fit", lapse_beta=lapse_beta, guess_beta=guess_beta, narrowest_spacings=narrowest_spacings)
     arrays = count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels)
     counts = normalise(*arrays, robust_range=robust_range)
     alarms, catch = _catch_trials(n_false_alarms, n_catch, len(counts))
-    if equal_asymptotes:
-        _check_one_rate(guess_rate, lapse_rate, catch)
-    prior = Prior(
-        *(counts.gap, lapse_rate, guess_rate, alarms, catch),
-        scale_free_width=scale_free_width,
-        lapse_beta=lapse_beta,
-        guess_beta=lapse_beta if equal_asymptotes else guess_beta,
-        equal_asymptotes=equal_asymptotes,
-        narrowest_spacings=narrowest_spacings,
-    )
+    known: dict[str, Any] = {"lapse_rate": None, "guess_rate": None, **options}
+    prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
+    check_rates("fit", prior.guess_rate, prior.lapse_rate)
+    betas = {"lapse_beta": prior.lapse_beta, "guess_beta": prior.guess_beta}
+    positive("fit", **betas, narrowest_spacings=prior.narrowest_spacings)
+    if prior.equal_asymptotes:
+        is_free = prior.guess_rate is None and prior.lapse_rate is None and not catch.any()
+        stated = f"guess_rate {prior.guess_rate}, lapse_rate {prior.lapse_rate} and {catch.sum():g} catch trials"
+        expected = "None, None and no trial: the one rate is estimated from the answers"
+        expect(is_free, "equal_asymptotes", stated, expected)
+        prior = replace(prior, guess_beta=prior.lapse_beta)
     return LogPosterior(curve, counts, prior)
-
-
-def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch: Array) -> None:
-    is_free = guess_rate is None and lapse_rate is None and not n_catch.any()
-    stated = f"guess_rate {guess_rate}, lapse_rate {lapse_rate} and {n_catch.sum():g} catch trials"
-    expect(is_free, "equal_asymptotes", stated, "None, None and no trial: the one rate is estimated from the answers")
 
 
 def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) -> None:

@@ -99,10 +99,7 @@ def statistics(shape: Shape, counts: Counts, theta: Array, answers: Sequences) -
 
 
 def _bend(u: Array, off: Array, variance: Array) -> Array:
-    """Return z of the sum of residuals, weighted by the curvature of levels.
-
-    The weight is the part of the squared level that a line does not explain.
-    """
+    """Return z of residuals, weighted by the level's square beyond a line."""
     away = u - _mean(u, variance)
     square = _mean(away**2, variance)
     line = _mean(away**3, variance) / np.maximum(square, SMALLEST_VARIANCE)
@@ -133,10 +130,7 @@ def _dispersion(off: Array, spread: Array, weight: Array) -> Array:
 
 
 def _draws(posterior: LogPosterior, theta: Array, answers: Sequences, n_draws: int, rng: np.random.Generator) -> Array:
-    """Return the statistics of refitted simulated answers.
-
-    The shape is (n_sets, n_draws, 4).
-    """
+    """Return statistics (n_sets, n_draws, 4) of refitted simulated answers."""
     shape, counts = posterior.shape, posterior.counts
     same = np.repeat(np.arange(len(counts)), n_draws)
     chance = np.minimum(np.exp(log_chances(shape, counts.u, theta)[0]), 1.0)
@@ -151,10 +145,6 @@ def _draws(posterior: LogPosterior, theta: Array, answers: Sequences, n_draws: i
 
 
 def _is_as_extreme(drawn: Array, observed: Array) -> Bools:
-    """Return True for draws that are at least as large, up to rounding.
-
-    Two-sided statistics are compared in absolute value.
-    """
     drawn, observed = (np.where(TWO_SIDED, np.abs(x), x) for x in (drawn, observed))
     return np.asarray(drawn >= observed - EQUAL * np.maximum(1.0, np.abs(observed)))
 
@@ -181,10 +171,7 @@ class _Tally:
         self.n_extreme[sets] = np.where(is_open, np.minimum(so_far[:, -1], ENOUGH), before)
 
     def p(self) -> Array:
-        """Return Besag and Clifford's p.
-
-        With fewer than `ENOUGH` extreme draws the observed answers count as one more.
-        """
+        """Return Besag and Clifford's p."""
         closed = self.n_extreme >= ENOUGH
         share = self.n_extreme / np.maximum(self.n_drawn, 1)
         return np.where(closed, share, (self.n_extreme + 1) / (self.n_drawn + 1))

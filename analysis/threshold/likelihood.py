@@ -1,8 +1,7 @@
 """Log-likelihood of psychometric functions with exact derivatives.
 
-It is computed for many data sets at once.
-
-A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess rate.
+A parameter vector is (m, v, l, g): threshold and log width on the scale of `Counts.u`, lapse rate, guess rate. All
+functions compute many data sets at once.
 
 The probabilities are sums of positive parts, so they are computed on the linear scale. Data sets in which a probability
 comes near the smallest float are computed again in log space.
@@ -11,11 +10,11 @@ Beta-binomial answers (Schuett et al. 2016): eta in [0, 1) is the overdispersion
 of a block is drawn from Beta(nu psi, nu (1 - psi)); the variance of k is n psi (1 - psi) (1 + (n - 1) eta^2).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import expit, gammaln, ndtr, polygamma, psi
+from scipy.special import expit, gammaln, ndtr, polygamma, psi, xlogy
 
 from tactometry.psychometric import SHAPES, Shape, log_mixture
 
@@ -33,49 +32,10 @@ LARGEST_LOG_RATIO = 300.0
 ROOT_TWO_PI = float(np.sqrt(2 * np.pi))
 
 
-# Derivatives along z, lapse and guess rate
-class ByPoint(NamedTuple):
-    """Log-likelihood with derivatives along z, lapse (l) and guess (g) rate."""
-
-    value: Array
-    z: Array
-    zz: Array
-    lapse: Array
-    z_lapse: Array
-    lapse_lapse: Array
-    guess: Array
-    z_guess: Array
-    guess_guess: Array
-    lapse_guess: Array
-
-
 def weighted(count: Array, log_chance: Array) -> Array:
     """Return count * log_chance, and 0 for a count of 0 even at log 0."""
     with np.errstate(invalid="ignore"):
         return np.where(count > 0, count * log_chance, 0.0)
-
-
-def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> ByPoint:
-    """Expand the log-likelihood of `answers` (n_yes, n_no) at z.
-
-    z has the shape (..., n_levels); rates broadcast to it.
-
-    >>> at, none = np.zeros((1, 1)), np.zeros(1)
-    >>> found = by_point(SHAPES["logistic"], at, none, none, (at + 3, at + 1))
-    >>> float(found.z[0, 0]), float(found.zz[0, 0])
-    (1.0, -1.0)
-    """
-    with np.errstate(all="ignore"):
-        by, lowest = _linear(shape, z, guess, lapse, answers)
-        lost = ~(lowest > SMALLEST_LINEAR).all(axis=-1)  # negated, as a chance may be NaN
-        if not lost.any():
-            return by
-        rates = (np.broadcast_to(rate, z.shape)[lost] for rate in (guess, lapse))
-        counts = (np.broadcast_to(n, z.shape)[lost] for n in answers)
-        by_logarithms = _logarithmic(shape, z[lost], *rates, *counts)
-        for values, values_lost in zip(by, by_logarithms, strict=True):
-            values[lost] = values_lost
-    return by
 
 
 def _normal(z: Array) -> tuple[Array, Array, Array]:
@@ -113,100 +73,95 @@ def linear(shape: Shape, z: Array) -> tuple[Array, Array, Array]:
     return _LINEAR[shape](z)
 
 
-def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> tuple[ByPoint, Array]:
-    """Return the expansion on the linear scale and the smaller probability."""
-    cdf, sf, pdf = linear(shape, z)
-    span = 1 - guess - lapse
-    yes, no = guess + span * cdf, lapse + span * sf
-    n_yes, n_no = answers
-    k_yes, k_no = n_yes / yes, n_no / no
-    kk_yes, kk_no = k_yes / yes, k_no / no
-    first, second = k_yes - k_no, kk_yes + kk_no  # along psi, the second with its sign turned
+class Slopes(NamedTuple):
+    """Derivatives of a log-likelihood along z, lapse rate and guess rate."""
+
+    z: Array
+    zz: Array
+    lapse: Array
+    z_lapse: Array
+    lapse_lapse: Array
+    guess: Array
+    z_guess: Array
+    guess_guess: Array
+    lapse_guess: Array
+
+
+def _slopes(first: Array, second: Array, parts: tuple[Array, Array, Array], span: Array, score: Array) -> Slopes:
+    """Return derivatives from those along psi = guess + span * S.
+
+    `first` is the slope along psi, `second` the negative curvature. `parts` are S, 1 - S and the density of S, `score`
+    is the slope of the log density.
+    """
+    cdf, sf, pdf = parts
     steep = span * pdf
-    value = n_yes * np.log(yes) + n_no * np.log(no)
-    zz = first * bend(steep, shape.score(z)) - second * steep * steep
-    # combined by yes + no = 1, so that nothing cancels even for tiny probabilities
-    z_lapse = pdf * (kk_no * (1 - guess) - kk_yes * guess)
-    z_guess = pdf * (kk_no * lapse - kk_yes * (1 - lapse))
-    by = ByPoint(
-        value=value,
+    return Slopes(
         z=first * steep,
-        zz=zz,
+        zz=first * np.where(steep > 0, steep * score, 0.0) - second * steep * steep,
         lapse=-first * cdf,
-        z_lapse=z_lapse,
+        z_lapse=pdf * (second * span * cdf - first),
         lapse_lapse=-second * cdf * cdf,
         guess=first * sf,
-        z_guess=z_guess,
+        z_guess=-pdf * (second * span * sf + first),
         guess_guess=-second * sf * sf,
         lapse_guess=second * cdf * sf,
     )
-    return by, np.minimum(yes, no)
 
 
-def _logarithmic(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Array, n_no: Array) -> ByPoint:
-    yes, no = (_one_answer(shape, z, guess, lapse, answer) for answer in (1, 0))
-    value = weighted(n_yes, yes[0]) + weighted(n_no, no[0])
-    derivatives = zip(yes[1:], no[1:], strict=True)
-    return ByPoint(value, *(n_yes * of_yes + n_no * of_no for of_yes, of_no in derivatives))
+def by_point(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[Array, Array]) -> tuple[Array, Slopes]:
+    """Return the log-likelihood of `answers` (n_yes, n_no) at z, and its slopes.
 
+    z has the shape (..., n_levels); rates broadcast to it.
 
-def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int) -> tuple[Array, ...]:
-    """Return the log probability of an answer and its derivatives.
-
-    The order is z, zz, l, zl, ll, g, zg, gg, lg.
+    >>> at, none = np.zeros((1, 1)), np.zeros(1)
+    >>> value, slopes = by_point(SHAPES["logistic"], at, none, none, (at + 3, at + 1))
+    >>> float(slopes.z[0, 0]), float(slopes.zz[0, 0])
+    (1.0, -1.0)
     """
-    log_cdf, log_sf = shape.log_cdf(z), shape.log_sf(z)
-    log_chance = log_mixture(log_cdf, log_sf, guess, lapse)[1 - answer]
-    sign = 1.0 if answer else -1.0  # yes and no change in opposite directions
-    density, up, down = (_ratio(log_part, log_chance) for log_part in (shape.log_pdf(z), log_cdf, log_sf))
-    steep = (1 - guess - lapse) * density
-    by_z, by_l, by_g = sign * steep, -sign * up, sign * down
-    by_zz = sign * bend(steep, shape.score(z)) - steep * steep
-    # As in `_linear`, the cross terms contain only the asymptote, so nothing cancels.
-    if answer:
-        log_at_guess, log_at_lapse = np.log(guess), np.log1p(-lapse)
-    else:
-        log_at_guess, log_at_lapse = np.log1p(-guess), np.log(lapse)
-    by_zl = -sign * density * _ratio(log_at_guess, log_chance)
-    by_zg = -sign * density * _ratio(log_at_lapse, log_chance)
-    by_ll, by_gg, by_lg = -up * up, -down * down, up * down
-    return log_chance, by_z, by_zz, by_l, by_zl, by_ll, by_g, by_zg, by_gg, by_lg
+    with np.errstate(all="ignore"):
+        cdf, sf, pdf = linear(shape, z)
+        span = 1 - guess - lapse
+        yes, no = guess + span * cdf, lapse + span * sf
+        n_yes, n_no = answers
+        value = n_yes * np.log(yes) + n_no * np.log(no)
+        k_yes, k_no = n_yes / yes, n_no / no
+        slopes = _slopes(k_yes - k_no, k_yes / yes + k_no / no, (cdf, sf, pdf), span, shape.score(z))
+        lost = ~(np.minimum(yes, no) > SMALLEST_LINEAR).all(axis=-1)  # negated, as a chance may be NaN
+        if lost.any():
+            some = (np.broadcast_to(values, z.shape)[lost] for values in (z, guess, lapse, n_yes, n_no))
+            for values, exact in zip((value, *slopes), _by_logarithms(shape, *some), strict=True):
+                values[lost] = exact
+    return value, slopes
 
 
-def bend(steep: Array, score: Array) -> Array:
-    """Return steep * score, and 0 if the density has vanished."""
-    with np.errstate(invalid="ignore"):
-        return np.where(steep > 0, steep * score, 0.0)
+def _by_logarithms(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Array, n_no: Array) -> list[Array]:
+    logarithms, span = (shape.log_cdf(z), shape.log_sf(z), shape.log_pdf(z)), 1 - guess - lapse
+    terms = []
+    for sign, n, log_chance in zip((1, -1), (n_yes, n_no), log_mixture(*logarithms[:2], guess, lapse), strict=True):
+        # All parts are divided by the chance of the answer, so that its log-likelihood has the slope 1 along psi.
+        cdf, sf, pdf = (_ratio(part, log_chance) for part in logarithms)
+        slopes = _slopes(sign * n, n, (cdf, sf, pdf), span, shape.score(z))
+        terms.append((weighted(n, log_chance), *slopes))
+    return [of_yes + of_no for of_yes, of_no in zip(*terms, strict=True)]
 
 
 def _ratio(log_part: Array, log_chance: Array) -> Array:
-    """Return exp(log_part - log_chance), limited to finite values.
-
-    An asymptote of 0 would make it infinite.
-    """
-    with np.errstate(invalid="ignore"):
-        # If both have vanished their difference is NaN; the part then counts as 0.
-        difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
+    """Return exp(log_part - log_chance), which an asymptote of 0 could make infinite."""
+    # If both have vanished their difference is NaN; the part then counts as 0.
+    difference = np.where(log_part == -np.inf, -np.inf, log_part - log_chance)
     return np.asarray(np.exp(np.minimum(difference, LARGEST_LOG_RATIO)))
 
 
-# Along the parameters
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """Return log psi and log(1 - psi) at levels (..., n_levels).
-
-    Parameters have the shape (..., 4).
-    """
+    """Return log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
     z, _, _ = _z(shape, u, theta)
     return log_mixture(shape.log_cdf(z), shape.log_sf(z), *_rates(theta))
 
 
 def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
-    """Return `log_chances` (n_curves, n_rates, n_levels).
-
-    The curves of the parameters are equal along axis 1.
-    """
-    z, _, _ = _z(shape, u, theta[:, :1])
+    """Return `log_chances` (n_rates, n_curves, n_levels) of curves that axis 0 shares."""
     guess, lapse = _rates(theta)
+    z, _, _ = _z(shape, u, theta[:1])
     if guess.min() == 0 or lapse.min() == 0:
         # Without an asymptote a probability may underflow; only its logarithm keeps the digits.
         return log_mixture(shape.log_cdf(z), shape.log_sf(z), guess, lapse)
@@ -231,20 +186,12 @@ def saturated_log_likelihood(counts: Counts) -> Array:
 
 
 def constant_log_likelihood(k: Array, n: Array) -> Array:
-    """Return the log-likelihood of k in n answers at rate k / n.
-
-    It is 0 without trials.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rest = n - k
-        return weighted(k, np.log(k / n)) + weighted(rest, np.log(rest / n))
+    """Return the log-likelihood of k in n answers at rate k / n."""
+    return np.asarray(xlogy(k, k) + xlogy(n - k, n - k) - xlogy(n, n))
 
 
 def _z(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array]:
-    """Return z and its derivatives along threshold and log width.
-
-    z = z50 + (u - m) z_width exp(-v); the derivatives have the shape (..., 1) along the threshold.
-    """
+    """Return z = z50 + (u - m) z_width exp(-v) and its derivatives along m and v."""
     with np.errstate(over="ignore"):
         slope = shape.z_width * np.exp(-theta[..., LOG_WIDTH, None])
     z = shape.z50 + (u - theta[..., THRESHOLD, None]) * slope
@@ -255,90 +202,62 @@ def _rates(theta: Array) -> tuple[Array, Array]:
     return theta[..., GUESS, None], theta[..., LAPSE, None]
 
 
-def _matrix(rows: Sequence[Sequence[Array]]) -> Array:
-    matrix = np.empty((*rows[0][0].shape, len(rows), len(rows)))
-    for i, row in enumerate(rows):
-        for j, entry in enumerate(row):
-            matrix[..., i, j] = entry
-    return matrix
-
-
 def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
     """Return the log-likelihood with its exact gradient and Hessian."""
     z, to_m, to_v = _z(shape, counts.u, theta)
-    answers = (counts.n_yes, counts.n_trials - counts.n_yes)
+    value, slopes = by_point(shape, z, *_rates(theta), (counts.n_yes, counts.n_trials - counts.n_yes))
+    return _chain(value, slopes, to_m[..., 0], to_v)
+
+
+def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Array) -> Expansion:
+    """Return the beta-binomial `expansion` at eta (n_sets,)."""
+    z, to_m, to_v = _z(shape, counts.u, theta)
+    (guess, lapse), parts = _rates(theta), linear(shape, z)
+    span = 1 - guess - lapse
+    k, rest = counts.n_yes, counts.n_trials - counts.n_yes
+    nu, a, b = _beta(guess + span * parts[0], lapse + span * parts[1], eta[:, None])
+    # Derivatives along psi of each level, where a rises and b falls.
+    first = nu * (psi(k + a) - psi(a) - psi(rest + b) + psi(b))
+    second = -(nu**2) * (_trigamma_rise(a, k) + _trigamma_rise(b, rest))
+    slopes = _slopes(first, second, parts, span, shape.score(z))
+    return _chain(_log_beta_ratio(k, rest, nu, a, b), slopes, to_m[..., 0], to_v)
+
+
+def _chain(value: Array, by: Slopes, to_m: Array, to_v: Array) -> Expansion:
+    """Sum over levels and convert derivatives along z to threshold and log width."""
     with np.errstate(over="ignore", invalid="ignore"):
-        return _chain(by_point(shape, z, *_rates(theta), answers), to_m[..., 0], to_v)
-
-
-def _chain(by: ByPoint, to_m: Array, to_v: Array) -> Expansion:
-    """Sum over levels and convert derivatives along z by the chain rule.
-
-    The result is along threshold and log width.
-    """
-    zz_v = by.zz * to_v
-    z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
-    zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
-    zl, vl, ll = _sums(by.z_lapse, by.z_lapse * to_v, by.lapse_lapse)
-    zg, vg, gg, lg = _sums(by.z_guess, by.z_guess * to_v, by.guess_guess, by.lapse_guess)
-    # z itself bends along v: d2z/dm dv = -dz/dm, and d2z/dv2 = -dz/dv.
-    mv, vv = (mv - z1) * to_m, vv - zv
-    mm, ml, mg = zz * to_m * to_m, zl * to_m, zg * to_m
-    rows = (
-        (mm, mv, ml, mg),
-        (mv, vv, vl, vg),
-        (ml, vl, ll, lg),
-        (mg, vg, lg, gg),
-    )
-    gradient = np.stack([z1 * to_m, zv, lapse, guess], axis=-1)
-    return Expansion(by.value.sum(axis=-1), gradient, _matrix(rows))
+        zz_v = by.zz * to_v
+        z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
+        zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
+        zl, vl, ll = _sums(by.z_lapse, by.z_lapse * to_v, by.lapse_lapse)
+        zg, vg, gg, lg = _sums(by.z_guess, by.z_guess * to_v, by.guess_guess, by.lapse_guess)
+        # z itself bends along v: d2z/dm dv = -dz/dm, and d2z/dv2 = -dz/dv.
+        mv, vv = (mv - z1) * to_m, vv - zv
+        mm, ml, mg = zz * to_m * to_m, zl * to_m, zg * to_m
+    rows = ((mm, mv, ml, mg), (mv, vv, vl, vg), (ml, vl, ll, lg), (mg, vg, lg, gg))
+    hessian = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    return Expansion(value.sum(axis=-1), np.stack([z1 * to_m, zv, lapse, guess], axis=-1), hessian)
 
 
 def _sums(*terms: Array) -> list[Array]:
     return [term.sum(axis=-1) for term in terms]
 
 
-def chance_slopes(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
-    """Return slopes of psi and psi (1 - psi) at each level.
-
-    The slopes are along threshold, log width and lapse rate.
-    """
-    z, to_m, to_v = _z(shape, u, theta)
-    guess, lapse = _rates(theta)
-    cdf, sf, pdf = linear(shape, z)
+def information(shape: Shape, counts: Counts, theta: Array) -> Array:
+    """Return Fisher's information (..., 4, 4) of answers at the levels of `counts`."""
+    z, to_m, to_v = _z(shape, counts.u, theta)
+    (guess, lapse), parts = _rates(theta), linear(shape, z)
     span = 1 - guess - lapse
-    steep = span * pdf
-    return steep * to_m, np.where(pdf > 0, steep * to_v, 0.0), -cdf, (guess + span * cdf) * (lapse + span * sf)
+    variance = (guess + span * parts[0]) * (lapse + span * parts[1])
+    with np.errstate(all="ignore"):
+        share = np.where(variance > 0, counts.n_trials / variance, 0.0)
+    none = np.zeros_like(z)
+    # It is minus the curvature of answers whose slope is 0, as that of the expected answers is.
+    return -_chain(none, _slopes(none, share, parts, span, none), to_m[..., 0], to_v).hessian
 
 
-def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
-    """Return psi and 1 - psi with gradient and Hessian of psi.
-
-    Shapes are (n, n_levels), (..., 4) and (..., 4, 4).
-    """
-    z, to_m, to_v = _z(shape, u, theta)
-    guess, lapse = _rates(theta)
-    cdf, sf, pdf = (np.exp(log_part(z)) for log_part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
-    span, nothing = 1 - guess - lapse, np.zeros_like(z)
-    steep = span * pdf
-    bent = span * bend(pdf, shape.score(z))
-    mm = bent * to_m * to_m
-    mv = bent * to_m * to_v - steep * to_m
-    vv = bent * to_v * to_v - steep * to_v
-    # Both rates reduce the span alike, so their cross terms are equal. psi is linear in the rates.
-    ml, vl = -pdf * to_m, -pdf * to_v
-    rows = [
-        [mm, mv, ml, ml],
-        [mv, vv, vl, vl],
-        [ml, vl, nothing, nothing],
-        [ml, vl, nothing, nothing],
-    ]
-    gradient = np.stack([steep * to_m, steep * to_v, -cdf, sf], axis=-1)
-    return guess + span * cdf, lapse + span * sf, gradient, _matrix(rows)
-
-
-def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: float) -> Array:
-    """Return the log probability of one order of k yes in n answers.
+def log_weight(p: Array, q: Array, k: float, n: float, eta: float) -> Array:
+    """Return the log probability of one order of k yes in n beta-binomial answers.
 
     The mean probability is p = 1 - q.
 
@@ -346,40 +265,20 @@ def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: floa
     >>> round(float(binom(20, 15) * np.exp(log_weight(np.array(0.75), np.array(0.25), 15, 20, 0.2))), 9)
     0.148414569
     """
-    if eta < BINOMIAL_BELOW:
-        return np.asarray(k * np.log(p) + (n - k) * np.log(q))
-    nu = np.asarray(1 / eta**2 - 1)
-    a = nu * np.maximum(p, SMALLEST_CHANCE)
-    b = nu * np.maximum(q, SMALLEST_CHANCE)
-    return _log_beta_ratio(k, n, a, b, nu)
+    return _log_beta_ratio(k, n - k, *_beta(p, q, eta))
 
 
-def _log_beta_ratio(k: Array | float, n: Array | float, a: Array, b: Array, nu: Array) -> Array:
-    """Return log B(k + a, n - k + b) / B(a, b), where nu = a + b."""
+def _beta(p: Array, q: Array, eta: Array | float) -> tuple[Array, Array, Array]:
+    nu = np.asarray(1 / np.square(eta) - 1)
+    return nu, nu * np.maximum(p, SMALLEST_CHANCE), nu * np.maximum(q, SMALLEST_CHANCE)
+
+
+def _log_beta_ratio(k: Array | float, rest: Array | float, nu: Array, a: Array, b: Array) -> Array:
+    """Return log B(k + a, rest + b) / B(a, b), where nu = a + b."""
     yes = gammaln(k + a) - gammaln(a)
-    return np.asarray(yes + gammaln(n - k + b) - gammaln(b) + gammaln(nu) - gammaln(n + nu))
+    return np.asarray(yes + gammaln(rest + b) - gammaln(b) + gammaln(nu) - gammaln(k + rest + nu))
 
 
 def _trigamma_rise(x: Array, count: Array) -> Array:
     """Return trigamma(x + count) - trigamma(x), exactly 0 for a count of 0."""
     return np.where(count > 0, polygamma(1, count + x) - polygamma(1, x), 0.0)
-
-
-def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Array) -> Expansion:
-    """Return the beta-binomial log-likelihood with gradient and Hessian.
-
-    It is that at eta (n_sets,).
-    """
-    p, q, by, by_by = curvature_of_chances(shape, counts.u, theta)
-    k, n = counts.n_yes, counts.n_trials
-    nu = (1 / np.square(eta) - 1)[:, None]
-    a = nu * np.maximum(p, SMALLEST_CHANCE)
-    b = nu * np.maximum(q, SMALLEST_CHANCE)
-    value = _log_beta_ratio(k, n, a, b, nu)
-    # Derivatives along psi of each level, where a rises and b falls; then the chain rule to the parameters.
-    first = nu * (psi(k + a) - psi(a) - psi(n - k + b) + psi(b))
-    second = nu**2 * (_trigamma_rise(a, k) + _trigamma_rise(b, n - k))
-    gradient = np.einsum("nl,nli->ni", first, by)
-    steep = np.einsum("nl,nli,nlj->nij", second, by, by)
-    bent = np.einsum("nl,nlij->nij", first, by_by)
-    return Expansion(value.sum(axis=1), gradient, steep + bent)

@@ -1,6 +1,4 @@
-"""Log posterior of psychometric functions with the priors of psignifit 4.
-
-See Schuett et al. 2016.
+"""Log posterior of psychometric functions with the priors of psignifit 4 (Schuett et al. 2016).
 
 Priors are on the scale of `Counts.u`, with exact derivatives. Threshold: flat on the tested range, falling as a cosine
 to 0 half a range outside. Width: flat between twice the smallest spacing and the range, falling as a cosine to 0 at the
@@ -13,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
+from scipy.special import xlogy
 
 from tactometry.psychometric import Shape
 
@@ -82,10 +81,7 @@ class Prior(Rows):
         return lapse[:, None] if self.equal_asymptotes else guess
 
     def bounds(self) -> tuple[Array, Array]:
-        """Return the lowest and highest parameters, each (n_sets, 4).
-
-        They are 0 for a guess rate that is `tied`.
-        """
+        """Return the lowest and highest parameters, each (n_sets, 4), 0 for a `tied` guess rate."""
         n = self.gap.shape[0]
         low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
         reach = FURTHEST if self.on_curve else 20.0
@@ -104,8 +100,7 @@ class Prior(Rows):
     def expansion(self, theta: Array) -> Expansion:
         """Return the log density with gradient and Hessian.
 
-        The density is along the axis on which the width's prior is flat, so that a mode there is a mode of the
-        likelihood.
+        It is the density along the axis on which the width's prior is flat. A mode there is a mode of the likelihood.
         """
         by_parameter = self._by_parameter(np.moveaxis(theta, -1, 0))
         gradient, hessian = np.zeros(theta.shape), np.zeros((*theta.shape, N_PARAMETERS))
@@ -114,36 +109,24 @@ class Prior(Rows):
         return Expansion(_total(theta, by_parameter), gradient, hessian)
 
     def along(self, axes: Sequence[Array]) -> list[Array]:
-        """Return the log prior densities of one data set along four axes.
-
-        A fixed parameter has zeros.
-        """
+        """Return the log prior densities of one data set along four axes, 0 if a parameter is fixed."""
         known = self._by_parameter(axes, scale_free_width=self.scale_free_width)
         return [known[place][0] if place in known else np.zeros(len(axis)) for place, axis in enumerate(axes)]
 
     def search_axes(self, low: Array, high: Array, sizes: Sequence[int]) -> list[Array]:
-        """Return coarse nodes of one data set along each parameter.
-
-        A fixed parameter has one node.
-        """
-        axes = []
-        for place, n in enumerate(sizes):
-            nodes = np.linspace(max(low[place], FLOOR[place]), high[place], n)
-            axes.append(nodes if place in self.free else low[place, None])
-        return axes
+        """Return coarse nodes of one data set along each parameter, one if it is fixed."""
+        first = np.maximum(low, FLOOR)
+        nodes = [np.linspace(first[place], high[place], n) for place, n in enumerate(sizes)]
+        return [axis if place in self.free else low[place, None] for place, axis in enumerate(nodes)]
 
     def log_cell(self, low: Array, high: Array, sizes: Sequence[int]) -> float:
-        """Return the log volume of a cell of one data set's grid.
-
-        The weights of a free rate sum to 2.
-        """
+        """Return the log volume of a cell of one data set's grid, whose free rates have weights that sum to 2."""
         size = high - low
         steps = [size[place] / (n - 1) for place, n in zip((THRESHOLD, LOG_WIDTH), sizes, strict=True)]
         rates = [size[place] / 2 for place in self.free if place in (LAPSE, GUESS)]
         return float(np.log([*steps, *rates]).sum())
 
     def _by_parameter(self, values: Array | Sequence[Array], *, scale_free_width: bool = False) -> "ByParameter":
-        """Return log priors and two derivatives of parameters with a prior."""
         by_set = (-1, *[1] * (values[THRESHOLD].ndim - 1))
         by_parameter, none = {}, np.zeros(1)
         if self.lapse_rate is None:
@@ -158,10 +141,7 @@ class Prior(Rows):
         return by_parameter
 
     def log_mass(self) -> Array:
-        """Return the log integral (n_sets,) of the prior without catch trials.
-
-        It is over threshold, width and free rates.
-        """
+        """Return the log integral (n_sets,) of the prior of threshold, width and free rates without catch trials."""
         low = np.log(self.narrowest)[:, None]
         v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
         log_density_of_w, _, _ = log_width(v, self.narrowest[:, None], scale_free=self.scale_free_width)
@@ -179,13 +159,9 @@ def _total(theta: Array, by_parameter: ByParameter) -> Array:
 
 
 def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, Array, Array]:
-    """Return the log density Beta(1 + n_yes, beta + n_no), and derivatives.
-
-    With a count of 0, the result is finite at x = 0.
-    """
+    """Return the log density Beta(1 + n_yes, beta + n_no), and two derivatives."""
     b = beta - 1 + n_no
-    safe = np.maximum(x, 1e-300)
-    value = b * np.log1p(-x) + np.where(n_yes > 0, n_yes * np.log(safe), 0.0)
+    value = b * np.log1p(-x) + xlogy(n_yes, np.maximum(x, 1e-300))
     inside = np.maximum(x, 1e-100)  # larger, as its square has to be a float too
     first = -b / (1 - x) + n_yes / inside
     return value, first, -b / (1 - x) ** 2 - n_yes / inside**2
@@ -197,10 +173,7 @@ def log_rate_mass(beta: float) -> float:
 
 
 def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
-    """Return 2 log cos(angle) and its derivatives along x.
-
-    `rate` is d angle / d x.
-    """
+    """Return 2 log cos(angle) and its derivatives along x, where `rate` is d angle / d x."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         value = 2 * np.log(np.cos(np.minimum(angle, np.pi / 2)))
         cos = np.maximum(np.cos(angle), 1e-8)  # finite derivatives at the end, where the density is 0
@@ -210,20 +183,14 @@ def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
 
 
 def log_threshold(m: Array) -> tuple[Array, Array, Array]:
-    """Return the log prior of the threshold and its derivatives.
-
-    It is flat from -0.5 to 0.5 and falls as a cosine to 0 at -1 and 1.
-    """
+    """Return the log prior of the threshold and its derivatives."""
     outside = np.maximum(np.abs(m) - 0.5, 0.0)
     value, first, second = _log_cos2(np.pi * outside, np.pi * np.sign(m))
     return value, first, np.where(outside > 0, second, 0.0)  # a cosine bends at its top, the flat part does not
 
 
 def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array, Array, Array]:
-    """Return the log prior of w = exp(v) and its derivatives along v.
-
-    It is flat in w or in v.
-    """
+    """Return the log prior of w = exp(v), flat in w or in v, and its derivatives along v."""
     w = np.exp(v)
     wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
     above = np.maximum(w, 1) - 1
@@ -243,10 +210,7 @@ def log_prior_of(eta: Array | float) -> Array:
 
 @dataclass(frozen=True)
 class LogPosterior(Rows):
-    """Log posterior of many data sets at parameters theta (n_sets, 4).
-
-    The normalising constant is omitted.
-    """
+    """Log posterior of many data sets at parameters theta (n_sets, 4), without a constant."""
 
     shape: Shape
     counts: Counts
@@ -260,22 +224,16 @@ class LogPosterior(Rows):
         return replace(self, prior=replace(self.prior, **prior))
 
     def redrawn(self, sets: Indices, n_yes: Array, n_false_alarms: Array) -> Self:
-        """Return the data sets at indices `sets`, with their answers replaced.
-
-        `n_yes` contains answers to trials, `n_false_alarms` answers to catch trials.
-        """
-        counts = replace(self.counts[sets], n_yes=n_yes)
-        return replace(self, counts=counts, prior=replace(self.prior[sets], n_false_alarms=n_false_alarms))
+        """Return the data sets at indices `sets` with other answers to trials and catch trials."""
+        counts, prior = replace(self.counts[sets], n_yes=n_yes), self.prior[sets]
+        return replace(self, counts=counts, prior=replace(prior, n_false_alarms=n_false_alarms))
 
     def alike(self) -> list[Indices]:
-        """Group data sets with the same levels and catch trials.
-
-        Return their indices by group.
-        """
+        """Return the indices of data sets with the same levels and catch trials, by group."""
         counts, prior = self.counts, self.prior
         catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)  # the prior of a free guess rate holds them
         rows = np.hstack([counts.u, counts.n_trials > 0, catch])
-        if not len(rows) or (rows == rows[0]).all():
+        if (rows == rows[:1]).all():
             return [np.arange(len(rows))] if len(rows) else []
         group = np.unique(rows, axis=0, return_inverse=True)[1].ravel()
         order = np.argsort(group, kind="stable")
@@ -309,7 +267,7 @@ class LogPosterior(Rows):
         binomial, eta = likelihood.expansion(self.shape, self.counts, theta), self.prior.overdispersion
         if eta is None or not (eta > 0).any():
             return binomial
-        finite = np.maximum(eta, BINOMIAL_BELOW)  # 1 / eta^2 is finite, also where it is not taken
+        finite = np.maximum(eta, BINOMIAL_BELOW)  # keeps 1 / eta^2 finite where the result is not used
         spread = likelihood.overdispersed_expansion(self.shape, self.counts, theta, finite)
         return spread.where(eta >= BINOMIAL_BELOW, binomial)
 
@@ -323,10 +281,7 @@ class LogPosterior(Rows):
         return np.asarray(self.shape.z50 + away * slope)
 
     def beyond_levels(self, axes: Sequence[Array]) -> Array:
-        """Return the part of each cell whose rise lies beyond the levels.
-
-        The shape is (2, n_thresholds, n_widths): below, then above the levels.
-        """
+        """Return the part of each cell (n_thresholds, n_widths) whose rise lies below, and above, the levels."""
         used = self._levels_of_one()
         m, width = axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
         down, up = self.shape.rise

@@ -1,16 +1,14 @@
 """Modes of many posteriors (or likelihoods) at once.
 
-Damped Newton steps start from every local maximum of a coarse grid.
-
-The Hessian is exact, the damping is scaled by its diagonal, and steps are projected on the bounds, where lapse and
-guess rates often lie.
+Damped Newton steps with the exact Hessian start from every local maximum of a coarse grid. The damping is scaled by the
+diagonal, and steps are projected on the bounds, where lapse and guess rates often lie.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import Array, Bools, Expansion, Rows
+from ..arrays import Array, Bools, Expansion, Rows, symmetric_inverse
 from .likelihood import LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from .log_posterior import LARGEST_ETA, LogPosterior, log_prior_of
 from .start_values import Starts, grid_starts, step_starts
@@ -43,9 +41,7 @@ N_GOLDEN = 16
 
 @dataclass(frozen=True)
 class Mode(Rows):
-    """Parameters (n_sets, 4) at the largest log density.
-
-    The log density and Laplace's covariance there are included.
+    """Parameters (n_sets, 4) at the largest log density, and Laplace's covariance.
 
     The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is false where
     threshold or width lie on a bound: there is no mode.
@@ -62,10 +58,7 @@ class Mode(Rows):
 
 
 def find_mode(posterior: LogPosterior, near: Array | None = None) -> Mode:
-    """Climb from a coarse grid or from `near`, then from steep starts.
-
-    `near` has the shape (n_sets, 4).
-    """
+    """Climb from a grid or from `near` (n_sets, 4), then from steep starts."""
     if near is None:
         summits, _ = grid_starts(posterior)
         mode = _highest(posterior, summits)
@@ -86,10 +79,7 @@ def _second_starts(posterior: LogPosterior, mode: Mode) -> Starts:
 
 
 def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None) -> Mode:
-    """Return the highest mode of each set from the starts or `known`.
-
-    Of equal modes it is the first.
-    """
+    """Return the highest mode of each set from the starts or `known`."""
     n_sets = len(posterior)
     starts = _distinct(starts, *_ascend(posterior[starts.sets], starts.theta, ROUGH_DECREMENT))
     sets = starts.sets
@@ -117,18 +107,12 @@ def _distinct(starts: Starts, theta: Array, log_density: Array) -> Starts:
 
 
 def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMALL_DECREMENT) -> Mode:
-    """Climb from `start` (n_sets, 4) until the gain per step is small.
-
-    The last step gains at most `small_decrement` of log density.
-    """
+    """Climb from `start` (n_sets, 4) until a step gains `small_decrement`."""
     return _laplace(posterior, _ascend(posterior, start, small_decrement)[0])
 
 
 def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tuple[Array, Array]:
-    """Return the ends of climbs from `start`, and their log densities.
-
-    Shapes are (n_sets, 4) and (n_sets,).
-    """
+    """Return the ends of climbs from `start`, and their log densities."""
     low, high = posterior.prior.bounds()
     theta = posterior.prior.tied(np.clip(start, low, high))
     log_density = np.empty(len(posterior))
@@ -157,10 +141,7 @@ def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tu
 
 
 def _is_held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
-    """Return True for parameters that are fixed or held at a bound.
-
-    They are held if the density rises beyond the bound.
-    """
+    """Return True if fixed, or at a bound beyond which the density rises."""
     at_low = (theta <= low) & (gradient <= 0)
     at_high = (theta >= high) & (gradient >= 0)
     return np.asarray((low == high) | at_low | at_high)
@@ -206,29 +187,10 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
 
 
 def _without(matrix: Array, held: Bools) -> Array:
-    """Replace rows and columns of held parameters by those of the unit matrix.
-
-    An infinite curvature becomes NaN, which discards the step.
-    """
+    """Replace rows and columns of held parameters by those of a unit matrix."""
     either = held[:, :, None] | held[:, None, :]
     finite = np.where(np.isfinite(matrix), matrix, np.nan)
     return np.where(either, np.eye(N_PARAMETERS), finite)
-
-
-def _convex_inverse(matrix: Array) -> Array:
-    """Invert matrices made positive definite; NaN if one is not finite.
-
-    On the scale of the diagonal each eigenvalue is replaced by its size, at least 1e-8.
-    """
-    is_finite = np.asarray(np.isfinite(matrix).all(axis=(1, 2)))[:, None, None]
-    known = np.where(is_finite, matrix, np.eye(N_PARAMETERS))
-    scale = np.sqrt(np.abs(np.diagonal(known, axis1=1, axis2=2)) + SMALLEST_CURVATURE)
-    outer = scale[:, :, None] * scale[:, None, :]
-
-    values, vectors = np.linalg.eigh(known / outer)
-    values = np.maximum(np.abs(values), 1e-8)
-    inverse = np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer
-    return np.where(is_finite, inverse, np.nan)
 
 
 def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
@@ -236,21 +198,23 @@ def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
     low, high = posterior.prior.bounds()
     # A curvature at a bound is not used, whichever way the density rises there.
     held = _is_held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
-    inverse = _convex_inverse(_without(-here.hessian, held))
+    curvature = _without(-here.hessian, held)
+    is_finite = np.isfinite(curvature).all(axis=(1, 2), keepdims=True)
+    inverse = np.where(is_finite, symmetric_inverse(np.where(is_finite, curvature, np.eye(N_PARAMETERS))), np.nan)
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
     on_bound = held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)
     return Mode(theta, here.value, covariance, np.asarray(~on_bound))
 
 
 def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
-    """Return the mode with its eta (n_sets,), and its covariance.
-
-    The search uses a grid of eta and golden sections.
-    """
+    """Return the mode over a grid and golden sections of eta, and eta."""
     nodes, near = np.array(COARSE), find_mode(posterior).theta
 
     def at(eta: Array) -> Mode:
-        return _at(posterior.under(overdispersion=eta), near)
+        overdispersed = posterior.under(overdispersion=eta)
+        by_grid, by_binomial = find_mode(overdispersed), find_mode(overdispersed, near)
+        highest = by_binomial.where(by_binomial.log_density > by_grid.log_density, by_grid)
+        return replace(highest, log_density=highest.log_density + log_prior_of(eta))
 
     densities = np.stack([at(np.full(len(posterior), eta)).log_density for eta in nodes], axis=1)
     best = densities.argmax(axis=1)
@@ -265,13 +229,3 @@ def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
     is_binomial = at(np.zeros(len(posterior))).log_density >= at(eta).log_density
     eta = np.where(is_binomial, 0.0, eta)
     return at(eta), eta
-
-
-def _at(posterior: LogPosterior, near: Array) -> Mode:
-    """Return the highest maximum from the grid or from `near`.
-
-    `near` is the mode of the binomial.
-    """
-    by_grid, by_binomial = find_mode(posterior), find_mode(posterior, near)
-    highest = by_binomial.where(by_binomial.log_density > by_grid.log_density, by_grid)
-    return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(posterior.prior.overdispersion)))

@@ -1,6 +1,4 @@
-"""Posterior distributions of psychometric functions by quadrature.
-
-The box of the quadrature follows the posterior.
+"""Posterior distributions of psychometric functions by quadrature in a box that follows the posterior.
 
 Threshold and log width have equidistant nodes, for which the trapezoidal rule converges fastest; the rates have
 Gauss-Legendre nodes. The box starts around the mode. It grows where a face still has density and shrinks where there is
@@ -49,13 +47,11 @@ DENSE_SD, LEAST_DENSE = 2.0, 1 / 30
 class Marginals(Rows):
     """Posterior means and quantiles of the parameters.
 
-    Means (n_sets, 4) contain the width itself, not its logarithm.
-
-    `threshold` and `width` (n_sets, 3) are the lower end of the central interval, the median and the upper end; all on
-    the scale of `Counts.u`. `overdispersion` (n_sets,) is the posterior mean of eta, 0 for the binomial. `log_evidence`
-    (n_sets,) is the logarithm of the likelihood's mean over the prior; `beyond` (n_sets, 2) the posterior's share of
-    curves whose rise lies below, and above, all levels tested; `low` and `high` (n_sets, 4) are the box that the
-    posterior was integrated over, NaN where data sets shared a grid.
+    Means (n_sets, 4) contain the width itself, not its logarithm. `threshold` and `width` (n_sets, 3) are the lower end
+    of the central interval, the median and the upper end; all on the scale of `Counts.u`. `overdispersion` (n_sets,) is
+    the posterior mean of eta, 0 for the binomial. `log_evidence` (n_sets,) is the logarithm of the likelihood's mean
+    over the prior; `beyond` (n_sets, 2) the share of curves whose rise lies below, and above, all levels tested; `low`
+    and `high` (n_sets, 4) are the box of the integral, NaN where data sets shared a grid.
     """
 
     mean: Array
@@ -80,15 +76,12 @@ class _Box(Rows):
 
 
 def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
-    """Integrate the posterior of every data set.
-
-    Only one grid is in memory at a time.
-    """
+    """Integrate the posteriors, one grid at a time."""
     if not len(posterior):
         return Marginals.empty(0)
     boxes = find_box(posterior, mode)
     lenses, by_set = _lenses(boxes, mode), []
-    for here in _one_by_one(posterior):
+    for here in _one_by_one(len(posterior)):
         etas = _eta_nodes(posterior[here], mode[here])
         by_set.append(_marginal_densities(posterior[here], boxes[here], lenses[here][0], etas))
     mean, threshold, log_width, eta, log_total, beyond = (np.array(column) for column in zip(*by_set, strict=True))
@@ -99,12 +92,15 @@ def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals
     return Marginals(mean, threshold, width, eta, log_evidence, beyond, boxes.low, boxes.high)
 
 
+def _one_by_one(n_sets: int) -> list[slice]:
+    """Return slices of one data set each."""
+    return [slice(i, i + 1) for i in range(n_sets)]
+
+
 def _lenses(boxes: _Box, mode: Mode) -> Array:
     """Return centre, scale, start and stop (n_sets, 4) of threshold nodes.
 
-    The thresholds are centre + scale * sinh(t).
-
-    The nodes t are equidistant from start to stop, which correspond to the ends of the box.
+    The thresholds are centre + scale * sinh(t) at equidistant t from start to stop, the ends of the box.
     """
     low, high = boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD]
     centre, sd, reach = mode.theta[:, THRESHOLD], mode.sd[:, THRESHOLD], high - low
@@ -112,15 +108,8 @@ def _lenses(boxes: _Box, mode: Mode) -> Array:
     return np.stack([centre, scale, *(np.arcsinh((end - centre) / scale) for end in (low, high))], axis=1)
 
 
-def _one_by_one(posterior: LogPosterior) -> list[slice]:
-    return [slice(i, i + 1) for i in range(len(posterior))]
-
-
 def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
-    """Return overdispersion nodes and weights of one data set.
-
-    The weights include the prior. For the binomial the only node is 0.
-    """
+    """Return eta's nodes and weights with the prior; 0 for the binomial."""
     if posterior.prior.overdispersion is None:
         return np.zeros(1), np.ones(1)
     axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
@@ -135,10 +124,7 @@ def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
 
 
 def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
-    """Return the smallest box with negligible density outside.
-
-    It is accurate to one node.
-    """
+    """Return the smallest box with negligible density outside, to a node."""
     ends = _Box(*posterior.prior.bounds())
     reach = np.where(mode.sd > 0, START_SD * mode.sd, np.inf)
     low, high = mode.theta - reach, mode.theta + reach
@@ -146,7 +132,9 @@ def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
     open_sets = np.arange(len(posterior))
     for _ in range(MAX_SEARCHES):
         old = box[open_sets]
-        profiles = _profiles(posterior[open_sets], old)
+        searched = posterior[open_sets]
+        by_set = [_profiles(searched[here], old[here]) for here in _one_by_one(len(searched))]
+        profiles = [np.array(along) for along in zip(*by_set, strict=True)]
         new = _next_box(old, ends[open_sets], profiles, mode.log_density[open_sets])
         shift = np.abs(new.low - old.low) + np.abs(new.high - old.high)
         moved = shift > 0.2 * (old.high - old.low)
@@ -158,15 +146,6 @@ def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
 
 
 def _profiles(posterior: LogPosterior, box: _Box) -> list[Array]:
-    """Return profiles of the log density along each parameter.
-
-    Each is the maximum over the others on a coarse grid: 4 arrays (n_sets, n_nodes).
-    """
-    by_set = [_profiles_of_one(posterior[here], box[here]) for here in _one_by_one(posterior)]
-    return [np.array(along) for along in zip(*by_set, strict=True)]
-
-
-def _profiles_of_one(posterior: LogPosterior, box: _Box) -> list[Array]:
     axes = posterior.prior.search_axes(box.low[0], box.high[0], SEARCH_NODES)
     eta = posterior.prior.overdispersion
     etas = (0.0,) if eta is None else (float(eta[0]), *ETA_SEARCH)
@@ -207,12 +186,10 @@ def rate_rule(n: int) -> tuple[Array, Array]:
     return (points + 1) / 2, weights
 
 
-def nodes_in(
+def _nodes_in(
     prior: Prior, low: Array, high: Array, n_trials: float, lens: Array | None = None
 ) -> tuple[list[Array], list[Array]]:
-    """Return nodes and weights along each parameter in a box.
-
-    The box is that of one data set. A fixed parameter has one node.
+    """Return nodes and weights along each parameter in one data set's box.
 
     The thresholds are equidistant, or transformed by a lens (`_lenses`).
     """
@@ -237,20 +214,14 @@ def nodes_in(
 
 
 def masses_in(posterior: LogPosterior, low: Array, high: Array) -> tuple[list[Array], Array]:
-    """Return nodes in the box of one data set, and its posterior masses.
-
-    The posterior is the binomial one.
-    """
-    axes, weights = nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
+    """Return nodes in the box of one data set, and its binomial masses."""
+    axes, weights = _nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
     density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
     return axes, np.exp(density - density.max()) * (weights[LAPSE][:, None] * weights[GUESS])
 
 
 def log_density_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
-    """Return the log density on the product of four axes.
-
-    It is that of one data set at one overdispersion.
-    """
+    """Return one log density at eta on the product of four axes."""
     threshold, log_width, lapse, guess = posterior.prior.along(axes)
     log_prior = (threshold[:, None] + log_width)[..., None, None] + (lapse[:, None] + guess)
     return np.asarray(_log_likelihood_grid(posterior, axes, eta) + log_prior)
@@ -279,10 +250,7 @@ def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float)
 
 
 def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array:
-    """Sum count * log(floor + span * parts) over the levels.
-
-    Up to `SINGLE_TRIALS` answers the error of single precision is below 1e-3 in the sum.
-    """
+    """Sum count * log(floor + span * parts) over the levels."""
     few = (count <= FEW) & (len(count) > FACTORS)
     # Single precision halves the memory of a large grid if the error of the sum stays small.
     precision = np.float32 if count.sum() <= SINGLE_TRIALS else np.float64
@@ -321,12 +289,9 @@ def _log_products(parts: Array, floor: Array, span: Array) -> Array:
 def _marginal_densities(
     posterior: LogPosterior, box: _Box, lens: Array, etas: tuple[Array, Array]
 ) -> tuple[Array, Array, Array, float, float, Array]:
-    """Return means and marginal densities of one data set.
-
-    The results are means, densities of threshold and log width, mean eta, log total, and shares beyond the levels.
-    """
+    """Return means, two densities, mean eta, log total and shares beyond."""
     prior, (low, high) = posterior.prior, (box.low[0], box.high[0])
-    axes, weights = nodes_in(prior, low, high, posterior.counts.n_trials.sum(), lens)
+    axes, weights = _nodes_in(prior, low, high, posterior.counts.n_trials.sum(), lens)
     densities = np.stack([log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
     densities += axes[LOG_WIDTH][:, None, None]  # the prior is on the width, the nodes on its logarithm
     highest = densities.max()
@@ -347,13 +312,10 @@ def _marginal_densities(
 
 
 def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array:
-    """Return lower end, median and upper end (n_sets, 3) of densities.
-
-    The densities (n_sets, n_nodes) are given on equidistant nodes.
-    """
+    """Return low, median, high (n_sets, 3) of densities on even nodes."""
     shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
     n_nodes = density.shape[1]
-    fine, weights = spline_integral(n_nodes)
+    fine, weights = _spline_integral(n_nodes)
     integral = density @ weights
     # A spline may dip below 0 between nodes, but its integral must rise to be inverted.
     cumulated = np.maximum.accumulate(integral, axis=1)
@@ -363,37 +325,13 @@ def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array
 
 
 @cache
-def spline_integral(n_nodes: int) -> tuple[Array, Array]:
-    """Return places and weights of integrals from node 0.
+def _spline_integral(n_nodes: int) -> tuple[Array, Array]:
+    """Return places on the nodes 0, 1, ... and weights of integrals up to them.
 
-    Places lie on the nodes 0, 1, ...; the weights (n_nodes, n_places) yield the integrals up to them.
-
-    The integral is that of the cubic spline through the values at four nodes or more, without a knot at the second
-    and the second to last node.
-
-    >>> places, weights = spline_integral(5)
-    >>> bool(np.allclose(np.arange(5.0) ** 3 @ weights, places**4 / 4))
-    True
+    The weights (n_nodes, n_places) are those of a cubic spline through the values at the nodes.
     """
-    values, moments = np.eye(n_nodes), _second_derivatives(n_nodes)
-    steps = (values[:-1] + values[1:]) / 2 - (moments[:-1] + moments[1:]) / 24
-    before = np.concatenate([np.zeros((1, n_nodes)), steps.cumsum(axis=0)])
+    from scipy.interpolate import CubicSpline  # slow to load
+
     places = np.linspace(0, n_nodes - 1, FINE * n_nodes)
-    node = np.minimum(places.astype(np.intp), n_nodes - 2)
-    t = (places - node)[:, None]
-    integral = before[node] + values[node] * (t - t**2 / 2) + values[node + 1] * t**2 / 2
-    integral -= moments[node] * (t**2 - t**3 + t**4 / 4) / 6 + moments[node + 1] * (t**2 / 2 - t**4 / 4) / 6
-    weights = np.ascontiguousarray(integral.T)
-    for shared in (places, weights):
-        shared.setflags(write=False)
-    return places, weights
-
-
-def _second_derivatives(n_nodes: int) -> Array:
-    """Return the matrix from spline values to second derivatives at nodes."""
-    inner = np.arange(1, n_nodes - 1)
-    left, right = np.zeros((2, n_nodes, n_nodes))
-    for offset, of_moment, of_value in ((-1, 1, 6), (0, 4, -12), (1, 1, 6)):
-        left[inner, inner + offset], right[inner, inner + offset] = of_moment, of_value
-    left[0, :3] = left[-1, -3:] = 1, -2, 1
-    return np.asarray(np.linalg.solve(left, right), dtype=np.float64)
+    integrals = CubicSpline(np.arange(n_nodes), np.eye(n_nodes)).antiderivative()(places)
+    return places, np.ascontiguousarray(integrals.T)

@@ -19,9 +19,9 @@ from .mode import Mode
 from .posterior import NEGLIGIBLE, Marginals, marginals, others, quantiles, rate_rule
 
 MOST_FREE = 3
-"""With two free rates a grid for all has so many nodes that grids of their own are faster."""
+"""With two free rates a grid for all has so many nodes that separate grids are faster."""
 WORTH_SHARING = 8
-"""Fewer data sets get grids of their own."""
+"""Fewer data sets get separate grids."""
 SEARCH_NODES = (41, 21, 6, 6)
 MODE_SD = 6.0
 """The grid reaches at least so many standard deviations beyond each mode."""
@@ -40,10 +40,7 @@ CHUNK = 4_000_000
 
 @dataclass(frozen=True)
 class Grid:
-    """Nodes and log weights along the four parameters.
-
-    The log volume of a cell is included.
-    """
+    """Nodes and log weights along the parameters, and a cell's log volume."""
 
     nodes: list[Array]
     log_weights: list[Array]
@@ -114,10 +111,7 @@ def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid
 
 
 def _tables(posterior: LogPosterior, grid: Grid) -> tuple[Array, Array]:
-    """Return log psi and log(1 - psi) at the levels, and the log prior.
-
-    Shapes are (2 n_levels, n_nodes) and (n_nodes,). The prior includes the weights of the nodes.
-    """
+    """Return log psi and log(1 - psi) by level and node, and the log prior."""
     prior = posterior.prior
     cdf, sf, _ = linear(posterior.shape, posterior.z_of(grid.nodes))
     lapse, guess = grid.nodes[LAPSE], prior.guess_nodes(grid.nodes[LAPSE], grid.nodes[GUESS])
@@ -146,10 +140,7 @@ def _densities(posterior: LogPosterior, grid: Grid) -> Iterator[tuple[slice, Arr
 
 
 def _ends(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array]:
-    """Return the ends of the nodes, with a margin of one node.
-
-    All data sets have their density between them.
-    """
+    """Return the ends of the nodes with density, with a margin of one node."""
     kept = np.zeros(np.prod(grid.sizes), dtype=bool)
     for sets, density in _densities(posterior, grid):
         best = np.maximum(density.max(axis=1), mode.log_density[sets])
@@ -169,10 +160,7 @@ def _ends(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array
 
 
 def marginal_masses(posterior: LogPosterior, grid: Grid) -> tuple[list[Array], Array, Array]:
-    """Return masses, log integrals and shares beyond the levels.
-
-    Masses (n_sets, n_nodes) are along each parameter, log integrals have the shape (n_sets,).
-    """
+    """Return masses (n_sets, n_nodes), log integrals and shares beyond."""
     n_m, n_v, n_lapse, n_guess = grid.sizes
     n_curves, n_rates = n_m * n_v, n_lapse * n_guess
     beyond = posterior.beyond_levels(grid.nodes).reshape(2, -1).T

@@ -49,36 +49,27 @@ class Starts(Rows):
 
 # --- starts on a coarse grid
 def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
-    """Return the local maxima of the grid, and the best nodes of its halves.
-
-    For each data set there is a best node among narrow and among wide functions.
-    """
+    """Return the grid's local maxima, and the best of each half of widths."""
     counts, prior = posterior.counts, posterior.prior
     summits, halves = [Starts.none()], [Starts.none()]
     for members in posterior.alike():
-        sizes, nodes = _nodes(prior, counts[members[:1]])
-        curves = nodes.reshape(-1, sizes[2], N_PARAMETERS)
+        nodes = _nodes(prior, counts[members[:1]])
+        curves, flat = nodes.reshape(len(nodes), -1, N_PARAMETERS), nodes.reshape(-1, N_PARAMETERS)
         by_curve = log_chances_by_curve(posterior.shape, counts.u[members[0]], curves)
         # Minus infinity times a count of 0 would be NaN.
-        # Rates come first, so that the best of them is found along contiguous memory.
-        log_chances = np.maximum(np.concatenate(by_curve, axis=2), FLOOR).swapaxes(0, 1).reshape(len(nodes), -1)
-        nodes = curves.swapaxes(0, 1).reshape(-1, N_PARAMETERS)
-        shape = (sizes[2], *sizes[:2])
-        size = max(1, CHUNK // len(nodes))
+        log_chances = np.maximum(np.concatenate(by_curve, axis=2), FLOOR).reshape(len(flat), -1)
+        size = max(1, CHUNK // len(flat))
         for sets in (members[start : start + size] for start in range(0, len(members), size)):
             density = _answers(counts[sets]) @ log_chances.T
-            density += prior[sets[:1]].log_density(nodes[None])
-            tops, bests = _tops(sets, density.reshape(len(sets), *shape), nodes.reshape(*shape, N_PARAMETERS))
+            density += prior[sets[:1]].log_density(flat[None])
+            tops, bests = _tops(sets, density.reshape(len(sets), *nodes.shape[:-1]), nodes)
             summits.append(tops)
             halves.append(bests)
     return reduce(Starts.joined, summits), reduce(Starts.joined, halves)
 
 
-def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
-    """Return nodes for the levels of one data set, and their numbers.
-
-    The shape is (n_widths * n_thresholds * n_rates, 4).
-    """
+def _nodes(prior: Prior, one: Counts) -> Array:
+    """Return nodes (n_rates, n_widths, n_thresholds, 4) for one data set."""
     narrow = min(max(1.3 * float(one.gap[0]), NARROWEST_NODE), 1.5)
     has_two_rates = LAPSE in prior.free and GUESS in prior.free
     rates = RATES[2 if has_two_rates else 1]
@@ -86,17 +77,12 @@ def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
     thresholds = _places(one.u[0, one.n_trials[0] > 0]).tolist()
     lapses = rates if prior.lapse_rate is None else [prior.lapse_rate]
     guesses = rates if GUESS in prior.free else [prior.guess_rate or 0.0]
-    sizes = (len(log_widths), len(thresholds), len(lapses) * len(guesses))
-    # Widths come before thresholds, as `_tops` expects; a parameter vector begins with the threshold.
-    nodes = np.array(list(product(log_widths, thresholds, lapses, guesses)))
-    return sizes, prior.tied(nodes[:, [1, 0, 2, 3]])
+    # Rates come first, so that the best of them is found along contiguous memory.
+    nodes = np.array(list(product(lapses, guesses, log_widths, thresholds)))[:, [3, 2, 0, 1]]
+    return prior.tied(nodes.reshape(-1, len(log_widths), len(thresholds), N_PARAMETERS))
 
 
 def _places(levels: Array) -> Array:
-    """Return thresholds at, between and beyond the levels.
-
-    For many levels they are equidistant.
-    """
     x = np.unique(np.clip(levels, -BEYOND[-1], BEYOND[-1]))
     inside = np.concatenate([x, (x[1:] + x[:-1]) / 2])
     if len(inside) > MOST_PLACES or not len(inside):
@@ -111,10 +97,7 @@ def _answers(counts: Counts) -> Array:
 
 
 def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
-    """Return local maxima of densities, and the best nodes of both halves.
-
-    Densities have the shape (n_sets, n_rates, n_widths, n_thresholds).
-    """
+    """Return local maxima of densities, and the best nodes of both halves."""
     ridge = density.max(axis=1)
     high = ridge >= ridge.max(axis=(1, 2), keepdims=True) - LOW
     summits = _at_best_rate(sets, density, nodes, *np.nonzero(_is_top(ridge) & high))
@@ -132,10 +115,7 @@ def _at_best_rate(sets: Indices, density: Array, nodes: Array, row: Indices, wid
 
 
 def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
-    """Return the best node at each other rate if it is about as good.
-
-    It may lead to another maximum.
-    """
+    """Return the best node at each other rate if it is about as good."""
     n_rates = density.shape[1]
     by_rate = density.reshape(len(sets), n_rates, -1)
     node = by_rate.argmax(axis=2)
@@ -146,10 +126,7 @@ def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
 
 
 def _is_top(ridge: Array) -> Bools:
-    """Return True for local maxima among eight neighbours.
-
-    Of equal neighbours the first counts.
-    """
+    """Return True for local maxima, and the first of equal neighbours."""
     _, a, b = ridge.shape
     padded = np.pad(ridge, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
     top = np.ones(ridge.shape, dtype=bool)
@@ -162,10 +139,7 @@ def _is_top(ridge: Array) -> Bools:
 
 # --- starts by steps
 def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
-    """Return the `N_STEPS` densest steps of each data set.
-
-    Their log density reaches `at_least` (n_sets,).
-    """
+    """Return the densest steps with a log density of `at_least` (n_sets,)."""
     steps = (_steps_between(posterior), _steps_at(posterior))
     density, theta = (np.concatenate(both, axis=1) for both in zip(*steps, strict=True))
     best = np.argsort(-density, axis=1)[:, :N_STEPS]
@@ -175,28 +149,18 @@ def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
 
 
 def _spacings(counts: Counts) -> Array:
-    """Return spacings of neighbouring levels, infinite for unused levels.
-
-    The shape is (n_sets, n_levels - 1).
-    """
+    """Return spacings of neighbouring levels, infinite for unused levels."""
     used = counts.n_trials > 0
     return np.where(used[:, 1:] & used[:, :-1], np.diff(counts.u, axis=1), np.inf)
 
 
 def _steep_width(counts: Counts, spacing: Array) -> Array:
-    """Return the width of a steep start within a spacing.
-
-    It is above the lower end of the width's prior.
-    """
     finite = np.where(np.isfinite(spacing), spacing, 1.0)
     return np.maximum(1.5 * counts.gap[:, None], STEEP * finite)
 
 
 def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
-    """Return log densities and parameters of steps between two levels.
-
-    Log densities have the shape (n_sets, n_levels - 1).
-    """
+    """Return log densities and parameters of steps between two levels."""
     u, spacing = posterior.counts.u, _spacings(posterior.counts)
     cut = np.arange(1, u.shape[1])
     density, lapse, guess = _asymptotes(posterior, cut, cut)
@@ -206,10 +170,7 @@ def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
-    """Return log densities and parameters of steps at a level.
-
-    Any rate is possible at that level. Log densities have the shape (n_sets, n_levels).
-    """
+    """Return them of steps at a level, which may have any rate."""
     shape, counts = posterior.shape, posterior.counts
     u, k, n = counts.u, counts.n_yes, counts.n_trials
     spacing, outer = _spacings(counts), np.full((len(counts), 1), np.inf)
@@ -228,10 +189,7 @@ def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
 
 
 def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tuple[Array, Array, Array]:
-    """Return log density, lapse rate and guess rate of a step.
-
-    The lower asymptote applies to levels before `below`, the upper one from `above` on.
-    """
+    """Return log density, lapse and guess rate of steps with no rate between."""
     counts, prior = posterior.counts, posterior.prior
     none = np.zeros((len(counts), 1))
     # Entry i has the answers and trials of all levels before level i.

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import betainc, betaincinv, betaln, logsumexp
+from scipy.special import betainc, betaln, logsumexp, xlog1py, xlogy
 
 from ..arrays import Array, Bools, StatusWithNote
-from ..distributions import ChiSquare
+from ..distributions import ChiSquare, exact_interval
 from .counts import Counts
-from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood, weighted
+from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood
 from .log_posterior import LARGEST_RATE, LogPosterior, Prior, log_rate_mass
 from .mode import Mode
 from .posterior import Marginals
@@ -31,7 +31,7 @@ DROP_SIGNIFICANCE = 0.01
 CEILING_RATE = 0.9
 """A constant rate that may be this high is a ceiling."""
 TOLERATED = 1.0
-"""A difference of log-likelihoods that the data do not tell apart."""
+"""A difference of log-likelihoods that the data do not resolve."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,10 @@ class Status(StatusWithNote):
 
 
 CEILING_WEIGHT, GUESSES_WEIGHT, CONSTANT_WEIGHT = 0.3, 3.5, 0.05
-"""Before the data, of a threshold so far below, or above, the levels that they tell nothing, and of no rise at all,
-beside 1 for the curves of the fit. Unverified defaults: with them the bias study (docs/reference/analysis.md) keeps the
-shares of wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers at a
-ceiling do."""
+"""Prior weights, relative to 1 for the curves of the fit, of a threshold so far below, or above, the levels that only
+an asymptote is seen, and of no rise at all. Unverified defaults: with them the bias study (docs/reference/analysis.md)
+keeps the shares of wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers
+at a ceiling do."""
 
 Statuses = NDArray[np.object_]
 
@@ -77,70 +77,42 @@ def notes(counts: Counts, status: Statuses, interval: float) -> list[str]:
     said = [Status(word).note for word in status]
     for i in np.flatnonzero((status == Status.TOO_FEW_LEVELS) & (counts.n_levels == 1)):
         k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
-        low, high = proportion_interval(k, n, interval)
+        low, high = exact_interval(k, n, interval)
         said[i] = f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
     return said
 
 
 def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Status]:
-    """Return the first status that applies to each data set.
-
-    `shares` are those of `verdict_shares`.
-    """
+    """Return the first status that applies to each data set."""
     counts = posterior.counts
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
-    falls, status = _falls(counts), []
-    for i in range(len(counts)):
-        outside = _outside(shares[i], k[i], n[i], _guess(posterior.prior, i))
-        tests = (
-            (n[i] == 0, Status.NO_DATA),
-            (counts.n_levels[i] == 1, Status.TOO_FEW_LEVELS),
-            (falls[i], Status.NON_MONOTONE),
-            (k[i] == n[i], Status.BELOW),
-            (shares[i, 0] < HELD, outside),
-            (step.is_between[i], Status.SEPARATED),
-            (counts.n_levels[i] == 2, Status.TOO_FEW_LEVELS),
-        )
-        status.append(next((verdict for applies, verdict in tests if applies), Status.OK))
-    return status
+    low, high = exact_interval(k, n)
+    is_outside = shares[:, 0] < HELD
+    tests = (
+        (n == 0, Status.NO_DATA),
+        (counts.n_levels == 1, Status.TOO_FEW_LEVELS),
+        (_falls(counts), Status.NON_MONOTONE),
+        (k == n, Status.BELOW),
+        (is_outside & (shares[:, 1] >= HELD) & (high >= CEILING_RATE), Status.BELOW),
+        (is_outside & (shares[:, 2] >= HELD) & (low <= _highest_guess(posterior.prior)), Status.ABOVE),
+        (is_outside, Status.FLAT),
+        (step.is_between, Status.SEPARATED),
+        (counts.n_levels == 2, Status.TOO_FEW_LEVELS),
+    )
+    applies, verdicts = zip(*tests, strict=True)
+    return [Status(word) for word in np.select(applies, verdicts, Status.OK)]
 
 
-def _outside(shares: Array, k: float, n: float, guess: float) -> Status:
-    low, high = proportion_interval(k, n, 0.95)
-    if shares[1] >= HELD and high >= CEILING_RATE:
-        return Status.BELOW
-    return Status.ABOVE if shares[2] >= HELD and low <= guess else Status.FLAT
-
-
-def _guess(prior: Prior, i: int) -> float:
-    """Return the guess rate of a data set.
-
-    For a free rate it is the highest that catch trials allow, or the mean of its prior.
-    """
+def _highest_guess(prior: Prior) -> Array | float:
+    """Return the guess rate, or the highest plausible one if it is free."""
     if prior.guess_rate is not None:
         return prior.guess_rate
-    if prior.n_catch[i] == 0:
-        return 1 / (1 + prior.guess_beta)
-    return proportion_interval(prior.n_false_alarms[i], prior.n_catch[i], 0.95)[1]
-
-
-def proportion_interval(k: float, n: float, interval: float) -> tuple[float, float]:
-    """Return Clopper and Pearson's exact interval of a proportion.
-
-    >>> [round(end, 4) for end in proportion_interval(15, 20, 0.95)]
-    [0.509, 0.9134]
-    """
-    tail = (1 - interval) / 2
-    low = 0.0 if k == 0 else float(betaincinv(k, n - k + 1, tail))
-    high = 1.0 if k == n else float(betaincinv(k + 1, n - k, 1 - tail))
-    return low, high
+    _, high = exact_interval(prior.n_false_alarms, prior.n_catch)
+    return np.where(prior.n_catch > 0, high, 1 / (1 + prior.guess_beta))
 
 
 def _falls(counts: Counts) -> Bools:
-    """Return True for a falling trend or drops that no rising curve explains.
-
-    The trend is a score test.
-    """
+    """Return True for a falling trend or drops that no rising curve explains."""
     n = counts.n_trials.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         # Equal answers or one level make z 0 / 0; NaN is below no criterion.
@@ -156,50 +128,23 @@ def _falls(counts: Counts) -> Bools:
 
 
 def _isotonic_log_likelihood(counts: Counts) -> Array:
-    """Return the log-likelihood of the best rising function.
+    from scipy.optimize import isotonic_regression  # slow to load
 
-    Only data sets with a drop are fitted.
-    """
     fitted = saturated_log_likelihood(counts)  # exact if the answers rise already
     for i in range(len(counts)):
         used = counts.n_trials[i] > 0
         k, n = counts.n_yes[i, used], counts.n_trials[i, used]
         if np.any(np.diff(k / n) < 0):
-            p = rising_fit(k / n, n)
-            with np.errstate(divide="ignore"):
-                # A weighted mean of ones may round to above 1, for which log1p is undefined.
-                log_no = np.log1p(-np.minimum(p, 1))
-                fitted[i] = (weighted(k, np.log(p)) + weighted(n - k, log_no)).sum()
+            p = np.minimum(isotonic_regression(k / n, weights=n).x, 1)  # a mean of ones may round to above 1
+            fitted[i] = (xlogy(k, p) + xlog1py(n - k, -p)).sum()
     return fitted
-
-
-def rising_fit(values: Array, weights: Array) -> Array:
-    """Return the rising sequence nearest to the values by weighted squares.
-
-    The method is pool adjacent violators; values have the shape (n,).
-
-    >>> rising_fit(np.array([1.0, 3.0, 2.0, 4.0]), np.array([1.0, 1.0, 3.0, 1.0])).tolist()
-    [1.0, 2.25, 2.25, 4.0]
-    """
-    blocks: list[tuple[float, float, int]] = []
-    for value, weight in zip(values.tolist(), weights.tolist(), strict=True):
-        mean, total, size = value, weight, 1
-        while blocks and blocks[-1][0] >= mean:
-            before, its_total, its_size = blocks.pop()
-            mean = (before * its_total + mean * total) / (its_total + total)
-            total, size = total + its_total, size + its_size
-        blocks.append((mean, total, size))
-    means, _, sizes = zip(*blocks, strict=True)
-    return np.repeat(means, sizes)
 
 
 def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
     """Return the best step with the asymptotes of the likeliest curve.
 
-    At most one level has another rate.
-
-    If it fits at least as well as the likeliest curve, the steepness has no upper bound. A step between two levels lies
-    at their middle. A step before or after all levels would be a constant rate and does not count.
+    At most one level has another rate. If it fits at least as well as the likeliest curve, the steepness has no upper
+    bound. A step between two levels lies at their middle. A step before or after all levels does not count.
     """
     counts = posterior.counts
     at_level, between = _step_likelihoods(counts, likeliest)
@@ -218,16 +163,11 @@ def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
 
 
 def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
-    """Return likelihoods of steps at each level and around the levels.
-
-    Shapes are (n_sets, n_levels) and (n_sets, n_levels + 1).
-    """
     k, n = counts.n_yes, counts.n_trials
     lapse, guess = likeliest.theta[:, LAPSE, None], likeliest.theta[:, GUESS, None]
-    with np.errstate(divide="ignore"):
-        at_guess = weighted(k, np.log(guess)) + weighted(n - k, np.log1p(-guess))
-        at_lapse = weighted(k, np.log1p(-lapse)) + weighted(n - k, np.log(lapse))
-    below, above = _finite_log(at_guess), _finite_log(at_lapse)
+    # Sums need finite numbers.
+    below = np.maximum(xlogy(k, guess) + xlog1py(n - k, -guess), -1e12)
+    above = np.maximum(xlog1py(k, -lapse) + xlogy(n - k, lapse), -1e12)
     none = np.zeros((len(counts), 1))
     left = np.hstack([none, np.cumsum(below, axis=1)])  # entry i: levels before i, on the lower asymptote
     right = np.hstack([np.cumsum(above[:, ::-1], axis=1)[:, ::-1], none])  # levels from i on, on the upper one
@@ -235,14 +175,10 @@ def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
     return at_level, left + right
 
 
-def _finite_log(log_chance: Array) -> Array:
-    return np.maximum(log_chance, -1e12)
-
-
 def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
     """Return probabilities (n_sets, 4) of the four explanations.
 
-    They are that the levels meet the rise, lie above it, lie below it, or that there is no rise.
+    The levels meet the rise, lie above it, lie below it, or there is no rise.
     """
     met = 1 - marginals.beyond.sum(axis=1, keepdims=True)
     curves = marginals.log_evidence[:, None] + _logarithm(np.hstack([met, marginals.beyond]))
@@ -258,9 +194,7 @@ def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
 
 
 def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array]:
-    """Return the log evidence (n_sets,) of constant rates.
-
-    The rates are the upper asymptote, the lower one, and any constant.
+    """Return the log evidence (n_sets,) of both asymptotes and any constant.
 
     The last is uniform between the asymptotes if they are known. All include the answers to catch trials.
     """
@@ -268,7 +202,7 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
     alarms, correct = prior.n_false_alarms, prior.n_catch - prior.n_false_alarms
     low, high = prior.guess_rate or 0.0, 1 - (prior.lapse_rate or 0.0)
     share = np.asarray(betainc(k + 1, n - k + 1, high) - betainc(k + 1, n - k + 1, low))
-    any_chance = _log_beta(k + 1, n - k + 1) + _logarithm(share)
+    any_chance = betaln(k + 1, n - k + 1) + _logarithm(share)
     catch = np.zeros(len(counts))
     if prior.guess_rate is None:
         # Answers to catch trials are guesses: they share the rate of a lower asymptote, else they have a separate one.
@@ -281,20 +215,11 @@ def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array
 
 
 def _log_mean_chance(rate: float | None, beta: float, k: Array, rest: Array) -> Array:
-    """Return the log probability of k answers at a rate.
-
-    The rest are at its complement; a free rate is integrated over its prior.
-    """
     if rate is None:
         a, b = k + 1, rest + beta
         share = np.asarray(betainc(a, b, LARGEST_RATE), dtype=np.float64)  # a free rate ends there, before 1
-        return _log_beta(a, b) + _logarithm(share) - log_rate_mass(beta)
-    with np.errstate(divide="ignore"):
-        return np.asarray(weighted(k, np.log(rate)) + weighted(rest, np.log1p(-rate)))
-
-
-def _log_beta(a: Array, b: Array) -> Array:
-    return np.asarray(betaln(a, b), dtype=np.float64)
+        return betaln(a, b) + _logarithm(share) - log_rate_mass(beta)
+    return np.asarray(xlogy(k, rate) + xlog1py(rest, -rate))
 
 
 def _logarithm(x: Array) -> Array:

@@ -1,7 +1,4 @@
-"""Posterior modes of very many tracks, for simulations.
-
-They equal those of `fit`, without status, interval and notes.
-"""
+"""Posterior modes of very many tracks, for simulations, equal to those of `fit`."""
 
 from dataclasses import dataclass
 
@@ -12,11 +9,10 @@ from tactometry.arguments.require import expect
 from tactometry.psychometric import shape_named
 
 from ..arrays import Array, Bools, Rows
-from .counts import count_arrays, normalise
+from .counts import totals
 from .estimates import is_regular
-from .fitting import check_rates
+from .fitting import log_posterior
 from .likelihood import LOG_WIDTH, THRESHOLD
-from .log_posterior import LogPosterior, Prior
 from .mode import find_mode
 
 MOST_SHARED = 64
@@ -64,35 +60,26 @@ def fit_modes(
     >>> found.thresholds.round().tolist(), found.regular.tolist()
     ([18.0], [True])
     """
-    check_rates("fit_modes", guess_rate, lapse_rate)
     x, y = np.asarray(levels, dtype=np.float64), np.asarray(answers, dtype=np.float64)
-    expect(
-        x.ndim == 2 and x.shape == y.shape, "fit_modes", f"shapes {x.shape}, {y.shape}", "(n_sets, n_trials) of both"
-    )
-    curve, used = shape_named(shape), ~np.isnan(x)
-    expect(not curve.on_log_levels, "fit_modes.shape", shape, "a shape on levels")
+    shapes = f"shapes {x.shape}, {y.shape}"
+    expect(x.ndim == 2 and x.shape == y.shape, "fit_modes", shapes, "(n_sets, n_trials) of both")
+    expect(not shape_named(shape).on_log_levels, "fit_modes.shape", shape, "a shape on levels")
+    used = ~np.isnan(x)
     expect(np.isin(y[used], (0, 1)).all(), "fit_modes.answers", "another value", "1 or 0")
     shared = np.unique(x[used])
-    if 2 <= len(shared) <= MOST_SHARED:
-        counts = normalise(*count_arrays(*_pooled(shared, x, y, used)))
-    else:
-        counts = normalise(*count_arrays(np.where(used, x, 0.0), np.where(used, y, 0.0), used))
-    none = np.zeros(len(counts))
-    prior = Prior(counts.gap, lapse_rate, guess_rate, none, none, scale_free_width=scale_free_width)
-    mode = find_mode(LogPosterior(curve, counts, prior))
+    is_shared = 2 <= len(shared) <= MOST_SHARED
+    columns = _pooled(shared, x, y, used) if is_shared else (np.where(used, x, 0.0), np.where(used, y, 0.0), used)
+    posterior = log_posterior(
+        *columns, shape=shape, guess_rate=guess_rate, lapse_rate=lapse_rate, scale_free_width=scale_free_width
+    )
+    counts, mode = posterior.counts, find_mode(posterior)
     at = counts.centre + counts.spread * mode.theta[:, THRESHOLD]
     widths = counts.spread * np.exp(mode.theta[:, LOG_WIDTH])
     return TrackModes(at, counts.spread * mode.sd[:, THRESHOLD], widths, is_regular(mode) & (counts.n_levels > 1))
 
 
 def _pooled(shared: Array, x: Array, y: Array, used: Bools) -> tuple[Array, Array, Array]:
-    """Return levels (1, n_levels) and the counts there.
-
-    Counts (n_sets, n_levels) are of answers 1 and of all answers.
-    """
+    """Return levels (1, n_levels) and counts (n_sets, n_levels) of answers."""
     shape = (len(x), len(shared))
     cells = (np.arange(len(x))[:, None] * shape[1] + np.searchsorted(shared, x))[used]
-    size = shape[0] * shape[1]
-    n_yes = np.bincount(cells, weights=y[used], minlength=size).reshape(shape)
-    n_trials: Array = np.bincount(cells, minlength=size).reshape(shape).astype(np.float64)
-    return shared[None], np.asarray(n_yes, dtype=np.float64), n_trials
+    return shared[None], totals(cells, y[used], shape), totals(cells, np.ones(len(cells)), shape)

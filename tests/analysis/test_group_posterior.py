@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import ndtr
-from scipy.stats import norm
 
 from tactometry.analysis.hierarchical.model import GroupModel, StudyCounts, rate_of
 from tactometry.analysis.hierarchical.posterior import Laplace, integrate, quantiles, sequence
-from tactometry.analysis.hierarchical.tables import draw_cells, weighted_quantiles
+from tactometry.analysis.hierarchical.tables import draw_cells
 from tactometry.experiments.bias_study.groups import outcome
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
@@ -22,7 +21,7 @@ def model_of(n_yes, lapse_rate=0.02) -> GroupModel:
     names = np.repeat([f"P{place}" for place in range(n)], n_levels)
     answers = np.tile(LEVELS, n), n_yes.ravel().astype(float), np.full(n_yes.size, float(N_TRIALS))
     known = {"shape": SHAPES["logistic"], "guess_rate": 0.0, "lapse_rate": lapse_rate}
-    return GroupModel(StudyCounts.of(names, {"condition": np.zeros(n_yes.size)}, (), answers, None, **known))
+    return GroupModel(StudyCounts.of(names, {"condition": np.zeros(n_yes.size)}, (), answers, **known))
 
 
 def test_sequence_fills_the_unit_cube_evenly() -> None:
@@ -36,12 +35,6 @@ def test_quantiles_of_a_mixture_reach_their_share() -> None:
     low = quantiles(weights, means, sds, 0.1)
     assert weights @ ndtr((low - means) / np.array([1.0, 0.5, 1e-9])) == pytest.approx(0.1, abs=1e-9)
     assert quantiles(weights, means, sds, 0.9) == pytest.approx(4.0, abs=1e-6)
-
-
-def test_weighted_quantiles_agree_with_normal_ones() -> None:
-    x = np.linspace(-6, 6, 4001)
-    found = [float(weighted_quantiles(x, norm.pdf(x) / norm.pdf(x).sum(), share)) for share in (0.025, 0.5)]
-    assert found == pytest.approx([-1.96, 0.0], abs=0.01)
 
 
 def test_draws_of_participants_stay_near_laplace() -> None:

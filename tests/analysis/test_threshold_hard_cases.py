@@ -43,7 +43,7 @@ def test_likelihood_and_derivatives_match_50_digits(shape, rates, answers) -> No
         places = [-4.0, -2.5, 0.0, 0.7, 3.0, 12.0, 30.0]
     z, (guess, lapse) = np.array([[place] for place in places]), (np.full((1, 1), rate) for rate in rates)
     n_yes, n_no = (np.full(z.shape, float(n)) for n in answers)
-    found = by_point(SHAPES[shape], z, guess, lapse, (n_yes, n_no))
+    values, slopes = by_point(SHAPES[shape], z, guess, lapse, (n_yes, n_no))
     with mpmath.workdps(DIGITS):
         for i, place in enumerate(places):
             arguments = (mpmath.mpf(place), mpmath.mpf(rates[0]), mpmath.mpf(rates[1]))
@@ -52,18 +52,16 @@ def test_likelihood_and_derivatives_match_50_digits(shape, rates, answers) -> No
                 return exact(shape, x, g, l, *answers)
 
             log_chance = float(value(*arguments))
-            hard_case(
-                "log-likelihood in the tails", found.value[i, 0], log_chance, 1e-12, against="50 digits", floor=0.1
-            )
+            hard_case("log-likelihood in the tails", values[i, 0], log_chance, 1e-12, against="50 digits", floor=0.1)
             slope = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0]))
-            hard_case("slope of the likelihood", found.z[i, 0], slope, 1e-9, against="50 digits", floor=1e-3)
+            hard_case("slope of the likelihood", slopes.z[i, 0], slope, 1e-9, against="50 digits", floor=1e-3)
             bend = float(mpmath.diff(lambda x, a=arguments: value(x, *a[1:]), arguments[0], 2))
-            hard_case("curvature of the likelihood", found.zz[i, 0], bend, 1e-8, against="50 digits", floor=1e-3)
+            hard_case("curvature of the likelihood", slopes.zz[i, 0], bend, 1e-8, against="50 digits", floor=1e-3)
             if min(rates) > 0:
                 by_lapse = float(mpmath.diff(lambda x, a=arguments: value(*a[:2], x), arguments[2]))
                 by_guess = float(mpmath.diff(lambda x, a=arguments: value(a[0], x, a[2]), arguments[1]))
-                assert found.lapse[i, 0] == pytest.approx(by_lapse, rel=1e-9, abs=1e-12)
-                assert found.guess[i, 0] == pytest.approx(by_guess, rel=1e-9, abs=1e-12)
+                assert slopes.lapse[i, 0] == pytest.approx(by_lapse, rel=1e-9, abs=1e-12)
+                assert slopes.guess[i, 0] == pytest.approx(by_guess, rel=1e-9, abs=1e-12)
 
 
 def test_three_hundred_levels_with_one_trial_each() -> None:

@@ -167,7 +167,7 @@ def test_forced_choices_guess_at_their_chance() -> None:
 @pytest.mark.parametrize(
     ("found", "note"),
     [
-        ([cell(who, k=(0, 0, 0, 0)) for who in "ABC"], "no hierarchical fit: no participant tells a threshold"),
+        ([cell(who, k=(0, 0, 0, 0)) for who in "ABC"], "no hierarchical fit: no participant has a threshold"),
         ([cell(who, levels=(), k=(), n_trials=()) for who in "AB"], "no hierarchical fit: no trial with a level"),
     ],
 )

@@ -92,8 +92,8 @@ def hierarchical_fit() -> Problem:
     n, n_levels = N_YES.shape
     names = np.repeat([f"P{place}" for place in range(n)], n_levels)
     answers = np.tile(GROUP_LEVELS, n), N_YES.ravel().astype(float), np.full(N_YES.size, 8.0)
-    known = {"shape": shape_named("logistic"), "guess_rate": 0.0, "lapse_rate": 0.02}
-    model = GroupModel(StudyCounts.of(names, {"condition": np.zeros(N_YES.size)}, (), answers, None, **known))
+    known: dict[str, Any] = {"shape": shape_named("logistic"), "guess_rate": 0.0, "lapse_rate": 0.02}
+    model = GroupModel(StudyCounts.of(names, {"condition": np.zeros(N_YES.size)}, (), answers, **known))
     hyper, means = model.start(np.zeros(1), np.full(1, np.log(0.6)))
     laplace = Laplace(model, hyper, means)
 
