@@ -1,7 +1,4 @@
-"""Many simulated tracks with their fits, in batches.
-
-Memory is bounded. Results can be written as Parquet files.
-"""
+"""Many simulated tracks with their fits, in batches."""
 
 import hashlib
 import io
@@ -43,7 +40,7 @@ COLUMNS: Final = {
 
 @dataclass(frozen=True)
 class Respondents:
-    """Simulated participants with normally distributed thresholds.
+    """Simulated participants whose thresholds are normally distributed.
 
     Thresholds are in the unit of the felt level. All other parameters are equal.
     """

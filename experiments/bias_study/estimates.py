@@ -55,10 +55,7 @@ def outcomes_of(
     lapse_rates: Sequence[float] = LAPSE_RATES,
     truths: Sequence[str] = TRUTHS,
 ) -> Iterator[pd.DataFrame]:
-    """Yield a table for each design, lapse rate, truth and fit.
-
-    It has a row for each participant.
-    """
+    """Yield a table for each design, lapse rate, truth and fit."""
     for design, lapse_rate, truth in product(designs, lapse_rates, truths):
         true_db, width_db = (rng.uniform(*ends, n_sets) for ends in (THRESHOLDS_DB, WIDTHS_DB))
         uniform, rates = rng.random((n_sets, design.n_trials)), (design.task.guess_rate, lapse_rate)
@@ -74,10 +71,7 @@ def outcomes_of(
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return bias, coverage, length and `flat` results by row and fit.
-
-    Bias is in standard deviations.
-    """
+    """Return bias (in SDs), coverage, length and `flat` results by row and fit."""
     by = ["design", "lapse_rate", "truth", "fit"]
     rows = [(*key, *_row(each)) for key, each in outcomes.groupby(by, sort=False)]
     return pd.DataFrame(rows, columns=[*by, "bias", "covered", "covered_all", "length_db", "flat", "flat_covered"])

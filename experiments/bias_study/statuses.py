@@ -1,7 +1,5 @@
 """Statuses, coverage, bias and length of intervals.
 
-They are by procedure, task, number of trials and place of the threshold.
-
 Each participant completes one track. Its first n trials serve as a track of n trials.
 """
 
@@ -53,10 +51,7 @@ def outcomes_of(
     n_trials: Sequence[int] = N_TRIALS,
     lapse_rate: float = LAPSE_RATE,
 ) -> Iterator[pd.DataFrame]:
-    """Yield a table for each setting.
-
-    It has a row (`OUTCOMES`) for each participant and number of trials.
-    """
+    """Yield a table for each setting."""
     for (procedure, task, place), stream in zip(chosen, rng.spawn(len(chosen)), strict=True):
         simulated = tracks(procedure, task, place, n_sets, stream, n_trials=max(n_trials), lapse_rate=lapse_rate)
         rows = []

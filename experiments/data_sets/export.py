@@ -1,8 +1,8 @@
 """Exports for other programs: Psych-DS, PsychoPy, BIDS, jsPsych and R.
 
-A recorded data set is Psych-DS already; here also a single table becomes one, without journals, and names use the
-official keywords only. PsychoPy's experiment handler writes a row per trial, a file per session: for scripts and people
-that read such files, and `columns.toml` beside them reads them back with `--columns`.
+A recorded data set is already Psych-DS. This export converts single tables too, omits journals, and uses official
+keywords only. PsychoPy's and jsPsych's forms are for scripts and people that read such files; `columns.toml` next to
+them reads them back with `--columns`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -36,7 +36,7 @@ LAST = ("participant", "session", "study", "timestamp_utc")
 
 
 def psychds_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """Every file, by its path; the same data give the same bytes."""
+    """Return the files by path; equal data, equal bytes."""
     names = [column.name for column in source.columns]
     study = (source.text("study") or "trials").replace("-", "")  # a hyphen parts key and value in names of files
     files = {
@@ -68,7 +68,7 @@ def _description(source: ExportedDataSet) -> Mapping[str, object]:
 
 
 def psychopy_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """Every file, by its path; the same data give the same bytes. Numbers of blocks and trials start at 0 there."""
+    """Return the files by path, with blocks and trials numbered from 0."""
     names = [column.name for column in source.columns]
     ordered = [*(name for name in names if name not in LAST), *(name for name in LAST if name in names)]
     header = [RENAMED.get(name, name) for name in ordered]
@@ -98,12 +98,14 @@ FORMS: Mapping[str, Callable[[ExportedDataSet], dict[str, bytes]]] = {
 
 
 def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> list[Path]:
-    """Write the data set or trials file at `path` in a form (`bids` or one of `FORMS`) into a new or empty folder.
+    """Write a data set or trials file in a form into a new or empty folder.
+
+    The form is `bids` or one of `FORMS`.
 
     Raises
     ------
     InvalidParameter
-        If the form is unknown or the folder holds something.
+        If the form is unknown or the folder is not empty.
     InvalidFile
         If the data set is damaged.
     DeviceFailed

@@ -1,7 +1,4 @@
-"""A data set in jsPsych's form: a file for each session, as `jsPsych.data.get().json()` gives it, a trial an object.
-
-For scripts that read such files; `columns.toml` beside them reads them back with `--columns`.
-"""
+"""Export to jsPsych: a JSON file for each session, an object for each trial."""
 
 import json
 from typing import Final
@@ -34,7 +31,7 @@ false = 0
 
 
 def jspsych_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """Every file, by its path; the same data give the same bytes. Times are in milliseconds there, trials from 0."""
+    """Return the files by path, with times in ms and trials from 0."""
     names = [column.name for column in source.columns]
     clash = next((name for name in names if name in THEIRS), None)
     expect(
@@ -72,7 +69,7 @@ def _ms(seconds: str) -> float | None:
 
 
 def _value(name: str, text: str) -> object:
-    """A cell as jsPsych has it: truths, numbers, null for what is not there; words stay, and numbers written as a code.
+    """Return a cell as jsPsych has it: bool, number or null; codes stay text.
 
     >>> _value("correct", "1"), _value("level", "34.0"), _value("item", ""), _value("pattern", "P0"), _value("x", "007")
     (True, 34.0, None, 'P0', '007')

@@ -1,7 +1,4 @@
-"""Session files next to a journal, and checks that they agree with it.
-
-They differ if someone edited them or a crash truncated them.
-"""
+"""Session files next to a journal, and checks that they agree with it."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -98,8 +95,7 @@ def trials_defects(root: Path, journal: Path, recording: Recording, experiment: 
 def edit_warnings(path: Path) -> list[str]:
     """Return warnings for trials files that differ from their journals.
 
-    `path` is a data set's folder or one trials file. Files without a journal are skipped. A file that cannot be
-    compared gives a warning.
+    Files without a journal are skipped. A file that cannot be compared gives a warning.
     """
     root = path if path.is_dir() else path.parent.parent
     files = sorted(path.glob("data/*_data.csv")) if path.is_dir() else [path]
@@ -116,7 +112,6 @@ def edit_warnings(path: Path) -> list[str]:
 
 
 def _difference(file: Path, journal: Path) -> str | None:
-    """Describe how a trials file differs from its journal."""
     content = read_file(file, "a trials file")
     names = header_of(content)
     try:

@@ -57,7 +57,7 @@ def validate(path: Path) -> Soundness:
     Raises
     ------
     InvalidFile
-        If there is no such folder or file, or it may not be read.
+        If there is no such folder or file, or it cannot be read.
     """
     if path.is_dir():
         return _data_set(path)
@@ -93,7 +93,7 @@ def _data_set(root: Path) -> Soundness:
 
 
 def _trace_descriptions(root: Path) -> Iterator[Defect]:
-    """Find what `export` would refuse in files of traces, also in those that no journal names."""
+    """Yield unreadable trace descriptions, even if no journal names them."""
     for file in files_in(root / FOLDER, "*.tsv.gz"):
         try:
             read_sidecar(sidecar_of(file))
@@ -102,7 +102,7 @@ def _trace_descriptions(root: Path) -> Iterator[Defect]:
 
 
 def _refusals(path: Path) -> Iterator[Defect]:
-    """Find what `analyse` and `export` would refuse in a trials file in which nothing else is wrong."""
+    """Yield what `analyse` and `export` refuse in an otherwise sound file."""
     from .source import read_source  # slow to load
 
     try:
@@ -127,7 +127,6 @@ def _unreadable(root: Path, name: str, error: TactometryError) -> Defect:
 
 
 def _read(file: Path, name: str, unsound: list[Defect], what: str = "a trials file") -> bytes | None:
-    """Read a file, or add a defect."""
     try:
         return read_file(file, what)
     except InvalidFile as error:
@@ -180,7 +179,6 @@ def _erasures(root: Path, unsound: list[Defect], notes: list[str]) -> int:
 
 
 def _study(root: Path, unsound: list[Defect]) -> Experiment | None:
-    """Wire the study of the data set, or add a defect."""
     content = _read(root / "study.toml", "study.toml", unsound, "the study that ran")
     try:
         return None if content is None else wire(parse(content, "study.toml"), "study.toml", plays=False)

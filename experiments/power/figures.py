@@ -1,4 +1,4 @@
-"""Power against the number of participants, a curve for each number of trials, above the false positives."""
+"""Figure of power and false positives by number of participants."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ APART = 0.12
 
 
 def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawing:
-    """Power with its 95 % intervals and the target (above), false positives and the level of the test (below)."""
+    """Draw power with its target above, false positives with alpha below."""
     with new_figure(6.0, 5.2) as figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1))
         for place, n_trials in enumerate(dict.fromkeys(point.n_trials for point in points)):

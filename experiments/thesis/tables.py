@@ -1,7 +1,4 @@
-"""Tables 2.1, 3.1 to 3.3, 4.1 and 6.1 to 6.3 of the thesis.
-
-They are about receptors, thick glass, materials, forces and thresholds.
-"""
+"""Tables 2.1, 3.1 to 3.3, 4.1 and 6.1 to 6.3 of the thesis."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -57,10 +54,7 @@ def receptors() -> Iterator[Number]:
 
 
 def _compared(quantity: str, channel: str, found_hz: float, stated_hz: float) -> Number:
-    """Return a frequency with its agreement.
-
-    It agrees within half an octave, or below 1 Hz with 0 Hz.
-    """
+    """Return a frequency; within half an octave it agrees, below 1 Hz with 0."""
     is_near = found_hz < 1 if stated_hz == 0 else abs(np.log2(found_hz / stated_hz)) <= HALF_AN_OCTAVE
     return Number(quantity, channel, float(found_hz), "Hz", "assumed", f"{stated_hz:g} Hz", bool(is_near))
 
@@ -120,10 +114,7 @@ def amplitudes() -> Iterator[Number]:
 
 
 def alphas() -> Iterator[Number]:
-    """Fit R_s = a / sqrt(f_mean) by least squares.
-
-    The result is divided by the square root of the wave constant.
-    """
+    """Fit R_s = a / sqrt(f_mean); a is over the root of the wave constant."""
     for condition in dict.fromkeys(focus.discs for focus in foci()):
         rows = [focus for focus in foci() if focus.discs == condition]
         per_root = np.array([(focus.f_max_hz / 2) ** -0.5 for focus in rows])

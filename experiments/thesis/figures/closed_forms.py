@@ -1,7 +1,4 @@
-"""Closed-form figures of chapter 3.
-
-They are resolution, stress, amplitude and contrast.
-"""
+"""Closed-form figures of chapter 3."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -49,10 +46,7 @@ def resolution_over_mean_frequency(plate: Plate) -> Figure:
 
 
 def stress_and_deflection_over_thickness(plate: Plate, force_n: float = 2.0, contact_m: float = 10e-3) -> Figure:
-    """Plot bending stress and deflection against thickness (thesis 3.15).
-
-    The force is at the centre, the edges are supported.
-    """
+    """Plot bending stress and deflection against thickness (thesis 3.15)."""
     thickness = np.linspace(0.4e-3, 3e-3, 40)
     plates = [replace(plate, thickness_m=float(h), boundary="SSSS") for h in thickness]
     middle = (plate.length_m / 2, plate.width_m / 2)
@@ -67,10 +61,7 @@ def stress_and_deflection_over_thickness(plate: Plate, force_n: float = 2.0, con
 
 
 def amplitude_over_reversal(tau_s: float, reversal_s: FloatArray) -> Figure:
-    """Plot amplitude against reversal time (thesis 3.18, 4.12).
-
-    The amplitude is relative to that of an endless reversal.
-    """
+    """Plot amplitude against reversal time (thesis 3.18, 4.12)."""
     figure, (axes,) = sheet()
     t = reversal_s * 1e3
     axes.plot(t, one_bit_amplitude_ratio(reversal_s, tau_s) * 100, color=BLUE, label="1 bit, 1 − exp(−T/τ)")
@@ -89,10 +80,7 @@ def contrast_over_transducers(
     n_channels: Sequence[int],
     reversal_s: FloatArray,
 ) -> Figure:
-    """Plot contrast against reversal time (thesis 3.21, 4.14).
-
-    There is a curve for each number of transducers.
-    """
+    """Plot contrast against reversal time (thesis 3.21, 4.14)."""
     figure, (axes,) = sheet()
     for q, colour in zip(n_channels, colours(), strict=False):
         rooms = [replace(room, n_channels=q, reversal_s=float(t)) for t in reversal_s]

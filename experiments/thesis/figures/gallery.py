@@ -1,7 +1,4 @@
-"""All figures of the thesis's time-reversal chapters.
-
-They use the model with its default (unverified) parameters.
-"""
+"""All figures of the thesis's time-reversal chapters."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final

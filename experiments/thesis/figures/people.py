@@ -1,7 +1,4 @@
-"""Figures of chapters 5 and 6 and of the appendices.
-
-They are about detection, forces, questionnaires and electrovibration.
-"""
+"""Figures of chapters 5 and 6 and of the appendices."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -33,9 +30,7 @@ PEOPLE = "Participants are simulated (signal detection; spread, slope and lapses
 
 
 def share_of_yes(people: SignalDetectionObserver, level_db: float, spread_db: float) -> float:
-    """Return the mean rate of "yes" over varying sensitivities.
-
-    The sensitivity of participants varies by `spread_db`.
+    """Return the mean rate of "yes" if sensitivities vary by `spread_db`.
 
     The rate is lapses / 2 + (1 - lapses) Phi(d' - c), integrated by the Gauss-Hermite rule.
     """
@@ -54,10 +49,7 @@ def _rate(study: str, cell: WiredCell, level_db: float) -> float:
 
 
 def rate_by_amplitude() -> Figure:
-    """Draw the detection rate against the amplitude of a focus (5.7).
-
-    There is a curve per force.
-    """
+    """Draw the detection rate against the amplitude of a focus (5.7)."""
     amplitudes_um, curves = [10 ** (level_db / 20) for level_db in FOCUS_LEVELS_DB], {}
     for cell in cells_of(FOCUS_STUDY):
         rates = [_rate(FOCUS_STUDY, cell, level_db) for level_db in FOCUS_LEVELS_DB]
@@ -77,10 +69,7 @@ def rate_by_frequency() -> Figure:
 
 
 def detection_rate(curves: Mapping[str, Curve], x_label: str, title: str = "", *, logarithmic: bool = False) -> Figure:
-    """Draw rates with markers of falling size.
-
-    Equal curves therefore stay visible.
-    """
+    """Draw rates with markers of falling size."""
     figure, (axes,) = sheet()
     looks = zip(colours(), "osD^v<>", (11, 8, 5, 4, 4, 4, 4), strict=False)
     for (name, (x, rates)), (colour, marker, size) in zip(curves.items(), looks, strict=False):
@@ -138,10 +127,7 @@ def word_pairs(*patterns: str) -> Figure:
 
 
 def grouped_word_pairs(factor: str) -> Figure:
-    """Draw the mean profiles by frequency or envelope (5.12, 5.13).
-
-    The single focus is shown for comparison.
-    """
+    """Draw the mean profiles by frequency or envelope (5.12, 5.13)."""
     grouped = ratings_of_patterns().grouped
     assert grouped is not None, "the built-in study rates all patterns"
     profile = grouped[grouped["of"] == factor]

@@ -1,7 +1,4 @@
-"""Figures of plates in chapters 3 and 4.
-
-They are those of the time-reversal gallery and some others.
-"""
+"""Figures of plates in chapters 3 and 4."""
 
 from collections.abc import Callable
 
@@ -29,10 +26,7 @@ N_COLUMNS, STEP_M, EDGE_M = 16, 18e-3, 13.5e-3
 
 
 def modal_density() -> Figure:
-    """Draw the characteristic time against thickness (3.4).
-
-    It equals the modal density and is compared with counted modes.
-    """
+    """Draw the characteristic time against thickness (3.4)."""
     figure, (axes,) = sheet()
     thickness_mm = np.linspace(0.4, 3.0, 40)
     plates = [BOROFLOAT_33.plate(0.297, 0.21, 1e-3 * h, "SSSS") for h in thickness_mm]
@@ -65,10 +59,7 @@ def _train(n_foci: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def time_constants() -> Figure:
-    """Draw time and attenuation constants and their costs (3.20).
-
-    They are reversal time, repetition time, attenuation constant, and the cost of a short T_r.
-    """
+    """Draw time and attenuation constants and their costs (3.20)."""
     figure, (train, cost) = sheet(2, 1, width_in=7.2, height_in=6.0)
     t_ms, u_um = _train(2)
     train.plot(t_ms, u_um, color=BLUE, linewidth=0.6)
