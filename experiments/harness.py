@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Final, TypeVar
 
+from tactometry.errors import library_needed
 from tactometry.files.durable import write_atomically
 from tactometry.loading import resolve
 
@@ -165,6 +166,22 @@ def keep_chunks(paths: Sequence[Path], jobs: Sequence[J], make: Callable[[J], by
 def _written(path: Path, content: bytes) -> Path:
     write_atomically(path, content)
     return path
+
+
+def arrow(where: str) -> Any:
+    """Return pyarrow with its `parquet` module; `where` begins the error.
+
+    Raises
+    ------
+    DeviceFailed
+        If pyarrow, an optional extra of 170 MB, is not installed.
+    """
+    with library_needed(
+        f"{where}: found no pyarrow ({{error}}), expected it for Parquet files; pip install 'tactometry[power]'"
+    ):
+        import pyarrow
+        import pyarrow.parquet
+    return pyarrow
 
 
 def share_interval(n_yes: int, n: int, coverage: float = 0.95) -> tuple[float, float]:

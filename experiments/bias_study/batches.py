@@ -20,8 +20,7 @@ from tactometry.protocols.order import stream
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.protocols.procedures.stepping import SteppingRule
 
-from ..harness import keep_chunks
-from ..parquet import arrow
+from ..harness import arrow, keep_chunks
 from ..workers import Spread, here
 
 BATCH = 2000

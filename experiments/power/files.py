@@ -14,7 +14,7 @@ from tactometry.files.json_file import prepare
 from tactometry.files.rows import write_records
 from tactometry.provenance import sha256
 
-from ..parquet import arrow
+from ..harness import arrow
 from ..workers import Spread
 from .design import Case, PowerDesign
 from .replicate import Row, studied

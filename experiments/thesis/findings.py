@@ -21,8 +21,8 @@ from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation, free_displacement
 
 from ..study.felt_scene import felt
-from .figures.gallery import FOCUS, P1, RIG_BAND
 from .reproduction import Number, Origin, Reproduction
+from .setups import FOCUS, P1, RIG_BAND
 from .studies import cells_of, contact_of, sensation_db, threshold_db
 
 FOCUS_STUDY = "time-reversal-threshold"

@@ -18,8 +18,8 @@ from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F
 
-from .figures.gallery import FOCUS, FOUR
 from .reproduction import Number, Reproduction
+from .setups import FOCUS, FOUR
 
 N_X, N_Y = 120, 85
 SOUND_TO_HZ = 125e3

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,23 +11,11 @@ from tactometry.stimuli.perception.channels import NP_I, NP_III, P, channel_thre
 from tactometry.stimuli.time_reversal import Band, focus_amplitude
 from tactometry.stimuli.time_reversal.design.closed_forms import ALPHA, resolution_m
 from tactometry.stimuli.time_reversal.focusing.merit import resolution_per_focus_m
-from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F, PZ27_RELATIVE_PERMITTIVITY
 
-from .figures.gallery import RIG_BAND, rig
 from .reproduction import Number, Origin, Reproduction
-from .studies import (
-    FORCE,
-    FORCES_ASSUME,
-    STUDY,
-    cells_of,
-    contact_of,
-    threshold_db,
-    touches,
-)
-
-if TYPE_CHECKING:
-    pass
+from .setups import RIG_BAND, rig, thick_plate
+from .studies import FORCE, FORCES_ASSUME, STUDY, cells_of, contact_of, threshold_db, touches
 
 STATED_HZ = {
     "Merkel (NP III)": (NP_III, 0.0, 3.0),
@@ -119,7 +106,7 @@ def alphas() -> Iterator[Number]:
         rows = [focus for focus in foci() if focus.discs == condition]
         per_root = np.array([(focus.f_max_hz / 2) ** -0.5 for focus in rows])
         slope = float(per_root @ [focus.width_m for focus in rows] / (per_root @ per_root))
-        root = BOROFLOAT_33.plate(0.297, 0.21, rows[0].thickness_m, "SSSS").wave_constant_m2_per_s ** 0.5
+        root = thick_plate(rows[0].thickness_m).wave_constant_m2_per_s ** 0.5
         yield Number("alpha", condition, slope / root, "", "derived")
         yield Number("diffuse-field law, sqrt(pi / 2)", condition, ALPHA, "", "derived")
         yield Number("R_s sqrt(f_mean)", condition, slope, "m Hz^0.5", "derived")

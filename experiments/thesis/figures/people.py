@@ -17,7 +17,6 @@ from ...study.cells import WiredCell
 from ..reproduction import Reproduction
 from ..studies import FORCE, FORCES_ASSUME, cells_of, contact_of, experiment, sensation_db, simulated_trials, touches
 from . import electrovibration
-from .gallery import GALLERY
 
 if TYPE_CHECKING:
     from tactometry.analysis.outcomes.ratings import Ratings
@@ -164,26 +163,12 @@ PROFILES: dict[str, tuple[str, Callable[[], Figure], str]] = {
     **{f"A.{n + 1}": (f"Pattern P{n} by word pairs", partial(word_pairs, f"P{n}"), "") for n in range(7)},
 }
 ITEMS = {
-    "figure-5.4": Reproduction(
-        title="Loss of amplitude against force, at P1 and at the focus",
-        stated="6 % and up to 30 % at 2 N (page 3): finding-2.",
-        assumes="The finger is set to these losses; other contactors and the growth with force are unverified.",
-        drawing=GALLERY["5.4-force-loss"],
-        origin="calibrated",
-    ),
     "figure-5.7": Reproduction(
         title="Mean detection rate against amplitude",
         stated="A threshold of about 10 um (page 4): finding-1.",
         assumes=f"{PEOPLE} The threshold of 10 um is an input.",
         drawing=rate_by_amplitude,
         origin="calibrated",
-    ),
-    "figure-5.8": Reproduction(
-        title="Patterns tested",
-        stated="200 Hz and a cardinal sine are among them (page 4).",
-        assumes="The other frequency and envelopes, and the duration, are unverified defaults.",
-        drawing=GALLERY["5.8-patterns"],
-        origin="assumed",
     ),
     **{
         f"figure-{number}": Reproduction(
