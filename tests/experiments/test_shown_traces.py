@@ -74,7 +74,7 @@ def test_show_draws_simulated_trials_and_blanks(tmp_path, capsys, monkeypatch):
     assert (tmp_path / f"trial-{blank['trial']}.png").stat().st_size > 1000
 
 
-def test_the_speed_of_a_figure_is_that_of_the_gate():
+def test_figure_speed_equals_gate_speed():
     touch, *_ = read_traces(RECORDED_TRACES, 1)
     times_s, speeds = speed_of(touch.position)
     assert np.all(np.diff(times_s) > 0)
@@ -90,7 +90,7 @@ def test_bids_has_the_force_as_physio_and_the_place_as_motion(tmp_path):
     assert {issue.get("subCode", issue["code"]) for issue in found} <= {"TaskDescription"}
 
 
-def test_every_sample_is_exported_with_its_stamp(tmp_path):
+def test_export_contains_every_sample_with_time_stamp(tmp_path):
     import pandas as pd
 
     export(RECORDED_TRACES, "bids", tmp_path / "bids")
@@ -119,7 +119,7 @@ def test_every_sample_is_exported_with_its_stamp(tmp_path):
     assert set(rows.columns) <= {variable["name"] for variable in described}
 
 
-def test_a_report_shows_how_force_and_speed_went_around_the_onset(copied, tmp_path, capsys):
+def test_report_shows_force_and_speed_around_onset(copied, tmp_path, capsys):
     output(capsys, "analyse", copied, "--report", tmp_path / "r.html")
     table = rows_of(tmp_path / "r_tables" / "touches.csv")
     n_valid = sum(row["valid"] == "1" for row in trial_rows(copied))
@@ -177,7 +177,7 @@ def test_touches_whose_samples_are_gone_are_counted(copied):
     assert courses["n_touches"].max() == n_valid - 1
 
 
-def test_a_touch_whose_trial_was_taken_back_is_told_as_such():
+def test_touch_of_a_repeated_trial_is_marked():
     (journal,) = (RECORDED_TRACES / "journals").glob("*.jsonl")
     recording = read(journal)
     first, second = touches(recording)

@@ -63,7 +63,7 @@ def test_figure_has_labels_with_units_on_every_axis(name):
 
 
 @pytest.mark.parametrize("kind", ["png", "svg"])
-def test_a_figure_is_saved_in_the_format_of_its_suffix(kind, tmp_path):
+def test_figure_is_saved_in_the_suffix_format(kind, tmp_path):
     save(drawn("4.28"), tmp_path / "deep" / f"figure.{kind}")
     start = (tmp_path / "deep" / f"figure.{kind}").read_bytes()[:8]
     assert start == (b"\x89PNG\r\n\x1a\n" if kind == "png" else b"<?xml ve")
@@ -75,19 +75,19 @@ def curve(name, axes=0, line=0):
     return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
 
 
-def test_values_far_above_zero_stand_below_the_upper_edge():
+def test_high_values_are_below_the_upper_edge():
     (axes,) = drawn("4.34").axes
     assert max(line.get_ydata().max() for line in axes.lines[:2]) < 0.97 * axes.get_ylim()[1]
 
 
-def test_the_focus_map_shows_the_amplitude_of_the_focus_in_micrometres():
+def test_focus_map_shows_focus_amplitude_in_micrometres():
     h = SMALL.responses(rig(35e-3), [FOCUS])
     x_mm, u_um = curve("3.8", axes=1)
     assert np.interp(FOCUS[0] * 1e3, x_mm, u_um) == pytest.approx(focus_amplitude(drive(h, 30.0), h) * 1e6, rel=3e-2)
     assert u_um.max() == pytest.approx(np.interp(FOCUS[0] * 1e3, x_mm, u_um), rel=2e-2)
 
 
-def test_the_four_signals_peak_at_time_0_and_place_0():
+def test_four_signals_peak_at_time_and_place_0():
     for column in range(2):
         for axes, unit in ((column, 1.0 / 250), (2 + column, 100.0 / 300)):
             x, u = curve("4.15", axes)
@@ -106,13 +106,13 @@ def test_prototype_stress_and_deflection_match_notes():
     assert np.polyfit(np.log(h_mm), np.log(stress_mpa), 1)[0] == pytest.approx(-2.0, abs=1e-9)
 
 
-def test_the_amplitude_at_twice_tau_is_86_and_98_percent():
+def test_amplitude_at_twice_tau_is_86_and_98():
     for line, expected in ((0, 86.5), (1, 98.2)):
         t_ms, percent = curve("3.18", line=line)
         assert np.interp(7.0, t_ms, percent) == pytest.approx(expected, abs=0.1)
 
 
-def test_the_decay_that_is_fitted_is_the_one_of_the_screen():
+def test_fitted_decay_is_that_of_the_screen():
     t_ms, envelope = curve("4.11", line=1)
     assert -1 / np.polyfit(t_ms[:100], np.log(envelope[:100]), 1)[0] == pytest.approx(3.5, rel=0.1)
 
