@@ -79,9 +79,9 @@ def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
 
 def _row(outcomes: pd.DataFrame) -> tuple[float, ...]:
     covers = outcomes["true_db"].between(outcomes["low_db"], outcomes["high_db"])
-    is_told, is_flat = outcomes["status"].isin(TOLD), outcomes["status"] == Status.FLAT
-    told = outcomes[is_told]
-    error_db = told["threshold_db"] - told["true_db"]
-    length_db = (told["high_db"] - told["low_db"]).median()
+    is_known, is_flat = outcomes["status"].isin(TOLD), outcomes["status"] == Status.FLAT
+    known = outcomes[is_known]
+    error_db = known["threshold_db"] - known["true_db"]
+    length_db = (known["high_db"] - known["low_db"]).median()
     bias = error_db.mean() / error_db.std()
-    return bias, covers[is_told].mean(), covers.mean(), length_db, is_flat.mean(), covers[is_flat].mean()
+    return bias, covers[is_known].mean(), covers.mean(), length_db, is_flat.mean(), covers[is_flat].mean()

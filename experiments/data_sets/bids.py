@@ -139,7 +139,7 @@ def _check_names(header: Sequence[str]) -> None:
         is_word = name.replace("_", "").isalnum() and name.isascii()
         expect(is_word, f"column {name!r}", "other than letters, digits and _", "a name for BIDS; rename it")
         if name in header[:place]:
-            raise InvalidParameter(f"column {name!r}: found a name that BIDS has for a column of its own; rename it")
+            raise InvalidParameter(f"column {name!r}: found a name that BIDS uses for another column; rename it")
 
 
 def _sidecar(

@@ -49,7 +49,7 @@ UNREACHED: Final = (
     "promise that an SSD overwrites what it erases: keep data on an encrypted disk"
 )
 
-IN_USE: Final = "another process is erasing from this data set, expected to be the only one; wait, and say it again"
+IN_USE: Final = "another process is erasing from this data set, expected to be the only one; wait and repeat"
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def _nothing(root: Path, participant: str, erasures: Iterable[Erasure]) -> str:
         return f"--participant: found that {participant} was erased at {times[-1]}, expected one who has data in {root}"
     files = [*sessions(root), *(root / "data").glob("*.csv")]
     codes = sorted({code for path in files if (code := keys_of(path.stem).get("participant"))})
-    known = f"{', '.join(codes) or 'those who have data, and nobody has'}{nearest(participant, codes)}"
+    known = f"{', '.join(codes) or 'the participants with data (none)'}{nearest(participant, codes)}"
     return f"--participant: found nothing of {participant!r} in {root}, expected one of {known}"
 
 
@@ -171,7 +171,7 @@ def _remove(files: Iterable[Path]) -> None:
     """Remove files and sync their folders."""
     files = tuple(files)
     for path in files:
-        with attempt(path, "cannot be erased", "permission; mend that and say it again: it goes on"):
+        with attempt(path, "cannot be erased", "permission; fix that and repeat: the erasure continues"):
             path.unlink(missing_ok=True)
     for folder in sorted({path.parent for path in files}):
         if folder.is_dir():

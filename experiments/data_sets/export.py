@@ -40,7 +40,7 @@ LAST = ("participant", "session", "study", "timestamp_utc")
 MS: Final = 1000.0
 THEIRS = ("subject", "trial_type", "trial_index", "rt", "time_elapsed")
 LEFT_OUT = ("participant", "task", "latency_s")
-"""They stand under jsPsych's own names."""
+"""Columns that jsPsych has under other names."""
 COLUMNS = """\
 {how_to_read}
 [columns]
@@ -116,9 +116,7 @@ def jspsych_files(source: ExportedDataSet) -> dict[str, bytes]:
     """Return the files by path, with times in ms and trials from 0."""
     names = [column.name for column in source.columns]
     clash = next((name for name in names if name in THEIRS), None)
-    expect(
-        not clash, "--to", f"jspsych, which has a {clash!r} of its own", "another form, or another name of that column"
-    )
+    expect(not clash, "--to", f"jspsych, which uses the name {clash!r}", "another form, or another name of that column")
     meanings = "".join(OF_A_FLAG.format(name=name) for name in names if name in FLAGS)
     files = {"columns.toml": COLUMNS.format(how_to_read=how_to_read(source.factors), flags=meanings).encode()}
     for participant, session, rows in source.sessions():

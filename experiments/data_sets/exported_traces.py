@@ -105,7 +105,7 @@ def _psychds(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Fi
 def _bids(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Files:
     folder = f"sub-{traced.participant}/ses-{traced.session}"
     yield from _BIDS[traced.kind](traced, folder, task)
-    if traced.kind == "position":  # BIDS looks for the events of a motion beside it
+    if traced.kind == "position":  # BIDS looks for the events of a motion next to it
         events = {name: content for name, content in files.items() if name.startswith(folder) and "_events." in name}
         yield from ((name.replace("/beh/", "/motion/"), content) for name, content in events.items())
 
@@ -125,9 +125,9 @@ def _physio(traced: TracedSession, folder: str, task: str) -> Files:
     stem = f"{folder}/beh/{_entities(folder)}_task-{task}_run-01_recording-force_physio"
     columns = {c.name: {"Description": c.description, "Units": c.unit} for c in traced.description.columns}
     timing = {"SamplingFrequency": rate_hz, "StartTime": begin_s, "Columns": list(columns)}
-    told = {"TaskName": task, "PhysioType": "generic", **timing, **columns}
+    sidecar = {"TaskName": task, "PhysioType": "generic", **timing, **columns}
     yield f"{stem}.tsv.gz", packed(b"".join(lines))
-    yield f"{stem}.json", json_text(told)
+    yield f"{stem}.json", json_text(sidecar)
 
 
 def _motion(traced: TracedSession, folder: str, task: str) -> Files:

@@ -42,7 +42,7 @@ class _Replay:
         names = [str(name) for name in dict.fromkeys(block["track"])]
         ready = self._rule(block)
         if ready is None:
-            return dict.fromkeys(names, RuleEstimate(note="these are not trials of the study.toml beside the table"))
+            return dict.fromkeys(names, RuleEstimate(note="these are not trials of the study.toml next to the table"))
         if ready.rule.unreplayed:
             return dict.fromkeys(names, RuleEstimate(note=ready.rule.unreplayed))
         try:

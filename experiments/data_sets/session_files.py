@@ -106,7 +106,7 @@ def edit_warnings(path: Path) -> list[str]:
         return []
     differ = "differs from its journal" if len(texts) == 1 else "differ from their journals"
     return [
-        f"{len(texts)} of {count_of(len(known), 'trials file')} {differ}, and what stands in the table is analysed: "
+        f"{len(texts)} of {count_of(len(known), 'trials file')} {differ}, and the tables are analysed as they are: "
         f"{texts[0]}{'; tactometry validate names all' if len(texts) > 1 else ''}"
     ]
 
@@ -120,7 +120,7 @@ def _difference(file: Path, journal: Path) -> str | None:
         return f"{file.name}: {damage}"
     head = recording.head
     if head is None:
-        return None if content.count(b"\n") < 2 else f"{file.name}: holds trials, and its journal none"
+        return None if content.count(b"\n") < 2 else f"{file.name}: contains trials, but its journal has none"
     described = list(json_table(file.with_suffix(".json")))
     if described and names != described:
         return f"{file.name}, row 1: found other columns than {file.with_suffix('.json').name} describes"

@@ -106,8 +106,8 @@ def read_source(path: Path) -> ExportedDataSet:
     n_simulated = len(trials.rows) - len(kept.rows)
     if n_simulated:
         raise InvalidFile(
-            f"{path}: found {count_of(n_simulated, 'row')} of simulated participants beside those of people, expected "
-            "either alone: move one kind to a folder of its own"
+            f"{path}: found {count_of(n_simulated, 'row')} of simulated participants next to those of people, expected "
+            "only one kind: move one to a separate folder"
         )
     tables = [text_cells(file, verbatim=True) for file in trial_files(path)]
     for file, table in zip(trial_files(path), tables, strict=True):

@@ -130,8 +130,8 @@ def read_traces(
     journal = _journal(path, participant, session)
     recording, root = read(journal), journal.parent.parent
     numbers = {row.trial for row in recording.trials}
-    told = f"from {min(numbers)} to {max(numbers)}" if numbers else "and there is none yet"
-    expect(trial in numbers, "trial", trial, f"one of {journal.stem}, {told}")
+    span = f"from {min(numbers)} to {max(numbers)}" if numbers else "but it has no trials yet"
+    expect(trial in numbers, "trial", trial, f"one of {journal.stem}, {span}")
     felt = [touch for touch in touches(recording) if touch.trial.trial == trial]
     bank = _bank(root, bench) if any(touch.digest for touch in felt) else {}
     return [_read(root, touch, bank) for touch in felt]

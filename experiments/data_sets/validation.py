@@ -145,12 +145,12 @@ def _mixture(journals: list[Path]) -> Iterator[Defect]:
     """Yield a defect if people and simulated participants share the folder."""
     kinds: dict[bool, list[str]] = {}
     for journal in journals:
-        with suppress(InvalidFile):  # a damaged journal is told where all of it is read
+        with suppress(InvalidFile):  # `_session` reports damaged journals
             for head in heads(journal)[:1]:
                 kinds.setdefault(head.rig == SIMULATED, []).append(head.participant)
     if len(kinds) > 1:
-        text = f"found simulated participants ({kinds[True][0]}, ...) beside people ({kinds[False][0]}, ...), expected"
-        yield Defect("journals", None, f"{text} either alone: move one kind to a folder of its own")
+        text = f"found simulated participants ({kinds[True][0]}, ...) next to people ({kinds[False][0]}, ...), expected"
+        yield Defect("journals", None, f"{text} only one kind: move one to a separate folder")
 
 
 def _drafts(root: Path) -> Iterator[str]:
@@ -170,7 +170,7 @@ def _erasures(root: Path, unsound: list[Defect], notes: list[str]) -> int:
     for number, erasure in enumerate(erasures, 1):
         who = erasure.participant
         if erasure.finished_utc is None:
-            text = f"found that {who} was not erased to the end, expected it done; say tactometry erase again"
+            text = f"found an unfinished erasure of {who}, expected it finished; repeat tactometry erase"
             unsound.append(Defect(RECORD, number, text))
         else:
             sessions_of = count_of(erasure.n_sessions, "session")
@@ -301,4 +301,4 @@ def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
         expected = events_tsv(recording.event_rows, columns_in(COLUMNS, recording.format))
         yield from derived_defects(file, name, "an events file", "events", expected)
     if os.path.lexists(file) and not file.with_suffix(".json").is_file():
-        yield Defect(name, None, f"found no description of its columns beside it, expected a JSON file; {REBUILD}")
+        yield Defect(name, None, f"found no description of its columns next to it, expected a JSON file; {REBUILD}")

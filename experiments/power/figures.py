@@ -11,7 +11,7 @@ from .summary import PowerEstimate
 
 GREY = "#666666"
 APART = 0.12
-"""In participants: curves of other numbers of trials stand so far beside each other."""
+"""Distance between curves of different numbers of trials, in participants."""
 
 
 def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawing:

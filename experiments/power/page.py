@@ -88,16 +88,16 @@ MOVED: Final = ("levels moved up by", "and stretched by")
 WORDS_OF_MOVED: Final = (
     "All levels of {factor} are felt alike at the standard (magnitudes: in the middle of the levels). Answers follow "
     "the level as those of the simulated people do, moved and stretched about it: a stretch of 1.2 makes a just "
-    "noticeable difference 1.2 times as large, and an exponent 1.2 times as small. How people differ alongside is what "
-    "the study says in [observer] and [observer.people]."
+    "noticeable difference 1.2 times as large, and an exponent 1.2 times as small. Other differences between people "
+    "are those of [observer] and [observer.people] in the study."
 )
 WORDS_OF_LEVELS: Final = (
     "Every participant feels so many decibels more at a level of {factor} than the skin model says. Without the effect "
     "its levels are felt alike in the middle of the levels that are played, averaged over other factors; with it they "
-    "differ as stated. How people differ beside is what the study says in [observer] and [observer.people]."
+    "differ as stated. Other differences are those of [observer] and [observer.people] in the study."
 )
 WORDS_OF_SCORES: Final = (
     "Every participant has these attitudes to the levels of {factor}, all of which are felt alike. Without the effect "
-    "no dimension of the questionnaire differs between them. How people differ beside is what the study says in "
-    "[observer.people] and [observer.raters]."
+    "no dimension of the questionnaire differs between them. Other differences between people are those "
+    "of [observer.people] and [observer.raters] in the study."
 )

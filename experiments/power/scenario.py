@@ -32,9 +32,9 @@ from .scores import applied_effect, factors_of, form_of_task, has_patterns, with
 
 SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation", "rating", *level_map.TASKS)
 REFUSED: Final = {
-    "same_different": "its d' is told at each level, and no value of a participant in a condition is tested",
+    "same_different": "its d' is estimated at each level, and no value of a participant in a condition is tested",
     "preference": "its answers are compared within a trial, and no value of a participant in a condition is tested",
-    "measurement": "a sensor is read, and nobody feels an effect",
+    "measurement": "a sensor is read, and no participant feels an effect",
 }
 STEP_SHARE: Final = 0.05
 """Of the range of the levels: the step over which the growth of sensation is read."""

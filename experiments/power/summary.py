@@ -160,31 +160,31 @@ def recommendation(design: PowerDesign, points: Sequence[PowerEstimate]) -> str:
 def cautions(design: PowerDesign, points: Sequence[PowerEstimate]) -> list[str]:
     """Return warnings that limit the interpretation of the powers."""
     loose = [point for point in points if point.false_positives_low > design.alpha]
-    told = []
+    warnings = []
     if loose:
         worst = max(loose, key=lambda point: point.false_positives)
         rate = _share(worst.false_positives, worst.false_positives_low, worst.false_positives_high)
-        told.append(
+        warnings.append(
             f"without an effect the test is significant too often ({rate} with {_words(worst)}): its power is not to "
             "be trusted there"
         )
     untested = max(points, key=lambda point: point.untested_share)
     if untested.untested_share > 0:
-        told.append(
+        warnings.append(
             f"no test had an answer in {untested.untested_share:.0%} of the studies with {_words(untested)}; each "
             "counts as one that found nothing"
         )
     lost = max(points, key=lambda point: point.unknown_share)
     if lost.unknown_share > MUCH:
-        told.append(
+        warnings.append(
             f"{lost.unknown_share:.0%} of the cells have no value with {_words(lost)}: the levels do not reach the "
             "thresholds, or the trials are too few"
         )
-    return told
+    return warnings
 
 
 MUCH: Final = 0.1
-"""A larger share of cells without a value is told."""
+"""Larger shares of cells without a value give a warning."""
 
 
 def _words(point: PowerEstimate) -> str:

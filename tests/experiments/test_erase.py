@@ -188,7 +188,7 @@ def test_killed_erasure_finishes_when_repeated(monkeypatch, two, n):
         killed_at(patched, n)
         with pytest.raises(Killed):
             erase(two, "QX7")
-    assert any("not erased to the end" in str(defect) for defect in validate(two).defects)
+    assert any("unfinished erasure" in str(defect) for defect in validate(two).defects)
     done = erase(two, "QX7")
     assert (done.erasure.n_sessions, done.erasure.n_files) == (1, 6)
     assert sorted(participants(two)) == ["P01", "P03"]

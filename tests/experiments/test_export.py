@@ -94,7 +94,7 @@ def test_export_refuses_mixed_people_and_simulated_participants(data_set, tmp_pa
     shutil.rmtree(mixed / "journals")
     table, _ = sorted((mixed / "data").glob("*.csv"))
     table.write_text(table.read_text().replace(",simulated,", ",console,"))
-    with pytest.raises(InvalidFile, match=r"mixed: found \d+ rows of simulated participants beside those of people"):
+    with pytest.raises(InvalidFile, match=r"mixed: found \d+ rows of simulated participants next to those of people"):
         export(mixed, form, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -313,9 +313,7 @@ def test_jspsych_export_has_jspsych_names_and_types(data_set, tmp_path) -> None:
 def test_export_refuses_a_jspsych_column_name(tmp_path) -> None:
     table = tmp_path / "t.csv"
     table.write_text("participant,trial,rt,procedure,level,task,response\nP1,1,a,staircase,1,yes_no,1\n")
-    with pytest.raises(
-        InvalidParameter, match="--to: found jspsych, which has a 'rt' of its own, expected another form"
-    ):
+    with pytest.raises(InvalidParameter, match="--to: found jspsych, which uses the name 'rt', expected another form"):
         export(table, "jspsych", tmp_path / "js")
 
 

@@ -97,7 +97,7 @@ def test_unsuitable_study_file_is_refused(capsys, tmp_path, study, more, expecte
         ("texture-discrimination", "period_m: -100 % JND", "expected a change above -100 %"),
         ("time-reversal-localisation", "place: 2 dB", "whose levels are the alternatives of a trial"),
         ("time-reversal-localisation", "distance_m: 6 dB SL", "whose levels are other places"),
-        ("force-loss", "force_n: 2 dB", "nobody feels an effect"),
+        ("force-loss", "force_n: 2 dB", "no participant feels an effect"),
     ],
 )
 def test_unsupported_effects_are_refused_with_the_reason(capsys, study, effect, why):

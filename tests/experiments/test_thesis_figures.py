@@ -35,7 +35,7 @@ SIZES: dict[str, dict[str, object]] = {
 """Arguments that make drawings smaller than those of the items."""
 
 NO_UNIT = {"", "Transducer", "Focus", "Number of transducers Q", "Contrast, A / rms of the plate", "Signal / V"}
-NO_UNIT |= {"relative permittivity", *PATTERNS}
+NO_UNIT |= {"relative permittivity", "Characteristic time (ms) = modes per kHz", *PATTERNS}
 
 
 DRAWN_FAST = {
