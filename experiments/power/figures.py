@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.axes import Axes
 
 from tactometry.analysis.figures.style import Drawing, drawing_of, look, new_figure
@@ -37,9 +38,7 @@ def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawin
 
 
 def _curve(axes: Axes, points: Sequence[PowerEstimate], name: str, place: int, label: str) -> None:
-    shares = [getattr(point, name) for point in points]
-    below = [share - getattr(point, f"{name}_low") for share, point in zip(shares, points, strict=True)]
-    above = [getattr(point, f"{name}_high") - share for share, point in zip(shares, points, strict=True)]
+    shares, low, high = ([getattr(point, f"{name}{end}") for point in points] for end in ("", "_low", "_high"))
+    errors = np.maximum([np.subtract(shares, low), np.subtract(high, shares)], 0.0)
     x = [point.n_participants + APART * place for point in points]
-    errors = [[max(length, 0.0) for length in lengths] for lengths in (below, above)]
     axes.errorbar(x, shares, errors, label=label, capsize=2.0, **look(place))

@@ -31,20 +31,14 @@ _TYPES: Final = {int: "int64", bool: "bool_", float: "float64", float | None: "f
 
 def asked(design: PowerDesign) -> dict[str, Any]:
     """Return all inputs of the results except study bytes and versions."""
+    numbers = ("seed", "target", "alpha", "precision", "most", "batch", "dropout_share", "dependent")
     return {
         "study": design.where,
         "study_sha256": sha256(design.study_toml),
         "effect": design.effect.words(),
         "participants": list(design.participants),
         "trials": list(design.trials),
-        "seed": design.seed,
-        "target": design.target,
-        "alpha": design.alpha,
-        "precision": design.precision,
-        "most": design.most,
-        "batch": design.batch,
-        "dropout_share": design.dropout_share,
-        "dependent": design.dependent,
+        **{name: getattr(design, name) for name in numbers},
     }
 
 

@@ -71,17 +71,8 @@ def _integral(modes: Oscillators, weights: Real) -> float:
     return float(np.abs(np.diff(weights @ integrals)).sum())
 
 
-def first_order() -> Problem:
-    """Compare the first-order sigma-delta bits of a tone with the tone."""
-    return _modulated(1)
-
-
-def second_order() -> Problem:
-    """Compare the second-order sigma-delta bits of a tone with the tone."""
-    return _modulated(2)
-
-
-def _modulated(order: int) -> Problem:
+def modulated(order: int) -> Problem:
+    """Compare the sigma-delta bits of a tone with the tone."""
     line = np.zeros(round(BAND_HZ * TONE_LASTS_S) + 1, complex)
     line[round(TONE_HZ * TONE_LASTS_S)] = -1j * TONE_AMPLITUDE
     return Problem(
@@ -90,6 +81,9 @@ def _modulated(order: int) -> Problem:
         error=over_rms,
         settings=tuple(Setting(f"{hz / 1e6:g} MHz", partial(_modulation, order, hz)) for hz in BIT_RATES_HZ),
     )
+
+
+first_order, second_order = partial(modulated, 1), partial(modulated, 2)
 
 
 def _tone(rate_hz: float) -> Real:
