@@ -19,8 +19,7 @@ from tactometry.experiments.validation.checks.calibration import rank
 from tactometry.experiments.validation.page import departures, page, shown
 from tactometry.experiments.validation.run import Chunk, Validated, Validation, validate
 
-SMALL = Validation(seed=3, n_rounds=2, checks=("calibration",))
-COMPARED = Validation(seed=3, checks=("comparisons",))
+SMALL = Validation(seed=3, n_rounds=2, checks=("comparisons",))
 PAGE, PAGE_SEED, PAGE_ROUNDS = DOCS / "explanation" / "validated.md", 1, 20
 
 
@@ -32,13 +31,6 @@ def tables(root):
 def whole(tmp_path_factory):
     root = tmp_path_factory.mktemp("whole") / "v"
     return root, validate(SMALL, root)
-
-
-@pytest.fixture(scope="module")
-def compared():
-    check = check_of("comparisons")
-    outcomes = pd.concat([chunk.simulated(COMPARED.seed) for chunk in COMPARED.chunks], ignore_index=True)
-    return Validated(COMPARED, {"comparisons": summary(check.kind, outcomes, check.keys)}, {"comparisons": 1.0})
 
 
 # --- what a table says of outcomes
@@ -103,8 +95,9 @@ def test_columns_of_outcomes_replace_no_key(name):
     assert not set(check.keys) & set(check.kind.row(pd.DataFrame([outcome] * 2)))
 
 
-def test_rows_of_comparisons_name_their_people(compared):
-    check, rows = check_of("comparisons"), compared.tables["comparisons"]
+def test_rows_of_comparisons_name_their_people(whole):
+    check, (_, found) = check_of("comparisons"), whole
+    rows = found.tables["comparisons"]
     assert len(rows[["sd", "n_trials", "lapse_rate"]].drop_duplicates()) == len(check.settings)
     assert set(rows["sd"]) == {person.sd for person in PEOPLE}
 
@@ -123,7 +116,7 @@ def test_interrupted_command_states_how_to_resume(tmp_path, capsys, monkeypatch)
 
 def test_tables_do_not_depend_on_processes(whole, tmp_path):
     root, _ = whole
-    assert status("validate-method", "--out", tmp_path / "v", "--check", "calibration", "--rounds", "2", "--seed", "3",
+    assert status("validate-method", "--out", tmp_path / "v", "--check", "comparisons", "--rounds", "2", "--seed", "3",
                   "--jobs", "2") == 0  # fmt: skip
     assert tables(tmp_path / "v") == tables(root)
     assert {path.suffix for path in (tmp_path / "v" / "validated").iterdir()} == {".png", ".svg"}
@@ -149,14 +142,14 @@ def test_interrupted_run_resumes_with_more_rounds(whole, tmp_path):
 
 def test_chunks_have_separate_random_numbers():
     other = [
-        Chunk("calibration", setting, number)
-        for setting in list(check_of("calibration").settings)[:2]
+        Chunk("comparisons", setting, number)
+        for setting in list(check_of("comparisons").settings)[:2]
         for number in (0, 1)
     ]
-    drawn = [each.simulated(1)["rank"].to_numpy() for each in other]
-    drawn.append(other[0].simulated(2)["rank"].to_numpy())
+    drawn = [each.simulated(1)["estimate"].to_numpy() for each in other]
+    drawn.append(other[0].simulated(2)["estimate"].to_numpy())
     assert len({values.tobytes() for values in drawn}) == len(drawn)
-    assert drawn[0].tobytes() == other[0].simulated(1)["rank"].to_numpy().tobytes()
+    assert drawn[0].tobytes() == other[0].simulated(1)["estimate"].to_numpy().tobytes()
 
 
 REFUSALS = {
@@ -183,7 +176,7 @@ def test_invalid_options_are_refused(case, capsys, tmp_path):
 def test_folder_of_another_run_is_unchanged(more, expected, whole, capsys):
     root, _ = whole
     before = tables(root)
-    asked = ["--check", "calibration", *(["--seed", "3"] if not more else [])]
+    asked = ["--check", "comparisons", *(["--seed", "3"] if not more else [])]
     code, said, _ = call(capsys, "validate-method", "--out", root, *asked, *more)
     assert (code, said.count("\n")) == (2, 0)
     assert expected in said
@@ -208,21 +201,23 @@ def test_every_setting_has_outcomes_of_its_kind(name):
         assert np.isfinite(outcomes[list(check.kind.columns)].to_numpy(float)).any()
 
 
-def test_departures_are_listed_with_their_reason(compared):
-    table = compared.tables["comparisons"].copy()
+def test_departures_are_listed_with_their_reason(whole):
+    _, found = whole
+    table = found.tables["comparisons"].copy()
     assert departures(table).empty
-    assert "No share departs from what is stated." in page(compared)
+    assert "No share departs from what is stated." in page(found)
     table.loc[0, "verdict"] = "too few"
-    wrong = page(Validated(COMPARED, {"comparisons": table}, compared.seconds))
+    wrong = page(Validated(SMALL, {"comparisons": table}, found.seconds))
     assert "- *equality*, too few in 1 of the rows: as for the difference." in wrong
 
 
-def test_departure_of_all_rows_together_is_listed(compared):
+def test_departure_of_all_rows_together_is_listed(whole):
     """A share of 94 % may be chance in one row of 1000 sets, but not in all rows together."""
-    table = compared.tables["comparisons"].assign(n=1000, share=0.94, stated=0.95, verdict="")
-    said = page(Validated(COMPARED, {"comparisons": table}, compared.seconds))
+    _, found = whole
+    table = found.tables["comparisons"].assign(n=1000, share=0.94, stated=0.95, verdict="")
+    said = page(Validated(SMALL, {"comparisons": table}, found.seconds))
     assert "- *equality*: 94.0 % over all rows together, 95 % stated: as for the difference." in said
-    assert "over all rows" not in page(Validated(COMPARED, {"comparisons": table.assign(share=0.95)}, compared.seconds))
+    assert "over all rows" not in page(Validated(SMALL, {"comparisons": table.assign(share=0.95)}, found.seconds))
 
 
 def test_page_of_the_docs_is_that_of_the_command():
@@ -243,11 +238,9 @@ def test_page_of_the_docs_is_that_of_the_command():
 @pytest.mark.parametrize("form", ["text", "json"])
 def test_command_lists_departures(form, whole, capsys):
     root, found = whole
-    rows = found.tables["calibration"]
-    asked = ["--out", root, "--check", "calibration", "--seed", "3", "--rounds", "2", "--resume"]
+    asked = ["--out", root, "--check", "comparisons", "--seed", "3", "--rounds", "2", "--resume"]
     said = output(capsys, "validate-method", *asked, *(["--json"] if form == "json" else []))
     if form == "text":
-        n_off = len(departures(rows))
-        assert said.startswith(f"calibration: {len(rows)} rows, {n_off} of which depart from what is stated")
+        assert said.startswith("comparisons: 32 rows, 0 of which depart from what is stated")
     else:
-        assert len(json.loads(said)["tables"]["calibration"]) == len(rows)
+        assert len(json.loads(said)["tables"]["comparisons"]) == len(found.tables["comparisons"])
