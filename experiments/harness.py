@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Final, TypeVar
 
+from tactometry.errors import library_needed
 from tactometry.files.durable import write_atomically
 from tactometry.loading import resolve
 
@@ -36,10 +37,7 @@ def run_once(call: Call) -> tuple[float, Any]:
 
 
 def interleaved(calls: Mapping[str, Call], n_rounds: int, *, turn_s: float = 0.0) -> dict[str, list[float]]:
-    """Return processor times (s) of a call of each, in turn in every round, after a warm-up.
-
-    A call shorter than `turn_s` is repeated until its turn lasts that long.
-    """
+    """Return processor times (s) of a call of each, in turn in every round, after a warm-up."""
     n_calls = {}
     for name, call in calls.items():
         call()
@@ -87,10 +85,7 @@ class MeasuredItem:
 
     @property
     def holds(self) -> bool | None:
-        """True if the median is within the limits, None without limits.
-
-        NaN is never within limits.
-        """
+        """True if the median is within the limits, None without limits."""
         if self.at_least is None and self.at_most is None:
             return None
         above = self.at_least is None or self.median >= self.at_least
@@ -161,11 +156,7 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def keep_chunks(paths: Sequence[Path], jobs: Sequence[J], make: Callable[[J], bytes], spread: Spread) -> Iterator[Path]:
-    """Write each job's result to its path as a whole and yield the path.
-
-    An existing path is yielded without running its job, so an interrupted run continues. The order of the paths is
-    kept, wherever `spread` runs the jobs.
-    """
+    """Write each job's result to its path as a whole and yield the path."""
     left = [job for path, job in zip(paths, jobs, strict=True) if not path.exists()]
     kept = {path for path in paths if path.exists()}
     made = iter(spread(make, left))
@@ -175,6 +166,22 @@ def keep_chunks(paths: Sequence[Path], jobs: Sequence[J], make: Callable[[J], by
 def _written(path: Path, content: bytes) -> Path:
     write_atomically(path, content)
     return path
+
+
+def arrow(where: str) -> Any:
+    """Return pyarrow with its `parquet` module; `where` begins the error.
+
+    Raises
+    ------
+    DeviceFailed
+        If pyarrow, an optional extra of 170 MB, is not installed.
+    """
+    with library_needed(
+        f"{where}: found no pyarrow ({{error}}), expected it for Parquet files; pip install 'tactometry[power]'"
+    ):
+        import pyarrow
+        import pyarrow.parquet
+    return pyarrow
 
 
 def share_interval(n_yes: int, n: int, coverage: float = 0.95) -> tuple[float, float]:

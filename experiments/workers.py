@@ -1,7 +1,4 @@
-"""Computation in this process, on local processes or a Dask cluster.
-
-The results are the same everywhere.
-"""
+"""Computation in this process, on local processes or a Dask cluster."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager

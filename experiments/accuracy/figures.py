@@ -25,10 +25,7 @@ ELSEWHERE = ((4, 4, "left"), (5, -7, "left"), (-4, 4, "right"), (-5, -7, "right"
 
 
 def error_against_price(curve: AccuracyCurve, peers: Sequence[Point] = ()) -> Figure:
-    """Draw errors against prices with the frontier, on log axes.
-
-    The uncertainty of the reference is shown too. Points of recorded peers are hollow.
-    """
+    """Draw errors against prices with the frontier, on log axes."""
     figure = Figure(figsize=(6.4, 4.5), layout="constrained", facecolor="white")
     axes = figure.subplots()
     points = (*curve.points, *peers)
@@ -47,10 +44,7 @@ def error_against_price(curve: AccuracyCurve, peers: Sequence[Point] = ()) -> Fi
 
 
 def drawn_at(point: Point, floor: float) -> float:
-    """Return the error limited to the drawn range.
-
-    The range is from the uncertainty of the reference to the top of the figure.
-    """
+    """Return the error limited to the drawn range."""
     return TOP if point.unstable else min(max(point.error, floor), TOP)
 
 
@@ -103,9 +97,6 @@ def _finish(axes: Axes, title: str) -> None:
 
 
 def write_svg(figure: Figure, path: Path) -> None:
-    """Write a figure as SVG with the same bytes each time.
-
-    Letters are stored as text.
-    """
+    """Write a figure as SVG with the same bytes each time."""
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "tactometry"}):
         figure.savefig(path, metadata={"Date": None})

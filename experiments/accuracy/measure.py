@@ -1,7 +1,4 @@
-"""Errors and prices of an accuracy problem.
-
-Prices are first calls, medians of warm calls with their spread, and peak memory.
-"""
+"""Errors and prices of an accuracy problem."""
 
 import csv
 import math
@@ -126,8 +123,7 @@ def measure(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], 
 def cold_s(problem: str, place: int) -> float:
     """Return the processor time (s) of a first call in a new process.
 
-    Imports during the call count, imports of the problem do not. Raises `subprocess.CalledProcessError` if the call
-    fails.
+    Imports during the call count, imports of the problem do not.
     """
     command = [sys.executable, "-c", COLD, problem, str(place)]
     environment = os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(sys.path)}
@@ -169,9 +165,9 @@ def _peak_bytes(run: Callable[[], Any]) -> int:
 
 
 def peers_of(curve: AccuracyCurve, record: Path = PEERS) -> tuple[Point, ...]:
-    """Return the recorded points of other programs.
+    """Return recorded points of other programs, with times of this machine.
 
-    Times are scaled to this machine by the ratio of our finest setting.
+    Times are multiplied by the ratio of our finest setting here and in the record.
     """
     now_s, points = curve.points[-1].median_s, []
     for row in _rows(record):

@@ -38,10 +38,7 @@ then check that the error falls from setting to setting, that references agree, 
 
 
 def table(curve: AccuracyCurve) -> str:
-    """Return the points in 98 columns, and the cheapest settings.
-
-    *cold* is a first call, *warm* the median.
-    """
+    """Return the points in 98 columns, and the cheapest settings."""
     problem = curve.problem
     lines = [f"{problem.name}: {problem.title}", f"against {problem.reference.by}", f"price: {problem.price}"]
     lines.append(ROW.format("setting", "error", "price", "cold (s)", "warm (s)", "+- (s)", "memory (B)", "answer (B)"))
@@ -72,10 +69,7 @@ def _error(point: Point) -> str:
 
 
 def write_page(curves: Sequence[AccuracyCurve], path: Path, today: date) -> None:
-    """Write the page, and its figures to a folder of the same name.
-
-    Raises `DeviceFailed` if a file cannot be written.
-    """
+    """Write the page, and its figures to a folder of the same name."""
     from .figures import error_against_price, write_svg
 
     folder = path.with_suffix("")
@@ -100,10 +94,7 @@ def page(curves: Sequence[AccuracyCurve], folder: str, today: date) -> str:
 
 
 def digit(curve: AccuracyCurve) -> str:
-    """Return the factor of price per tenfold smaller error.
-
-    It is measured from end to end of the frontier.
-    """
+    """Return the factor of price per tenfold smaller error."""
     best = curve.frontier
     digits = math.log10(best[0][1] / best[-1][1])
     return f"x {(best[-1][0] / best[0][0]) ** (1 / digits):.2g}" if digits > 0 else "nothing"

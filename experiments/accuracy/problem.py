@@ -13,10 +13,7 @@ OURS = "tactometry"
 
 @dataclass(frozen=True)
 class Setting:
-    """Computation with its price and program.
-
-    Without a price its computing time counts.
-    """
+    """Computation with its price (None: its computing time) and program."""
 
     name: str
     run: Callable[[], Any]
@@ -73,10 +70,7 @@ def over_rms(answer: NDArray[Any], reference: NDArray[Any]) -> float:
 
 
 def over_interval(interval: Real, reference: Real) -> float:
-    """Return the largest error over the length of the interval.
-
-    Errors are those of the estimate and of both ends.
-    """
+    """Return the largest error of mean and ends over the interval's length."""
     return float(np.abs(interval - reference).max() / (reference[2] - reference[1]))
 
 

@@ -1,7 +1,4 @@
-"""Many simulated tracks with their fits, in batches.
-
-Memory is bounded. Results can be written as Parquet files.
-"""
+"""Many simulated tracks with their fits, in batches."""
 
 import hashlib
 import io
@@ -23,8 +20,7 @@ from tactometry.protocols.order import stream
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.protocols.procedures.stepping import SteppingRule
 
-from ..harness import keep_chunks
-from ..parquet import arrow
+from ..harness import arrow, keep_chunks
 from ..workers import Spread, here
 
 BATCH = 2000
@@ -43,7 +39,7 @@ COLUMNS: Final = {
 
 @dataclass(frozen=True)
 class Respondents:
-    """Simulated participants with normally distributed thresholds.
+    """Simulated participants whose thresholds are normally distributed.
 
     Thresholds are in the unit of the felt level. All other parameters are equal.
     """

@@ -41,10 +41,7 @@ PEOPLE = tuple(Person(*each) for each in product(SDS, N_TRIALS, LAPSE_RATES))
 
 
 def answers(person: Person, n_sets: int, rng: np.random.Generator) -> tuple["np.ndarray", "np.ndarray"]:
-    """Draw points of equality and the number of "more" at each level.
-
-    Shapes are (n_sets,) and (n_sets, n_levels).
-    """
+    """Draw PSEs (n_sets,) and numbers of "more" (n_sets, n_levels)."""
     pse = rng.uniform(-FARTHEST_PSE, FARTHEST_PSE, n_sets)
     felt = ndtr((np.array(LEVELS) - pse[:, None]) / person.sd)
     return pse, rng.binomial(person.n_trials, person.lapse_rate / 2 + (1 - person.lapse_rate) * felt)
@@ -53,10 +50,7 @@ def answers(person: Person, n_sets: int, rng: np.random.Generator) -> tuple["np.
 def outcomes_of(
     people: Sequence[Person], n_sets: int, rng: np.random.Generator, options: Mapping[str, Any] = FIT
 ) -> Iterator[pd.DataFrame]:
-    """Yield a table for each participant and quantity.
-
-    A row has truth, estimate and ends of the interval of a data set.
-    """
+    """Yield the truths, estimates and intervals of each person and quantity."""
     for person in people:
         pse, n_more = answers(person, n_sets, rng)
         fitted = fit_comparisons(LEVELS, n_more, person.n_trials, **options)
@@ -69,8 +63,6 @@ def outcomes_of(
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
     """Return coverage for each quantity and participant.
-
-    Shares are of intervals that contain the truth, lie above or below it.
 
     An open or missing end covers all values on its side. `over_truth` is the median of estimate over truth.
     """
@@ -91,10 +83,7 @@ ABOVE_DB = (20.0, 12.0, 6.0, 3.0, 0.0, -3.0)
 
 
 def answers_to_standard(above_db: float, n_sets: int, rng: np.random.Generator) -> "np.ndarray":
-    """Draw the number of "more" at each level (n_sets, n_levels).
-
-    The standard is `above_db` above the threshold.
-    """
+    """Draw the number of "more" at each level (n_sets, n_levels)."""
     observer = SignalDetectionObserver(exponent=EXPONENT)
     felt = np.array([observer.d_prime(level - STANDARD + above_db) for level in STANDARD_LEVELS])
     more = ndtr((felt - observer.d_prime(above_db)) / np.sqrt(2))
@@ -108,9 +97,7 @@ FitComparisons = Callable[..., Sequence[ThresholdFit]]
 def standards(
     n_studies: int, rng: np.random.Generator, n_people: int = 10, fit: FitComparisons = fit_comparisons, **options: Any
 ) -> pd.DataFrame:
-    """Return a row for each distance of the standard from threshold.
-
-    It has the PSE and false effects against the first row.
+    """Return PSEs and false effects by the standard's distance to threshold.
 
     Studies of `n_people` compare each condition with the first by a paired t-test. The true PSE of both is the
     standard.

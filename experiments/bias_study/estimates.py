@@ -55,10 +55,7 @@ def outcomes_of(
     lapse_rates: Sequence[float] = LAPSE_RATES,
     truths: Sequence[str] = TRUTHS,
 ) -> Iterator[pd.DataFrame]:
-    """Yield a table for each design, lapse rate, truth and fit.
-
-    It has a row for each participant.
-    """
+    """Yield a table for each design, lapse rate, truth and fit."""
     for design, lapse_rate, truth in product(designs, lapse_rates, truths):
         true_db, width_db = (rng.uniform(*ends, n_sets) for ends in (THRESHOLDS_DB, WIDTHS_DB))
         uniform, rates = rng.random((n_sets, design.n_trials)), (design.task.guess_rate, lapse_rate)
@@ -74,10 +71,7 @@ def outcomes_of(
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return bias, coverage, length and `flat` results by row and fit.
-
-    Bias is in standard deviations.
-    """
+    """Return bias (in SDs), coverage, length and `flat` results by row and fit."""
     by = ["design", "lapse_rate", "truth", "fit"]
     rows = [(*key, *_row(each)) for key, each in outcomes.groupby(by, sort=False)]
     return pd.DataFrame(rows, columns=[*by, "bias", "covered", "covered_all", "length_db", "flat", "flat_covered"])
@@ -85,9 +79,9 @@ def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
 
 def _row(outcomes: pd.DataFrame) -> tuple[float, ...]:
     covers = outcomes["true_db"].between(outcomes["low_db"], outcomes["high_db"])
-    is_told, is_flat = outcomes["status"].isin(TOLD), outcomes["status"] == Status.FLAT
-    told = outcomes[is_told]
-    error_db = told["threshold_db"] - told["true_db"]
-    length_db = (told["high_db"] - told["low_db"]).median()
+    is_known, is_flat = outcomes["status"].isin(TOLD), outcomes["status"] == Status.FLAT
+    known = outcomes[is_known]
+    error_db = known["threshold_db"] - known["true_db"]
+    length_db = (known["high_db"] - known["low_db"]).median()
     bias = error_db.mean() / error_db.std()
-    return bias, covers[is_told].mean(), covers.mean(), length_db, is_flat.mean(), covers[is_flat].mean()
+    return bias, covers[is_known].mean(), covers.mean(), length_db, is_flat.mean(), covers[is_flat].mean()

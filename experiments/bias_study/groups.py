@@ -1,7 +1,4 @@
-"""Coverage of the hierarchical model by procedure and lapse rate.
-
-Studies have ten participants in two conditions.
-"""
+"""Coverage of the hierarchical model by procedure and lapse rate."""
 
 from collections.abc import Iterator, Sequence
 
@@ -29,10 +26,7 @@ LAPSES = {
 
 
 def outcome(procedure: str, lapses: str, study: int, seed: int) -> dict[str, object]:
-    """Simulate and fit a study.
-
-    Return shares of intervals that contain the true values, and errors.
-    """
+    """Simulate and fit a study; return coverage of its intervals, and errors."""
     rng = stream(seed, CHOSEN.index(procedure), list(LAPSES).index(lapses), study)
     own, deviations = rng.standard_normal((N_PEOPLE, 1)), rng.standard_normal((N_PEOPLE, N_CONDITIONS))
     true_db = MEAN_DB + PEOPLE_SD_DB * own + CELL_SD_DB * deviations
@@ -75,19 +69,13 @@ def _fit(procedure: str, lapses: tuple[float, float], true_db: Array, rng: np.ra
 
 
 def outcomes_of(studies: Sequence[int], seed: int) -> Iterator[pd.DataFrame]:
-    """Yield a table per study number.
-
-    It has all procedures and lapse rates.
-    """
+    """Yield a table per study number."""
     for study in studies:
         yield pd.DataFrame([outcome(procedure, lapses, study, seed) for procedure in CHOSEN for lapses in LAPSES])
 
 
 def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Return coverage and errors of all studies.
-
-    Shares have standard errors over studies. Errors are the mean error and the worst error of a group mean.
-    """
+    """Return coverage with its standard error, the mean and the worst error."""
     rows = []
     for (procedure, lapses), each in outcomes.groupby(["procedure", "lapses"], sort=False):
         row = {"procedure": procedure, "lapses": lapses, "studies": len(each)}

@@ -1,7 +1,4 @@
-"""False effects of conditions that differ only in lapse rate.
-
-Tracks are with and without easy trials.
-"""
+"""False effects of conditions that differ only in lapse rate."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -34,10 +31,7 @@ LAPSE_RATES = ((0.0, 0.08), (0.02, 0.02))
 def track(
     rule: Rule[Any], share: float, function: PsychometricFunction, rng: np.random.Generator
 ) -> tuple[list[float], list[bool]]:
-    """Return levels and answers of a track with easy trials.
-
-    `share` of its trials are easy ones at the highest level.
-    """
+    """Return levels and answers of a track with easy trials."""
     procedure = with_easy_trials(rule, share, HIGH_DB, rng) if share else rule.begin(rng)
     levels: list[float] = []
     answers: list[bool] = []
@@ -49,10 +43,7 @@ def track(
 
 
 def study(rule: Rule[Any], share: float, lapse_rates: Sequence[float], rng: np.random.Generator) -> list[Estimate]:
-    """Return estimates of participants with equal conditions.
-
-    A participant has one threshold and width in all conditions.
-    """
+    """Return estimates of participants with equal conditions."""
     thresholds, widths = rng.normal(MEAN_DB, SD_DB, N_PEOPLE), widths_db(rng.random(N_PEOPLE))
     cells = []
     for condition, lapse_rate in enumerate(lapse_rates):

@@ -129,10 +129,7 @@ def widths_db(uniform: Array) -> Array:
 
 
 def places_db(place: str, procedure: str, uniform: Array, width_db: Array) -> Array:
-    """Return thresholds (n_sets,) at a place.
-
-    Uniform numbers and widths determine them.
-    """
+    """Return thresholds (n_sets,) at a place."""
     low, high = (CONSTANT_DB[0], CONSTANT_DB[-1]) if procedure == "constant stimuli" else (LOW_DB, HIGH_DB)
     if place == INSIDE:
         return np.asarray(low + (high - low) * (0.25 + 0.5 * uniform))
@@ -172,10 +169,7 @@ def answered(rule: Rule[Any], drawn: Array, thresholds_db: Array, widths_db: Arr
 def fits(
     simulated: Tracks, task: SimulatedTask, n_trials: int, n_false_alarms: NDArray[np.int64], **options: Any
 ) -> tuple[ThresholdFit, ...]:
-    """Fit the first trials of each track as an analysis does.
-
-    `options` replace those of the analysis.
-    """
+    """Fit the first trials of each track as an analysis does."""
     curve = CURVES["yes_no" if task.told is None else "forced_choice"]
     return fit_many(
         simulated.levels_db[:, :n_trials],

@@ -1,7 +1,5 @@
 """Statuses, coverage, bias and length of intervals.
 
-They are by procedure, task, number of trials and place of the threshold.
-
 Each participant completes one track. Its first n trials serve as a track of n trials.
 """
 
@@ -53,10 +51,7 @@ def outcomes_of(
     n_trials: Sequence[int] = N_TRIALS,
     lapse_rate: float = LAPSE_RATE,
 ) -> Iterator[pd.DataFrame]:
-    """Yield a table for each setting.
-
-    It has a row (`OUTCOMES`) for each participant and number of trials.
-    """
+    """Yield a table for each setting."""
     for (procedure, task, place), stream in zip(chosen, rng.spawn(len(chosen)), strict=True):
         simulated = tracks(procedure, task, place, n_sets, stream, n_trials=max(n_trials), lapse_rate=lapse_rate)
         rows = []
@@ -81,10 +76,10 @@ def summary(outcomes: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
 def _row(outcomes: pd.DataFrame) -> tuple[float, ...]:
     shares = [outcomes["status"].isin(of).mean() for of in ((Status.OK,), (Status.SEPARATED,), OUT, (Status.FLAT,))]
     covers = outcomes["true_db"].between(outcomes["low_db"], outcomes["high_db"])
-    is_ok, told = outcomes["status"] == Status.OK, outcomes[outcomes["status"].isin(TOLD)]
+    is_ok, known = outcomes["status"] == Status.OK, outcomes[outcomes["status"].isin(TOLD)]
     bias, length_db = math.nan, math.nan
-    if len(told) >= FEWEST:
-        error_db = told["threshold_db"] - told["true_db"]
+    if len(known) >= FEWEST:
+        error_db = known["threshold_db"] - known["true_db"]
         bias = error_db.mean() / error_db.std(ddof=0)
-        length_db = (told["high_db"] - told["low_db"]).median()
+        length_db = (known["high_db"] - known["low_db"]).median()
     return len(outcomes), *shares, 1 - sum(shares), covers[is_ok].mean(), covers.mean(), bias, length_db

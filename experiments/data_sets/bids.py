@@ -1,7 +1,7 @@
-"""A data set in the form of the Brain Imaging Data Structure (BIDS), for behaviour.
+"""Export to the Brain Imaging Data Structure (BIDS), for behaviour.
 
-Trials with an onset become `events.tsv`; rows without an onset and answers to questionnaires, with the touches that led
-to none, become `beh.tsv`, and the scores of questionnaires a table in `phenotype/`.
+Trials with an onset become `events.tsv`. Rows without an onset, answers to questionnaires and touches that led to no
+answer become `beh.tsv`. The scores of questionnaires become a table in `phenotype/`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ TERMS = ("https://www.cognitiveatlas.org", "http://www.cogpo.org")
 
 
 def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str, bytes]:
-    """Every file of the BIDS data set, by its path; the same data give the same bytes.
+    """Return the files of the BIDS data set by path; equal data, equal bytes.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def task_label(source: ExportedDataSet) -> str:
 
 
 def _label(text: str) -> str:
-    """Letters and digits of a name.
+    """Return the letters and digits of a name.
 
     >>> _label("time-reversal-patterns")
     'timereversalpatterns'
@@ -94,7 +94,7 @@ def _heading(source: ExportedDataSet, authors: Sequence[str]) -> dict[str, bytes
 
 
 def _sessions(source: ExportedDataSet, code: str) -> bytes:
-    """Sessions with the time of their first answer, where it is known."""
+    """List sessions with the time of their first answer, if known."""
     rows = []
     for participant, session, of_session in source.sessions():
         times = sorted(time for row in of_session if (time := row.get("timestamp_utc")))
@@ -119,7 +119,7 @@ def _readme(source: ExportedDataSet) -> str:
 def _table(
     stem: str, rows: Sequence[Row], source: ExportedDataSet, description: str, *, timed: bool
 ) -> dict[str, bytes]:
-    """A TSV file with its sidecar; none without rows."""
+    """Return a TSV file with its sidecar, or nothing without rows."""
     if not rows:
         return {}
     columns = [c for c in source.columns if c.name not in OWN and any(row.get(c.name) for row in rows)]
@@ -139,7 +139,7 @@ def _check_names(header: Sequence[str]) -> None:
         is_word = name.replace("_", "").isalnum() and name.isascii()
         expect(is_word, f"column {name!r}", "other than letters, digits and _", "a name for BIDS; rename it")
         if name in header[:place]:
-            raise InvalidParameter(f"column {name!r}: found a name that BIDS has for a column of its own; rename it")
+            raise InvalidParameter(f"column {name!r}: found a name that BIDS uses for another column; rename it")
 
 
 def _sidecar(
@@ -165,7 +165,7 @@ LEVELS = ("level", "level_delivered", "level_measured", "standard_level")
 
 
 def _phenotypes(source: ExportedDataSet) -> dict[str, bytes]:
-    """Scores of each questionnaire: a row per participant, a column per condition (and session) and dimension."""
+    """Return scores by participant; columns are conditions and dimensions."""
     files: dict[str, bytes] = {}
     for name, form in source.forms.items():
         answers = source.used[(source.used["task"] == FORM_TASK) & (source.used["procedure"] == name)]

@@ -1,11 +1,10 @@
-"""Erase one participant from a data set; the files of others stay byte for byte.
+"""Erase one participant from a data set; other participants' files stay.
 
 - *Own* files are named for the participant, or are their journal under another name.
 - *Derived* files are reports, figures and exports. All of them go, as a mean contains every participant.
-- *Other* files stay unsearched, and their names are returned so that a person can look at them.
+- *Other* files are not searched. Their names are returned so that a person can look at them.
 
-The files to erase are recorded on the disk before the first one goes, so that an interrupted erasure can be finished.
-The orders of other participants stay: they follow from each one's own number.
+The files to erase are recorded on the disk first, so that an interrupted erasure can be finished.
 """
 
 import os
@@ -32,7 +31,7 @@ from tactometry.trials.cells import PARTICIPANT
 
 @dataclass(frozen=True)
 class ErasurePlan:
-    """Files to erase (`journals`, `own`, `derived`), and names of files and folders to look at (`others`)."""
+    """Files to erase, and names of other files and folders to look at."""
 
     journals: tuple[Path, ...]
     own: tuple[Path, ...]
@@ -50,12 +49,12 @@ UNREACHED: Final = (
     "promise that an SSD overwrites what it erases: keep data on an encrypted disk"
 )
 
-IN_USE: Final = "another process is erasing from this data set, expected to be the only one; wait, and say it again"
+IN_USE: Final = "another process is erasing from this data set, expected to be the only one; wait and repeat"
 
 
 @dataclass(frozen=True)
 class Erased:
-    """Names of files that were erased, or would be, and of `others` to look at; `erasure` is None for a dry run."""
+    """Names of erased files, and of others to look at; a dry run has no erasure."""
 
     participant: str
     n_sessions: int
@@ -72,24 +71,24 @@ def find(root: Path, participant: str) -> Erased:
     Raises
     ------
     InvalidFile
-        If the folder is no data set, or something in it may not be read.
+        If the folder is not a data set, or a part of it cannot be read.
     InvalidParameter
-        If it holds nothing of the participant.
+        If it contains nothing of the participant.
     """
     return _told(root, participant, _plan(root, participant))
 
 
 def erase(root: Path, participant: str) -> Erased:
-    """Erase all that a data set holds of a participant, and record that it was done.
+    """Erase all files of a participant from a data set and record it.
 
     Raises
     ------
     InvalidFile, InvalidParameter
         As `find`.
     SessionInUse
-        If a session of the participant is running, or another erasure; nothing was erased.
+        If a session of the participant or another erasure is running. Nothing was erased.
     DeviceFailed
-        If a file can't be erased; say it again when that is mended.
+        If a file cannot be erased. Fix the cause and repeat.
     """
     _refuse(root, participant)
     with alone(root / LOCK, IN_USE):
@@ -117,7 +116,6 @@ def _there(journals: Iterable[Path]) -> set[Path]:
 
 
 def _refuse(root: Path, participant: str) -> None:
-    """Refuse an invalid participant code or a folder without a data set."""
     expect(PARTICIPANT.fullmatch(participant) is not None, "--participant", repr(participant), "a code such as P01")
     is_set = (root / NAME).is_file() and ((root / "journals").is_dir() or (root / "data").is_dir())
     expect(is_set, root, f"no {NAME} with data or journals", "the folder of a data set", InvalidFile)
@@ -135,13 +133,12 @@ def _plan(root: Path, participant: str) -> ErasurePlan:
 
 
 def _nothing(root: Path, participant: str, erasures: Iterable[Erasure]) -> str:
-    """Why there is nothing to erase."""
     times = [erasure.finished_utc for erasure in erasures if erasure.participant == participant]
     if times:
         return f"--participant: found that {participant} was erased at {times[-1]}, expected one who has data in {root}"
     files = [*sessions(root), *(root / "data").glob("*.csv")]
     codes = sorted({code for path in files if (code := keys_of(path.stem).get("participant"))})
-    known = f"{', '.join(codes) or 'those who have data, and nobody has'}{nearest(participant, codes)}"
+    known = f"{', '.join(codes) or 'the participants with data (none)'}{nearest(participant, codes)}"
     return f"--participant: found nothing of {participant!r} in {root}, expected one of {known}"
 
 
@@ -155,7 +152,7 @@ def _names(root: Path, paths: Iterable[Path]) -> tuple[str, ...]:
 
 
 def _begin(root: Path, participant: str, found: ErasurePlan) -> Erasure:
-    """Write down what is to go; an erasure that was interrupted goes on under its own line, with what it began with."""
+    """Record what will be erased, or continue an interrupted erasure."""
     erasures = read_erasures(root)
     before = unfinished(erasures, participant)
     if before is not None:
@@ -171,10 +168,10 @@ def _now() -> str:
 
 
 def _remove(files: Iterable[Path]) -> None:
-    """Remove files, and have it on the disk."""
+    """Remove files and sync their folders."""
     files = tuple(files)
     for path in files:
-        with attempt(path, "cannot be erased", "permission; mend that and say it again: it goes on"):
+        with attempt(path, "cannot be erased", "permission; fix that and repeat: the erasure continues"):
             path.unlink(missing_ok=True)
     for folder in sorted({path.parent for path in files}):
         if folder.is_dir():
@@ -182,7 +179,7 @@ def _remove(files: Iterable[Path]) -> None:
 
 
 def _remove_empty(root: Path, files: Iterable[Path]) -> None:
-    """Remove the folders that are empty now, but for those that a data set has."""
+    """Remove empty folders, except the standard ones of a data set."""
     kept = {root / part for part in PARTS}
     within = [path for path in files if ".." not in path.parts]
     folders = {folder for path in within for folder in path.parents if folder.is_relative_to(root)}
@@ -230,7 +227,7 @@ def _name(root: Path, path: Path) -> str:
 
 
 def _walk(root: Path) -> tuple[list[Path], list[Path]]:
-    """Return all files and links, and the folders that are not entered: hidden ones and other data sets."""
+    """Return files and links, and folders not entered (hidden, data sets)."""
     found, closed = [], []
     for folder, folders, files in os.walk(root, onerror=_refuse_unread):
         here = Path(folder)
@@ -265,14 +262,13 @@ def _is_journal(root: Path, path: Path) -> bool:
 
 
 def _whose(journal: Path) -> str | None:
-    """Return the participant that the head of a journal names."""
     with suppress(InvalidFile):
         return next((head.participant for head in heads(journal)), None)
     return None
 
 
 def _is_of_set(root: Path, path: Path) -> bool:
-    """Return True for a file of the data set itself, or of another participant's session."""
+    """Return True for data set files and other participants' sessions."""
     if path.parent == root:
         return path.name in (NAME, STUDY, RECORD, LOCK) or path in drafts(root, RECORD)
     return path.parent.parent == root and path.parent.name in PARTS and "participant" in keys_of(path.stem)

@@ -1,23 +1,26 @@
 """Exports for other programs: Psych-DS, PsychoPy, BIDS, jsPsych and R.
 
-A recorded data set is Psych-DS already; here also a single table becomes one, without journals, and names use the
-official keywords only. PsychoPy's experiment handler writes a row per trial, a file per session: for scripts and people
-that read such files, and `columns.toml` beside them reads them back with `--columns`.
+A recorded data set is already Psych-DS. This export converts single tables too, omits journals, and uses official
+keywords only. PsychoPy's and jsPsych's forms are for scripts and people that read such files; `columns.toml` next to
+them reads them back with `--columns`.
 """
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
+from typing import Final
 
-from tactometry.arguments.require import one_of
+from tactometry.arguments.require import expect, one_of
+from tactometry.files.json_file import json_value
 from tactometry.files.rows import cell_text, spreadsheet_text
 from tactometry.records.description import KEYWORD
+from tactometry.trials.row_rules import FLAGS
 
 from .bids import bids_files, task_label
 from .exported_traces import traces_as
-from .jspsych import jspsych_files
 from .r_table import r_files
-from .source import ExportedDataSet, how_to_read, json_text, read_source, readme_heading, write_files
+from .source import ExportedDataSet, Row, how_to_read, json_text, read_source, readme_heading, write_files
 
 SCHEMA_VERSION = "Psych-DS 1.5.0"
 RENAMED = {
@@ -34,9 +37,29 @@ FROM_ZERO = ("block", "trial")
 LAST = ("participant", "session", "study", "timestamp_utc")
 """PsychoPy writes what it knows of the whole session into the last columns."""
 
+MS: Final = 1000.0
+THEIRS = ("subject", "trial_type", "trial_index", "rt", "time_elapsed")
+LEFT_OUT = ("participant", "task", "latency_s")
+"""Columns that jsPsych has under other names."""
+COLUMNS = """\
+{how_to_read}
+[columns]
+participant = "subject"
+task = "trial_type"
+latency_s = "rt"
+
+[units]
+latency_s = "ms"
+{flags}"""
+OF_A_FLAG = """
+[values.{name}]
+true = 1
+false = 0
+"""
+
 
 def psychds_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """Every file, by its path; the same data give the same bytes."""
+    """Return the files by path; equal data, equal bytes."""
     names = [column.name for column in source.columns]
     study = (source.text("study") or "trials").replace("-", "")  # a hyphen parts key and value in names of files
     files = {
@@ -68,7 +91,7 @@ def _description(source: ExportedDataSet) -> Mapping[str, object]:
 
 
 def psychopy_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """Every file, by its path; the same data give the same bytes. Numbers of blocks and trials start at 0 there."""
+    """Return the files by path, with blocks and trials numbered from 0."""
     names = [column.name for column in source.columns]
     ordered = [*(name for name in names if name not in LAST), *(name for name in LAST if name in names)]
     header = [RENAMED.get(name, name) for name in ordered]
@@ -89,6 +112,59 @@ def _column_map(names: Sequence[str], factors: Sequence[str]) -> str:
     return "\n".join([how_to_read(factors), "[columns]", *lines, ""])
 
 
+def jspsych_files(source: ExportedDataSet) -> dict[str, bytes]:
+    """Return the files by path, with times in ms and trials from 0."""
+    names = [column.name for column in source.columns]
+    clash = next((name for name in names if name in THEIRS), None)
+    expect(not clash, "--to", f"jspsych, which uses the name {clash!r}", "another form, or another name of that column")
+    meanings = "".join(OF_A_FLAG.format(name=name) for name in names if name in FLAGS)
+    files = {"columns.toml": COLUMNS.format(how_to_read=how_to_read(source.factors), flags=meanings).encode()}
+    for participant, session, rows in source.sessions():
+        study = source.text("study") or "study"
+        trials = [_trial(n, row) for n, row in enumerate(rows)]
+        text = ",\n".join(json.dumps(trial, ensure_ascii=False) for trial in trials)
+        files[f"data/{participant}_{study}_session-{session}.json"] = f"[{text}]\n".encode()
+    return files
+
+
+def _trial(n: int, row: Row) -> dict[str, object]:
+    onset_ms, rt_ms = _ms(row.get("onset_s", "")), _ms(row.get("latency_s", ""))
+    known = [time_ms for time_ms in (onset_ms, rt_ms) if time_ms is not None]
+    return {
+        "subject": row["participant"],
+        "trial_type": row["task"],
+        "trial_index": n,
+        "rt": rt_ms,
+        "time_elapsed": sum(known) if onset_ms is not None else None,
+        **{name: _value(name, text) for name, text in row.items() if name not in LEFT_OUT},
+    }
+
+
+def _ms(seconds: str) -> float | None:
+    """
+    >>> _ms("0.4735"), _ms("")
+    (473.5, None)
+    """
+    return round(float(seconds) * MS, 3) if seconds else None
+
+
+def _value(name: str, text: str) -> object:
+    """Return a cell as jsPsych has it: bool, number or null; codes stay text.
+
+    >>> _value("correct", "1"), _value("level", "34.0"), _value("item", ""), _value("pattern", "P0"), _value("x", "007")
+    (True, 34.0, None, 'P0', '007')
+    """
+    if not text:
+        return None
+    if name in FLAGS:
+        return text == "1"
+    try:
+        number = json_value(text)
+    except ValueError:
+        return text
+    return number if json.dumps(number) == text and isinstance(number, int | float) else text
+
+
 FORMS: Mapping[str, Callable[[ExportedDataSet], dict[str, bytes]]] = {
     "jspsych": jspsych_files,
     "psych-ds": psychds_files,
@@ -98,12 +174,14 @@ FORMS: Mapping[str, Callable[[ExportedDataSet], dict[str, bytes]]] = {
 
 
 def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> list[Path]:
-    """Write the data set or trials file at `path` in a form (`bids` or one of `FORMS`) into a new or empty folder.
+    """Write a data set or trials file in a form into a new or empty folder.
+
+    The form is `bids` or one of `FORMS`.
 
     Raises
     ------
     InvalidParameter
-        If the form is unknown or the folder holds something.
+        If the form is unknown or the folder is not empty.
     InvalidFile
         If the data set is damaged.
     DeviceFailed

@@ -1,7 +1,7 @@
-"""Traces in the forms of other programs: those of BIDS (`physio`, `motion`), and tables with a head for Psych-DS.
+"""Export of traces: BIDS `physio` and `motion`, and tables for Psych-DS.
 
-What was emitted under a finger has a rate at which no file of BIDS can hold the pauses between touches: it is copied as
-it is, with a table of where each touch is.
+BIDS files have one rate and cannot contain pauses between touches at the rate of an emitted signal. Emitted signals are
+copied as they are, with a table of the place of each touch.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -38,7 +38,7 @@ ABSENT: Final = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "MAGN", "MISC", "ORNT", 
 
 @dataclass(frozen=True)
 class TracedSession:
-    """The touches of a session with samples of one kind, each with where they are."""
+    """Touches of a session with samples of one kind, and their places."""
 
     root: Path
     kind: TraceKind
@@ -49,7 +49,7 @@ class TracedSession:
 
     @cached_property
     def description(self) -> TraceDescription:
-        """The sampling rate and the columns of the samples.
+        """Sampling rate and columns of the samples.
 
         Raises
         ------
@@ -63,9 +63,9 @@ class TracedSession:
 
 
 def traces_as(form: str, path: Path, task: str, files: Mapping[str, bytes]) -> Files:
-    """Yield the traces of a data set in this form, file by file.
+    """Yield the traces of a data set in a form, file by file.
 
-    Nothing is yielded for a single trials file or for a form without traces. `files` are the other files of the export.
+    A single trials file and forms without traces yield nothing. `files` are the other files of the export.
     """
     write = _FORMS.get(form)
     if write is None or not path.is_dir():
@@ -89,7 +89,6 @@ def _traced(root: Path, journal: Path) -> Iterator[TracedSession]:
 
 
 def _psychds(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Files:
-    """A table with a head, and the trial of each sample."""
     del task, files
     if traced.kind == "emitted":
         return
@@ -106,14 +105,15 @@ def _psychds(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Fi
 def _bids(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Files:
     folder = f"sub-{traced.participant}/ses-{traced.session}"
     yield from _BIDS[traced.kind](traced, folder, task)
-    if traced.kind == "position":  # BIDS looks for the events of a motion beside it
+    if traced.kind == "position":  # BIDS looks for the events of a motion next to it
         events = {name: content for name, content in files.items() if name.startswith(folder) and "_events." in name}
         yield from ((name.replace("/beh/", "/motion/"), content) for name, content in events.items())
 
 
 def _physio(traced: TracedSession, folder: str, task: str) -> Files:
-    """The force at an even rate, as `physio` has no stamps: each place holds the sample nearest to it with its own
-    stamp, or n/a, between touches and where one was lost.
+    """Yield the force at an even rate, as `physio` has no time stamps.
+
+    Each row has the nearest sample with its own time stamp, or n/a between touches and for lost samples.
     """
     texts = [text for _, text in traced.texts()]
     times_s = np.concatenate([decode_rows(text)[:, 0] for text in texts])
@@ -125,13 +125,13 @@ def _physio(traced: TracedSession, folder: str, task: str) -> Files:
     stem = f"{folder}/beh/{_entities(folder)}_task-{task}_run-01_recording-force_physio"
     columns = {c.name: {"Description": c.description, "Units": c.unit} for c in traced.description.columns}
     timing = {"SamplingFrequency": rate_hz, "StartTime": begin_s, "Columns": list(columns)}
-    told = {"TaskName": task, "PhysioType": "generic", **timing, **columns}
+    sidecar = {"TaskName": task, "PhysioType": "generic", **timing, **columns}
     yield f"{stem}.tsv.gz", packed(b"".join(lines))
-    yield f"{stem}.json", json_text(told)
+    yield f"{stem}.json", json_text(sidecar)
 
 
 def _motion(traced: TracedSession, folder: str, task: str) -> Files:
-    """Places with their stamps, which BIDS calls latencies."""
+    """Yield positions with their time stamps, which BIDS calls latencies."""
     stem = f"{folder}/motion/{_entities(folder)}_task-{task}_tracksys-finger_run-01"
     names = traced.description.names[1:]
     axes = [name.removesuffix("_m") for name in names]
@@ -149,7 +149,7 @@ def _motion(traced: TracedSession, folder: str, task: str) -> Files:
 
 
 def effective_rate_hz(stamps_s: Sequence[FloatArray]) -> float:
-    """Samples per second within touches; 0 where no two were apart.
+    """Return samples per second within touches, 0 for single samples.
 
     >>> effective_rate_hz([np.array([0.0, 0.1, 0.2]), np.array([5.0, 5.1])])
     10.0
@@ -174,7 +174,6 @@ def _motion_sidecar(task: str, n_axes: int) -> Mapping[str, object]:
 
 
 def _stim(traced: TracedSession, folder: str, task: str) -> Files:
-    """The file as it is, and where each touch is in it."""
     del folder, task
     file = Path(traced.parts[0][1].file)
     header = ["onset", "first_byte", "n_bytes", "sampling_frequency"]
@@ -188,7 +187,6 @@ def _stim(traced: TracedSession, folder: str, task: str) -> Files:
 
 
 def _entities(folder: str) -> str:
-    """Return the prefix of file names in a session's folder."""
     return folder.replace("/", "_")
 
 

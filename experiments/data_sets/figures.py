@@ -28,7 +28,7 @@ COLUMN_IN, ROW_IN = 4.6, 1.5
 
 
 class DrawnQuantity(NamedTuple):
-    """A row of the figure: `draw` draws it of a touch, where it is `known` of one."""
+    """Row of the figure, drawn if its quantity is `known` of a touch."""
 
     label: str
     known: Callable[[TouchTrace], bool]
@@ -46,7 +46,10 @@ class DrawnQuantity(NamedTuple):
 
 
 def touch_figure(touches: Sequence[TouchTrace]) -> Drawing:
-    """A column for each touch, a row for each quantity that is known of one of them; times are from the onset."""
+    """Draw a column per touch and a row per known quantity.
+
+    Times are from the onset.
+    """
     rows = [row for row in _ROWS if any(map(row.known, touches))] or [_NOTHING]
     with new_figure(COLUMN_IN * len(touches) + 2.0, ROW_IN * len(rows) + 0.9) as figure:
         grid = figure.subplots(len(rows), len(touches), squeeze=False, sharex="col", sharey="row")
@@ -72,10 +75,7 @@ def whose(touches: Sequence[TouchTrace]) -> str:
 
 
 def heading(touch: TouchTrace) -> str:
-    """Title of a touch within its trial, with the reason if invalid.
-
-    At most two lines.
-    """
+    """Return the title of a touch, at most two lines."""
     answer, trial = touch.answer, touch.trial
     reason = answer.invalid_reason if isinstance(answer, Touched) else None
     if reason is None and trial.invalid_reason == "experimenter":  # the touch was right, and its trial taken back
@@ -87,7 +87,6 @@ def heading(touch: TouchTrace) -> str:
 
 
 def _asked(touch: TouchTrace) -> str:
-    """The stimulus with its level, or a blank."""
     request, unit = touch.request, touch.trial.level_unit
     if isinstance(request, Adjust):
         return f"{request.stimulus}, to be set"
@@ -95,7 +94,7 @@ def _asked(touch: TouchTrace) -> str:
 
 
 def envelope(signal: Signal, n_bins: int = N_BINS) -> tuple[FloatArray, FloatArray]:
-    """Times (s) and the largest absolute value of any channel in each of `n_bins` parts of a signal.
+    """Return times (s) and the largest absolute value of any channel by part.
 
     >>> envelope(Signal(np.array([[0.0, -2.0, 1.0, 0.5]]), 4.0, "V"), n_bins=2)[1].tolist()
     [2.0, 1.0]
@@ -117,7 +116,6 @@ def _span_s(touch: TouchTrace) -> tuple[float, float]:
 
 
 def _gate_s(touch: TouchTrace) -> float | None:
-    """Return the time of the gate relative to the onset."""
     gate_s = touch.answer.gate_s if isinstance(touch.answer, Touched) else None
     return None if gate_s is None else gate_s - touch.answer.onset_s
 
@@ -129,7 +127,7 @@ def _lasts_s(touch: TouchTrace) -> float:
 
 
 def _mark(axes: "Axes", touch: TouchTrace) -> None:
-    """The stimulus, its onset and the gate."""
+    """Mark the stimulus, its onset and the gate."""
     if touch.played:
         axes.axvspan(0.0, _lasts_s(touch), color=GOLD, alpha=0.15, linewidth=0, label="stimulus", zorder=0)
         axes.axvline(0.0, color=ORANGE, linewidth=0.9, label="onset")
@@ -173,7 +171,9 @@ def _draw_speed(axes: "Axes", touch: TouchTrace) -> None:
 
 
 def speed_of(position: Samples) -> tuple[FloatArray, FloatArray]:
-    """Stamps, and the speed along the first axis, m/s; none of less than two places.
+    """Return time stamps and the speed along the first axis, m/s.
+
+    Fewer than two positions have none.
 
     >>> speed_of(Samples(np.array([0.0, 0.1]), np.array([[0.0], [0.01]])))[1].round(9).tolist()
     [0.1, 0.1]

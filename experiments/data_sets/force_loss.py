@@ -15,14 +15,15 @@ FACTORS: Final = ("contactor", "place", "force_n")
 
 
 def measured_losses(path: Path) -> list[LossRow]:
-    """The mean loss of each condition, for `figures.prototype.loss_over_force(model, measured)`.
+    """Return the mean loss of each condition of the study `force-loss`.
 
-    Kind and diameter of a contactor are those of the study file in the data set.
+    `figures.prototype.loss_over_force(model, measured)` draws them. Kind and diameter of a contactor are those of the
+    study file.
 
     Raises
     ------
     InvalidFile
-        If the data set has other factors, or nothing was measured.
+        If the data set has other factors or no readings.
     """
     trials = read_trials(path)
     if set(trials.factors) != set(FACTORS):

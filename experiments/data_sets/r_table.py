@@ -1,6 +1,6 @@
-"""A data set as one table for R, JASP or jamovi: NA for what was not measured, and a script that reads it.
+"""Export to one table for R, JASP or jamovi, with a script that reads it.
 
-The script names a mixed model for each task that the table holds; names and texts of the table stand in it r_string.
+Missing values are NA. The script has a mixed model for each task. Names and texts are escaped by `r_string` in it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -40,7 +40,7 @@ CONTINUOUS = "lme4::lmer(response ~ {plus} + (1 | participant) + (1 | item), {da
 
 
 def r_files(source: ExportedDataSet) -> dict[str, bytes]:
-    """`trials.csv` and `trials.R`; the same data give the same bytes."""
+    """Return `trials.csv` and `trials.R`; equal data, equal bytes."""
     names = [column.name for column in source.columns]
     ordered = [row for _, _, rows in source.sessions() for row in rows]
     body = [[row.get(name) or "NA" for name in names] for row in ordered]
@@ -99,7 +99,7 @@ def _form(form: Questionnaire) -> str:
 
 
 def _models(source: ExportedDataSet) -> Iterator[str]:
-    """A model for each task but questionnaires, and one for each of these."""
+    """Yield a model for each task and each questionnaire."""
     scored = source.used["procedure"].isin(source.asked) if source.asked else pd.Series(False, source.used.index)
     for task in source.tasks():
         rows = source.used[(source.used["task"] == task) & ~scored]
@@ -114,7 +114,7 @@ def _models(source: ExportedDataSet) -> Iterator[str]:
 
 
 def _models_of(model: str, rows: pd.DataFrame, source: ExportedDataSet, kept: tuple[str, ...]) -> Iterator[str]:
-    """Fill the model of a task; one for each number of alternatives, whose guess rate it states."""
+    """Yield a task's model for each number of alternatives (guess rate)."""
     numbers = alternatives(rows, source.factors)
     for number, alike in rows.groupby(numbers):
         of_number = kept if numbers.nunique() == 1 else (*kept, _conditions(alike, source.factors))
@@ -123,7 +123,6 @@ def _models_of(model: str, rows: pd.DataFrame, source: ExportedDataSet, kept: tu
 
 
 def _conditions(rows: pd.DataFrame, factors: Sequence[str]) -> str:
-    """Select the conditions of the rows in R."""
     values = rows[list(factors)].drop_duplicates().itertuples(index=False, name=None)
     each = (
         " & ".join(f"{name(cell_text(key))} == {r_string(cell(at))}" for key, at in zip(factors, of, strict=True))

@@ -1,4 +1,4 @@
-"""Recorded answers fed back into the protocol that asked for them, and files written anew from them."""
+"""Replay of recorded sessions, and files rebuilt from their journals."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,7 +19,7 @@ from .session_files import OTHER_STUDY, has_rows, name_defect, session_of, trial
 
 @dataclass(frozen=True)
 class Replayed:
-    """A session that was fed back, and agreed."""
+    """Replayed session that agrees with its journal."""
 
     journal: str
     n_trials: int
@@ -29,7 +29,7 @@ class Replayed:
 
 @dataclass(frozen=True)
 class Rebuilt:
-    """A session whose files were written anew, and whether its trials file was another one before."""
+    """Session with rebuilt files, and whether its trials file changed."""
 
     trials: str
     n_trials: int
@@ -42,7 +42,7 @@ def replay_data_set(path: Path) -> list[Replayed]:
     Raises
     ------
     Diverged
-        At the first request, or the first row of a trials file, that is not as recorded.
+        At the first request or row of a trials file that differs from the record.
     InvalidFile
         If there is nothing to replay, or a journal is damaged.
     """
@@ -51,12 +51,12 @@ def replay_data_set(path: Path) -> list[Replayed]:
 
 
 def rebuild_data_set(path: Path) -> list[Rebuilt]:
-    """Write the files that are derived from the journals of a data set anew.
+    """Rebuild all files that are derived from the journals of a data set.
 
     Raises
     ------
     InvalidFile
-        If there is no journal, one is damaged, or a trials file holds what its journal does not.
+        If there is no journal, one is damaged, or a trials file contains rows that its journal lacks.
     SessionInUse
         If a session is being recorded.
     """
@@ -65,7 +65,7 @@ def rebuild_data_set(path: Path) -> list[Rebuilt]:
 
 
 def _recordings(path: Path) -> tuple[Path, list[Path], Experiment, bytes]:
-    """The folder of a data set, its journals (or the one that `path` is), and the study that ran with its bytes."""
+    """Return the root, the journals, the experiment and its study.toml."""
     root = path.parent.parent if path.is_file() else path
     journals = [path] if path.is_file() else sessions(path)
     if not journals:
@@ -94,7 +94,7 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
 
 
 def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: bytes) -> Rebuilt | None:
-    """None where a session has not begun."""
+    """Rebuild a session's files; None if it has not begun."""
     head, trials = read(journal).head, trials_file(root, journal)
     if head is None:
         return None

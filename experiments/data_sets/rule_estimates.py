@@ -22,10 +22,7 @@ from ..study.study_file import parse
 
 
 def replay_of(path: Path) -> Replay | None:
-    """Return a function that replays blocks with the data set's study.
-
-    None if the data set has no readable study.
-    """
+    """Return a function that replays blocks, None without a readable study."""
     study = (path if path.is_dir() else path.parent.parent) / "study.toml"
     if not study.is_file():
         return None
@@ -37,7 +34,7 @@ def replay_of(path: Path) -> Replay | None:
 
 @dataclass(frozen=True)
 class _Replay:
-    """The rules of a study; what several blocks share is built once."""
+    """Rules of a study; shared parts of blocks are built once."""
 
     wiring: Wiring
 
@@ -45,7 +42,7 @@ class _Replay:
         names = [str(name) for name in dict.fromkeys(block["track"])]
         ready = self._rule(block)
         if ready is None:
-            return dict.fromkeys(names, RuleEstimate(note="these are not trials of the study.toml beside the table"))
+            return dict.fromkeys(names, RuleEstimate(note="these are not trials of the study.toml next to the table"))
         if ready.rule.unreplayed:
             return dict.fromkeys(names, RuleEstimate(note=ready.rule.unreplayed))
         try:
@@ -73,7 +70,6 @@ def _text(value: Any) -> str:
 
 
 def _procedures_after(ready: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
-    """The tracks' procedures after all answers of the block."""
     alone = replace(ready, tracks=replace(ready.tracks, easy_share=0.0, easy_level=None))
     procedures = alone.for_tracks(names, np.random.default_rng(0))  # rules that draw an order are not replayed
     procedures = tuple(

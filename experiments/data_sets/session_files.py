@@ -1,7 +1,4 @@
-"""Session files next to a journal, and checks that they agree with it.
-
-They differ if someone edited them or a crash truncated them.
-"""
+"""Session files next to a journal, and checks that they agree with it."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -98,8 +95,7 @@ def trials_defects(root: Path, journal: Path, recording: Recording, experiment: 
 def edit_warnings(path: Path) -> list[str]:
     """Return warnings for trials files that differ from their journals.
 
-    `path` is a data set's folder or one trials file. Files without a journal are skipped. A file that cannot be
-    compared gives a warning.
+    Files without a journal are skipped. A file that cannot be compared gives a warning.
     """
     root = path if path.is_dir() else path.parent.parent
     files = sorted(path.glob("data/*_data.csv")) if path.is_dir() else [path]
@@ -110,13 +106,12 @@ def edit_warnings(path: Path) -> list[str]:
         return []
     differ = "differs from its journal" if len(texts) == 1 else "differ from their journals"
     return [
-        f"{len(texts)} of {count_of(len(known), 'trials file')} {differ}, and what stands in the table is analysed: "
+        f"{len(texts)} of {count_of(len(known), 'trials file')} {differ}, and the tables are analysed as they are: "
         f"{texts[0]}{'; tactometry validate names all' if len(texts) > 1 else ''}"
     ]
 
 
 def _difference(file: Path, journal: Path) -> str | None:
-    """Describe how a trials file differs from its journal."""
     content = read_file(file, "a trials file")
     names = header_of(content)
     try:
@@ -125,7 +120,7 @@ def _difference(file: Path, journal: Path) -> str | None:
         return f"{file.name}: {damage}"
     head = recording.head
     if head is None:
-        return None if content.count(b"\n") < 2 else f"{file.name}: holds trials, and its journal none"
+        return None if content.count(b"\n") < 2 else f"{file.name}: contains trials, but its journal has none"
     described = list(json_table(file.with_suffix(".json")))
     if described and names != described:
         return f"{file.name}, row 1: found other columns than {file.with_suffix('.json').name} describes"

@@ -1,4 +1,4 @@
-"""A data set as it is exported: its rows as text, with what its columns mean."""
+"""Data set prepared for export: rows as text, and meanings of columns."""
 
 import json
 import shlex
@@ -34,11 +34,10 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class ExportedDataSet:
-    """`rows` as text in order, `columns` in order with their meaning, and what the data set says of itself.
+    """Rows as text, columns with meanings, and the data set's description.
 
-    `used` are the rows that enter an analysis, as it reads them; `forms` the questionnaires that were answered,
-    `choices` the names of forms of choices that were;
-    `origin` says whether people answered; `of_traces` are the columns of its traces.
+    `used` are the rows that enter an analysis, `forms` the answered questionnaires, `choices` the names of answered
+    forms of choices, `origin` whether people answered, and `of_traces` the columns of traces.
     """
 
     rows: tuple[Row, ...]
@@ -53,12 +52,12 @@ class ExportedDataSet:
     choices: tuple[str, ...] = ()
 
     def sessions(self) -> list[tuple[str, str, list[Row]]]:
-        """Participant, session and rows of each session."""
+        """Return participant, session and rows of each session."""
         ordered = sorted(self.rows, key=_whose)
         return [(*key, list(rows)) for key, rows in groupby(ordered, key=_whose)]
 
     def tasks(self) -> list[str]:
-        """The tasks of all rows, sorted."""
+        """Return the tasks of all rows, sorted."""
         return sorted({row["task"] for row in self.rows})
 
     @property
@@ -67,7 +66,9 @@ class ExportedDataSet:
         return (*self.forms, *self.choices)
 
     def form(self, row: Row) -> str:
-        """The questionnaire that a row belongs to: an answer, or a touch that led to none; empty if to none.
+        """Return the questionnaire of a row, or empty.
+
+        It is an answer, or a touch that led to none.
 
         >>> ExportedDataSet((), (), (), "", "").form({"task": "yes_no", "procedure": "staircase"})
         ''
@@ -76,7 +77,7 @@ class ExportedDataSet:
         return name if name in self.asked else ""
 
     def text(self, name: str) -> str:
-        """The one value of a column; empty if there are several or none.
+        """Return the only value of a column; empty for several or none.
 
         >>> ExportedDataSet(({"study": "a"}, {"study": "a"}), (), (), "", "").text("study")
         'a'
@@ -97,16 +98,16 @@ def read_source(path: Path) -> ExportedDataSet:
     Raises
     ------
     InvalidFile
-        If there is nothing to read, a table is damaged, the name of a study is none, or people and simulated
-        participants share the tables.
+        If there is nothing to read, a table is damaged, a study name is invalid, or people and simulated participants
+        share the tables.
     """
     trials = read_trials(path)
     kept, origin = of_one_kind(trials)
     n_simulated = len(trials.rows) - len(kept.rows)
     if n_simulated:
         raise InvalidFile(
-            f"{path}: found {count_of(n_simulated, 'row')} of simulated participants beside those of people, expected "
-            "either alone: move one kind to a folder of its own"
+            f"{path}: found {count_of(n_simulated, 'row')} of simulated participants next to those of people, expected "
+            "only one kind: move one to a separate folder"
         )
     tables = [text_cells(file, verbatim=True) for file in trial_files(path)]
     for file, table in zip(trial_files(path), tables, strict=True):
@@ -151,7 +152,6 @@ def _check_study(table: pd.DataFrame, file: Path) -> None:
 
 
 def _asked_of(trials: Trials, known: Mapping[str, T]) -> dict[str, T]:
-    """Return the known forms that the trials contain."""
     rows = trials.rows
     if not {"item", "procedure"} <= set(rows.columns):
         return {}
@@ -172,14 +172,12 @@ def _column(name: str, description: Mapping[str, object]) -> Column:
 
 
 def write_files(files: Iterable[tuple[str, bytes]], folder: Path) -> list[Path]:
-    """Write files by path below a new or empty folder, one after another.
-
-    Return their sorted paths.
+    """Write files by path below a new or empty folder; return sorted paths.
 
     Raises
     ------
     InvalidParameter
-        If the folder holds something.
+        If the folder is not empty.
     DeviceFailed
         If the disk is full or fails.
     """

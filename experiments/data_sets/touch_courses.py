@@ -54,18 +54,13 @@ class MeasuredCourse(NamedTuple):
 def touch_courses(path: Path) -> pd.DataFrame:
     """Compute percentiles of force and speed around onset over valid touches.
 
-    Practice is excluded.
-
-    Parameters
-    ----------
-    path : Path
-        The folder of a data set; anything else has no traces.
+    Practice is excluded. Only the folder of a data set has traces.
 
     Returns
     -------
     DataFrame
         `COLUMNS`: for each participant, quantity (`force_n`, `speed_m_per_s`) and target, at each time (s) the 5th,
-        50th and 95th percentile over `n_touches`; `n_unread` samples of the participant are damaged or gone.
+        50th and 95th percentile over `n_touches`; `n_unread` samples of the participant are damaged or missing.
     """
     read_or_not = [(touch, _courses(path, touch)) for touch in _valid_touches(path)]
     courses = [course for _, found in read_or_not for course in found or ()]
@@ -84,7 +79,6 @@ def _valid_touches(root: Path) -> Iterator[RecordedTouch]:
 
 
 def _courses(root: Path, touch: RecordedTouch) -> list[MeasuredCourse] | None:
-    """Return the courses of a touch, or None if its samples are unreadable."""
     try:
         tables = {kind_of(part): read_part(root, part) for part in touch.answer.trace}
     except TactometryError:
@@ -117,7 +111,6 @@ def _wanted(touch: RecordedTouch, quantity: str, target: float, tolerance: float
 
 
 def _rising(touch: RecordedTouch, table: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return known samples of the first quantity with rising time stamps."""
     known = np.isfinite(table[:, 1]) & (np.diff(np.maximum.accumulate(table[:, 0]), prepend=-np.inf) > 0)
     return table[known, 0] - touch.answer.onset_s, table[known, 1]
 

@@ -34,7 +34,10 @@ RAMP: Final = "ramp_s"
 
 
 class Samples(NamedTuple):
-    """Stamps (n_samples,) in s of the session, and values: (n_samples,) N, or (n_samples, n_axes) m."""
+    """Time stamps (n_samples,) in s of the session, and values.
+
+    Values are (n_samples,) N or (n_samples, n_axes) m.
+    """
 
     times_s: FloatArray
     values: FloatArray
@@ -47,17 +50,17 @@ class TouchTrace:
     Parameters
     ----------
     head : Head
-        Of the sitting: whose touch it is.
+        Head of the sitting.
     trial : Trial
-        The (first) row of its trial.
+        First row of its trial.
     request, answer
-        What was asked of the finger, and what came of it; times are seconds of the session.
+        Request and result. Times are seconds of the session.
     force, position : Samples or None
-        From the moment at which it was asked for, a minute at most; None where they were not kept.
+        Recorded from the request on, for at most a minute.
     emitted : Signal or None
-        From the onset on; None where nothing was, or it can't be told any more.
+        From the onset on; None if nothing was emitted, or if it cannot be recomputed.
     unknown : str or None
-        Why it can't.
+        Reason why it cannot be recomputed.
     """
 
     head: Head
@@ -127,8 +130,8 @@ def read_traces(
     journal = _journal(path, participant, session)
     recording, root = read(journal), journal.parent.parent
     numbers = {row.trial for row in recording.trials}
-    told = f"from {min(numbers)} to {max(numbers)}" if numbers else "and there is none yet"
-    expect(trial in numbers, "trial", trial, f"one of {journal.stem}, {told}")
+    span = f"from {min(numbers)} to {max(numbers)}" if numbers else "but it has no trials yet"
+    expect(trial in numbers, "trial", trial, f"one of {journal.stem}, {span}")
     felt = [touch for touch in touches(recording) if touch.trial.trial == trial]
     bank = _bank(root, bench) if any(touch.digest for touch in felt) else {}
     return [_read(root, touch, bank) for touch in felt]
@@ -149,9 +152,9 @@ class RecordedTouch(NamedTuple):
 
 
 def touches(recording: Recording) -> Iterator[RecordedTouch]:
-    """Return all touches of a session that led to a row, in order.
+    """Yield the touches of a session that led to a row, in order.
 
-    Each has the final row of its trial, which may have been taken back later.
+    Each has the final row of its trial, which may have been repeated later.
     """
     head, felt = recording.head, list[tuple[Asked, Felt]]()
     rows = {row.key: row for row in reversed(recording.trials)}  # the first of each trial
@@ -167,13 +170,7 @@ def touches(recording: Recording) -> Iterator[RecordedTouch]:
 
 
 def _journal(path: Path, participant: str | None, session: int | None) -> Path:
-    """Find the journal of a participant's session.
-
-    Raises
-    ------
-    InvalidFile
-        If none is, or several are.
-    """
+    """Find the one journal of a participant's session."""
     if path.is_file():
         return path
     every = list(sessions(path))
@@ -231,7 +228,6 @@ def _computed(touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> Signal | No
 
 
 def _unknown(touch: RecordedTouch) -> str:
-    """Explain why the emitted signal is unknown."""
     here = versions()
     others = [
         f"{name} {version} (here {here.get(name, 'none')})"
@@ -263,7 +259,7 @@ def trace_defects(root: Path, recording: Recording) -> Iterator[Defect]:
 
 
 def described(root: Path, parts: Sequence[TracePart]) -> TraceDescription:
-    """Read the description of a file of traces, and check it against the samples of its parts.
+    """Read the description of traces and check it against their samples.
 
     Raises
     ------

@@ -57,7 +57,7 @@ def validate(path: Path) -> Soundness:
     Raises
     ------
     InvalidFile
-        If there is no such folder or file, or it may not be read.
+        If there is no such folder or file, or it cannot be read.
     """
     if path.is_dir():
         return _data_set(path)
@@ -93,7 +93,7 @@ def _data_set(root: Path) -> Soundness:
 
 
 def _trace_descriptions(root: Path) -> Iterator[Defect]:
-    """Find what `export` would refuse in files of traces, also in those that no journal names."""
+    """Yield unreadable trace descriptions, even if no journal names them."""
     for file in files_in(root / FOLDER, "*.tsv.gz"):
         try:
             read_sidecar(sidecar_of(file))
@@ -102,7 +102,7 @@ def _trace_descriptions(root: Path) -> Iterator[Defect]:
 
 
 def _refusals(path: Path) -> Iterator[Defect]:
-    """Find what `analyse` and `export` would refuse in a trials file in which nothing else is wrong."""
+    """Yield what `analyse` and `export` refuse in an otherwise sound file."""
     from .source import read_source  # slow to load
 
     try:
@@ -127,7 +127,6 @@ def _unreadable(root: Path, name: str, error: TactometryError) -> Defect:
 
 
 def _read(file: Path, name: str, unsound: list[Defect], what: str = "a trials file") -> bytes | None:
-    """Read a file, or add a defect."""
     try:
         return read_file(file, what)
     except InvalidFile as error:
@@ -146,12 +145,12 @@ def _mixture(journals: list[Path]) -> Iterator[Defect]:
     """Yield a defect if people and simulated participants share the folder."""
     kinds: dict[bool, list[str]] = {}
     for journal in journals:
-        with suppress(InvalidFile):  # a damaged journal is told where all of it is read
+        with suppress(InvalidFile):  # `_session` reports damaged journals
             for head in heads(journal)[:1]:
                 kinds.setdefault(head.rig == SIMULATED, []).append(head.participant)
     if len(kinds) > 1:
-        text = f"found simulated participants ({kinds[True][0]}, ...) beside people ({kinds[False][0]}, ...), expected"
-        yield Defect("journals", None, f"{text} either alone: move one kind to a folder of its own")
+        text = f"found simulated participants ({kinds[True][0]}, ...) next to people ({kinds[False][0]}, ...), expected"
+        yield Defect("journals", None, f"{text} only one kind: move one to a separate folder")
 
 
 def _drafts(root: Path) -> Iterator[str]:
@@ -171,7 +170,7 @@ def _erasures(root: Path, unsound: list[Defect], notes: list[str]) -> int:
     for number, erasure in enumerate(erasures, 1):
         who = erasure.participant
         if erasure.finished_utc is None:
-            text = f"found that {who} was not erased to the end, expected it done; say tactometry erase again"
+            text = f"found an unfinished erasure of {who}, expected it finished; repeat tactometry erase"
             unsound.append(Defect(RECORD, number, text))
         else:
             sessions_of = count_of(erasure.n_sessions, "session")
@@ -180,7 +179,6 @@ def _erasures(root: Path, unsound: list[Defect], notes: list[str]) -> int:
 
 
 def _study(root: Path, unsound: list[Defect]) -> Experiment | None:
-    """Wire the study of the data set, or add a defect."""
     content = _read(root / "study.toml", "study.toml", unsound, "the study that ran")
     try:
         return None if content is None else wire(parse(content, "study.toml"), "study.toml", plays=False)
@@ -303,4 +301,4 @@ def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
         expected = events_tsv(recording.event_rows, columns_in(COLUMNS, recording.format))
         yield from derived_defects(file, name, "an events file", "events", expected)
     if os.path.lexists(file) and not file.with_suffix(".json").is_file():
-        yield Defect(name, None, f"found no description of its columns beside it, expected a JSON file; {REBUILD}")
+        yield Defect(name, None, f"found no description of its columns next to it, expected a JSON file; {REBUILD}")

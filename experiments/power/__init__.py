@@ -1,1 +1,1 @@
-"""Power of a study before it is run: whole studies are simulated and tested as their plan of analysis says."""
+"""Power of a study before it is run: whole studies are simulated and tested."""

@@ -1,4 +1,4 @@
-"""A power analysis from start to end."""
+"""Power analysis from design to recommendation."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ def power(
     folder: Folder | None = None,
     tell: Callable[[Batch], None] = lambda batch: None,
 ) -> Power:
-    """Simulate studies until their powers are known; what is in the `folder` already is not simulated again."""
+    """Simulate studies until their powers are known; reuse a `folder`."""
     found = Summary(design)
     stored = () if folder is None else (folder.kept, folder.keep, folder.simulated)
     batches = sample(design, spread, *stored)

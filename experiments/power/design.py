@@ -1,7 +1,4 @@
-"""Design of a power analysis: study, effect, participants and trials.
-
-It is a value that is sent to workers and determines all results.
-"""
+"""Design of a power analysis: study, effect, participants and trials."""
 
 import re
 from dataclasses import dataclass, field
@@ -26,16 +23,14 @@ _WHOLE = re.compile(r"\s*\d{1,9}\s*")
 
 @dataclass(frozen=True)
 class Case:
-    """One kind of study that is simulated again and again: so many trials in each track (None: as the study says), with
-    the effect or without it.
-    """
+    """Kind of study to simulate: trials per track (None: as in the study), effect."""
 
     n_trials: int | None
     has_effect: bool
 
     @property
     def name(self) -> str:
-        """Stem of the names of the case's files.
+        """Stem of the file names of the case.
 
         >>> Case(40, True).name, Case(None, False).name
         ('trials-40_effect', 'trials-study_none')
@@ -45,38 +40,38 @@ class Case:
 
 @dataclass(frozen=True)
 class PowerDesign:
-    """Everything that a power analysis follows from.
+    """Everything that determines a power analysis.
 
     Parameters
     ----------
     study_toml : bytes
     where : str
-        Of the study, in errors.
+        Name of the study in errors.
     effect : StatedEffect
     participants : tuple of int
-        Numbers that are tried, rising. The largest is simulated, and each smaller study is its first participants.
+        Numbers to try, rising. The largest is simulated; each smaller study is its first participants.
     trials : tuple of (int or None)
-        In each track; None: as the study says.
+        In each track; None: as in the study.
     seed : int
     target : float
-        The power that is wanted.
+        Power to reach.
     alpha : float
-        The level of the test.
+        Level of the test.
     precision : float
-        Half of the width of the 95 % interval of a power at which sampling stops.
+        Half width of the 95 % interval of a power at which sampling stops.
     most, batch : int
-        So many studies are simulated of each case at most, in batches after which it is asked whether to stop.
+        Largest number of simulated studies of each case, and studies between checks whether to stop.
     dropout_share : float
-        The chance that a participant leaves, at a place of the trials that is drawn evenly.
+        Chance that a participant leaves, at a uniformly drawn trial.
     dependent : str
-        What is compared; empty: the first that the analysis of the task has.
+        Dependent value; empty: the first of the task's analysis.
     code_from : Path or None
-        The folder from which the code of an observer of one's own may be taken.
+        Folder of the code of a custom observer.
 
     Raises
     ------
     InvalidParameter
-        If a number is outside of its range.
+        If a number is out of range.
     """
 
     study_toml: bytes
@@ -106,7 +101,7 @@ class PowerDesign:
 
     @property
     def n_participants(self) -> int:
-        """The largest number of them."""
+        """Largest number of participants."""
         return self.participants[-1]
 
 
@@ -115,12 +110,12 @@ def _between_0_and_1(name: str, value: float) -> None:
 
 
 def participants_of(text: str) -> tuple[int, ...]:
-    """Numbers of participants as they are written: a list, or a range with or without a step.
+    """Parse numbers of participants: a list, or a range with optional step.
 
     Raises
     ------
     InvalidParameter
-        If they are none, or a range goes backwards.
+        If the text is invalid, or a range goes backwards.
 
     >>> participants_of("6..24"), participants_of("6..24:9"), participants_of("12, 8")
     ((6, 9, 12, 15, 18, 21, 24), (6, 15, 24), (8, 12))
@@ -141,7 +136,7 @@ def participants_of(text: str) -> tuple[int, ...]:
 
 
 def trials_of(text: str | None) -> tuple[int | None, ...]:
-    """Numbers of trials as they are written; None where none are.
+    """Parse numbers of trials; None if not stated.
 
     >>> trials_of("60,40"), trials_of(None)
     ((40, 60), (None,))

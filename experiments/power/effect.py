@@ -1,4 +1,4 @@
-"""The effect that a study is to find: how much more or less is needed, or felt, at the levels of a factor."""
+"""Stated effect: the change in threshold, sensation or score by level."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -38,13 +38,13 @@ class StatedEffect:
     ----------
     factor : str
     unit : str
-        ``"dB SL"``: so much more is felt; ``"points"``: so much higher is a score; ``"% JND"`` and ``"% exponent"``:
-        so much larger is one of these; that of the levels: so much higher is the threshold, or with `` PSE`` the point
-        of subjective equality.
+        ``"dB SL"``: change in sensation; ``"points"``: change in score; ``"% JND"`` and ``"% exponent"``: relative
+        change of these; the unit of the levels: change in threshold, or with `` PSE`` in the point of subjective
+        equality.
     change : float or None
         From the first level to the last, in equal steps, half of it below zero.
     by_level : tuple of (str, float)
-        In place of `change`: levels with what changes there; nothing does at the others.
+        Alternative to `change`: changes by level; the others are unchanged.
     """
 
     factor: str
@@ -68,7 +68,7 @@ class StatedEffect:
         return self.unit in (OF_JND, OF_EXPONENT) or self.unit.endswith(OF_PSE)
 
     def ratios(self, levels: Sequence[float | str]) -> dict[str, float]:
-        """The factor of each level, of an effect in per cent: equal ratios from the first level to the last.
+        """Return the ratio of each level for an effect in per cent.
 
         >>> StatedEffect("force_n", "% JND", 21.0).ratios((0.5, 1.5, 3.0))["3"]
         1.1
@@ -105,12 +105,12 @@ class StatedEffect:
 
 
 def parse_effect(text: str) -> StatedEffect:
-    """An effect as it is written on the command line.
+    """Parse an effect of the command line.
 
     Raises
     ------
     InvalidParameter
-        If it is none: one sentence with what was found and expected.
+        If the text is not an effect.
 
     >>> parse_effect("force_n: 2 dB")
     StatedEffect(factor='force_n', unit='dB', change=2.0, by_level=())
@@ -152,7 +152,7 @@ def check_effect(effect: StatedEffect, factors: Mapping[str, Levels]) -> None:
     Raises
     ------
     InvalidParameter
-        If the study has no such factor or level, the factor has one level alone, or nothing changes.
+        If the factor or level is unknown, the factor has one level, or nothing changes.
     """
     if effect.factor not in factors:
         known = ", ".join(factors) or "it has none"

@@ -1,7 +1,8 @@
-"""Power against the number of participants, a curve for each number of trials, above the false positives."""
+"""Figure of power and false positives by number of participants."""
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.axes import Axes
 
 from tactometry.analysis.figures.style import Drawing, drawing_of, look, new_figure
@@ -11,11 +12,11 @@ from .summary import PowerEstimate
 
 GREY = "#666666"
 APART = 0.12
-"""In participants: curves of other numbers of trials stand so far beside each other."""
+"""Distance between curves of different numbers of trials, in participants."""
 
 
 def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawing:
-    """Power with its 95 % intervals and the target (above), false positives and the level of the test (below)."""
+    """Draw power with its target above, false positives with alpha below."""
     with new_figure(6.0, 5.2) as figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1))
         for place, n_trials in enumerate(dict.fromkeys(point.n_trials for point in points)):
@@ -37,9 +38,7 @@ def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawin
 
 
 def _curve(axes: Axes, points: Sequence[PowerEstimate], name: str, place: int, label: str) -> None:
-    shares = [getattr(point, name) for point in points]
-    below = [share - getattr(point, f"{name}_low") for share, point in zip(shares, points, strict=True)]
-    above = [getattr(point, f"{name}_high") - share for share, point in zip(shares, points, strict=True)]
+    shares, low, high = ([getattr(point, f"{name}{end}") for point in points] for end in ("", "_low", "_high"))
+    errors = np.maximum([np.subtract(shares, low), np.subtract(high, shares)], 0.0)
     x = [point.n_participants + APART * place for point in points]
-    errors = [[max(length, 0.0) for length in lengths] for lengths in (below, above)]
     axes.errorbar(x, shares, errors, label=label, capsize=2.0, **look(place))

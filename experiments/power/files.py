@@ -1,4 +1,4 @@
-"""The folder of a power analysis: what was asked, what each simulated study gave, batch by batch, and the results."""
+"""Folder of a power analysis: inputs, simulated studies by batch, results."""
 
 import io
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,7 +14,7 @@ from tactometry.files.json_file import prepare
 from tactometry.files.rows import write_records
 from tactometry.provenance import sha256
 
-from ..parquet import arrow
+from ..harness import arrow
 from ..workers import Spread
 from .design import Case, PowerDesign
 from .replicate import Row, studied
@@ -31,38 +31,32 @@ _TYPES: Final = {int: "int64", bool: "bool_", float: "float64", float | None: "f
 
 def asked(design: PowerDesign) -> dict[str, Any]:
     """Return all inputs of the results except study bytes and versions."""
+    numbers = ("seed", "target", "alpha", "precision", "most", "batch", "dropout_share", "dependent")
     return {
         "study": design.where,
         "study_sha256": sha256(design.study_toml),
         "effect": design.effect.words(),
         "participants": list(design.participants),
         "trials": list(design.trials),
-        "seed": design.seed,
-        "target": design.target,
-        "alpha": design.alpha,
-        "precision": design.precision,
-        "most": design.most,
-        "batch": design.batch,
-        "dropout_share": design.dropout_share,
-        "dependent": design.dependent,
+        **{name: getattr(design, name) for name in numbers},
     }
 
 
 @dataclass(frozen=True)
 class Folder:
-    """A folder of one power analysis; with `keeps_data` the trials of its studies are kept too."""
+    """Folder of one power analysis; `keeps_data` also keeps all trials."""
 
     root: Path
     keeps_data: bool = False
 
     @classmethod
     def prepared(cls, root: Path, design: PowerDesign, *, resume: bool, keeps_data: bool = False) -> "Folder":
-        """The folder with what is asked; with `resume` one that an earlier run of the same left.
+        """Prepare a folder, or with `resume` continue in one.
 
         Raises
         ------
         InvalidFile
-            If it holds a power analysis already and `resume` is not given, or another one.
+            If it contains a power analysis and `resume` is not given, or another one.
         DeviceFailed
             Without pyarrow (an extra: power).
         """
@@ -75,13 +69,13 @@ class Folder:
         return cls(root, keeps_data)
 
     def simulated(self, design: PowerDesign, batch: Batch, spread: Spread) -> Iterable[Row]:
-        """The rows of a batch, whose trials are kept where that is wanted."""
+        """Return the rows of a batch and keep its trials if requested."""
         if self.keeps_data:
             return simulated_and_kept(self.root, design, batch, spread)
         return simulated(design, batch, spread)
 
     def kept(self, batch: Batch) -> tuple[Row, ...] | None:
-        """The rows of a batch, or None where there are none.
+        """Return the rows of a stored batch, or None.
 
         Raises
         ------
@@ -104,7 +98,7 @@ class Folder:
             ) from None
 
     def keep(self, batch: Batch, rows: Sequence[Row]) -> None:
-        """Write a batch, whole or not at all; the same rows give the same bytes."""
+        """Write a batch atomically; the same rows give the same bytes."""
         content = io.BytesIO()
         pa = arrow(PLACE)
         pa.parquet.write_table(pa.Table.from_pylist([asdict(row) for row in rows], schema=_schema(pa)), content)
@@ -128,7 +122,7 @@ def paths_of(root: Path, batch: Batch) -> list[Path]:
 
 
 def simulated_and_kept(root: Path, design: PowerDesign, batch: Batch, spread: Spread) -> Iterator[Row]:
-    """Yield the rows of a batch; studies are written one by one, so that only a few are in memory."""
+    """Yield the rows of a batch, writing studies one by one to save memory."""
     made = spread(partial(_with_content, design, batch.case), range(batch.first, batch.end))
     for path, (rows, content) in zip(paths_of(root, batch), made, strict=True):
         write_atomically(path, content)

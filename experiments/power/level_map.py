@@ -1,7 +1,7 @@
-"""Effects on points of equality, just noticeable differences and exponents: another scale of the levels.
+"""Effects on PSEs, JNDs and exponents, by another scale of the levels.
 
-A condition is simulated at the levels `played`, and its trials are read at the levels `stated`. Whatever the simulated
-people feel, the answers follow the stated level as they follow the played one, moved by `shift` and stretched by
+A condition is simulated at the levels `played`, and its trials are read at the levels `stated`. Whatever simulated
+participants feel, answers follow the stated level as they follow the played one, moved by `shift` and stretched by
 `factor` about `pivot`.
 """
 
@@ -47,20 +47,21 @@ class LevelMap:
     factor: float = 1.0
 
     def stated(self, level: Any) -> Any:
-        """A level, or an array of them, that was played."""
+        """Return the stated level of a played one, or of an array."""
         return np.round(self.pivot + self.shift + self.factor * (level - self.pivot), DECIMALS)
 
     def played(self, level: float) -> float:
-        """The level to play for a stated one."""
+        """Return the level to play for a stated one."""
         return self.pivot + (level - self.shift - self.pivot) / self.factor
 
 
 def level_maps(
     experiment: Experiment, effect: StatedEffect, slopes: Mapping[str, float], *, has_effect: bool
 ) -> dict[str, LevelMap]:
-    """The map of each level of the effect's factor; `slopes` say how fast sensation grows there.
+    """Return the map of each level of the effect's factor.
 
-    The shifts are from 0 and the factors from 1 on: no level is played that is higher than the stated ones.
+    `slopes` are growth rates of sensation. Shifts start at 0 and factors at 1, so that no level above the stated ones
+    is played.
     """
     levels = experiment.study.factors[effect.factor]
     changes = effect.of_levels(levels)
@@ -75,13 +76,16 @@ def level_maps(
 
 
 def pivot_of(experiment: Experiment) -> float:
-    """The standard of a comparison, else the middle of the levels."""
+    """Return the standard of a comparison, else the middle of the levels."""
     bounds = [end for cell in experiment.cells.values() for end in cell.procedure.rule.bounds]
     return float(getattr(experiment.task, "standard_level", (min(bounds) + max(bounds)) / 2))
 
 
 def slopes_of(experiment: Experiment, factor: str, growths: Mapping[str, float]) -> dict[str, float]:
-    """How fast sensation grows at each level of a factor: `growths`, or of people with stated widths their inverse."""
+    """Return the growth of sensation at each level of a factor.
+
+    It is `growths`, or the inverse of stated widths.
+    """
     people = experiment.people.middle
     if not isinstance(people, Stated):
         return dict(growths)
@@ -93,7 +97,7 @@ def slopes_of(experiment: Experiment, factor: str, growths: Mapping[str, float])
 
 
 def check_maps(study: Study, factor: str) -> None:
-    """Refuse a study whose levels cannot be mapped by the levels of the factor.
+    """Refuse a study whose levels cannot be mapped by the factor's levels.
 
     Raises
     ------
@@ -111,7 +115,7 @@ def check_maps(study: Study, factor: str) -> None:
 
 
 def with_levels(study: Study, factor: str, maps: Mapping[str, LevelMap]) -> Study:
-    """The study that plays other levels at the levels of a factor."""
+    """Return the study with other played levels at a factor's levels."""
     of_factor = study.variants.get(factor, {})
     changed = {}
     for level, level_map in maps.items():

@@ -1,4 +1,4 @@
-"""The page of a power analysis: the recommendation, what was applied to whom, table, figure, and how to repeat it."""
+"""HTML page of a power analysis."""
 
 import json
 from dataclasses import dataclass
@@ -21,12 +21,9 @@ PAGE, FIGURE = "power.html", "power"
 
 
 def write_page(found: Power, root: Path) -> None:
-    """The page, which needs no network, and its figure as SVG and PNG.
+    """Write the offline page, and its figure as SVG and PNG.
 
-    Raises
-    ------
-    DeviceFailed
-        If a file cannot be written.
+    Raises `DeviceFailed` if a file cannot be written.
     """
     drawing = power_curves(found.design, found.points)
     with attempt(root, "cannot write", "a place to write to"):
@@ -36,7 +33,7 @@ def write_page(found: Power, root: Path) -> None:
 
 
 def page(found: Power, svg: str) -> str:
-    """The text of the page; the same results give the same text."""
+    """Return the text of the page; the same results give the same text."""
     from jinja2 import Environment, StrictUndefined
 
     design, effect = found.design, found.design.effect
@@ -67,10 +64,7 @@ class Applied:
 
 
 def applied(design: PowerDesign) -> Applied:
-    """Describe the stated and simulated change at each level of the factor.
-
-    It lists the change in sensation or attitude with and without the effect.
-    """
+    """Describe the stated and the simulated change at each level."""
     studies = [experiment_of(design, case).study for case in design.cases[:2]]
     effect = applied_effect(design.effect, studies[0])
     stated = effect.of_levels(studies[0].factors[effect.factor])
@@ -94,16 +88,16 @@ MOVED: Final = ("levels moved up by", "and stretched by")
 WORDS_OF_MOVED: Final = (
     "All levels of {factor} are felt alike at the standard (magnitudes: in the middle of the levels). Answers follow "
     "the level as those of the simulated people do, moved and stretched about it: a stretch of 1.2 makes a just "
-    "noticeable difference 1.2 times as large, and an exponent 1.2 times as small. How people differ alongside is what "
-    "the study says in [observer] and [observer.people]."
+    "noticeable difference 1.2 times as large, and an exponent 1.2 times as small. Other differences between people "
+    "are those of [observer] and [observer.people] in the study."
 )
 WORDS_OF_LEVELS: Final = (
     "Every participant feels so many decibels more at a level of {factor} than the skin model says. Without the effect "
     "its levels are felt alike in the middle of the levels that are played, averaged over other factors; with it they "
-    "differ as stated. How people differ beside is what the study says in [observer] and [observer.people]."
+    "differ as stated. Other differences are those of [observer] and [observer.people] in the study."
 )
 WORDS_OF_SCORES: Final = (
     "Every participant has these attitudes to the levels of {factor}, all of which are felt alike. Without the effect "
-    "no dimension of the questionnaire differs between them. How people differ beside is what the study says in "
-    "[observer.people] and [observer.raters]."
+    "no dimension of the questionnaire differs between them. Other differences between people are those "
+    "of [observer.people] and [observer.raters] in the study."
 )

@@ -1,4 +1,4 @@
-"""One study, simulated and tested for each number of participants: a row each."""
+"""One simulated study, tested for each number of participants."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -32,11 +32,10 @@ from .truth import TRUTH, true_thresholds
 class Row:
     """Result of one simulated study with a number of participants.
 
-    `n_trials` is 0 where the study's own number stands. `p` is missing where no test had an answer, which counts as not
-    significant. `found` is the effect as the data have it, in the unit of the dependent value; `error` the mean
-    distance of known thresholds from those that the people have; `width` the mean width of the intervals of values;
-    `n_cells` are participants times conditions, `n_unknown` of them have no value but a bound at most. `n_left_out`
-    participants are not in the test.
+    `n_trials` is 0 for the study's own number. `p` is None if no test had a result, which counts as not significant.
+    `found` is the effect in the data, in the unit of the dependent value; `error` the mean distance of known thresholds
+    from the true ones; `width` the mean width of intervals. Of `n_cells` (participants times conditions) `n_unknown`
+    have no value. `n_left_out` participants are not in the test.
     """
 
     n_trials: int
@@ -55,7 +54,7 @@ class Row:
 
 
 def replicate(design: PowerDesign, case: Case, number: int) -> tuple[Row, ...]:
-    """The rows of study `number` of a case: a pure function of its arguments, wherever it is computed.
+    """Return the rows of study `number` of a case, a pure function.
 
     Studies of one number share their people, orders and noise in all cases.
     """
@@ -77,7 +76,7 @@ def studied(design: PowerDesign, case: Case, number: int) -> tuple[tuple[Row, ..
 
 
 def seed_of(seed: int, number: int) -> int:
-    """The seed of a simulated study: streams of other studies and of other uses are independent.
+    """Return the seed of a simulated study, independent of all others.
 
     >>> len({seed_of(1, number) for number in range(1000)})
     1000
@@ -92,7 +91,7 @@ def codes(n: int) -> list[str]:
 
 
 def simulated(design: PowerDesign, experiment: Experiment, seed: int) -> Trials:
-    """The largest study, without what was to come of those who left."""
+    """Simulate the largest study, without trials after dropout."""
     study = experiment.study
     sessions = [
         Who(code, session, seed=seed)
@@ -116,7 +115,7 @@ def _by_participant(rows: pd.DataFrame) -> Any:
 
 
 class _Compared:
-    """A simulated study whose values are estimated once, and tested for each number of participants."""
+    """Simulated study, estimated once and tested for each number of people."""
 
     def __init__(
         self,
@@ -134,7 +133,7 @@ class _Compared:
         self.values = _with_truth(self._values(), truth)
 
     def _values(self) -> pd.DataFrame:
-        """A row per participant and condition: a threshold, a setting, a rate, scores."""
+        """Return thresholds, settings, rates or scores by participant, condition."""
         factors = self.trials.factors
         if self.form is not None:
             return task_scores(self.trials, self.form)
@@ -170,7 +169,6 @@ class _Compared:
         )
 
     def _n_conditions(self) -> int:
-        """Number of conditions per participant."""
         study, over = self.experiment.study, self.experiment.table.over
         kept = [levels for name, levels in study.factors.items() if name != over and name not in study.plan.between]
         return int(np.prod([len(levels) for levels in kept]))
@@ -195,7 +193,10 @@ class _Compared:
         return force_of_participants(used, self.trials.factors) if has_force(used) else None
 
     def _found(self, values: pd.DataFrame) -> float | None:
-        """The slope of the means of the levels over the effect that is stated, times its span: the effect as found."""
+        """Return the effect in the data.
+
+        It is the slope of the means of the levels over the stated effect, times its span.
+        """
         study = self.experiment.study
         effect = applied_effect(self.design.effect, study)
         if effect.factor not in values.columns:
@@ -212,7 +213,6 @@ class _Compared:
 
 
 def _with_truth(values: pd.DataFrame, truth: pd.DataFrame) -> pd.DataFrame:
-    """Values with the truth of their cells, where it is known."""
     if not len(values) or not len(truth):
         return values
     keys = [name for name in truth.columns if name != TRUTH and name in values.columns]
@@ -220,7 +220,7 @@ def _with_truth(values: pd.DataFrame, truth: pd.DataFrame) -> pd.DataFrame:
 
 
 def _error(values: pd.DataFrame, dependent: str) -> float | None:
-    """The mean distance of values from the truth, of those that are known."""
+    """Return the mean distance of known values from the truth."""
     if TRUTH not in values.columns:
         return None
     error = (pd.to_numeric(values[dependent]) - values[TRUTH]).mean()
@@ -228,7 +228,6 @@ def _error(values: pd.DataFrame, dependent: str) -> float | None:
 
 
 def _width(values: pd.DataFrame, dependent: str) -> float | None:
-    """The mean width of the intervals of values that are known."""
     low, high = (
         ("interval_low", "interval_high") if "interval_low" in values else (f"{dependent}_low", f"{dependent}_high")
     )
@@ -240,7 +239,7 @@ def _width(values: pd.DataFrame, dependent: str) -> float | None:
 
 
 def mean_minutes(minutes: "pd.Series[float]", n: int) -> float:
-    """Average the minutes of those of the first `n` participants with any.
+    """Average the minutes of the first `n` participants who have trials.
 
     They are summed in a fixed order, because the order of a set differs between processes and changes the last bits.
     """

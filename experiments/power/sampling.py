@@ -1,4 +1,4 @@
-"""How many studies are simulated of each case: batch after batch, until the intervals of its powers say enough."""
+"""Sequential sampling: batches of studies until their powers are precise."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -19,8 +19,6 @@ would leave it out by chance too often."""
 def is_settled(n_yes: int, n: int, precision: float, target: float | None) -> bool:
     """Return True if a share is precise enough or excludes the target.
 
-    It is precise if half of its interval is at most `precision`.
-
     >>> is_settled(40, 40, 0.05, 0.8), is_settled(32, 40, 0.05, 0.8), is_settled(10, 40, 0.05, 0.8)
     (True, False, True)
     """
@@ -35,7 +33,7 @@ def is_settled(n_yes: int, n: int, precision: float, target: float | None) -> bo
 
 @dataclass(frozen=True)
 class Batch:
-    """Some studies of one case: the numbers from `first` to below `end`."""
+    """Studies of one case, numbered from `first` to below `end`."""
 
     case: Case
     first: int
@@ -48,7 +46,7 @@ class Batch:
 
 
 class Significances:
-    """How many studies of a case were simulated, and in how many the test was significant, by number of people."""
+    """Number of simulated and of significant studies of a case."""
 
     def __init__(self, design: PowerDesign, case: Case) -> None:
         self._design, self._case = design, case
@@ -56,17 +54,13 @@ class Significances:
         self.n = 0
 
     def add(self, rows: Iterable[Row], n: int) -> None:
-        """The rows of `n` studies."""
         self.n += n
         for row in rows:
             self._n_yes[row.n_participants] += row.significant
 
     @property
     def are_settled(self) -> bool:
-        """True if the share of every number of participants is settled.
-
-        False positives have no target.
-        """
+        """True if all shares are settled; false positives have no target."""
         if self.n >= self._design.most:
             return True
         target = self._design.target if self._case.has_effect else None
@@ -89,9 +83,9 @@ def sample(
     keep: Keep = lambda batch, rows: None,
     simulate: Simulate | None = None,
 ) -> Iterator[tuple[Batch, tuple[Row, ...]]]:
-    """Batch after batch of each case, with its rows; what was kept is not simulated again.
+    """Yield batches of each case with their rows, reusing kept ones.
 
-    Which batches there are depends on the design alone.
+    The batches depend on the design only.
     """
     for case in design.cases:
         counts = Significances(design, case)
@@ -106,6 +100,6 @@ def sample(
 
 
 def simulated(design: PowerDesign, batch: Batch, spread: Spread) -> Iterator[Row]:
-    """The rows of a batch."""
+    """Yield the rows of a batch."""
     for rows in spread(partial(replicate, design, batch.case), range(batch.first, batch.end)):
         yield from rows

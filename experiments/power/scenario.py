@@ -32,16 +32,16 @@ from .scores import applied_effect, factors_of, form_of_task, has_patterns, with
 
 SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation", "rating", *level_map.TASKS)
 REFUSED: Final = {
-    "same_different": "its d' is told at each level, and no value of a participant in a condition is tested",
+    "same_different": "its d' is estimated at each level, and no value of a participant in a condition is tested",
     "preference": "its answers are compared within a trial, and no value of a participant in a condition is tested",
-    "measurement": "a sensor is read, and nobody feels an effect",
+    "measurement": "a sensor is read, and no participant feels an effect",
 }
 STEP_SHARE: Final = 0.05
 """Of the range of the levels: the step over which the growth of sensation is read."""
 
 
 def experiment_of(design: PowerDesign, case: Case) -> Experiment:
-    """The wired study of a case; once in a process."""
+    """Return the wired study of a case, cached."""
     return _wired(design, case)[0]
 
 
@@ -68,20 +68,17 @@ def _wired(design: PowerDesign, case: Case) -> tuple[Experiment, dict[str, Level
 
 
 def plan_of_study(study: Study) -> AnalysisPlan:
-    """Return the study's analysis plan without the hierarchical fit.
-
-    The hierarchical fit tests nothing here.
-    """
+    """Return the analysis plan without the hierarchical fit, which tests nothing."""
     return replace(build(AnalysisPlan, study.analysis, "analysis"), hierarchical=False)
 
 
 def check_design(design: PowerDesign) -> str:
-    """The dependent value that is compared, of a design that can be simulated.
+    """Return the dependent value of a design that can be simulated.
 
     Raises
     ------
     InvalidParameter
-        If the study cannot have the effect or the trials, or its task is one whose power is not told here.
+        If the study cannot have the effect or the trials, or its task has no power analysis.
     """
     study = parse(design.study_toml, design.where)
     check_effect(design.effect, factors_of(study))
@@ -109,7 +106,7 @@ def _dependent(design: PowerDesign, study: Study) -> str:
 
 
 def _check_levels(design: PowerDesign, experiment: Experiment) -> tuple[str, ...]:
-    """Check the effect's unit for a task of levels and list its dependents."""
+    """Return the dependents of a task of levels; check the effect's unit."""
     units = {cell.condition.level_unit.partition(" re ")[0] for cell in experiment.cells.values()}
     if experiment.table.kind in level_map.TASKS:
         return _check_moved_levels(design, experiment, units)
@@ -121,10 +118,7 @@ def _check_levels(design: PowerDesign, experiment: Experiment) -> tuple[str, ...
 
 
 def _check_moved_levels(design: PowerDesign, experiment: Experiment, units: set[str]) -> tuple[str, ...]:
-    """Check the effect's unit for a comparison or magnitude task.
-
-    Return the dependent values.
-    """
+    """Return the dependents of a comparison or magnitude; check the unit."""
     kind, (unit, *others) = experiment.table.kind, sorted(units)
     of_pse = () if others else (f"{unit}{OF_PSE}",)
     allowed = (*of_pse, OF_JND) if kind == "comparison" else (OF_EXPONENT,)
@@ -136,7 +130,7 @@ def _check_moved_levels(design: PowerDesign, experiment: Experiment, units: set[
 
 
 def _check_scores(design: PowerDesign, experiment: Experiment) -> tuple[str, ...]:
-    """The dimensions of the questionnaire of a study whose people have attitudes, which an effect in points moves."""
+    """Return the dimensions of the questionnaire; check the effect."""
     form = form_of_task(experiment)
     assert form is not None
     with rewording(lambda words: f"{design.where}, {words}"):
@@ -153,7 +147,10 @@ def _check_scores(design: PowerDesign, experiment: Experiment) -> tuple[str, ...
 
 
 def _check_places(experiment: Experiment, factor: str) -> None:
-    """Refuse a factor that moves the places of a localisation: its rates are compared by the distance between them."""
+    """Refuse a factor that moves the places of a localisation.
+
+    Its rates are compared by the distance between places.
+    """
     rows = ((cell.condition.factors[factor], places_of(cell.stimulus)) for cell in experiment.cells.values())
     by_level: dict[float | str, set[Any]] = {}
     for level, places in rows:
@@ -164,7 +161,7 @@ def _check_places(experiment: Experiment, factor: str) -> None:
 
 
 def _check_people(experiment: Experiment) -> None:
-    """Refuse people who may not be simulated, or who take no effects."""
+    """Refuse people who may not be simulated, or who have no traits."""
     experiment.people.check_allowed()
     kind = experiment.study.observer.get("kind", USUAL)
     has_traits = isinstance(experiment.people.middle, Varied)
@@ -172,7 +169,9 @@ def _check_people(experiment: Experiment) -> None:
 
 
 def with_trials(study: Study, n_trials: int | None) -> Study:
-    """The study with so many trials in each track: at most so many of an adaptive rule, which may end before.
+    """Return the study with a number of trials in each track.
+
+    It is the largest number of an adaptive rule, which may end earlier.
 
     Raises
     ------
@@ -227,7 +226,7 @@ def shifts(experiment: Experiment, effect: StatedEffect, *, has_effect: bool) ->
 
 
 def growths(experiment: Experiment, factor: str) -> tuple[dict[str, float], dict[str, float]]:
-    """The means of `growth` over the cells of each level of a factor."""
+    """Return the means of `growth` over the cells of each level of a factor."""
     felt: dict[str, list[tuple[float, float]]] = {cell_text(level): [] for level in experiment.study.factors[factor]}
     for cell in experiment.cells.values():
         felt[cell_text(cell.condition.factors[factor])].append(growth(experiment, cell))
@@ -257,10 +256,7 @@ def middle_of(cell: WiredCell) -> float:
 
 
 def with_shifts(study: Study, factor: str, shifts_db: Mapping[str, float]) -> Study:
-    """Return a study whose participants feel shifts at a factor's levels.
-
-    Existing shifts of this factor are replaced.
-    """
+    """Return a study whose participants feel shifts at a factor's levels."""
     people = study.observer.get("people", {})
     effects_db = {**people.get("effects_db", {}), factor: dict(shifts_db)}
     return replace(study, observer={**study.observer, "people": {**people, "effects_db": effects_db}})

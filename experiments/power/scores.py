@@ -1,4 +1,4 @@
-"""Effects on the scores of a questionnaire: the attitudes that make them, and the test that its analysis has."""
+"""Effects on questionnaire scores: attitudes, and the test of the scores."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -30,26 +30,27 @@ OF_THESIS: Final[Mapping[str, Levels]] = {
 
 
 def factors_of(study: Study) -> dict[str, Levels]:
-    """The factors that an effect may name: those of the study, and what an analysis of its patterns makes of them."""
+    """Return the factors that an effect may name.
+
+    They are those of the study, and frequency and envelope of the patterns.
+    """
     return {**study.factors, **(OF_THESIS if has_patterns(study) else {})}
 
 
 def has_patterns(study: Study) -> bool:
-    """Return True if the study rates the thesis's patterns.
-
-    Their analysis differs from that of other scores.
-    """
+    """Return True if the study rates the thesis's patterns."""
     varied = {name: levels for name, levels in study.factors.items() if len(levels) > 1}
     return study.task.get("kind") == FORM_TASK and are_patterns(varied)
 
 
 def applied_effect(effect: StatedEffect, study: Study) -> StatedEffect:
-    """The effect by a factor of the study: one of frequency or envelope is one of the patterns.
+    """Return the effect as one of a factor of the study.
 
-    >>> from ..study.study_file import load
-    >>> _, content = load("time-reversal-patterns")
-    >>> from ..study.study_file import parse
+    An effect of frequency or envelope is one of the patterns.
+
+    >>> from ..study.study_file import load, parse
     >>> from .effect import parse_effect
+    >>> _, content = load("time-reversal-patterns")
     >>> applied_effect(parse_effect("frequency: 1 points"), parse(content, "patterns")).words()
     'pattern: P1 = -0.5 points, P2 = -0.5 points, P3 = -0.5 points, P4 = 0.5 points, P5 = 0.5 points, P6 = 0.5 points'
     """
@@ -61,13 +62,15 @@ def applied_effect(effect: StatedEffect, study: Study) -> StatedEffect:
 
 
 def form_of_task(experiment: Experiment) -> Questionnaire | None:
-    """The questionnaire that the task asks, if it asks one."""
+    """Return the questionnaire of the task, or None."""
     return experiment.task.form if isinstance(experiment.task, AsksForm) else None
 
 
 def attitude_per_point(raters: Raters, form: Questionnaire, dimension: str) -> float:
-    """The attitude, the same to all items of a dimension, that raises its mean score by a point, where no answer is at
-    an end of the scale: `observers.raters.Raters` solved for the mean over items and people.
+    """Return the attitude that raises the mean score of a dimension by 1.
+
+    It is the same to all items: `observers.raters.Raters` solved for the mean over items and people, where no answer is
+    at an end of the scale.
 
     >>> from tactometry.questionnaire import load
     >>> round(attitude_per_point(Raters(loading=0.5, extremity_cv=0.0), load("attrakdiff"), "ATT"), 4)
@@ -79,7 +82,7 @@ def attitude_per_point(raters: Raters, form: Questionnaire, dimension: str) -> f
 
 
 def with_attitudes(study: Study, effect: StatedEffect, experiment: Experiment, dimension: str, share: float) -> Study:
-    """The study in which everybody's attitudes to a factor's levels are `share` times the effect, and nothing else."""
+    """Return the study with attitudes of `share` times the effect only."""
     form, raters = form_of_task(experiment), experiment.people.raters
     assert form is not None
     assert raters is not None
@@ -101,7 +104,7 @@ def attitudes_of(study: Study, factor: str) -> dict[str, float]:
 
 
 def task_scores(trials: Trials, form: Questionnaire) -> pd.DataFrame:
-    """The scores of the task's questionnaire, by participant and condition."""
+    """Return the scores of the task's questionnaire by participant, condition."""
     rows = asked_rows(trials)
     rows = rows[(rows["task"] == FORM_TASK) & (rows["procedure"] == form.name)]
     return form_scores(rows, trials.factors, form) if len(rows) else pd.DataFrame()
@@ -110,7 +113,7 @@ def task_scores(trials: Trials, form: Questionnaire) -> pd.DataFrame:
 def p_of_scores(scored: pd.DataFrame, study: Study, dimension: str, factor: str, primary: str | None) -> float | None:
     """Return the p value of a factor in the analysis of ratings.
 
-    For the thesis's patterns, it is that of the ANOVA by frequency and envelope, or, for the factor `pattern`, the
+    For the thesis's patterns it is that of the ANOVA by frequency and envelope. For the factor `pattern` it is the
     smallest Holm-corrected p against the single focus.
     """
     if not has_patterns(study):

@@ -20,15 +20,14 @@ IN_LEVELS: Final = ("threshold", "setting")
 
 @dataclass(frozen=True)
 class PowerEstimate:
-    """One number of participants with one number of trials (0: the study's own).
+    """Estimates for a number of participants and trials (0: the study's own).
 
     `power` and `false_positives` are shares of `n_studies` and `n_without_effect` simulated studies, each with its 95 %
-    interval (Clopper and Pearson 1934). Of the studies with the effect: `found` is its mean as the data have it,
-    `bias` that less the stated one (None where the dependent value is not in the unit of the effect), `threshold_bias`
-    the mean distance of known thresholds from those that the people have, `width` the mean width of the intervals of
-    single values, `untested_share` the share of these studies in which no test had an answer, `unknown_share` that of
-    cells without a value, `n_left_out` the mean number of participants who have none, `minutes` what one sits.
-    `simulated` says so wherever a row goes.
+    interval (Clopper and Pearson 1934). Of the studies with the effect: `found` is the mean effect in the data, `bias`
+    its difference to the stated one (None if the dependent value is not in the unit of the effect), `threshold_bias`
+    the mean distance of known thresholds from the true ones, `width` the mean width of intervals, `untested_share` the
+    share of studies without a test result, `unknown_share` that of cells without a value, `n_left_out` the mean number
+    of participants without any, and `minutes` the duration of one participant.
     """
 
     n_trials: int
@@ -58,7 +57,7 @@ class PowerEstimate:
 
 
 class _Sum:
-    """Running sums of the rows of one point and case: all that is kept of them."""
+    """Running sums of the rows of one point and case."""
 
     def __init__(self) -> None:
         self.n = self.n_significant = self.n_untested = self.n_cells = self.n_unknown = self.n_left_out = 0
@@ -83,12 +82,12 @@ class _Sum:
 
     @property
     def shares(self) -> tuple[float, float, float]:
-        """The share that is significant, with its interval."""
+        """Share of significant studies, with its interval."""
         return self.n_significant / self.n, *share_interval(self.n_significant, self.n)
 
 
 class Summary:
-    """The points of a power analysis, from rows as they come."""
+    """Estimates of a power analysis from rows as they arrive."""
 
     def __init__(self, design: PowerDesign) -> None:
         self._design = design
@@ -140,7 +139,7 @@ def stated_effect(design: PowerDesign) -> float | None:
 
 
 def recommendation(design: PowerDesign, points: Sequence[PowerEstimate]) -> str:
-    """One sentence: of the points that reach the target the one that takes the least time of all participants."""
+    """Recommend the fastest design (over all participants) with target power."""
     reaching = [point for point in points if point.power >= design.target]
     if not reaching:
         best = max(points, key=lambda point: point.power)
@@ -161,31 +160,31 @@ def recommendation(design: PowerDesign, points: Sequence[PowerEstimate]) -> str:
 def cautions(design: PowerDesign, points: Sequence[PowerEstimate]) -> list[str]:
     """Return warnings that limit the interpretation of the powers."""
     loose = [point for point in points if point.false_positives_low > design.alpha]
-    told = []
+    warnings = []
     if loose:
         worst = max(loose, key=lambda point: point.false_positives)
         rate = _share(worst.false_positives, worst.false_positives_low, worst.false_positives_high)
-        told.append(
+        warnings.append(
             f"without an effect the test is significant too often ({rate} with {_words(worst)}): its power is not to "
             "be trusted there"
         )
     untested = max(points, key=lambda point: point.untested_share)
     if untested.untested_share > 0:
-        told.append(
+        warnings.append(
             f"no test had an answer in {untested.untested_share:.0%} of the studies with {_words(untested)}; each "
             "counts as one that found nothing"
         )
     lost = max(points, key=lambda point: point.unknown_share)
     if lost.unknown_share > MUCH:
-        told.append(
+        warnings.append(
             f"{lost.unknown_share:.0%} of the cells have no value with {_words(lost)}: the levels do not reach the "
             "thresholds, or the trials are too few"
         )
-    return told
+    return warnings
 
 
 MUCH: Final = 0.1
-"""A larger share of cells without a value is told."""
+"""Larger shares of cells without a value give a warning."""
 
 
 def _words(point: PowerEstimate) -> str:
@@ -215,7 +214,7 @@ def table(points: Sequence[PowerEstimate]) -> str:
 
 
 def cells_of(point: PowerEstimate) -> tuple[str, ...]:
-    """A point as texts, in the order of `HEAD`."""
+    """Return the cells of an estimate in the order of `HEAD`."""
     return (
         str(point.n_trials or "study"),
         str(point.n_participants),

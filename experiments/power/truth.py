@@ -1,4 +1,4 @@
-"""The thresholds that simulated people have, against which those of their data are held."""
+"""True thresholds of simulated participants, for comparison with estimates."""
 
 from collections.abc import Callable, Iterator
 from functools import cache, lru_cache
@@ -26,11 +26,11 @@ Grown = Callable[[Key], tuple[float, float]]
 
 
 def true_thresholds(experiment: Experiment, codes: list[str], seed: int) -> pd.DataFrame:
-    """A row (participant, factors, `truth`) for each person and cell in the middle of whose levels the task puts
-    something to be felt; empty where an observer does not tell its thresholds.
+    """Return the true threshold of each participant and cell (`TRUTH`).
 
-    A threshold is the level at which the chance of a right answer or a yes is half-way up, without lapses, touched as
-    it is asked, where sensation grows from the middle of the levels as it does there.
+    The table is empty if an observer does not state its thresholds. A threshold is the level at which the chance of a
+    right answer or a yes is half-way up, without lapses, at the requested touch. Sensation is extrapolated from the
+    middle of the levels.
     """
     if experiment.table.kind not in ("yes_no", "forced_choice"):
         return pd.DataFrame()
@@ -60,14 +60,14 @@ def _level(experiment: Experiment, key: Key, observer: object, feeling: Feeling,
 
 
 def _half_way_db(observer: SignalDetectionObserver, task: Task) -> float:
-    """The sensation level at which a person is half-way: the inverse of `SignalDetectionObserver.d_prime`."""
+    """Return the half-way sensation level, inverse of the observer's d'."""
     n_intervals = getattr(task, "n_intervals", 0)
     d_prime = half_way_of_choice(n_intervals) if n_intervals else half_way_of_yes(observer.criterion + observer.bias)
     return 20 / observer.exponent * log10(d_prime / observer.criterion) - observer.sensitivity_db
 
 
 def half_way_of_yes(criterion: float) -> float:
-    """D' at which a yes is half-way from false alarms to 1.
+    """Return the d' at which a yes is half-way from false alarms to 1.
 
     >>> round(half_way_of_yes(1.645), 3)
     1.708
@@ -77,7 +77,9 @@ def half_way_of_yes(criterion: float) -> float:
 
 @lru_cache(maxsize=8)
 def half_way_of_choice(n_intervals: int) -> float:
-    """D' at which the right one of m intervals is taken half-way from 1/m to 1; Green and Swets (1966), chapter 2.
+    """Return the d' half-way from chance to 1 with m intervals.
+
+    Green and Swets (1966), chapter 2.
 
     >>> round(half_way_of_choice(2), 4)
     0.9539

@@ -1,4 +1,4 @@
-"""The tables of a bench file."""
+"""Tables of a bench file."""
 
 from collections.abc import Iterator, Mapping
 from datetime import date

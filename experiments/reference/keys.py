@@ -1,6 +1,6 @@
-"""The keys of a table of a file, as the class that reads it has them: must it be there, what else, in which range.
+"""Keys of a table with default, range and meaning, from the class that reads it.
 
-A range is what the class itself says when it is given what cannot be: nothing here repeats a rule.
+Ranges are read from the errors of the class for invalid values, because many depend on other keys.
 """
 
 import dataclasses
@@ -21,44 +21,34 @@ from tactometry.errors import TactometryError
 
 from .tables import KeyTable, inner_name, toml_value
 
-ASKED = "table"
-"""The path under which a table is built to hear what it refuses."""
+WHERE = "table"
+"""Path of a table that is built with an invalid value."""
 PROBES: Mapping[type, tuple[object, ...]] = {
     float: (-1.0, math.nan, 0.0, 1e4),
     int: (-(10**9), 0, 10**7),
     str: ("?",),
 }
-"""By the kind of a key, what is likely to be refused: below, nothing at all, at the edge, above."""
+"""Values of each type that are likely to be refused: below, missing, at the edge, above."""
 OF_EXAMPLE = (
-    (r" \([^()]*\)", ""),  # a remark, or the number of another key
+    (r" \([^()]*\)", ""),  # a remark, or the value of another key
     (r"[:;].*", ""),
-    (r', or "unlimited"$', ""),  # which the column of kinds says
+    (r', or "unlimited"$', ""),  # stated in the column of types
     (r"^one of index, middle$", "the places"),
-    (r"-?[\d.e+]+, (?=[a-z]+(_[a-z]+)+$)", ""),  # the number of the key that is named behind it
+    (r"-?[\d.e+]+, (?=[a-z]+(_[a-z]+)+$)", ""),  # the value of the key that follows
     (r" of -?[\d.e+]+ (s|m)\b", ""),
     (r"^at most [\d.]+ s for biphasic pulses at [\d.]+ Hz$", "at most half of the period if biphasic"),
     (r"from (\S+) to inf$", r"at least \1"),
     (r"^(a finite number|a number|a whole number|a level|numbers?)(, | |$)", ""),
 )
-"""What a refusal says of the values beside it, or what the column of kinds says already."""
+"""Parts of an error that state other values or the type."""
 
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table.
+    """Key of a table, with type, unit and range.
 
-    Parameters
-    ----------
-    name, holds, unit, within : str
-        What it is called, what it holds, in which unit, in which range.
-    otherwise : str
-        What is taken if it is left out; empty if it must be there.
-    means : str
-        What it is for.
-    example : str
-        A value as a file writes it; empty for a table with keys of its own.
-    see : str
-        The name of the table, or of those, that hold the keys of its own.
+    `otherwise` is the default, empty for a required key. `example` is a value in TOML, empty for an inner table, whose
+    keys are those of the table `see`.
     """
 
     name: str
@@ -116,10 +106,7 @@ def _key(table: KeyTable, one: dataclasses.Field[Any], hint: Any) -> Key:
 
 
 def _example(table: KeyTable, one: dataclasses.Field[Any]) -> str:
-    """Return an example value of a key: example, sample or default.
-
-    Empty for a table with its own keys.
-    """
+    """Return an example value of a key, empty for an inner table."""
     for values in (table.shown, table.instead.get(one.name, {}), table.samples):
         if one.name in values:
             return toml_value(values[one.name])
@@ -143,7 +130,7 @@ def _in_python_only(hint: Any) -> bool:
 
 
 def _expectations(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
-    """Yield the class's own refusals of probe values, each once."""
+    """Yield what the class expects instead of the probes, each once."""
     said: list[str] = []
     for probe in (probe for kind in _parts(hint) for probe in _probes(kind)):
         expected = _expectation(table, name, probe)
@@ -163,7 +150,7 @@ def _probes(part: Any) -> tuple[object, ...]:
 def _expectation(table: KeyTable, name: str, probe: object) -> str:
     """Return what the class expects instead of a probe; empty if accepted."""
     try:
-        table.read({**table.instead.get(name, table.shown), name: probe}, ASKED)
+        table.read({**table.instead.get(name, table.shown), name: probe}, WHERE)
     except TactometryError as error:
         where, _, rest = str(error).partition(": found ")
         of_this_key = re.fullmatch(rf"(?:.*[.: ])?{name}(\[\d+\])?", where)
@@ -203,9 +190,9 @@ _AS_IN: Final = re.compile(r"^As in `(?:([\w.]+)\.)?(\w+)`")
 
 @cache
 def meanings(kind: type) -> Mapping[str, str]:
-    """Return the meaning of each key of a class from its docstring or base.
+    """Return the meaning of each key from the docstring of a class or base.
 
-    A class with one key states it in its first paragraph.
+    A class with one key describes it in its first paragraph.
 
     >>> from tactometry.observers.changes import SlowLearning
     >>> meanings(SlowLearning)["gain_db"]
@@ -274,9 +261,9 @@ def holds(key: Key) -> str:
 
 
 def block(table: KeyTable) -> str:
-    """Return the table as a file may hold it: required keys, and the others as comments.
+    """Return a table in TOML, with optional keys as comments.
 
-    Tables at the top of a file follow both.
+    Inner tables of a file without header follow.
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> print(block(tables()["touch.press"]), end="")
@@ -303,7 +290,7 @@ def example(table: KeyTable) -> str:
 
 
 def _stated_and_others(table: KeyTable) -> tuple[list[Key], list[Key]]:
-    """Split the keys with an example into those that a file needs or the table shows, and the others."""
+    """Split the keys with an example into required or shown ones, and others."""
     keys = [key for key in keys_of(table) if key.example]
     stated = [key for key in keys if key.required or key.name in table.shown]
     return stated, [key for key in keys if key not in stated]

@@ -19,13 +19,13 @@ ROOT: Final = Path(__file__).resolve().parents[2]
 FOLDER: Final = ROOT / "docs" / "reference"
 HEAD: Final = ("| key | holds | if left out | meaning |", "|---|---|---|---|")
 FEWEST_SHARED: Final = 2
-"""Rows of a table that are the same as those of an earlier one, from this number on, are named there only."""
+"""From this number of rows equal to those of an earlier table on, a link replaces them."""
 Shown = dict[str, str]
-"""Rows of a page, each with the name of the first table that holds it."""
+"""Rows of a page with the first table of each."""
 
 
 def with_tables(text: str, page: str) -> str:
-    """Return the text of a page with its tables of keys written anew, between the marks."""
+    """Return the text of a page with new tables between the marks."""
     before, _, rest = text.partition(BEGIN)
     _, _, after = rest.partition(END)
     shown: Shown = {}
@@ -75,7 +75,7 @@ def _link(name: str, page: str) -> str:
 
 
 def _section(alike: list[KeyTable], page: str, shown: Shown) -> str:
-    """Return the tables of one class: names, place, keys, and an example. Rows that the page has already are named."""
+    """Return the section of one class: names, place, keys, and an example."""
     table = alike[0]
     place = f"In `{table.header}`." if table.header else "At the top of the file."
     also = " and ".join(_link(name, page) for name in table.also)

@@ -12,7 +12,7 @@ from .tables import KeyTable, Values
 
 _SKIN: Final = "tactometry.stimuli.electrovibration"
 _OF_SETUP: Final = ("focus", "measured_focus", "foci", "hybrid")
-"""A kind for each model of what is felt of a screen."""
+"""A kind of stimulus for each model of sensation on a screen."""
 _SENSATION: Final[Values] = {
     "finger_x_m": 0.1, "finger_y_m": 0.1, "reference_force_n": 0.05, "polarity": {"positive_share": 0.5}, "x_m": 0.1,
     "y_m": 0.1,

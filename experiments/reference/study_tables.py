@@ -1,4 +1,4 @@
-"""The tables of a study file: the file itself, what is played, how it is felt, what is asked, how levels are chosen."""
+"""Tables of study, scene and plate files."""
 
 from collections.abc import Callable, Iterator, Mapping
 from operator import methodcaller
@@ -33,7 +33,7 @@ IN_LEVELS: Final = (
 DIGEST: Final = "0" * 64
 GREY: Final = b"0.0,1.0,0.2\n"
 DIGEST_OF_GREY: Final = "1616722295ff490c80645639722a0ae30a51486425741b5a399a407d6130d750"
-"""A file of grey levels, and its digest."""
+"""File of grey levels, and its digest."""
 PLACES: Final[Values] = {"index": {"x_m": 0.10}, "middle": {"x_m": 0.13}}
 _OF_STUDY: Final[Values] = {
     "counterbalance": ["frequency_hz"],

@@ -1,4 +1,4 @@
-"""All tables of the files that users write, by name and docs page."""
+"""Tables of all user files, by name and docs page."""
 
 import json
 import re
@@ -24,33 +24,33 @@ class KeyTable:
     Parameters
     ----------
     name : str
-        What it is called at the prompt, as ``touch.slide``.
+        Name for `tactometry keys`, such as ``touch.slide``.
     header : str
-        The line that begins it in a file, as ``[touch]``; empty for what stands at the top.
+        Header in the file, such as ``[touch]``; empty at the top of the file.
     reads : str
         Target string of the class that reads it.
     kind : str
-        The value of its key ``kind``; empty where it has none.
+        Value of its key ``kind``, if any.
     usual : bool
-        Whether ``kind`` may be left out.
+        True if ``kind`` is optional.
     note : str
-        What its class does not say of it.
+        Addition to the description of the class.
     example : mapping or str
-        A table that is valid, with its required keys at least; or the target string of one.
+        Valid table with its required keys, or the target string of one.
     samples : mapping
         Values of keys that are in no example and have no default.
     instead : mapping of str to mapping
-        By key, another example, where the key does not go with the first.
+        Another example for a key that contradicts the first.
     also : tuple of str
-        The names of tables whose keys may stand in it too.
+        Tables whose keys are allowed too.
     given : callable
         Fields that come from elsewhere.
     made : callable
-        What is made of it, which may refuse more.
+        Builds the final object, which may refuse more.
     in_levels : tuple of str
         Keys in the unit of the level.
     kinds : mapping of str to mapping of str to str
-        Keys that hold a table of one of these kinds, each with the target string of its class.
+        Keys with a table of one of these kinds, each with the target string of its class.
     """
 
     name: str
@@ -81,13 +81,7 @@ class KeyTable:
         return found
 
     def read(self, values: Values, path: str) -> object:
-        """Build the object of a file with these values.
-
-        Raises
-        ------
-        InvalidParameter
-            If the class refuses them; `path` opens the sentence.
-        """
+        """Build the object of a table; an error begins with `path`."""
         parts = {name: build_kind(values.get(name, {}), f"{path}.{name}", kinds) for name, kinds in self.kinds.items()}
         own = {name: value for name, value in values.items() if name not in parts}
         return self.made(build(self.reader, own, path, **self.given(), **parts))
@@ -105,7 +99,7 @@ PAGES: Final[Mapping[str, tuple[str, ...]]] = {
     "scenes": (f"{_HERE}.study_tables:scene_tables", f"{_HERE}.study_tables:plate_tables"),
     "maps": (f"{_HERE}.people_tables:map_tables",),
 }
-"""By the page that holds them, what gives the tables of a file."""
+"""Functions that yield the tables of each docs page."""
 
 
 def tables_of_page(page: str) -> Iterator[KeyTable]:
@@ -127,13 +121,8 @@ def tables() -> Mapping[str, KeyTable]:
 def find(name: str) -> tuple[KeyTable, ...]:
     """Return a table and related ones, or all tables below a name.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is none; the sentence has the nearest names.
+    Raises `InvalidParameter` for an unknown name.
 
-    Examples
-    --------
     >>> [table.name for table in find("touch.slide")], [table.name for table in find("touch")]
     (['touch.slide'], ['touch.press', 'touch.slide'])
     """

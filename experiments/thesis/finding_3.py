@@ -17,7 +17,7 @@ FORCES_N = (0.5, 3.0)
 BELOW_HZ, ABOVE_HZ = (60.0, 120.0, 240.0), 480.0
 BEST_HZ = 240.0
 LIMITED_DB, MORE_DB = 1.0, 0.01
-DEFAULT_NAME, AS_STATED = "default", "sine in place of a carrier"
+DEFAULT_NAME, AS_STATED = "default", "sine instead of a carrier"
 CHOSEN_INPUTS = frozenset({"carrier", "dc_offset"})
 """Inputs that were chosen for the frequency at which their force vibrates."""
 STIFFER = "stiffness of the skin as F^(2/3)"
@@ -68,7 +68,7 @@ def variants() -> dict[str, Effects]:
         "a pulp that only its damping holds": without(skin_mobility={"stiffness_n_per_m": 1.0, "mass_kg": 0.0}),
         "a pad that slides": without("friction_lag", finger_dynamics={}),
         "the same, damped by 0.05 N s/m": without("friction_lag", finger_dynamics={"damping_n_s_per_m": 0.05}),
-        "three channels in place of one threshold": without("sensitivity", receptors={}),
+        "three channels instead of one threshold": without("sensitivity", receptors={}),
         "area summed by Pacini": without("sensitivity", receptors={}, summation={}),
         "a fixed fraction of the load is detected": without(weber_fraction={}),
     }

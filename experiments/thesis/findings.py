@@ -1,7 +1,4 @@
-"""Findings 1, 2 and 4 of the thesis.
-
-They are the threshold of a focus, the loss under a finger, and pleasant patterns.
-"""
+"""Findings 1, 2 and 4 of the thesis."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,8 +21,8 @@ from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation, free_displacement
 
 from ..study.felt_scene import felt
-from .figures.gallery import FOCUS, P1, RIG_BAND
 from .reproduction import Number, Origin, Reproduction
+from .setups import FOCUS, P1, RIG_BAND
 from .studies import cells_of, contact_of, sensation_db, threshold_db
 
 FOCUS_STUDY = "time-reversal-threshold"
@@ -84,10 +81,7 @@ def _loss_db(contact: ContactCourse) -> float:
 
 
 def _levels(**model: object) -> Levels:
-    """Return force (N) and threshold (dB re 1 um).
-
-    The criterion is a fixed amplitude of the focus.
-    """
+    """Return force (N) and threshold (dB re 1 um) by a fixed amplitude."""
     skin = felt(default_scene(TimeReversalSensation(**model)))  # type: ignore[arg-type]
     return [(contact_of(cell).force_n, threshold_db(cell, skin)) for cell in cells_of(FOCUS_STUDY)]
 
@@ -124,7 +118,6 @@ def loss_under_finger() -> Iterator[Number]:
 
 
 def _loss(screen: Screen, places: Sequence[tuple[float, float]], resistance: float, *, relearn: bool = False) -> float:
-    """Return the mean loss over positions of the finger."""
     loads = [Fingertip(resistance).load(at_m, PRESSED_N) for at_m in places]
     return fmean(amplitude_loss(screen, FOCUS, [load], RIG_BAND, relearn=relearn) for load in loads)
 
@@ -152,7 +145,6 @@ def pleasant_patterns() -> Iterator[Number]:
 
 
 def _by_factor(liked: Mapping[str, float], *, is_order: bool) -> Iterator[Number]:
-    """Yield means over trains with the same frequency or envelope."""
     trains = {name: pattern_name(name).split(", ")[1:] for name in liked if name != LEAST}
     for column in range(2):
         values = dict.fromkeys(train[column] for train in trains.values())
@@ -164,10 +156,7 @@ def _by_factor(liked: Mapping[str, float], *, is_order: bool) -> Iterator[Number
 
 
 def levels_db() -> dict[str, float]:
-    """Return the sensation level of each pattern of the built-in study.
-
-    The study has only one level.
-    """
+    """Return the sensation level of each pattern of the built-in study."""
     return {
         str(cell.condition.factors["pattern"]): sensation_db(cell, cell.procedure.rule.bounds[1])
         for cell in cells_of(PATTERN_STUDY)

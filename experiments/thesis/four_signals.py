@@ -1,7 +1,4 @@
-"""Tables 4.3 to 4.5 and finding 5: the four driving signals.
-
-Focus, power and sound are computed once.
-"""
+"""Tables 4.3 to 4.5 and finding 5: the four driving signals."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -21,8 +18,8 @@ from tactometry.stimuli.time_reversal.focusing.sound import noise
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F
 
-from .figures.gallery import FOCUS, FOUR
 from .reproduction import Number, Reproduction
+from .setups import FOCUS, FOUR
 
 N_X, N_Y = 120, 85
 SOUND_TO_HZ = 125e3
@@ -138,10 +135,7 @@ def _comparison() -> Iterator[Number]:
 
 
 def _limits_as_quietest_m(own: DrivenFocus) -> tuple[float, float]:
-    """Return the amplitudes between which a signal is the quietest.
-
-    The limits are equal if it never is.
-    """
+    """Return amplitudes between which a signal is quietest; equal if never."""
     quieter = [each.amplitude_m for each in measurements().values() if each.sound_dba < own.sound_dba]
     return min(max(quieter, default=0.0), own.amplitude_m), own.amplitude_m
 

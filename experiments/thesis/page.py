@@ -92,10 +92,7 @@ def captions() -> Iterator[str]:
 
 
 def page(made: Sequence[Reproduced]) -> str:
-    """Return the text of the page.
-
-    Findings and tables have a section each; figures are in tables by assumption.
-    """
+    """Return the text of the page."""
     lines = [HEAD, *_score(made), *_left_out()]
     for reproduced in made:
         if reproduced.numbers:
@@ -175,10 +172,7 @@ def _section(reproduced: Reproduced) -> Iterator[str]:
 
 
 def _table(numbers: Sequence[Number]) -> str:
-    """Return a row per condition and a column per quantity.
-
-    Conditions with equal numbers share a row.
-    """
+    """Return a row per condition and a column per quantity."""
     quantities = {number.quantity: number.unit for number in numbers}
     marks = {None: "", True: " ✓", False: " ✗"}
     cells = {

@@ -49,10 +49,7 @@ def contact_of(cell: WiredCell) -> Contact:
 
 
 def sensation_db(cell: WiredCell, level_db: float, felt: Sensation | None = None) -> float:
-    """Return the sensation level of a stimulus level.
-
-    The model is that of the cell unless `felt` is another one.
-    """
+    """Return the sensation level of a stimulus level."""
     return (felt or cell.sensation).sensation_db(cell.stimulus.at(level_db), contact_of(cell))
 
 

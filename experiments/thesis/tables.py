@@ -1,12 +1,8 @@
-"""Tables 2.1, 3.1 to 3.3, 4.1 and 6.1 to 6.3 of the thesis.
-
-They are about receptors, thick glass, materials, forces and thresholds.
-"""
+"""Tables 2.1, 3.1 to 3.3, 4.1 and 6.1 to 6.3 of the thesis."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,23 +11,11 @@ from tactometry.stimuli.perception.channels import NP_I, NP_III, P, channel_thre
 from tactometry.stimuli.time_reversal import Band, focus_amplitude
 from tactometry.stimuli.time_reversal.design.closed_forms import ALPHA, resolution_m
 from tactometry.stimuli.time_reversal.focusing.merit import resolution_per_focus_m
-from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F, PZ27_RELATIVE_PERMITTIVITY
 
-from .figures.gallery import RIG_BAND, rig
 from .reproduction import Number, Origin, Reproduction
-from .studies import (
-    FORCE,
-    FORCES_ASSUME,
-    STUDY,
-    cells_of,
-    contact_of,
-    threshold_db,
-    touches,
-)
-
-if TYPE_CHECKING:
-    pass
+from .setups import RIG_BAND, rig, thick_plate
+from .studies import FORCE, FORCES_ASSUME, STUDY, cells_of, contact_of, threshold_db, touches
 
 STATED_HZ = {
     "Merkel (NP III)": (NP_III, 0.0, 3.0),
@@ -57,10 +41,7 @@ def receptors() -> Iterator[Number]:
 
 
 def _compared(quantity: str, channel: str, found_hz: float, stated_hz: float) -> Number:
-    """Return a frequency with its agreement.
-
-    It agrees within half an octave, or below 1 Hz with 0 Hz.
-    """
+    """Return a frequency; within half an octave it agrees, below 1 Hz with 0."""
     is_near = found_hz < 1 if stated_hz == 0 else abs(np.log2(found_hz / stated_hz)) <= HALF_AN_OCTAVE
     return Number(quantity, channel, float(found_hz), "Hz", "assumed", f"{stated_hz:g} Hz", bool(is_near))
 
@@ -120,15 +101,12 @@ def amplitudes() -> Iterator[Number]:
 
 
 def alphas() -> Iterator[Number]:
-    """Fit R_s = a / sqrt(f_mean) by least squares.
-
-    The result is divided by the square root of the wave constant.
-    """
+    """Fit R_s = a / sqrt(f_mean); a is over the root of the wave constant."""
     for condition in dict.fromkeys(focus.discs for focus in foci()):
         rows = [focus for focus in foci() if focus.discs == condition]
         per_root = np.array([(focus.f_max_hz / 2) ** -0.5 for focus in rows])
         slope = float(per_root @ [focus.width_m for focus in rows] / (per_root @ per_root))
-        root = BOROFLOAT_33.plate(0.297, 0.21, rows[0].thickness_m, "SSSS").wave_constant_m2_per_s ** 0.5
+        root = thick_plate(rows[0].thickness_m).wave_constant_m2_per_s ** 0.5
         yield Number("alpha", condition, slope / root, "", "derived")
         yield Number("diffuse-field law, sqrt(pi / 2)", condition, ALPHA, "", "derived")
         yield Number("R_s sqrt(f_mean)", condition, slope, "m Hz^0.5", "derived")

@@ -1,7 +1,4 @@
-"""Checks of methods against a known truth.
-
-They check estimates with intervals, tests with a p, and ranks of truths.
-"""
+"""Checks of methods against a known truth."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -88,10 +85,7 @@ def summary(kind: Kind, outcomes: pd.DataFrame, keys: tuple[str, ...]) -> pd.Dat
 
 
 def _share(holds: "pd.Series[bool]", stated: float) -> dict[str, Any]:
-    """Return a share with its exact 95 % interval and its verdict.
-
-    The verdict compares it with the stated share.
-    """
+    """Return a share with its exact 95 % interval and its verdict."""
     n, n_yes = len(holds), int(holds.sum())
     if not n:
         return {"n": 0, "share": math.nan, "low": math.nan, "high": math.nan, "stated": stated, "verdict": ""}
@@ -101,10 +95,7 @@ def _share(holds: "pd.Series[bool]", stated: float) -> dict[str, Any]:
 
 
 def _estimates(outcomes: pd.DataFrame) -> dict[str, Any]:
-    """Return bias, coverage and median width of estimates.
-
-    Outcomes without a value contribute the coverage of their bounds.
-    """
+    """Return bias, coverage and median width of estimates."""
     has_value = outcomes["estimate"].notna()
     low, high = outcomes["low"].fillna(-np.inf), outcomes["high"].fillna(np.inf)
     covers = (low <= outcomes["truth"]) & (outcomes["truth"] <= high)
@@ -131,10 +122,7 @@ def _tests(outcomes: pd.DataFrame) -> dict[str, Any]:
 
 
 def _ranks(outcomes: pd.DataFrame) -> dict[str, Any]:
-    """Return a Kolmogorov-Smirnov test of uniform ranks with a histogram.
-
-    The test is exact. The share of ranks in the middle 95 % is included.
-    """
+    """Test ranks for uniformity (exact Kolmogorov-Smirnov), with a histogram."""
     ranks = outcomes["rank"].to_numpy()
     p = float(kstest(ranks, "uniform", method="exact").pvalue)
     middle = pd.Series((ranks > (1 - COVERAGE) / 2) & (ranks < (1 + COVERAGE) / 2))

@@ -22,10 +22,7 @@ COLUMNS = 3
 
 
 def write_figures(found: Validated, folder: Path, *, as_pixels: bool) -> None:
-    """Write an SVG of each check with a figure, and a PNG with `as_pixels`.
-
-    Raises `DeviceFailed` if a file cannot be written.
-    """
+    """Write an SVG of each check with a figure, and a PNG with `as_pixels`."""
     make_folder(folder)
     for name, table in found.tables.items():
         check = check_of(name)
@@ -37,10 +34,7 @@ def write_figures(found: Validated, folder: Path, *, as_pixels: bool) -> None:
 
 
 def shares(check: Check, table: pd.DataFrame) -> Drawing:
-    """Draw the share of each row with its 95 % interval.
-
-    Each method has a colour.
-    """
+    """Draw the share of each row with its 95 % interval."""
     found = table[table["n"] > 0]
     methods = _distinct(found, check.reason_key)
     others = [key for key in check.keys if key != check.reason_key]
@@ -68,10 +62,7 @@ def shares(check: Check, table: pd.DataFrame) -> Drawing:
 
 
 def _distinct(table: pd.DataFrame, key: str) -> list[Any]:
-    """Return methods with different shares.
-
-    The three estimates of one posterior share their interval.
-    """
+    """Return methods with different shares."""
     seen: dict[tuple[float, ...], Any] = {}
     for method in dict.fromkeys(table[key]):
         seen.setdefault(tuple(table.loc[table[key] == method, "share"]), method)
@@ -79,16 +70,12 @@ def _distinct(table: pd.DataFrame, key: str) -> list[Any]:
 
 
 def _label(row: Mapping[Any, Any], keys: list[str]) -> str:
-    """Return the label of a row: its texts, and numbers with their keys."""
     names = (row[key] if isinstance(row[key], str) else f"{key.replace('_', ' ')} {row[key]:g}" for key in keys)
     return ", ".join(names) or "all"
 
 
 def rank_histograms(check: Check, table: pd.DataFrame) -> Drawing:
-    """Draw histograms of ranks in twentieths, with a band.
-
-    A bin leaves the band by chance once in 1e4.
-    """
+    """Draw histograms of ranks with a band that a bin leaves once in 1e4."""
     n_rows = -(-len(table) // COLUMNS)
     with new_figure(WIDTH_IN, 0.4 + 1.7 * n_rows) as figure:
         panels = figure.subplots(n_rows, COLUMNS, sharex=True, squeeze=False).ravel()

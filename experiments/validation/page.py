@@ -1,7 +1,4 @@
-"""Page of validation results.
-
-It has a table per check, its departures, and their reasons.
-"""
+"""Page of validation results."""
 
 import math
 from collections.abc import Iterator, Mapping

@@ -29,10 +29,7 @@ SECONDS: Final = "processor_s"
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some sets of one setting of a check.
-
-    Its names and number determine its outcomes.
-    """
+    """Some sets of one setting of a check."""
 
     check: str
     setting: str
@@ -78,10 +75,7 @@ class Validation:
 
     @property
     def asked(self) -> dict[str, Any]:
-        """All settings that determine the outcomes, except versions.
-
-        More rounds continue a run.
-        """
+        """Return all that determines the outcomes, except versions and rounds."""
         return {"seed": self.seed, "checks": list(self.checks)}
 
 
@@ -130,10 +124,7 @@ def validate(
 
 
 def chunk_content(job: tuple[Chunk, int]) -> bytes:
-    """Return the outcomes of a chunk as Parquet.
-
-    The processor time is an attribute.
-    """
+    """Return the outcomes of a chunk as Parquet."""
     chunk, seed = job
     began_s, content = process_time(), io.BytesIO()
     outcomes = chunk.simulated(seed)
@@ -143,10 +134,7 @@ def chunk_content(job: tuple[Chunk, int]) -> bytes:
 
 
 def _table(root: Path, name: str, chunks: list[Chunk]) -> tuple[pd.DataFrame, float]:
-    """Return the table of a check and the time of its chunks.
-
-    Rows are ordered by setting, whatever the order of the chunks.
-    """
+    """Return the table of a check, by setting, and the time of its chunks."""
     check, paths = check_of(name), sorted(chunk.path(root) for chunk in chunks if chunk.check == name)
     parts = [pd.read_parquet(path) for path in paths]
     seconds = sum(part.attrs.pop(SECONDS, 0.0) for part in parts)

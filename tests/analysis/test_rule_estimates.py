@@ -122,7 +122,7 @@ def test_trials_of_another_study_have_no_rule_estimate(tmp_path, capsys):
     (root / "study.toml").write_bytes((RECORDED / "electrovibration-threshold" / "study.toml").read_bytes())
     found = in_json(capsys, root)
     assert found["rule_estimate"].isna().all()
-    assert set(found["rule_note"]) == {"these are not trials of the study.toml beside the table"}
+    assert set(found["rule_note"]) == {"these are not trials of the study.toml next to the table"}
 
 
 LEVELS = (30, 22, 14, 6, 14, 22, 18, 14, 18, 22, 18, 18, 14, 18, 14, 18, 22, 18, 14, 16)

@@ -27,7 +27,7 @@ def whole(tmp_path):
     return tmp_path / "whole"
 
 
-def test_the_rows_are_those_of_the_batches(whole):
+def test_written_rows_equal_computed_batches(whole):
     table = pd.read_parquet(whole / "tracks")
     made = list(fitted_tracks(RULE, PEOPLE, range(5), 1, n_trials=30, size=40))
     assert table["threshold"].tolist() == np.concatenate([each.modes.thresholds for each in made]).tolist()
@@ -35,7 +35,7 @@ def test_the_rows_are_those_of_the_batches(whole):
     assert sorted(contents(whole)) == ["000000-000001.parquet", "000002-000003.parquet", "000004-000004.parquet"]
 
 
-def test_every_file_says_that_it_is_simulated(whole):
+def test_every_file_is_marked_as_simulated(whole):
     for path in (whole / "tracks").glob("*"):
         assert parquet.read_schema(path).metadata[b"simulated"] == b"true"
 
@@ -52,7 +52,7 @@ def test_killed_run_continues_to_the_same_bytes(whole, tmp_path):
     assert first.stat().st_mtime_ns == stamp
 
 
-def test_the_order_of_work_changes_no_byte(whole, tmp_path):
+def test_bytes_do_not_depend_on_work_order(whole, tmp_path):
     def backwards(function, jobs):
         return reversed([function(job) for job in reversed(list(jobs))])
 

@@ -35,7 +35,7 @@ def test_lines_that_changed_places_are_found(lived):
         read(journal_of(lived))
 
 
-def test_the_checksum_of_a_line_counts_all_lines_before_it():
+def test_line_checksum_includes_all_earlier_lines():
     first = encode({"a": 1})
     second = encode({"b": 2}, checksum(first))
     assert checksum(second) != checksum(encode({"b": 2}))
@@ -53,7 +53,7 @@ def test_columns_without_their_description_are_a_defect(lived):
     assert any("found no description of the column 'latency_s'" in text for text in found(lived))
 
 
-def test_a_folder_among_the_journals_is_no_journal(lived):
+def test_folder_among_journals_is_ignored(lived):
     (lived / "journals" / "x.jsonl").mkdir()
     assert found(lived) == []
 
@@ -64,7 +64,7 @@ def test_session_continues_on_the_same_rig_only(lived):
         record(EXPERIMENT, TOML, lived, WHO, other, resume=True)
 
 
-def test_a_file_in_the_place_of_the_folder_is_bad_input(tmp_path):
+def test_file_at_the_data_set_path_is_refused(tmp_path):
     (tmp_path / "d").write_text("mine")
     with pytest.raises(InvalidFile, match="found a file, expected a folder for the data set"):
         live(tmp_path / "d")
@@ -72,7 +72,7 @@ def test_a_file_in_the_place_of_the_folder_is_bad_input(tmp_path):
 
 
 @pytest.mark.parametrize("code", ["a" * 33, "P 1", "é1", "", "../x"])
-def test_a_code_is_of_1_to_32_letters_and_digits(code):
+def test_participant_code_has_1_to_32_letters(code):
     Session("a" * 32, 1, "x")
     with pytest.raises(InvalidParameter, match="found"):
         Session(code, 1, "x")
@@ -103,7 +103,7 @@ def test_impossible_cell_is_a_defect(whole, column, value, expected):
 
 
 @pytest.mark.parametrize("task", ["yes_no", "comparison", "same_different"])
-def test_an_answer_of_two_options_is_1_or_0(whole, task):
+def test_two_option_answers_are_1_or_0(whole, task):
     file = next((whole / "data").glob("*.csv"))
     header, first, *_ = file.read_text().splitlines()
     cells = dict(zip(header.split(","), first.split(","), strict=True)) | {"task": task, "response": "3"}
@@ -111,7 +111,7 @@ def test_an_answer_of_two_options_is_1_or_0(whole, task):
     assert "column 'response': found '3', expected 1, 0 or nothing" in str(defect)
 
 
-def test_the_trials_file_is_synced_at_the_end_of_a_sitting(tmp_path, synced):
+def test_trials_file_is_synced_when_a_sitting_ends(tmp_path, synced):
     recorded = live(tmp_path)
     assert recorded.trials in synced
 

@@ -187,7 +187,7 @@ FLAWS = [
 
 
 @pytest.mark.parametrize(("old", "new", "message"), FLAWS)
-def test_impossible_question_is_refused_in_one_sentence(study, tmp_path, capsys, old, new, message):
+def test_invalid_power_options_give_one_sentence(study, tmp_path, capsys, old, new, message):
     assert old in STUDY
     study.write_text(STUDY.replace(old, new), "utf-8")
     said = refused(capsys, "simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")

@@ -90,7 +90,7 @@ def test_erase_removes_derived_files(capsys, copied):
     assert "QX7" not in (copied / "exports" / "r" / "trials.csv").read_text("utf-8")
 
 
-def test_figures_that_name_nobody_hold_the_participant_too(two):
+def test_erasure_includes_figures_without_codes(two):
     """Group means and single-trial figures do not name the participant."""
     figures, drawn = two / "figures", ("force.csv", "force.png", "force.svg")
     figures.mkdir()
@@ -104,7 +104,7 @@ def test_figures_that_name_nobody_hold_the_participant_too(two):
     assert not figures.exists()
 
 
-def test_a_hidden_folder_is_told_and_left(two):
+def test_erasure_keeps_and_lists_hidden_folders(two):
     hidden = two / "data" / ".checkpoints" / "a.csv"
     hidden.parent.mkdir()
     hidden.write_text("QX7")
@@ -112,7 +112,7 @@ def test_a_hidden_folder_is_told_and_left(two):
     assert hidden.exists()
 
 
-def test_the_record_says_whom_when_by_what_and_how_much(two):
+def test_erasure_record_has_participant_time_version_and_counts(two):
     done = erase(two, "QX7")
     line = json.loads((two / RECORD).read_text("utf-8"))
     assert (line["participant"], line["n_sessions"], line["n_files"], line["files"]) == ("QX7", 1, 3, [])
@@ -121,7 +121,7 @@ def test_the_record_says_whom_when_by_what_and_how_much(two):
     assert any("QX7 (1 session) was erased" in note for note in validate(two).notes)
 
 
-def test_a_dry_run_lists_what_would_go_and_changes_nothing(capsys, two):
+def test_dry_run_lists_files_without_changes(capsys, two):
     before = tree(two)
     said = output(capsys, "erase", two, "--participant", "QX7", "--dry-run")
     assert tree(two) == before
@@ -130,7 +130,7 @@ def test_a_dry_run_lists_what_would_go_and_changes_nothing(capsys, two):
 
 
 @pytest.mark.parametrize("answer", ["n", ""])
-def test_it_asks_at_a_terminal(capsys, monkeypatch, two, answer):
+def test_erase_asks_for_confirmation_at_a_terminal(capsys, monkeypatch, two, answer):
     before = tree(two)
     monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
     monkeypatch.setattr("click.termui.visible_prompt_func", lambda _: answer)
@@ -139,7 +139,7 @@ def test_it_asks_at_a_terminal(capsys, monkeypatch, two, answer):
     assert "nothing was erased" in out + said
 
 
-def test_without_a_terminal_it_wants_a_word(capsys, two):
+def test_erase_requires_yes_without_a_terminal(capsys, two):
     before = tree(two)
     status, said, _ = call(capsys, "erase", two, "--participant", "QX7")
     assert status == 2
@@ -177,7 +177,7 @@ def killed_at(monkeypatch, n):
 
 
 @pytest.mark.parametrize("n", range(6))
-def test_killed_before_any_file_it_is_said_again_and_finishes(monkeypatch, two, n):
+def test_killed_erasure_finishes_when_repeated(monkeypatch, two, n):
     """The plan on the disk lists files that do not name the participant."""
     tables = two / "report_tables"
     tables.mkdir()
@@ -188,7 +188,7 @@ def test_killed_before_any_file_it_is_said_again_and_finishes(monkeypatch, two, 
         killed_at(patched, n)
         with pytest.raises(Killed):
             erase(two, "QX7")
-    assert any("not erased to the end" in str(defect) for defect in validate(two).defects)
+    assert any("unfinished erasure" in str(defect) for defect in validate(two).defects)
     done = erase(two, "QX7")
     assert (done.erasure.n_sessions, done.erasure.n_files) == (1, 6)
     assert sorted(participants(two)) == ["P01", "P03"]
@@ -224,7 +224,7 @@ def test_erasure_keeps_the_order_of_later_participants(capsys, studied, two, tmp
     assert recorded_of(tree(two), "P04") == recorded_of(tree(whole), "P04") != {}
 
 
-def test_a_journal_under_another_name_is_known_by_its_head(two):
+def test_renamed_journal_is_identified_by_its_head(two):
     journal = Session("QX7", 1, "tutorial").journal(two)
     shutil.copy(journal, two / "journals" / "copy.jsonl")
     assert "journals/copy.jsonl" in erase(two, "QX7").own
@@ -242,7 +242,7 @@ def test_erase_keeps_user_files_and_lists_them(capsys, two, name):
     assert validate(two).defects == ()
 
 
-def test_a_data_set_within_the_folder_is_told_and_left(two, studied):
+def test_erasure_keeps_and_lists_inner_data_sets(two, studied):
     within = two / "old"
     shutil.copytree(studied / "journals", within / "journals")
     before = tree(within)
@@ -250,7 +250,7 @@ def test_a_data_set_within_the_folder_is_told_and_left(two, studied):
     assert tree(within) == before
 
 
-def test_a_link_is_erased_and_what_it_leads_to_is_not(two, tmp_path):
+def test_link_is_erased_and_its_target_kept(two, tmp_path):
     outside = tmp_path / "kept.csv"
     outside.write_text("QX7")
     link = two / "data" / "participant-QX7_session-2_study-tutorial_data.csv"
@@ -263,7 +263,7 @@ def test_a_link_is_erased_and_what_it_leads_to_is_not(two, tmp_path):
     assert done.others == (f"data/{link.name} -> {outside}", "elsewhere.csv", "folder")
 
 
-def test_forged_plan_erases_nothing_of_others(two, tmp_path):
+def test_forged_plan_erases_no_other_files(two, tmp_path):
     outside = tmp_path / "kept.csv"
     outside.write_text("1")
     (tmp_path / "empty").mkdir()
@@ -303,7 +303,7 @@ def test_erase_refuses_a_folder_without_data_set(capsys, tmp_path):
     assert "expected the folder of a data set" in said
 
 
-def test_a_damaged_record_is_a_defect_and_refused(capsys, two):
+def test_damaged_erasure_record_is_a_defect_and_refused(capsys, two):
     (two / RECORD).write_text("{}\n")
     assert any(RECORD in str(defect) for defect in validate(two).defects)
     status, said, _ = call(capsys, "erase", two, "--participant", "QX7", "--yes")
@@ -331,7 +331,7 @@ def test_erase_keeps_similar_codes(tmp_path_factory, code, others):
     assert left == kept
 
 
-def test_interrupted_it_says_how_to_go_on(capsys, monkeypatch, two):
+def test_interrupted_erasure_says_how_to_continue(capsys, monkeypatch, two):
     def interrupted(path, missing_ok=False):
         raise KeyboardInterrupt
 

@@ -1,17 +1,21 @@
-"""Files classified by an erasure as own, derived or other."""
+"""Files of an erasure: own, derived and other ones, and links."""
 
 import shutil
 
 import pytest
+from command_line import refused
 from places import RECORDED
 
-from tactometry.errors import InvalidParameter, SessionInUse
+from tactometry.errors import InvalidFile, InvalidParameter, SessionInUse
 from tactometry.experiments.data_sets import erasing
 from tactometry.experiments.data_sets.erasing import erase, find, is_named_for
-from tactometry.records.data_set import Session, keys_of, sessions
+from tactometry.records.data_set import Session, keys_of, participants, sessions
 from tactometry.records.open_journal import Journal
 
 RECORD = "erasures.jsonl"
+OPTIONS = ("--participant", "P77", "--rig", "simulated", "--seed", "1", "--out")
+SIMULATED = ("--participants", "1", "--seed", "1", "--resume", "--out")
+DATA_SET = next(path for path in sorted(RECORDED.iterdir()) if path.is_dir())
 
 
 @pytest.fixture
@@ -54,7 +58,7 @@ def test_journals_go_last(monkeypatch, root):
     assert gone[:4] == ["report.html", "means.csv", f"{stem('P1')}_data.csv", f"{stem('P1')}.jsonl"]
 
 
-def test_a_draft_of_the_participant_goes(root):
+def test_erasure_includes_drafts_of_the_participant(root):
     name = f"data/.{stem('P1')}_data.csv.123"
     put(root, name, "P1,1\n")
     assert name in find(root, "P1").own
@@ -63,14 +67,14 @@ def test_a_draft_of_the_participant_goes(root):
 @pytest.mark.parametrize(
     "name", ["notes.md", "who.csv", "touch_P1.png", f"mine/{stem('P10')}_data.csv", f"data/.{stem('P10')}_data.csv.123"]
 )
-def test_other_files_stay_and_are_listed(root, name):
+def test_erasure_keeps_and_lists_other_files(root, name):
     path = put(root, name, "P1")
     assert others(root) == [name]
     erase(root, "P1")
     assert path.exists()
 
 
-def test_files_of_the_set_are_not_listed(root):
+def test_erasure_does_not_list_data_set_files(root):
     put(root, "study.toml", "# P1")
     put(root, f".{RECORD}.123", "P1")
     put(root, f"journals/{stem('P10')}_events.tsv", "time_s\tremark\n1.0\tas P1\n")
@@ -78,23 +82,22 @@ def test_files_of_the_set_are_not_listed(root):
 
 
 @pytest.mark.parametrize(
-    ("name", "content"), [("trials.R", "# Reads trials.csv"), ("columns.toml", "# tactometry analyse")]
+    ("folder", "name", "content"),
+    [
+        ("", "trials.R", "# Reads trials.csv"),
+        ("", "columns.toml", "# tactometry analyse"),
+        ("mine/", "trials.R", "x <- 1"),
+        ("mine/", "columns.toml", "a = 1"),
+    ],
 )
-def test_the_data_set_itself_is_no_export(root, name, content):
-    put(root, name, content)
-    put(root, "setup.png", "")
+def test_data_set_and_user_folders_are_no_exports(root, folder, name, content):
+    put(root, f"{folder}{name}", content)
+    put(root, f"{folder}setup.png", "")
     put(root, "mine/README.md", "")
     assert find(root, "P1").derived == ()
 
 
-@pytest.mark.parametrize(("name", "content"), [("trials.R", "x <- 1"), ("columns.toml", "a = 1")])
-def test_a_folder_with_a_script_of_somebody_is_no_export(root, name, content):
-    put(root, f"mine/{name}", content)
-    put(root, "mine/setup.png", "")
-    assert find(root, "P1").derived == ()
-
-
-def test_tables_of_a_report_go_though_none_names_anybody(root):
+def test_erasure_includes_report_tables_without_codes(root):
     put(root, "report.html", "")
     put(root, "report_tables/means.csv", "1")
     assert find(root, "P1").derived == ("report.html", "report_tables/means.csv")
@@ -107,7 +110,7 @@ def test_file_names_with_keys_belong_to_the_participant(key, name):
     assert not is_named_for(name.format(key), "P")
 
 
-def test_the_folders_of_a_data_set_stay_when_they_are_empty(root):
+def test_erasure_keeps_empty_standard_folders(root):
     (root / "traces").mkdir()
     put(root, f"traces/{stem('P1')}_x.tsv", "")
     put(root, "exports/r/trials.R", "# Reads trials.csv")
@@ -123,13 +126,13 @@ def test_the_folders_of_a_data_set_stay_when_they_are_empty(root):
     ]
 
 
-def test_leftovers_of_interruptions_are_no_session(root):
+def test_interruption_files_do_not_count_as_sessions(root):
     put(root, f"journals/{stem('P1')}_interruptions.jsonl", "")
     looked, done = find(root, "P1"), erase(root, "P1")
     assert (looked.n_sessions, done.n_sessions, done.erasure.n_sessions, len(done.own)) == (1, 1, 1, 3)
 
 
-def test_said_again_it_tells_of_the_sessions_that_it_began_with(monkeypatch, root):
+def test_repeated_erasure_reports_the_original_sessions(monkeypatch, root):
     def failed(*_):
         raise KeyboardInterrupt
 
@@ -140,7 +143,7 @@ def test_said_again_it_tells_of_the_sessions_that_it_began_with(monkeypatch, roo
     assert erase(root, "P1").n_sessions == 1
 
 
-def test_a_journal_under_another_name_is_enough(root):
+def test_renamed_journal_alone_identifies_a_participant(root):
     recorded = next(iter(sessions(next(RECORDED.iterdir()))))
     whose = keys_of(recorded.stem)["participant"]
     shutil.copy(recorded, root / "journals" / "copy.jsonl")
@@ -169,3 +172,80 @@ def test_session_begun_meanwhile_is_not_erased(monkeypatch, root):
         journal.close()
     assert (root / f"data/{stem('P1')}_data.csv").exists()
     assert not (root / RECORD).exists()
+
+
+# --- links, whose targets stay
+
+
+@pytest.mark.parametrize("part", ["data", "journals"])
+def test_erasure_refuses_linked_data_set_folders(tmp_path, part):
+    root = with_link(tmp_path, DATA_SET, part)
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(InvalidFile, match=f"{part}: found a link, expected the folder itself"):
+        erase(root, participants(root)[0])
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def with_link(tmp_path, data_set, part):
+    """Copy a data set and replace one of its folders by a link."""
+    root, elsewhere = shutil.copytree(data_set, tmp_path / "d"), tmp_path / "elsewhere"
+    (root / part).mkdir(exist_ok=True)
+    (root / part).rename(elsewhere)
+    (root / part).symlink_to(elsewhere)
+    return root
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("part", ["data", "journals", "traces"])
+@pytest.mark.parametrize("words", [("rebuild",), ("run", "tutorial", *OPTIONS), ("simulate", "tutorial", *SIMULATED)])
+def test_linked_folder_is_not_written_through(tmp_path, capsys, part, words):
+    root = with_link(tmp_path, RECORDED / "format-2-simulated", part)
+    before = contents(tmp_path)
+    said = refused(capsys, *words, root)
+    assert f"{part}: found a link, expected the folder itself" in said
+    assert contents(tmp_path) == before
+
+
+def test_linked_interruptions_are_not_written_through(tmp_path, capsys):
+    root = shutil.copytree(RECORDED / "format-2-simulated", tmp_path / "d")
+    journal, outside = sessions(root)[0], tmp_path / "outside"
+    outside.write_text("mine")
+    journal.with_name(f"{journal.stem}_interruptions.jsonl").symlink_to(outside)
+    with journal.open("ab") as file:
+        file.write(b"torn")
+    assert "_interruptions.jsonl: found a link, expected a file" in refused(capsys, "rebuild", root)
+    assert outside.read_text() == "mine"
+
+
+def test_broken_link_in_place_of_folder_is_refused(tmp_path, capsys):
+    root = shutil.copytree(RECORDED / "format-2-simulated", tmp_path / "d")
+    shutil.rmtree(root / "data")
+    (root / "data").symlink_to(tmp_path / "gone")
+    assert "data: found a link, expected the folder itself" in refused(capsys, "rebuild", root)
+    assert not (tmp_path / "gone").exists()
+
+
+@pytest.mark.parametrize("folder", ["data", "journals"])
+@pytest.mark.parametrize("end", ["missing", "absent/missing"])
+def test_broken_link_is_erased_and_its_target_listed(tmp_path, folder, end):
+    """The target may be on a disk that is not connected."""
+    root = shutil.copytree(DATA_SET, tmp_path / "d")
+    code = participants(root)[0]
+    link = Session(code, 9, "link").journal(root) if folder == "journals" else Session(code, 9, "link").trials(root)
+    link.symlink_to(tmp_path / end)
+    done = erase(root, code)
+    assert not link.is_symlink()
+    assert done.others == (f"{folder}/{link.name} -> {tmp_path / end}",)
+    assert not (tmp_path / end).exists()
+
+
+def test_circular_link_is_erased(tmp_path):
+    root = shutil.copytree(DATA_SET, tmp_path / "d")
+    code = participants(root)[0]
+    link = Session(code, 9, "link").trials(root)
+    link.symlink_to(link)
+    erase(root, code)
+    assert not link.is_symlink()

@@ -55,14 +55,14 @@ def answers(tmp_path_factory) -> Path:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_the_same_data_give_the_same_bytes(data_set, tmp_path, form) -> None:
+def test_same_data_export_to_same_bytes(data_set, tmp_path, form) -> None:
     one, other = (export(data_set, form, tmp_path / name) for name in ("a", "b"))
     assert [path.read_bytes() for path in one] == [path.read_bytes() for path in other]
     assert [p.relative_to(tmp_path / "a") for p in one] == [p.relative_to(tmp_path / "b") for p in other]
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_every_trial_is_exported_once_and_the_data_set_stays(data_set, tmp_path, form) -> None:
+def test_export_contains_each_trial_once_and_keeps_source(data_set, tmp_path, form) -> None:
     before = {path: path.read_bytes() for path in data_set.rglob("*") if path.is_file()}
     written = export(data_set, form, tmp_path / "out")
     rows = [
@@ -77,7 +77,7 @@ def test_every_trial_is_exported_once_and_the_data_set_stays(data_set, tmp_path,
     exact_case("export of a data set in any form", against="each trial once, the same bytes before")
 
 
-def test_an_export_of_simulated_participants_says_so(data_set, answers, tmp_path) -> None:
+def test_export_marks_simulated_participants(data_set, answers, tmp_path) -> None:
     for form in ("bids", "psych-ds"):
         described = []
         for name, source in (("simulated", data_set), ("people", answers)):
@@ -89,18 +89,18 @@ def test_an_export_of_simulated_participants_says_so(data_set, answers, tmp_path
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_people_and_simulated_participants_are_not_exported_together(data_set, tmp_path, form) -> None:
+def test_export_refuses_mixed_people_and_simulated_participants(data_set, tmp_path, form) -> None:
     mixed = shutil.copytree(data_set, tmp_path / "mixed")
     shutil.rmtree(mixed / "journals")
     table, _ = sorted((mixed / "data").glob("*.csv"))
     table.write_text(table.read_text().replace(",simulated,", ",console,"))
-    with pytest.raises(InvalidFile, match=r"mixed: found \d+ rows of simulated participants beside those of people"):
+    with pytest.raises(InvalidFile, match=r"mixed: found \d+ rows of simulated participants next to those of people"):
         export(mixed, form, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_no_export_holds_a_path_of_this_machine(data_set, tmp_path, form) -> None:
+def test_export_contains_no_local_path(data_set, tmp_path, form) -> None:
     for path in export(data_set, form, tmp_path / "out"):
         assert str(tmp_path.parent).encode() not in path.read_bytes()
 
@@ -113,7 +113,7 @@ def test_export_is_readable_by_owner_only(data_set, tmp_path, form) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_sessions_of_an_older_version_are_exported_beside_later_ones(data_set, tmp_path, form) -> None:
+def test_sessions_of_older_and_newer_versions_export_together(data_set, tmp_path, form) -> None:
     root = Path(shutil.copytree(data_set, tmp_path / "d"))
     file = min((root / "data").glob("*.csv"))
     pd.read_csv(file, dtype=str, keep_default_na=False).drop(columns="rig").to_csv(file, index=False)
@@ -121,13 +121,13 @@ def test_sessions_of_an_older_version_are_exported_beside_later_ones(data_set, t
     assert any(b"simulated" in path.read_bytes() for path in written if path.suffix in (".csv", ".tsv", ".json"))
 
 
-def test_refuses_a_folder_that_holds_something(data_set, tmp_path) -> None:
+def test_export_refuses_a_folder_that_is_not_empty(data_set, tmp_path) -> None:
     (tmp_path / "mine").write_text("")
     with pytest.raises(InvalidParameter, match="--out: found that .* holds something, expected a new or an empty"):
         export(data_set, "r", tmp_path)
 
 
-def test_refuses_what_is_no_data_set_and_what_is_no_form(tmp_path, data_set) -> None:
+def test_export_refuses_missing_source_and_unknown_form(tmp_path, data_set) -> None:
     with pytest.raises(InvalidFile, match="no such file or folder"):
         export(tmp_path / "nowhere", "bids", tmp_path / "out")
     with pytest.raises(
@@ -136,7 +136,7 @@ def test_refuses_what_is_no_data_set_and_what_is_no_form(tmp_path, data_set) -> 
         export(data_set, "bid", tmp_path / "out")
 
 
-def test_the_command_says_what_it_wrote(data_set, tmp_path) -> None:
+def test_export_command_lists_written_files(data_set, tmp_path) -> None:
     result = CliRunner().invoke(command, [str(data_set), "--to", "r", "--out", str(tmp_path / "r"), "--json"])
     assert json.loads(result.stdout)["files"] == ["trials.R", "trials.csv"]
 
@@ -145,12 +145,12 @@ def test_the_command_says_what_it_wrote(data_set, tmp_path) -> None:
 
 
 @pytest.mark.skipif(VALIDATOR is None, reason="no bids-validator-deno: pip install bids-validator-deno")
-def test_the_bids_validator_finds_nothing_in_answers_to_a_questionnaire(answers, tmp_path) -> None:
+def test_bids_validator_accepts_questionnaire_answers(answers, tmp_path) -> None:
     export(answers, "bids", tmp_path / "bids", ["Ada Lovelace", "Alan Turing"])
     assert issues_of(tmp_path / "bids")["issues"] == []
 
 
-def test_events_begin_with_onset_and_duration_and_every_column_is_described(data_set, tmp_path) -> None:
+def test_bids_events_have_onset_duration_and_described_columns(data_set, tmp_path) -> None:
     written = export(data_set, "bids", tmp_path / "bids")
     events = [path for path in written if path.name.endswith("_events.tsv")]
     assert [path.name for path in events] == [f"sub-P0{n}_ses-1_task-tutorial_run-01_events.tsv" for n in (1, 2)]
@@ -175,7 +175,7 @@ def test_answers_become_items_and_scores(answers, tmp_path) -> None:
     assert set(people[0]) <= set(told)
 
 
-def test_trials_without_an_onset_are_behaviour_and_no_events(data_set, tmp_path) -> None:
+def test_trials_without_onset_export_as_behaviour(data_set, tmp_path) -> None:
     file = tmp_path / "plain.csv"
     rows = pd.read_csv(next(iter(sorted((data_set / "data").glob("*.csv")))), dtype=str, keep_default_na=False)
     rows.drop(columns="onset_s").to_csv(file, index=False)
@@ -185,7 +185,7 @@ def test_trials_without_an_onset_are_behaviour_and_no_events(data_set, tmp_path)
     ]
 
 
-def test_a_trial_in_which_nothing_was_played_is_behaviour_and_no_event(data_set, tmp_path) -> None:
+def test_unplayed_trial_exports_as_behaviour(data_set, tmp_path) -> None:
     file = tmp_path / "one.csv"
     rows = pd.read_csv(min((data_set / "data").glob("*.csv")), dtype=str, keep_default_na=False)
     rows.loc[3, "onset_s"] = ""
@@ -197,7 +197,7 @@ def test_a_trial_in_which_nothing_was_played_is_behaviour_and_no_event(data_set,
     assert len(rows_of(folder / "sub-P01_ses-1_task-tutorial_run-01_events.tsv")) == len(rows) - 1
 
 
-def test_no_key_of_a_description_of_events_is_a_text(data_set, tmp_path) -> None:
+def test_bids_event_descriptions_are_objects(data_set, tmp_path) -> None:
     """bids-validator 1 treats each such key as a column."""
     for path in export(data_set, "bids", tmp_path / "bids"):
         if path.name.endswith("_events.json"):
@@ -216,7 +216,7 @@ def test_unanswered_touch_is_exported_without_score(answers, tmp_path) -> None:
     assert scores_of[0] == scores_of[1]
 
 
-def test_a_questionnaire_of_the_studys_own_is_scored(tmp_path) -> None:
+def test_custom_questionnaire_of_a_study_is_scored(tmp_path) -> None:
     form = load_questionnaire("realism-likert")
     items = "".join(
         f"""[[forms.mine.items]]
@@ -249,7 +249,7 @@ reference = "none"
     assert (tmp_path / "bids/phenotype/mine.tsv").is_file()
 
 
-def test_authors_are_those_that_are_named(data_set, tmp_path) -> None:
+def test_bids_authors_are_the_given_ones(data_set, tmp_path) -> None:
     export(data_set, "bids", tmp_path / "bids", ["Ada Lovelace"])
     assert json.loads((tmp_path / "bids/dataset_description.json").read_text())["Authors"] == ["Ada Lovelace"]
 
@@ -257,7 +257,7 @@ def test_authors_are_those_that_are_named(data_set, tmp_path) -> None:
 # --- PsychoPy
 
 
-def test_psychopys_form_is_read_back_through_its_column_map(data_set, tmp_path) -> None:
+def test_psychopy_export_reads_back_with_its_column_map(data_set, tmp_path) -> None:
     export(data_set, "psychopy", tmp_path / "pp")
     own = read_trials(data_set)
     again = read_trials(tmp_path / "pp", within=own.factors, column_map=read_column_map(tmp_path / "pp/columns.toml"))
@@ -273,14 +273,14 @@ def test_psychopys_form_is_read_back_through_its_column_map(data_set, tmp_path) 
 
 
 @pytest.mark.parametrize("form", ["psychopy", "jspsych"])
-def test_an_export_without_its_column_map_names_it(data_set, tmp_path, form) -> None:
+def test_reading_an_export_suggests_its_column_map(data_set, tmp_path, form) -> None:
     out = tmp_path / form
     export(data_set, form, out)
     with pytest.raises(InvalidFile, match=f"expected --columns {re.escape(str(out / 'columns.toml'))}; its first line"):
         read_trials(out)
 
 
-def test_jspsychs_form_is_read_back_through_its_column_map(data_set, tmp_path) -> None:
+def test_jspsych_export_reads_back_with_its_column_map(data_set, tmp_path) -> None:
     export(data_set, "jspsych", tmp_path / "js")
     own = read_trials(data_set)
     again = read_trials(tmp_path / "js", within=own.factors, column_map=read_column_map(tmp_path / "js/columns.toml"))
@@ -290,7 +290,7 @@ def test_jspsychs_form_is_read_back_through_its_column_map(data_set, tmp_path) -
     np.testing.assert_allclose(used_rows(again)["latency_s"], used_rows(own)["latency_s"], rtol=3e-16)
 
 
-def test_jspsychs_form_has_its_names_and_kinds(data_set, tmp_path) -> None:
+def test_jspsych_export_has_jspsych_names_and_types(data_set, tmp_path) -> None:
     (_, file, *_) = export(data_set, "jspsych", tmp_path / "js")
     trials, rows = (
         json.loads(file.read_text()),
@@ -313,16 +313,14 @@ def test_jspsychs_form_has_its_names_and_kinds(data_set, tmp_path) -> None:
 def test_export_refuses_a_jspsych_column_name(tmp_path) -> None:
     table = tmp_path / "t.csv"
     table.write_text("participant,trial,rt,procedure,level,task,response\nP1,1,a,staircase,1,yes_no,1\n")
-    with pytest.raises(
-        InvalidParameter, match="--to: found jspsych, which has a 'rt' of its own, expected another form"
-    ):
+    with pytest.raises(InvalidParameter, match="--to: found jspsych, which uses the name 'rt', expected another form"):
         export(table, "jspsych", tmp_path / "js")
 
 
 # --- R
 
 
-def test_the_table_for_r_has_no_empty_cell(data_set, tmp_path) -> None:
+def test_r_table_has_no_empty_cell(data_set, tmp_path) -> None:
     export(data_set, "r", tmp_path / "r")
     rows = rows_of(tmp_path / "r/trials.csv")
     assert "" not in {cell for row in rows for cell in row.values()}

@@ -84,7 +84,7 @@ def models(script: str) -> list[str]:
 
 
 @pytest.mark.parametrize("task", sorted({*ANALYSES} - {"rating"}))
-def test_a_task_has_the_model_of_its_answers(tmp_path, task):
+def test_r_script_has_the_model_of_each_task(tmp_path, task):
     export(table(tmp_path, task), "r", tmp_path / "r")
     (model,) = models((tmp_path / "r/trials.R").read_text())
     assert model.startswith(ANALYSES[task].r_model.split("(")[0])
@@ -105,7 +105,7 @@ def test_r_export_states_alternatives_of_each_condition(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(("form", "package"), [("attrakdiff", "ordinal::clmm("), ("nasa-tlx", "lme4::lmer(")])
-def test_a_questionnaire_has_an_ordinal_model_or_one_of_its_line(tmp_path, form, package):
+def test_r_script_has_ordinal_or_linear_questionnaire_model(tmp_path, form, package):
     export(answers(tmp_path, form), "r", tmp_path / "r")
     (model,) = models((tmp_path / "r/trials.R").read_text())
     assert model.startswith(package)
@@ -128,7 +128,7 @@ def test_r_fits_the_model(tmp_path, task):
     assert done.stdout.split()[0] == kind
 
 
-def test_answers_to_reversed_items_are_turned_around(tmp_path):
+def test_r_script_reverses_answers_to_reversed_items(tmp_path):
     export(answers(tmp_path, "realism-likert"), "r", tmp_path / "r")
     script = (tmp_path / "r/trials.R").read_text()
     form = load("realism-likert")

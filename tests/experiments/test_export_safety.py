@@ -82,7 +82,7 @@ def test_factor_with_a_path_stays_in_the_folder(analysed):
 
 
 @given(st.text(), st.text())
-def test_names_of_files_are_parts_of_a_path_and_all_different(one, other):
+def test_file_texts_are_unique_path_parts(one, other):
     assert not set(file_text(one)) & set('/\\:*?"<>|\0\n')
     assert (file_text(one) == file_text(other)) == (one == other)
 
@@ -90,7 +90,7 @@ def test_names_of_files_are_parts_of_a_path_and_all_different(one, other):
 # --- commands
 
 
-def test_a_hostile_column_stands_quoted_in_the_script_for_r(tmp_path):
+def test_r_script_quotes_hostile_columns(tmp_path):
     export(table(tmp_path, factor=HOSTILE, level='"" + q() + ""'), "r", tmp_path / "r")
     script = (tmp_path / "r/trials.R").read_text()
     found = [match.start() for match in re.finditer("system", script)]
@@ -119,7 +119,7 @@ def test_r_runs_nothing_of_a_column(tmp_path, factor):
 
 
 @given(st.text())
-def test_texts_and_names_for_r_are_closed_on_one_line(text):
+def test_r_texts_and_names_end_on_one_line(text):
     for form, sign in ((r_string(text), '"'), (name(text), "`")):
         body = form[1:-1]
         assert form[0] == form[-1] == sign
@@ -141,7 +141,7 @@ def is_formula(cell: str) -> bool:
 
 
 @given(st.text() | st.sampled_from(PAYLOADS))
-def test_no_cell_is_a_formula(text):
+def test_cell_text_is_never_a_formula(text):
     assert cell_text(text).removeprefix("'") == text.lstrip("\ufeff").removeprefix("'")
     if is_formula(cell_text(text)):
         float(text)

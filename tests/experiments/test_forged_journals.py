@@ -82,7 +82,7 @@ def resume(root):
     n_left=st.integers(0, 10**6),
 )
 @settings(max_examples=1000 if SOAK else 25)
-def test_a_forged_value_never_gives_a_traceback(tmp_path_factory, name, line, place, value, n_left):
+def test_forged_values_never_give_a_traceback(tmp_path_factory, name, line, place, value, n_left):
     root = Path(shutil.copytree(RECORDED / name, tmp_path_factory.mktemp("forged") / "d"))
     path = journal_of(root)
     tables = lines_of(path)
@@ -111,7 +111,7 @@ HEADS = {
 
 
 @pytest.mark.parametrize("key", HEADS)
-def test_a_head_holds_what_a_head_can(tmp_path, key):
+def test_forged_journal_heads_are_refused(tmp_path, key):
     root = forged("bench", tmp_path, (0, (key,), HEADS[key]))
     with pytest.raises(InvalidFile, match=rf"line 1: found the {key} .*, expected the head of a journal"):
         read(journal_of(root))
@@ -163,7 +163,7 @@ def test_invalid_line_is_reported_with_its_number(tmp_path, body):
 
 
 @pytest.mark.parametrize("key", ["participant", "seed", "number", "study_sha256"])
-def test_the_sittings_of_a_session_agree(tmp_path, key):
+def test_sittings_of_one_session_must_agree(tmp_path, key):
     name = "bench-repeated"
     tables = lines_of(journal_of(RECORDED / name))
     other = {"participant": "P02", "seed": 1, "number": 7, "study_sha256": "0" * 64}
@@ -175,7 +175,7 @@ def test_the_sittings_of_a_session_agree(tmp_path, key):
         read(path)
 
 
-def test_a_trial_without_a_key_has_its_default(tmp_path, capsys):
+def test_trial_without_a_key_has_the_default(tmp_path, capsys):
     line = n_of(RECORDED / "bench", "Record")
     root = Path(shutil.copytree(RECORDED / "bench", tmp_path / "d"))
     tables = lines_of(journal_of(root))
@@ -186,7 +186,7 @@ def test_a_trial_without_a_key_has_its_default(tmp_path, capsys):
     assert "found a row that differs from the journal" in out
 
 
-def test_steps_may_miss_their_bounds_by_a_rounding():
+def test_adjusted_levels_may_exceed_bounds_by_rounding():
     adjust = Adjust("tone", 0.1, 0.1, 0.0, 0.3)
     assert flaw(adjust, Adjusted(adjust.level(2), 0.0, 1.0)) is None
     assert flaw(adjust, Adjusted(0.31, 0.0, 1.0)) == "the value 0.31, expected from 0 to 0.3"

@@ -33,7 +33,13 @@ def alone(tmp_path_factory):
     return files(root)
 
 
-def test_without_the_library_of_its_files_a_folder_is_not_begun(capsys, tmp_path, monkeypatch):
+def restore(root, contents):
+    for name, content in contents.items():
+        (root / name).parent.mkdir(exist_ok=True)
+        (root / name).write_bytes(content)
+
+
+def test_power_creates_no_folder_without_pyarrow(capsys, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     code, said, _ = call(capsys, *ASKED, "--out", tmp_path / "p")
     assert code == 3
@@ -58,27 +64,29 @@ REFUSALS = {
 
 
 @pytest.mark.parametrize("case", REFUSALS)
-def test_impossible_question_is_refused_in_one_sentence(capsys, case):
+def test_invalid_power_options_give_one_sentence(capsys, case):
     changes, expected = REFUSALS[case]
     code, said, _ = call(capsys, *ASKED, *changes)
     assert (code, said.count("\n")) == (2, 0)
     assert expected in said
 
 
-def test_uneven_trials_of_constant_stimuli_are_refused(capsys, tmp_path):
-    (path := tmp_path / "constant.toml").write_text(TUTORIAL, "utf-8")
-    code, said, _ = call(capsys, "power", path, *ASKED[2:], "--trials", "41")
+@pytest.mark.parametrize(
+    ("study", "more", "expected"),
+    [
+        (TUTORIAL, ["--trials", "41"], "expected as many trials at each level"),
+        (
+            load("tutorial")[1].decode().replace("frequency_hz = [60, 240]", "frequency_hz = [60]"),
+            [],
+            "with one level (60), expected a factor with two levels",
+        ),
+    ],
+)
+def test_unsuitable_study_file_is_refused(capsys, tmp_path, study, more, expected):
+    (path := tmp_path / "study.toml").write_text(study, "utf-8")
+    code, said, _ = call(capsys, "power", path, *ASKED[2:], *more)
     assert code == 2
-    assert "expected as many trials at each level" in said
-
-
-def test_a_factor_with_one_level_has_no_effect(capsys, tmp_path):
-    _, content = load("tutorial")
-    one = tmp_path / "one.toml"
-    one.write_bytes(content.replace(b"frequency_hz = [60, 240]", b"frequency_hz = [60]"))
-    code, said, _ = call(capsys, "power", one, *ASKED[2:])
-    assert code == 2
-    assert "with one level (60), expected a factor with two levels" in said
+    assert expected in said
 
 
 @pytest.mark.parametrize(
@@ -89,10 +97,10 @@ def test_a_factor_with_one_level_has_no_effect(capsys, tmp_path):
         ("texture-discrimination", "period_m: -100 % JND", "expected a change above -100 %"),
         ("time-reversal-localisation", "place: 2 dB", "whose levels are the alternatives of a trial"),
         ("time-reversal-localisation", "distance_m: 6 dB SL", "whose levels are other places"),
-        ("force-loss", "force_n: 2 dB", "nobody feels an effect"),
+        ("force-loss", "force_n: 2 dB", "no participant feels an effect"),
     ],
 )
-def test_a_study_whose_effect_cannot_be_told_says_so(capsys, study, effect, why):
+def test_unsupported_effects_are_refused_with_the_reason(capsys, study, effect, why):
     code, said, _ = call(capsys, "power", study, "--effect", effect, *ASKED[4:])
     assert code == 2
     assert why in said
@@ -118,7 +126,7 @@ def own(tmp_path):
     return path
 
 
-def test_an_observer_of_ones_own_is_simulated_where_it_is_allowed(capsys, own):
+def test_custom_observer_requires_allow_code(capsys, own):
     words = ("power", own, *ASKED[2:-1], "1")
     code, said, _ = call(capsys, *words)
     assert code == 2
@@ -126,7 +134,7 @@ def test_an_observer_of_ones_own_is_simulated_where_it_is_allowed(capsys, own):
     assert "of simulated participants, seed 5" in output(capsys, *words, "--allow-code")
 
 
-def test_an_observer_without_traits_takes_no_effect(capsys, own):
+def test_observer_without_traits_is_refused(capsys, own):
     guesser = (RECIPES / "tactometry" / "observers" / "guesser.py").read_text("utf-8")
     (own.parent / "mine.py").write_text(guesser.replace("from ..arguments", "from tactometry.arguments"))
     own.write_bytes(own.read_bytes().replace(b"Mine", b"Guesser"))
@@ -136,7 +144,7 @@ def test_an_observer_without_traits_takes_no_effect(capsys, own):
 
 
 @pytest.mark.slow
-def test_a_stopped_analysis_says_how_to_go_on_and_does(capsys, tmp_path):
+def test_interrupted_power_command_resumes_to_same_bytes(capsys, tmp_path):
     words = [*ASKED, "--trials", "20,60", "--out"]  # a short batch, then three: time enough to be stopped in
     process = subprocess.Popen(
         [sys.executable, "-m", "tactometry", *words, tmp_path / "p"], stderr=subprocess.PIPE, text=True
@@ -153,10 +161,8 @@ def test_a_stopped_analysis_says_how_to_go_on_and_does(capsys, tmp_path):
     assert files(tmp_path / "p") == files(tmp_path / "alone")
 
 
-def test_an_interrupted_analysis_goes_on_to_the_same_bytes(capsys, tmp_path, alone):
-    for name, content in alone.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_bytes(content)
+def test_missing_batch_is_recomputed_to_same_bytes(capsys, tmp_path, alone):
+    restore(tmp_path, alone)
     lost = sorted(tmp_path.glob("studies/*"))[-1]
     lost.unlink()
     (tmp_path / "power.csv").unlink()
@@ -169,9 +175,7 @@ def test_an_interrupted_analysis_goes_on_to_the_same_bytes(capsys, tmp_path, alo
 
 def test_kept_trials_are_marked_as_simulated(capsys, tmp_path, alone):
     """The rows are the same if the first run did not keep trials."""
-    for name, content in alone.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_bytes(content)
+    restore(tmp_path, alone)
     output(capsys, *ASKED, "--out", tmp_path, "--resume", "--keep-data")
     kept = sorted(tmp_path.glob("data/*.parquet"))
     assert {name: content for name, content in files(tmp_path).items() if not name.startswith("data")} == alone
@@ -184,7 +188,7 @@ def test_kept_trials_are_marked_as_simulated(capsys, tmp_path, alone):
     assert not list(tmp_path.glob("data/.*"))
 
 
-def test_the_page_says_what_is_applied_and_how_to_repeat_it(alone):
+def test_page_states_applied_effect_and_inputs(alone):
     page = alone["power.html"].decode()
     assert "Simulated participants, no people (seed 5)." in page
     assert "<td>60</td><td>-4.00</td>" in page  # half of 8 dB below the middle
@@ -195,35 +199,33 @@ def test_the_page_says_what_is_applied_and_how_to_repeat_it(alone):
 
 
 @pytest.mark.parametrize("label", ["target 0.8", "trials of the study", "level of the test 0.05"])
-def test_the_legend_lies_on_no_curve(alone, label):
+def test_legend_is_below_the_axes(alone, label):
     places = {
         word: float(y) for y, word in re.findall(r'<text[^>]* y="([0-9.]+)"[^>]*>([^<]+)<', alone["power.svg"].decode())
     }
     assert places[label] > places["Participants"]
 
 
-def test_its_tables_say_that_they_are_simulated(alone):
+def test_power_tables_are_marked_as_simulated(alone):
     assert pd.read_csv(io.BytesIO(alone["power.csv"]))["simulated"].all()
     batches = [content for name, content in alone.items() if name.startswith("studies")]
     assert all(parquet.read_schema(io.BytesIO(batch)).metadata[b"simulated"] == b"true" for batch in batches)
 
 
-def test_another_question_is_no_continuation(capsys, tmp_path, alone):
+def test_other_inputs_do_not_resume_a_folder(capsys, tmp_path, alone):
     (tmp_path / "asked.json").write_bytes(alone["asked.json"])
     code, said, _ = call(capsys, *ASKED[:-1], "4", "--out", tmp_path, "--resume")
     assert code == 2
     assert "found most 3, expected 4 as requested; choose another --out" in said
 
 
-def test_a_damaged_batch_is_refused_by_its_file(capsys, tmp_path, alone):
-    for name, content in alone.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_bytes(content if "effect" not in name else content[:100])
+def test_damaged_batch_is_refused_with_its_file(capsys, tmp_path, alone):
+    restore(tmp_path, {name: content[: 100 if "effect" in name else None] for name, content in alone.items()})
     code, said, _ = call(capsys, *ASKED, "--out", tmp_path, "--resume")
     assert code == 2
     assert "expected a batch; remove it, then --resume" in said
 
 
-def test_processes_change_no_byte(capsys, tmp_path, alone):
+def test_bytes_do_not_depend_on_processes(capsys, tmp_path, alone):
     output(capsys, *ASKED, "--out", tmp_path, "--jobs", "2")
     assert files(tmp_path) == alone

@@ -63,7 +63,7 @@ def cluster(tmp_path):
             process.wait()
 
 
-def test_a_cluster_gives_the_same_bytes_though_a_worker_is_killed(tmp_path, cluster):
+def test_cluster_gives_same_bytes_when_a_worker_dies(tmp_path, cluster):
     address, workers = cluster
     out = tmp_path / "spread"
 

@@ -68,7 +68,7 @@ def test_effects_are_tested_on_their_own_value():
 
 
 @pytest.mark.parametrize("effect", ["period_m: 20 % JND", "period_m: 1 dB PSE"])
-def test_no_level_is_played_above_stated_levels(effect):
+def test_played_levels_do_not_exceed_stated_levels(effect):
     asked = design(effect, load("texture-discrimination")[1].decode())
     for case in asked.cases:
         played = [cell.procedure.rule.bounds for cell in experiment_of(asked, case).cells.values()]

@@ -32,13 +32,13 @@ def changed(study, *lines):
     return content.encode()
 
 
-def test_the_first_dimension_is_compared_where_none_is_named():
+def test_first_dimension_is_the_default():
     assert design("feedback: 1 points").dependent == "realism"
     assert design("pattern: P3 = 1 points", PATTERNS, "ATT").dependent == "ATT"
 
 
 @pytest.mark.parametrize("effect", ["pattern: P3 = 1 points", "frequency: 1 points"])
-def test_without_the_effect_no_dimension_differs_and_all_are_felt_alike(effect):
+def test_zero_effect_has_equal_attitudes_and_sensations(effect):
     asked = design(effect, PATTERNS, "HQ")
     experiment = experiment_of(asked, asked.cases[1])
     observer = experiment.study.observer
@@ -69,7 +69,7 @@ def test_scores_differ_by_the_effect():
         (PATTERNS, "envelope: sinc = 1 points", "PQ", lambda form: form.crossed[form.crossed["dimension"] == "PQ"]),
     ],
 )
-def test_the_test_is_that_of_the_analysis(study, effect, dependent, table_of):
+def test_p_value_equals_that_of_the_analysis(study, effect, dependent, table_of):
     asked = design(effect, study, dependent)
     experiment = experiment_of(asked, asked.cases[0])
     form = next(
@@ -116,7 +116,7 @@ def test_effect_on_no_score_is_refused(capsys, tmp_path, case):
     assert expected in said
 
 
-def test_the_page_says_which_attitudes_make_the_effect(capsys, tmp_path):
+def test_page_states_the_attitudes_of_the_effect(capsys, tmp_path):
     words = ["power", "hybrid-button", "--effect", "feedback: 1 points", "--participants", "3", "--seed", "1"]
     said = output(capsys, *words, "--most", "1", "--out", tmp_path)
     assert "realism of simulated participants, seed 1" in said

@@ -29,7 +29,7 @@ def design(study="tutorial", effect="frequency_hz: 8 dB", **changes):
     return replace(made, dependent=check_design(made))
 
 
-def test_each_task_is_supported_or_says_why_not():
+def test_each_task_is_supported_or_refused_with_reason():
     assert {*SUPPORTED, *REFUSED} == set(TASKS)
     assert not set(SUPPORTED) & set(REFUSED)
 
@@ -50,7 +50,7 @@ def test_levels_differ_by_the_effect_and_by_nothing_else(study, unit):
         assert np.allclose(steps, np.linspace(0, span, len(levels)), atol=1e-6)
 
 
-def test_a_smaller_study_is_the_first_participants_of_a_larger_one(tmp_path):
+def test_smaller_study_is_start_of_larger_one(tmp_path):
     (path := tmp_path / "constant.toml").write_text(TUTORIAL, "utf-8")
     both, small = design(str(path)), design(str(path), participants=(3,))
     assert replicate(both, both.cases[0], 2)[0] == replicate(small, small.cases[0], 2)[0]
@@ -96,7 +96,7 @@ def test_stated_thresholds_take_no_effect_of_sensation(capsys, stated):
     assert "found the unit 'dB SL', expected one of dB" in said
 
 
-def test_a_person_says_yes_half_way_at_the_true_threshold():
+def test_yes_is_half_way_at_the_true_threshold():
     """Compare with an exact binomial test of the observer's answers."""
     experiment = experiment_of(asked := design(), asked.cases[1])
     observer = replace(experiment.simulated_participant("P001", 5), lapse_rate=0.0)
@@ -120,7 +120,7 @@ def test_minutes_are_summed_in_the_order_of_participants():
     assert found == [float(minutes.iloc[[0, *range(2, n)]].mean()) for n in range(3, 25)]
 
 
-def test_people_who_leave_take_their_later_trials_with_them():
+def test_dropout_removes_later_trials_only():
     whole, left = design(participants=(4,)), design(participants=(4,), dropout_share=0.9)
     (stayed,), (lost,) = (replicate(each, each.cases[0], 0) for each in (whole, left))
     assert lost.minutes < stayed.minutes
@@ -189,7 +189,7 @@ def test_participants_are_few_numbers_of_a_wide_range():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("difference", [0.0, 1.0])
-def test_the_power_of_a_normal_case_is_that_of_its_closed_form(difference):
+def test_power_of_normal_values_matches_closed_form(difference):
     """Differences have unit variance: noncentral t with n - 1 degrees."""
     rng, n, n_studies = np.random.default_rng(17), 10, 20_000 if SOAK else 300
     significant = 0
@@ -211,7 +211,7 @@ def test_the_power_of_a_normal_case_is_that_of_its_closed_form(difference):
     assert stats.binomtest(significant, n_studies, power).pvalue > 1e-4
 
 
-def test_rows_are_plain_numbers_that_a_table_holds():
+def test_rows_contain_plain_numbers():
     asked = design()
     (row, _) = replicate(asked, asked.cases[0], 0)
     assert all(value is None or type(value) in (int, float, bool) for value in astuple(row))

@@ -45,7 +45,7 @@ def test_several_sessions_are_refused_where_none_is_named():
         read_traces(TWO_SESSIONS, 1, participant="P01")
 
 
-def test_touches_of_one_trial_are_read():
+def test_read_traces_returns_touches_of_one_trial():
     assert {touch.trial.trial for n in (1, 2) for touch in read_traces(TRACES, n)} == {1, 2}
     assert {touch.trial.trial for touch in read_traces(TRACES, 1)} == {1}
 
@@ -60,7 +60,7 @@ def test_touch_belongs_to_the_first_row():
     assert [touch.trial for touch in felt] == [rows[touch.trial.key][0] for touch in felt]
 
 
-def test_touch_belongs_to_its_sitting():
+def test_touch_has_the_head_of_its_sitting():
     recording = read(next(path for path in sessions(RECORDED / "format-2-bench") if "-P01_" in path.name))
     heads = [line for line in recording.lines if isinstance(line, Head)]
     felt = [(touch.head, touch.answer.onset_s) for touch in touches(recording)]

@@ -16,13 +16,13 @@ SIMULATED = [name for name in DATA_SETS if "bench" not in name and "console" not
 
 
 @pytest.mark.parametrize("name", DATA_SETS)
-def test_recorded_data_set_is_valid(capsys, name):
+def test_recorded_data_set_is_sound(capsys, name):
     status, said, out = call(capsys, "validate", RECORDED / name)
     assert (status, said) == (0, ""), out
 
 
 @pytest.mark.parametrize("name", DATA_SETS)
-def test_recorded_protocol_replays(capsys, name):
+def test_recorded_data_set_replays(capsys, name):
     assert call(capsys, "replay", RECORDED / name)[:2] == (0, "")
 
 
@@ -55,7 +55,7 @@ def test_resuming_what_is_complete_changes_nothing(capsys, tmp_path, name):
     assert contents(root) == contents(RECORDED / name)
 
 
-def test_an_unfinished_session_goes_on(capsys, tmp_path, monkeypatch):
+def test_unfinished_recorded_session_resumes(capsys, tmp_path, monkeypatch):
     root = Path(shutil.copytree(RECORDED / "console", tmp_path / "console"))
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n0\n1\n1\n" * 10))
     words = ("run", root / "study.toml", "--participant", "P03", "--rig", "console", "--out", root, "--resume")

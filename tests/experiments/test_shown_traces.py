@@ -89,7 +89,7 @@ def test_bids_export_has_force_and_motion(tmp_path):
     assert {issue.get("subCode", issue["code"]) for issue in found} <= {"TaskDescription"}
 
 
-def test_every_sample_is_exported_with_its_stamp(tmp_path):
+def test_export_contains_every_sample_with_time_stamp(tmp_path):
     import pandas as pd
 
     export(RECORDED_TRACES, "bids", tmp_path / "bids")
@@ -118,7 +118,7 @@ def test_every_sample_is_exported_with_its_stamp(tmp_path):
     assert set(rows.columns) <= {variable["name"] for variable in described}
 
 
-def test_report_shows_force_and_speed_at_onset(copied, tmp_path, capsys):
+def test_report_shows_force_and_speed_around_onset(copied, tmp_path, capsys):
     output(capsys, "analyse", copied, "--report", tmp_path / "r.html")
     table = rows_of(tmp_path / "r_tables" / "touches.csv")
     n_valid = sum(row["valid"] == "1" for row in trial_rows(copied))
@@ -176,7 +176,7 @@ def test_touches_whose_samples_are_gone_are_counted(copied):
     assert courses["n_touches"].max() == n_valid - 1
 
 
-def test_touch_of_retracted_trial_is_marked():
+def test_touch_of_a_repeated_trial_is_marked():
     (journal,) = (RECORDED_TRACES / "journals").glob("*.jsonl")
     recording = read(journal)
     first, second = touches(recording)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from tactometry.experiments.thesis.figures import electrovibration, focus as focus_figures, prototype
-from tactometry.experiments.thesis.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
+from tactometry.experiments.thesis.figures.plates import DRAWN, ITEMS
+from tactometry.experiments.thesis.setups import FOCI, FOCUS, UNFILTERED, rig
 from tactometry.stimuli.electrovibration import Bump, Grating, Skin, Velvet, electrostatic_force_n
 from tactometry.stimuli.electrovibration.attraction.contact_area import Print
 from tactometry.stimuli.time_reversal.figures.style import save
@@ -24,17 +25,17 @@ SHORT = {
     "SDM, filtered": Emission(Band(20e3, 60e3), 2e-3, 500e3, quantiser=SigmaDelta(1)),
 }
 SIZES: dict[str, dict[str, object]] = {
-    "3.8-focus-map": {"emission": SMALL},
-    "3.13-scans-per-band": {"emission": SMALL},
-    "4.15-four-signals": {"emissions": SHORT},
-    "4.25-sound": {"emissions": SHORT},
-    "4.34-resolution-of-foci": {"foci": FOCI[6:9]},
-    "5.4-force-loss": {"forces_n": (0.0, 2.0)},
+    "3.8": {"emission": SMALL},
+    "3.13": {"emission": SMALL},
+    "4.15": {"emissions": SHORT},
+    "4.25": {"emissions": SHORT},
+    "4.34": {"foci": FOCI[6:9]},
+    "5.4": {"forces_n": (0.0, 2.0)},
 }
-"""What is drawn smaller here than in the gallery."""
+"""Arguments that make drawings smaller than those of the items."""
 
 NO_UNIT = {"", "Transducer", "Focus", "Number of transducers Q", "Contrast, A / rms of the plate", "Signal / V"}
-NO_UNIT |= {"relative permittivity", *PATTERNS}
+NO_UNIT |= {"relative permittivity", "Characteristic time (ms) = modes per kHz", *PATTERNS}
 
 
 DRAWN_FAST = {
@@ -48,12 +49,13 @@ DRAWN_FAST = {
 
 @lru_cache
 def drawn(name):
-    figure = (GALLERY | DRAWN_FAST)[name](**SIZES.get(name, {}))
+    drawing = DRAWN_FAST[name] if name in DRAWN_FAST else ITEMS[f"figure-{name}"].drawing
+    figure = drawing(**SIZES.get(name, {}))
     figure.draw_without_rendering()
     return figure
 
 
-@pytest.mark.parametrize("name", [*GALLERY, *DRAWN_FAST])
+@pytest.mark.parametrize("name", [*DRAWN, "5.4", "5.8", *DRAWN_FAST])
 def test_figure_has_labels_with_units_on_every_axis(name):
     for axes in drawn(name).axes:
         for label in (axes.get_xlabel(), axes.get_ylabel()):
@@ -61,8 +63,8 @@ def test_figure_has_labels_with_units_on_every_axis(name):
 
 
 @pytest.mark.parametrize("kind", ["png", "svg"])
-def test_a_figure_is_saved_in_the_format_of_its_suffix(kind, tmp_path):
-    save(drawn("4.28-layout"), tmp_path / "deep" / f"figure.{kind}")
+def test_figure_is_saved_in_the_suffix_format(kind, tmp_path):
+    save(drawn("4.28"), tmp_path / "deep" / f"figure.{kind}")
     start = (tmp_path / "deep" / f"figure.{kind}").read_bytes()[:8]
     assert start == (b"\x89PNG\r\n\x1a\n" if kind == "png" else b"<?xml ve")
 
@@ -73,22 +75,22 @@ def curve(name, axes=0, line=0):
     return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
 
 
-def test_values_far_above_zero_stand_below_the_upper_edge():
-    (axes,) = drawn("4.34-resolution-of-foci").axes
+def test_high_values_are_below_the_upper_edge():
+    (axes,) = drawn("4.34").axes
     assert max(line.get_ydata().max() for line in axes.lines[:2]) < 0.97 * axes.get_ylim()[1]
 
 
-def test_the_focus_map_shows_the_amplitude_of_the_focus_in_micrometres():
+def test_focus_map_shows_focus_amplitude_in_micrometres():
     h = SMALL.responses(rig(35e-3), [FOCUS])
-    x_mm, u_um = curve("3.8-focus-map", axes=1)
+    x_mm, u_um = curve("3.8", axes=1)
     assert np.interp(FOCUS[0] * 1e3, x_mm, u_um) == pytest.approx(focus_amplitude(drive(h, 30.0), h) * 1e6, rel=3e-2)
     assert u_um.max() == pytest.approx(np.interp(FOCUS[0] * 1e3, x_mm, u_um), rel=2e-2)
 
 
-def test_the_four_signals_peak_at_time_0_and_place_0():
+def test_four_signals_peak_at_time_and_place_0():
     for column in range(2):
         for axes, unit in ((column, 1.0 / 250), (2 + column, 100.0 / 300)):
-            x, u = curve("4.15-four-signals", axes)
+            x, u = curve("4.15", axes)
             assert x[np.argmax(u)] == pytest.approx(0.0, abs=2 * unit)
 
 
@@ -97,27 +99,27 @@ def test_prototype_stress_and_deflection_match_notes():
 
     Deflection and stress fall with the cube and the square of the thickness.
     """
-    h_mm, deflection_um = curve("3.15-stress-and-deflection", axes=1)
+    h_mm, deflection_um = curve("3.15", axes=1)
     found = np.exp(np.interp(np.log([1.1, 2.0, 3.0]), np.log(h_mm), np.log(deflection_um)))
     assert found == pytest.approx([178, 29.6, 8.8], rel=5e-3)
-    _, stress_mpa = curve("3.15-stress-and-deflection", axes=0)
+    _, stress_mpa = curve("3.15", axes=0)
     assert np.polyfit(np.log(h_mm), np.log(stress_mpa), 1)[0] == pytest.approx(-2.0, abs=1e-9)
 
 
-def test_the_amplitude_at_twice_tau_is_86_and_98_percent():
+def test_amplitude_at_twice_tau_is_86_and_98():
     for line, expected in ((0, 86.5), (1, 98.2)):
-        t_ms, percent = curve("3.18-amplitude-over-reversal", line=line)
+        t_ms, percent = curve("3.18", line=line)
         assert np.interp(7.0, t_ms, percent) == pytest.approx(expected, abs=0.1)
 
 
-def test_the_decay_that_is_fitted_is_the_one_of_the_screen():
-    t_ms, envelope = curve("4.11-decay-fit", line=1)
+def test_fitted_decay_is_that_of_the_screen():
+    t_ms, envelope = curve("4.11", line=1)
     assert -1 / np.polyfit(t_ms[:100], np.log(envelope[:100]), 1)[0] == pytest.approx(3.5, rel=0.1)
 
 
 def test_one_discs_amplitude_grows_with_its_bandwidth():
     for line in (0, 1):
-        _, amplitude_um = curve("3.11-amplitude-over-bandwidth", line=line)
+        _, amplitude_um = curve("3.11", line=line)
         assert amplitude_um[-1] > 1.5 * amplitude_um[0]
 
 

@@ -85,7 +85,7 @@ def little_memory():
 
 
 @pytest.mark.parametrize("vast", VAST)
-def test_a_vast_study_is_refused_before_anything_is_made_of_it(tmp_path, capsys, little_memory, vast):
+def test_vast_study_is_refused_before_it_is_built(tmp_path, capsys, little_memory, vast):
     content, message = VAST[vast]
     assert content != TUTORIAL
     (tmp_path / "s.toml").write_text(content, "utf-8")
@@ -123,7 +123,7 @@ def test_unasked_questionnaire_is_checked():
         wire(study, "s.toml")
 
 
-def test_a_byte_order_mark_is_no_damage(tmp_path, capsys):
+def test_byte_order_mark_is_accepted(tmp_path, capsys):
     assert table_of(b"\xef\xbb\xbfa = 1\n", "s.toml", "a study file") == {"a": 1}
     path = tmp_path / "s.toml"
     path.write_bytes(b"\xef\xbb\xbf" + TUTORIAL.encode())
@@ -151,7 +151,7 @@ def test_name_impossible_for_a_file_is_refused():
     assert parse(TUTORIAL.replace('"tutorial"', f'"{"a" * 100}"').encode(), "s.toml").name == "a" * 100
 
 
-def test_a_hint_for_a_long_name_is_quick():
+def test_hint_for_a_long_name_is_fast():
     assert nearest("x" * 1_000_000, ["y" * 1_000_000] * 10) == ""
     assert str(TactometryError("short words stay as they are")) == "short words stay as they are"
 
@@ -164,7 +164,7 @@ def planned(content):
     return experiment, plan(experiment, 1)
 
 
-def test_a_session_of_more_than_three_hours_is_told(tmp_path, capsys):
+def test_session_of_more_than_three_hours_is_reported(tmp_path, capsys):
     path = tmp_path / "s.toml"
     path.write_text(TUTORIAL.replace("repeats = 4", "repeats = 300"), "utf-8")
     status, said, out = call(capsys, "run", path, "--participant", "P01", "--dry-run")
@@ -226,7 +226,7 @@ def test_many_levels_are_checked_in_time():
     assert time.process_time() - begun_s < 10
 
 
-def test_the_command_line_tells_of_memory_that_is_not_there():
+def test_commands_report_missing_memory():
     """It exceeds no size limit, but the process has little memory."""
     code = (
         "import resource, sys\n"

@@ -231,7 +231,7 @@ def test_validate_reports_simulated_participants_mixed_with_people(lived, capsys
         shutil.copy(path, lived / path.parent.name / path.name)
     status, _, out = call(capsys, "validate", lived)
     assert status == 1
-    assert "journals: found simulated participants (P01, ...) beside people (P02, ...), expected either alone" in out
+    assert "journals: found simulated participants (P01, ...) next to people (P02, ...), expected only one kind" in out
 
 
 def test_hidden_system_files_are_ignored(lived, capsys):

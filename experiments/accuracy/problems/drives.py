@@ -1,7 +1,4 @@
-"""Accuracy problems of drives.
-
-They vary the one-bit sampling rate, the sigma-delta bit rate, and the reversal time.
-"""
+"""Accuracy problems of drives."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,10 +30,7 @@ Complex = NDArray[np.complex128]
 
 
 def oversampling() -> Problem:
-    """Compare a sampled one-bit drive with one that may switch at any time.
-
-    The drives are compared at four foci.
-    """
+    """Compare a sampled one-bit drive with one that may switch at any time."""
     screen = replace(A4_PROTOTYPE, sources=A4_PROTOTYPE.sources[::8])
     return Problem(
         "rms error of the focus that a channel makes over the rms focus, one bit, modes below 10 kHz, 4 ms",
@@ -47,10 +41,7 @@ def oversampling() -> Problem:
 
 
 def _emission(screen: Screen, rate_hz: float) -> Real:
-    """Return the displacement that each one-bit channel adds at a focus.
-
-    The shape is (n_foci, n_channels).
-    """
+    """Return each one-bit channel's displacement (n_foci, n_channels)."""
     timing: dict[str, Any] = {"rate_hz": rate_hz, "duration_s": ONE_BIT_LASTS_S, "f_max_hz": ONE_BIT_TO_HZ}
     heard = impulse_responses(screen, FOCI_M, **timing)
     drives = [drive(heard.at_point(n), 1.0).samples[:, ::-1] for n in range(heard.n_points)]
@@ -58,10 +49,7 @@ def _emission(screen: Screen, rate_hz: float) -> Real:
 
 
 def _at_crossings(screen: Screen) -> Real:
-    """Return integrals of |h| between its exact zeros.
-
-    The integrals of the modes have closed forms.
-    """
+    """Return integrals of |h| between its exact zeros."""
     modes = screen.oscillators(ONE_BIT_TO_HZ)
     forces = screen.modal_forces(ONE_BIT_TO_HZ) / screen.plate.mass_kg
     shapes = values_at(screen, FOCI_M, ONE_BIT_TO_HZ)
@@ -83,17 +71,8 @@ def _integral(modes: Oscillators, weights: Real) -> float:
     return float(np.abs(np.diff(weights @ integrals)).sum())
 
 
-def first_order() -> Problem:
-    """Compare the first-order sigma-delta bits of a tone with the tone."""
-    return _modulated(1)
-
-
-def second_order() -> Problem:
-    """Compare the second-order sigma-delta bits of a tone with the tone."""
-    return _modulated(2)
-
-
-def _modulated(order: int) -> Problem:
+def modulated(order: int) -> Problem:
+    """Compare the sigma-delta bits of a tone with the tone."""
     line = np.zeros(round(BAND_HZ * TONE_LASTS_S) + 1, complex)
     line[round(TONE_HZ * TONE_LASTS_S)] = -1j * TONE_AMPLITUDE
     return Problem(
@@ -102,6 +81,9 @@ def _modulated(order: int) -> Problem:
         error=over_rms,
         settings=tuple(Setting(f"{hz / 1e6:g} MHz", partial(_modulation, order, hz)) for hz in BIT_RATES_HZ),
     )
+
+
+first_order, second_order = partial(modulated, 1), partial(modulated, 2)
 
 
 def _tone(rate_hz: float) -> Real:
@@ -114,15 +96,11 @@ def _modulation(order: int, rate_hz: float) -> Complex:
 
 
 def _spectrum(samples: NDArray[np.generic]) -> Complex:
-    """Return the amplitudes of the spectral lines in the band."""
     return np.asarray(2 * np.fft.rfft(samples)[: round(BAND_HZ * TONE_LASTS_S) + 1] / samples.size)
 
 
 def reversal_amplitude() -> Problem:
-    """Compare focus amplitudes of shorter reversal times with the longest.
-
-    The longest reversal time is twelve time constants.
-    """
+    """Compare focus amplitudes of shorter reversal times with the longest."""
     heard = _responses()
     return _against_time(
         "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
@@ -134,7 +112,7 @@ def reversal_amplitude() -> Problem:
 def reversal_contrast() -> Problem:
     """Compare contrasts of shorter reversal times with the longest.
 
-    The longest reversal time is twelve time constants. The contrast is the focus amplitude over the rms of the plate.
+    The contrast is the amplitude of the focus over the rms of the plate.
     """
     heard = _responses()
     return _against_time(
@@ -180,6 +158,5 @@ def _contrast_of_modes(heard: Responses) -> float:
 
 
 def _emitted_m(heard: Responses) -> float:
-    """Return the last sample of the convolved drive."""
     signal = drive(heard, 1.0)
     return float(emitted(signal, heard)[0, signal.samples.shape[1] - 1])

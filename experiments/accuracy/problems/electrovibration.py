@@ -24,10 +24,7 @@ SILENCE_DB_RE_1V = -120.0
 
 
 def skin_propagator() -> Problem:
-    """Compare the force of sampled voltages with that of the sine.
-
-    Voltages are linear between samples. The error is over the peak.
-    """
+    """Compare the force of sampled voltages with that of the sine."""
     area: dict[str, Any] = {"skin": Skin(), "area_m2": AREA_M2, "law": "sc_layer"}
 
     def sampled(factor: int) -> Real:
@@ -53,10 +50,7 @@ def sample_times_s(factor: int) -> Real:
 
 
 def friction_events() -> Problem:
-    """Compare samples around the first break-away with its event.
-
-    The time of the event without voltage is known.
-    """
+    """Compare samples around the first break-away with its event."""
     finger, friction = pad(), DryFriction(gated=False)
     hold_n = friction.static * FORCE_N - finger.damping_n_s_per_m * SPEED_M_PER_S
     breakaway_s = hold_n / (finger.stiffness_n_per_m * SPEED_M_PER_S)
@@ -81,7 +75,6 @@ def _motion(n_samples: int) -> StickSlip:
 
 
 def _read_off(n_samples: int) -> tuple[float, float]:
-    """Return the times of the last stick and the first slip sample."""
     motion = _motion(n_samples)
     first = int(np.argmax(motion.direction != 0))
     return float(motion.t_s[first - 1]), float(motion.t_s[first])

@@ -1,7 +1,4 @@
-"""Accuracy problems of perceived amplitude of sampled taps and tones.
-
-References are the series of the taps and the tones themselves.
-"""
+"""Accuracy problems of perceived amplitude of sampled taps and tones."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -24,10 +21,7 @@ DURATION_S, PADDINGS = 1.6, (1, 2, 4, 8, 16)
 
 
 def filter_bank() -> Problem:
-    """Sample taps ``exp(-t/FALL_S) - exp(-t/RISE_S)``.
-
-    The error comes from aliased harmonics.
-    """
+    """Sample taps ``exp(-t/FALL_S) - exp(-t/RISE_S)``, with aliased harmonics."""
     return Problem(
         "largest error of the amplitude that a channel (NP III, NP I, P) senses of taps at 2.5 Hz, by sampling rate",
         reference=Reference("the Fourier series of the taps, thresholds written out", _transformed, 1e-8),
@@ -50,10 +44,7 @@ def _channel_amplitudes(parts: Components) -> Real:
 
 
 def _transformed() -> Real:
-    """Return the amplitudes sensed by each channel.
-
-    They come from the closed-form Fourier transform of a tap.
-    """
+    """Return sensed amplitudes by the Fourier transform of a tap."""
     f = np.linspace(TAPS_HZ, HIGHEST_HZ, round(HIGHEST_HZ / TAPS_HZ))
     fall, rise = (-np.expm1(-1 / TAPS_HZ / tau_s) / (1 / tau_s + 2j * np.pi * f) for tau_s in (FALL_S, RISE_S))
     amplitudes = 2 * TAPS_HZ * np.abs(fall - rise)
@@ -87,9 +78,6 @@ def _from_record(padding: int) -> Real:
 
 
 def _written_out() -> Real:
-    """Return the sensitivity of Meissner and Pacini channels.
-
-    Meissner applies to the lowest tone. The sensitivity is 1 at 250 Hz.
-    """
+    """Return the sensitivity of Meissner and Pacini channels."""
     bowls_db = np.minimum(48 - 5 * np.log2(FREQUENCIES_HZ / 3), 12 * np.abs(np.log2(250 / FREQUENCIES_HZ)))
     return np.asarray(10 ** (-bowls_db / 20))

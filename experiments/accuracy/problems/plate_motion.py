@@ -34,10 +34,7 @@ Event = Callable[[float, Real], float]
 
 
 def time_integration() -> Problem:
-    """Compare modes stepped in time with exact matrix exponentials.
-
-    The steps treat the force as linear between samples. Each exponential contains a mode and the tone that drives it.
-    """
+    """Compare modes stepped in time with exact matrix exponentials."""
     modes = A4_PROTOTYPE.oscillators(TONE_TO_HZ)
     return Problem(
         f"largest error of {modes.n} modal displacements over the largest, tone of 4 kHz from rest, 5 ms",
@@ -62,7 +59,6 @@ def _propagation(modes: Oscillators, factor: int) -> Real:
 
 
 def _mode_powers(modes: Oscillators) -> Real:
-    """Return powers of the exponential of each mode with its tone."""
     from scipy.linalg import expm
 
     tone, systems = OMEGA_RAD_PER_S, []
@@ -81,10 +77,7 @@ def _powers(step: Real, start: Real, n: int) -> Real:
 
 
 def finger_load() -> Problem:
-    """Compare responses under a finger of 2 N with those of coupled modes.
-
-    The reference couples all modes at once. The finger is 22 mm from the point of the response.
-    """
+    """Compare responses under a finger of 2 N with those of coupled modes."""
     load = Fingertip(mass_kg=1e-4, stiffness_n_per_m=1e3).load(PRESSED_M, 2.0)
     return Problem(
         "largest error of the responses under a finger of 2 N over the largest, modes below 4 kHz, 4 ms",
@@ -101,7 +94,6 @@ def _loaded_response(load: PlateLoad, factor: int) -> Real:
 
 
 def _coupled_modes(load: PlateLoad) -> Real:
-    """Return powers of the exponential of modes coupled by the finger."""
     from scipy.linalg import expm
 
     modes, mass_kg = LOADED.oscillators(LOADED_TO_HZ), LOADED.plate.mass_kg
@@ -118,10 +110,7 @@ def _coupled_modes(load: PlateLoad) -> Real:
 
 
 def lift_off() -> Problem:
-    """Compare contact checked at samples with contact events.
-
-    After a tap, a finger of 0.5 N lifts off twice.
-    """
+    """Compare contact checked at samples with contact events."""
     return Problem(
         "largest error of the displacement under a finger of 0.5 N that lifts off, over the largest, 3 ms",
         reference=Reference(
@@ -173,10 +162,7 @@ def by_events(finger: Fingertip, force_n: float, rate_hz: float) -> tuple[Real, 
 def _equations(
     modes: Oscillators, here: NDArray[np.float64], finger: Fingertip, force_n: float
 ) -> tuple[Callable[..., Real], Event, Event]:
-    """Return the derivative of the state and both event functions.
-
-    The state is modes, speeds and skin. The events are the force of a closed contact and the gap of an open one.
-    """
+    """Return the derivative of modes, speeds and skin, and both events."""
     load, n = finger.load(AT_M, force_n), modes.n
     resistance, stiffness = load.resistance_n_s_per_m, load.stiffness_n_per_m
 

@@ -1,7 +1,4 @@
-"""Accuracy problems of plates: frequencies and fields.
-
-Ritz's method is tested with edges S, F or both, and splines between grid points.
-"""
+"""Accuracy problems of plates: frequencies and fields."""
 
 import math
 from collections.abc import Iterator
@@ -46,10 +43,7 @@ def simply_supported() -> Problem:
 
 
 def free() -> Problem:
-    """Compare frequencies with those of far more functions.
-
-    These are compared with six published values.
-    """
+    """Compare frequencies with those of far more functions."""
     plate = square("FFFF")
     constant = plate.wave_constant_m2_per_s / SIDE_M**2 / (2 * np.pi)
     return Problem(
@@ -62,7 +56,6 @@ def free() -> Problem:
 
 
 def _largest(found: Real, reference: Real) -> float:
-    """Return the largest relative error of common frequencies."""
     n = min(len(found), len(reference))
     return float(np.abs(found[:n] / reference[:n] - 1).max())
 
@@ -89,10 +82,7 @@ def _navier_hz(plate: Plate) -> Real:
 
 
 def mixed_edges() -> Problem:
-    """Compare a plate with edges S and F with Levy's solution.
-
-    Ritz's functions satisfy only the edges S.
-    """
+    """Compare a plate with edges S and F with Levy's solution."""
     p_x, p_y = degrees(MIXED, MIXED_TO_HZ)
     ritz = partial(_ritz_hz, MIXED, MIXED_TO_HZ)
     return Problem(
@@ -108,8 +98,6 @@ def mixed_edges() -> Problem:
 def levy_hz() -> Real:
     """Return Levy's frequencies of a plate between two edges S.
 
-    The shapes are sines along x and four functions along y.
-
     Leissa, Vibration of Plates, NASA SP-160 (1969), section 4.2. Hyperbolic functions are divided by their growth.
     """
     k_max = math.sqrt(2 * math.pi * MIXED_TO_HZ / MIXED.wave_constant_m2_per_s)
@@ -119,10 +107,7 @@ def levy_hz() -> Real:
 
 
 def _wavenumbers(along_rad_per_m: float, k_max_rad_per_m: float) -> Iterator[float]:
-    """Yield the roots of the even and the odd condition.
-
-    The lowest root is just below the wavenumber along x.
-    """
+    """Yield the roots of the even and the odd condition."""
     from scipy.optimize import brentq
 
     scan = np.linspace(0.5 * along_rad_per_m, max(k_max_rad_per_m, along_rad_per_m), N_SCANNED)
@@ -151,10 +136,7 @@ def _condition(k: float, a: float, parity: int) -> float:
 
 
 def field_grid() -> Problem:
-    """Compare splines between grid points with the field itself.
-
-    The error is the maximum norm over the peak.
-    """
+    """Compare splines between grid points with the field itself."""
     modes = modes_of(A4_SCREEN, FIELD_TO_HZ)
     amplitude = np.cos(np.arange(len(modes.frequency_hz)) * 2.4)
     n = np.arange(N_POINTS)
@@ -181,7 +163,6 @@ def _field_error(points: tuple[Real, Real], found: tuple[Real, Real, Real] | Rea
 
 
 def _sines(amplitude: Real, points: tuple[Real, Real]) -> Real:
-    """Return the sum of Navier's shapes, in order of frequency."""
     m, n = np.meshgrid(np.arange(1, 80), np.arange(1, 80), indexing="ij")
     k2 = (m / A4_SCREEN.length_m) ** 2 + (n / A4_SCREEN.width_m) ** 2
     order = np.argsort(k2, axis=None, kind="stable")[: len(amplitude)]

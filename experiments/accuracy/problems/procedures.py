@@ -40,10 +40,7 @@ class Method:
 
 
 def problem() -> Problem:
-    """Simulate two-alternative tasks with varying thresholds.
-
-    The standard deviation between participants is 3 dB.
-    """
+    """Simulate two-alternative tasks with varying thresholds."""
     return Problem(
         f"rms error of the threshold as a part of the amplitude, two alternatives, {N_RUNS} simulated runs",
         reference=Reference("the threshold that was simulated", lambda: np.zeros(1), 0.0),
@@ -58,10 +55,7 @@ def problem() -> Problem:
 
 
 def _errors_db(method: Method, n_trials: int) -> Real:
-    """Return the errors (n_runs,) for the same participants.
-
-    A run without a threshold counts as the middle.
-    """
+    """Return the errors (n_runs,); a run without a threshold is the middle."""
     rngs = [np.random.default_rng(seed) for seed in np.random.SeedSequence(0).spawn(N_RUNS)]
     true_db = [MIDDLE_DB + SD_DB * float(rng.standard_normal()) for rng in rngs]
     runs = [_run(method.rule(n_trials).begin(rng), own_db, rng) for own_db, rng in zip(true_db, rngs, strict=True)]
@@ -78,10 +72,7 @@ def _run(procedure: Procedure, threshold_db: float, rng: np.random.Generator) ->
 
 
 def _chance(above_db: float) -> float:
-    """Return the Gumbel function in explicit form.
-
-    It is one half at 0 and rises from 0.05 to 0.95 over the width.
-    """
+    """Return the Gumbel function in explicit form."""
     spread = math.log(-math.log(0.05)) - math.log(-math.log(0.95))
     unscaled = -math.expm1(-math.log(2) * math.exp(spread * above_db / WIDTH_DB))
     return GUESS_RATE + (1 - GUESS_RATE - LAPSE_RATE) * unscaled
@@ -112,7 +103,6 @@ def _by_fit(runs: Sequence[Run]) -> list[float | None]:
 
 
 def _by_rule(runs: Sequence[Run]) -> list[float | None]:
-    """Return the mean of the reversals, or of the posterior."""
     return [procedure.threshold for procedure, _ in runs]
 
 
@@ -126,10 +116,7 @@ METHODS = {
 
 
 def group_threshold() -> Problem:
-    """Simulate groups of participants and their mean threshold.
-
-    The standard deviation of thresholds is 5 dB. There are 16 trials at each of ten levels.
-    """
+    """Simulate groups of participants and their mean threshold."""
     return Problem(
         f"standard error of the group's threshold as a part of the amplitude, {N_GROUPS} simulated groups",
         reference=Reference("the mean that was simulated", lambda: np.array([MIDDLE_DB]), 0.0),
@@ -140,7 +127,6 @@ def group_threshold() -> Problem:
 
 
 def _group_means_db(n_participants: int) -> Real:
-    """Return mean fitted thresholds (n_groups,)."""
     rng = np.random.default_rng(0)
     true_db = MIDDLE_DB + GROUP_SD_DB * rng.standard_normal((N_GROUPS, n_participants))
     chances = GROUP_FUNCTION.probability(GROUP_LEVELS_DB - true_db[..., None] + MIDDLE_DB)

@@ -35,10 +35,7 @@ Samples = tuple[Real, Real]
 
 
 def panel() -> Problem:
-    """Compare the electrostatic force of `electrovibration-panel`.
-
-    The force is linear between samples. The error is over its peak.
-    """
+    """Compare the electrostatic force of `electrovibration-panel`."""
     scene = load_scene(path_of("electrovibration-panel"))
     force = partial(_samples, scene, "electrostatic_force_n")
     return Problem(
@@ -104,17 +101,13 @@ def _surface(scene: SceneFile) -> Any:
 
 
 def _samples(scene: SceneFile, output: str, accuracy: float) -> Samples:
-    """Return times and values of an output at an accuracy."""
     plan = replace(scene.scene, outputs=("t_s", output), accuracy=accuracy).resolve()
     values = plan.run({name: scene.given[name] for name in plan.given})
     return values["t_s"], values[output]
 
 
 def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
-    """Return the displacement by a drive computed sample by sample.
-
-    The drive is recorded and then emitted.
-    """
+    """Return the displacement by a drive computed sample by sample."""
     surface, (screen, cutoff_hz) = _surface(scene), _screen(scene)
     focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.f_max_hz, surface.flank_hz)
     timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.f_max_hz}
@@ -131,7 +124,6 @@ def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
 
 
 def _screen(scene: SceneFile) -> tuple[Screen, float]:
-    """Return the screen of a scene, and the end of its audible band."""
     effects, surface = {effect.kind: vars(effect) for effect in scene.scene.effects}, _surface(scene)
     patches = border(surface.plate, surface.n_transducers, effects["patches"]["side_m"], surface.inset_m)
     shear_factor = 5 / 6 if "shear" in effects else None
@@ -140,10 +132,7 @@ def _screen(scene: SceneFile) -> tuple[Screen, float]:
 
 
 def _band_limited(signal: Signal, band: Band) -> Signal:
-    """Return finer samples of the band-limited signal.
-
-    The margins before and after are equal.
-    """
+    """Return finer samples of the band-limited signal."""
     n = signal.samples.shape[1]
     gain = band.at(np.asarray(np.fft.rfftfreq(3 * n, 1 / signal.rate_hz), dtype=np.float64))
     lines = np.fft.rfft(np.pad(signal.samples, ((0, 0), (n, n)))) * gain

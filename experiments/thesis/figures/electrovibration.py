@@ -29,12 +29,7 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)
 
 
 def input_against_position(textures: Mapping[str, Texture | Velvet], *, voltage_v: float = 100.0) -> "Figure":
-    """Plot voltage against finger position, a panel per texture.
-
-    The carrier is thin, the envelope thick.
-
-    The envelope is ``V0 sqrt(share)``. The carrier is lower than a real one so that it can be seen.
-    """
+    """Plot voltage against finger position, a panel per texture."""
     x_m = np.linspace(0, LENGTH_M, 8001)
     figure, axes = _panels(len(textures), 1, (7.0, 1.0 + 1.3 * len(textures)), sharex="all")
     for ax, (name, texture), colour in zip(axes, textures.items(), cycle(COLOURS), strict=False):
@@ -52,10 +47,7 @@ def input_against_position(textures: Mapping[str, Texture | Velvet], *, voltage_
 
 
 def force_against_area(*, voltage_v: float = 100.0) -> "Figure":
-    """Plot the force just after a step against contact area.
-
-    The force is electrostatic, with a line per law.
-    """
+    """Plot the force just after a step against contact area."""
     areas_m2 = np.geomspace(LARGEST_M2 / 100, LARGEST_M2, 60)
     figure, (ax,) = _panels(1, 1, (6.0, 4.0))
     for law, colour, dash in zip(LAWS, cycle(COLOURS), cycle(DASHES), strict=False):
@@ -69,10 +61,7 @@ def force_against_area(*, voltage_v: float = 100.0) -> "Figure":
 
 
 def skin_properties() -> "Figure":
-    """Plot resistivity and relative permittivity against frequency.
-
-    Both are of two layers, from unverified tables.
-    """
+    """Plot resistivity and relative permittivity against frequency."""
     layers = {"stratum corneum (unverified)": STRATUM_CORNEUM, "deeper tissue (unverified)": DEEPER_TISSUE}
     figure, axes = _panels(1, 2, (8.0, 3.6))
     for (name, layer), colour, dash in zip(layers.items(), cycle(COLOURS), cycle(DASHES), strict=False):
@@ -91,10 +80,7 @@ def skin_properties() -> "Figure":
 def force_for_inputs(
     areas_m2: Sequence[float] = (0.5e-4, 1.0e-4, 1.5e-4),
 ) -> "Figure":
-    """Plot voltage and force over time of a step, trapezoid and sine.
-
-    There is a line per contact area.
-    """
+    """Plot voltage and force over time of a step, trapezoid and sine."""
     shown = {
         "step": Step(onset_s=1e-3, duration_s=6e-3).pieces(LEVEL_DB),
         "trapezoid": Trapezoid(rise_s=1e-3, high_s=3e-3, fall_s=1e-3, low_s=3e-3, duration_s=16e-3).pieces(LEVEL_DB),
@@ -118,10 +104,7 @@ def force_for_inputs(
 
 
 def contact_ellipse(prints: Sequence[Print] = UNVERIFIED_PRINTS) -> "Figure":
-    """Plot the contact ellipse at each force, and its area.
-
-    The area has the power law that fits best.
-    """
+    """Plot the contact ellipse at each force, and its area."""
     from matplotlib.patches import Ellipse
 
     figure, (left, right) = _panels(1, 2, (8.0, 3.8))

@@ -1,7 +1,4 @@
-"""Figures of a focus and of the four driving signals.
-
-They are maps, cross-sections, scans per band, spectra and time signals.
-"""
+"""Figures of a focus and of the four driving signals."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -28,10 +25,7 @@ N_X, N_Y = 301, 213
 
 
 def displacement_map(screen: Screen, focus: Point, emission: Emission) -> Figure:
-    """Plot the plate at the focus instant (thesis 3.8).
-
-    A cross-section passes through the focus.
-    """
+    """Plot the plate at the focus instant (thesis 3.8)."""
     figure, (left, right) = sheet(1, 2, width_in=9.6, height_in=3.4)
     x, y = grid(screen, N_X, N_Y)
     at_focus = _focus_instant(screen, focus, emission)
@@ -55,10 +49,7 @@ def scans_per_band(screen: Screen, focus: Point, bands: Sequence[Band], emission
 
 
 def amplitude_over_bandwidth(screens: Mapping[str, Screen], focus: Point, emission: Emission) -> Figure:
-    """Plot focus amplitude against bandwidth (thesis 3.11, 3.12).
-
-    There is a curve per transducer size.
-    """
+    """Plot focus amplitude against bandwidth (thesis 3.11, 3.12)."""
     figure, (axes,) = sheet()
     widths = np.linspace(2e3, emission.band.f_max_hz, 12)
     for (name, screen), colour in zip(screens.items(), colours(), strict=False):
@@ -69,10 +60,7 @@ def amplitude_over_bandwidth(screens: Mapping[str, Screen], focus: Point, emissi
 
 
 def frequency_response(responses: Responses, f_max_hz: float, voltage_v: float = VOLTAGE_V) -> Figure:
-    """Plot the response spectrum and the focus amplitude (thesis 3.14).
-
-    The spectrum at the focus is the mean over transducers.
-    """
+    """Plot the response spectrum and the focus amplitude (thesis 3.14)."""
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     f = np.fft.rfftfreq(responses.n_samples, 1 / responses.rate_hz)
     power = np.mean(np.abs(np.fft.rfft(responses.samples[0])) ** 2, axis=0)
@@ -85,10 +73,7 @@ def frequency_response(responses: Responses, f_max_hz: float, voltage_v: float =
 
 
 def decay_fit(response: FloatArray, rate_hz: float) -> Figure:
-    """Plot an impulse response with an exponential decay (thesis 4.11).
-
-    The decay is fitted by Schroeder's integration.
-    """
+    """Plot an impulse response with an exponential decay (thesis 4.11)."""
     fitted = tau_s(response, rate_hz)
     time_ms = np.arange(len(response)) / rate_hz * 1e3
     figure, (left, right) = sheet(1, 2, width_in=9.0, height_in=3.4)
@@ -107,10 +92,7 @@ def decay_fit(response: FloatArray, rate_hz: float) -> Figure:
 def noise_window(
     screen: Screen, focus: Point, emission: Emission, window_s: tuple[float, float] = (1e-3, 4e-3)
 ) -> Figure:
-    """Plot the time signal at the focus (thesis 4.13).
-
-    Its amplitude and the window of the noise are marked.
-    """
+    """Plot the time signal at the focus (thesis 4.13)."""
     time_ms, u = _course(screen, focus, emission)
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     axes.plot(time_ms, u, color=BLUE, linewidth=0.6)
@@ -177,10 +159,7 @@ def _map(figure: Figure, axes: Axes, at_m: Grid, displacement: Callable[[Grid], 
 
 
 def modulator_noise(rate_hz: float = 1e6, f_max_hz: float = 25e3, n_samples: int = 1 << 18) -> Figure:
-    """Plot the spectral density of quantisation noise (thesis 4.9).
-
-    The range is 0 to 25 kHz; transfer functions are included.
-    """
+    """Plot the spectral density of quantisation noise (thesis 4.9)."""
     from scipy.signal import welch
 
     rng = np.random.default_rng(0)
@@ -200,10 +179,7 @@ def modulator_noise(rate_hz: float = 1e6, f_max_hz: float = 25e3, n_samples: int
 
 
 def sound_spectra(spectra: Mapping[str, NoiseSpectrum], f_max_hz: float = 125e3) -> Figure:
-    """Plot sound pressure spectra of driving signals (thesis 4.25 to 4.27).
-
-    The range is 0 to 125 kHz; A-weighted levels are included.
-    """
+    """Plot sound pressure spectra of driving signals (thesis 4.25 to 4.27)."""
     figure, axes = sheet(2, (len(spectra) + 1) // 2, width_in=8.6, height_in=5.4)
     for one, (name, spectrum) in zip(axes, spectra.items(), strict=False):
         # bands of 500 Hz; samples above the last band are not drawn

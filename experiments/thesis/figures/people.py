@@ -1,7 +1,4 @@
-"""Figures of chapters 5 and 6 and of the appendices.
-
-They are about detection, forces, questionnaires and electrovibration.
-"""
+"""Figures of chapters 5 and 6 and of the appendices."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -20,7 +17,6 @@ from ...study.cells import WiredCell
 from ..reproduction import Reproduction
 from ..studies import FORCE, FORCES_ASSUME, cells_of, contact_of, experiment, sensation_db, simulated_trials, touches
 from . import electrovibration
-from .gallery import GALLERY
 
 if TYPE_CHECKING:
     from tactometry.analysis.outcomes.ratings import Ratings
@@ -33,9 +29,7 @@ PEOPLE = "Participants are simulated (signal detection; spread, slope and lapses
 
 
 def share_of_yes(people: SignalDetectionObserver, level_db: float, spread_db: float) -> float:
-    """Return the mean rate of "yes" over varying sensitivities.
-
-    The sensitivity of participants varies by `spread_db`.
+    """Return the mean rate of "yes" if sensitivities vary by `spread_db`.
 
     The rate is lapses / 2 + (1 - lapses) Phi(d' - c), integrated by the Gauss-Hermite rule.
     """
@@ -54,10 +48,7 @@ def _rate(study: str, cell: WiredCell, level_db: float) -> float:
 
 
 def rate_by_amplitude() -> Figure:
-    """Draw the detection rate against the amplitude of a focus (5.7).
-
-    There is a curve per force.
-    """
+    """Draw the detection rate against the amplitude of a focus (5.7)."""
     amplitudes_um, curves = [10 ** (level_db / 20) for level_db in FOCUS_LEVELS_DB], {}
     for cell in cells_of(FOCUS_STUDY):
         rates = [_rate(FOCUS_STUDY, cell, level_db) for level_db in FOCUS_LEVELS_DB]
@@ -77,10 +68,7 @@ def rate_by_frequency() -> Figure:
 
 
 def detection_rate(curves: Mapping[str, Curve], x_label: str, title: str = "", *, logarithmic: bool = False) -> Figure:
-    """Draw rates with markers of falling size.
-
-    Equal curves therefore stay visible.
-    """
+    """Draw rates with markers of falling size."""
     figure, (axes,) = sheet()
     looks = zip(colours(), "osD^v<>", (11, 8, 5, 4, 4, 4, 4), strict=False)
     for (name, (x, rates)), (colour, marker, size) in zip(curves.items(), looks, strict=False):
@@ -138,10 +126,7 @@ def word_pairs(*patterns: str) -> Figure:
 
 
 def grouped_word_pairs(factor: str) -> Figure:
-    """Draw the mean profiles by frequency or envelope (5.12, 5.13).
-
-    The single focus is shown for comparison.
-    """
+    """Draw the mean profiles by frequency or envelope (5.12, 5.13)."""
     grouped = ratings_of_patterns().grouped
     assert grouped is not None, "the built-in study rates all patterns"
     profile = grouped[grouped["of"] == factor]
@@ -178,26 +163,12 @@ PROFILES: dict[str, tuple[str, Callable[[], Figure], str]] = {
     **{f"A.{n + 1}": (f"Pattern P{n} by word pairs", partial(word_pairs, f"P{n}"), "") for n in range(7)},
 }
 ITEMS = {
-    "figure-5.4": Reproduction(
-        title="Loss of amplitude against force, at P1 and at the focus",
-        stated="6 % and up to 30 % at 2 N (page 3): finding-2.",
-        assumes="The finger is set to these losses; other contactors and the growth with force are unverified.",
-        drawing=GALLERY["5.4-force-loss"],
-        origin="calibrated",
-    ),
     "figure-5.7": Reproduction(
         title="Mean detection rate against amplitude",
         stated="A threshold of about 10 um (page 4): finding-1.",
         assumes=f"{PEOPLE} The threshold of 10 um is an input.",
         drawing=rate_by_amplitude,
         origin="calibrated",
-    ),
-    "figure-5.8": Reproduction(
-        title="Patterns tested",
-        stated="200 Hz and a cardinal sine are among them (page 4).",
-        assumes="The other frequency and envelopes, and the duration, are unverified defaults.",
-        drawing=GALLERY["5.8-patterns"],
-        origin="assumed",
     ),
     **{
         f"figure-{number}": Reproduction(

@@ -1,7 +1,4 @@
-"""Figures of the prototype and the force-loss study.
-
-They are thesis 4.6 (variability), 5.4 and 5.5.
-"""
+"""Figures of the prototype and the force-loss study."""
 
 from collections.abc import Mapping, Sequence
 
@@ -36,10 +33,7 @@ def layout(screen: Screen, foci: Sequence[Point]) -> Figure:
 
 
 def amplitude_per_transducer(contributions_m: FloatArray) -> Figure:
-    """Plot the mean amplitude of each transducer alone (thesis 4.29).
-
-    Bars are standard deviations over foci.
-    """
+    """Plot the mean amplitude of each transducer alone (thesis 4.29)."""
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     number = np.arange(1, contributions_m.shape[1] + 1)
     mean, spread = contributions_m.mean(axis=0) * 1e6, contributions_m.std(axis=0, ddof=1) * 1e6
@@ -72,10 +66,7 @@ def amplitude_by_subset(amplitudes_m: Mapping[str, FloatArray]) -> Figure:
 
 
 def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
-    """Plot the resolution of each focus along x and y (thesis 4.34).
-
-    That of a diffuse field is included.
-    """
+    """Plot the resolution of each focus along x and y (thesis 4.34)."""
     figure, (axes,) = sheet(width_in=7.2)
     number = np.arange(1, len(widths_m) + 1)
     axes.plot(number, widths_m[:, 0] * 1e3, "o", color=BLUE, label="along x")
@@ -86,10 +77,7 @@ def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
 
 
 def loss_over_force(rows: Sequence[LossRow], measured: Sequence[LossRow] = ()) -> Figure:
-    """Plot amplitude loss against force, a panel per place (5.4, 5.5).
-
-    Measured rows are open markers.
-    """
+    """Plot amplitude loss against force, a panel per place (5.4, 5.5)."""
     places = list(dict.fromkeys(row.place for row in rows))
     figure, axes = sheet(1, len(places), width_in=4.6 * len(places) + 1.0, height_in=3.8)
     for one, place in zip(axes, places, strict=True):

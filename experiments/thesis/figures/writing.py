@@ -18,10 +18,7 @@ HEAD = ("panel", "curve", "x_label", "x", "y_label", "y", "place")
 
 
 def write_drawing(figure: Figure, folder: Path, name: str) -> None:
-    """Write NAME.png, and NAME.csv with a row for each curve point.
-
-    Raises `DeviceFailed` if a file cannot be written.
-    """
+    """Write NAME.png, and NAME.csv with a row for each curve point."""
     picture = folder / f"{name}.png"
     with attempt(picture, "cannot write", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,4 @@
-"""Checks of group tests and intervals from answers.
-
-They use fitted thresholds and the hierarchical model.
-"""
+"""Checks of group tests and intervals from answers."""
 
 import math
 from collections.abc import Mapping
@@ -34,10 +31,7 @@ FIRST, LAST = 0.0, float(N_CONDITIONS - 1)
 
 
 def study(cell_sd_db: float, effect_db: float, rng: np.random.Generator) -> list[Cell]:
-    """Simulate cells of participants.
-
-    Thresholds rise from the first condition to the last in equal steps.
-    """
+    """Simulate a study whose thresholds rise by equal steps of conditions."""
     people = MEAN_DB + PARTICIPANT_SD_DB * rng.standard_normal((N_PARTICIPANTS, 1))
     own = cell_sd_db * rng.standard_normal((N_PARTICIPANTS, N_CONDITIONS))
     at = people + own + effect_db * (np.arange(N_CONDITIONS) / LAST - 0.5)
@@ -88,10 +82,7 @@ def tested(cells: list[Cell]) -> dict[str, float]:
 
 
 def estimated(cells: list[Cell]) -> dict[str, Estimate]:
-    """Return the last condition minus the first by each method.
-
-    Each estimate has its interval.
-    """
+    """Return the last condition minus the first by each method."""
     of_pairs = of_group = NO_ANSWER
     with suppress(InvalidParameter):  # a cell without a threshold
         compared = pairs(_fitted(cells), dependent="threshold", factor=FACTOR, subject="participant")

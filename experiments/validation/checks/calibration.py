@@ -91,10 +91,7 @@ def of_fit(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
-    """Draw parameters (n, 4) from the prior.
-
-    They are threshold, width, lapse rate and guess rate, drawn by inverse distribution functions.
-    """
+    """Draw threshold, width, lapse and guess rate (n, 4) from the prior."""
     none = np.zeros(1)
     prior = model.prior(np.array([LEVELS[1] - LEVELS[0]]), none, none)
     narrowest = prior.narrowest
@@ -116,7 +113,6 @@ def from_prior(model: FitModel, n: int, rng: np.random.Generator) -> Array:
 
 
 def _log_rate(x: Array, beta: float) -> Array:
-    """Return the log density of a rate without answers to catch trials."""
     return log_rate(x, np.zeros(1), np.zeros(1), beta)[0]
 
 
@@ -140,9 +136,9 @@ def rank(truth: Array, quantiles: Array, rng: np.random.Generator) -> Array:
 
 
 def of_quest_plus(name: str, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Return ranks of the true threshold in the posterior of QUEST+.
+    """Return ranks of the true threshold in QUEST+'s posterior of a track.
 
-    Each posterior follows an adaptive track. The rank is random within the grid node that contains the true threshold.
+    The rank is random within the grid node that contains the true threshold.
     """
     guess_rate, n_trials = QUEST_PLUS[name]
     levels = tuple(np.arange(0.0, 41.0, 2.0).tolist())

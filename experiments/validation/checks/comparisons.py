@@ -1,7 +1,4 @@
-"""Checks of equality points and just noticeable differences.
-
-They are by spread of the function, trials and lapses.
-"""
+"""Checks of equality points and just noticeable differences."""
 
 from functools import partial
 from typing import Final

@@ -1,7 +1,4 @@
-"""Checks of tests and intervals of questionnaires.
-
-Simulated participants rate patterns of focused pulses.
-"""
+"""Checks of tests and intervals of questionnaires."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -92,10 +89,7 @@ def false_alarms(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def effects(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Estimate means and differences of patterns that are rated alike.
-
-    The truth is 0, as the scale is symmetric.
-    """
+    """Estimate means and differences of patterns that are rated alike."""
     rows = []
     for table in (scored(0.0, rng) for _ in range(n_sets)):
         pair = _against(table).iloc[0]

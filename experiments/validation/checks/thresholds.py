@@ -39,10 +39,7 @@ POSTERIOR: Final = ("mode", "median", "mean")
 
 
 def method_of_limits(guess_rate: float) -> MethodOfLimits:
-    """Return alternating series that begin in the outer quarter.
-
-    The track ends with its last trial.
-    """
+    """Return series that begin in the outer quarter and end with the trials."""
     del guess_rate
     return MethodOfLimits(LOW_DB, HIGH_DB, 4.0, n_series=1000, n_start_steps=2)
 
@@ -82,7 +79,6 @@ def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Ge
 
 
 def _of_rule(procedure: str, task: SimulatedTask, made: Tracks) -> pd.DataFrame:
-    """Return the estimates of the rule, with its target as the truth."""
     targets = {**TARGETS, "QUEST": 1 - (1 - task.guess_rate) / np.e}
     people = zip(made.thresholds_db, made.widths_db, strict=True)
     functions = [PsychometricFunction(SHAPE, at, width, task.guess_rate, LAPSE_RATE) for at, width in people]
@@ -103,19 +99,13 @@ def _of_fits(made: Tracks, told: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
 
 
 def _counts(made: Tracks) -> tuple[NDArray[np.float64], ...]:
-    """Return levels, answers and trials (n_sets, n_trials).
-
-    There are 0 trials after the end of a track.
-    """
+    """Return levels, answers and trials (0 after the end of a track)."""
     asked = ~np.isnan(made.levels_db)
     return np.where(asked, made.levels_db, 0.0), np.where(asked, made.answers, 0.0), asked.astype(np.float64)
 
 
 def _table(made: Tracks, fits: Iterable[ThresholdFit], estimates: Iterable[float | None]) -> pd.DataFrame:
-    """Return estimates and intervals.
-
-    Fits without a threshold have only bounds.
-    """
+    """Return estimates and intervals."""
     rows = [
         (None if fit.threshold is None else estimate, fit.interval_low, fit.interval_high)
         for fit, estimate in zip(fits, estimates, strict=True)
@@ -125,7 +115,6 @@ def _table(made: Tracks, fits: Iterable[ThresholdFit], estimates: Iterable[float
 
 
 def _of_groups(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray[Any]]) -> pd.DataFrame:
-    """Fit groups of participants in one condition hierarchically."""
     groups = [slice(first, first + N_GROUP) for first in range(0, len(made.answers), N_GROUP)]
     return pd.concat([_of_group(made, told, catch, members) for members in groups])
 

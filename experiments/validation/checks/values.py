@@ -1,7 +1,4 @@
-"""Checks of tests and intervals of values, by distribution of errors.
-
-The values are those of participants in conditions.
-"""
+"""Checks of tests and intervals of values, by distribution of errors."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -49,10 +46,7 @@ def studies(
 
 
 def long_table(values: NDArray[np.float64]) -> pd.DataFrame:
-    """Return a row per participant and condition of a study.
-
-    With `cut` low values are replaced by bounds.
-    """
+    """Return a row per participant and condition; `cut` hides low values."""
     shape = [range(length) for length in values.shape]
     table = pd.MultiIndex.from_product(shape, names=["participant", "condition"]).to_frame(index=False)
     y = values.ravel()
