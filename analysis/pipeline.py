@@ -1,4 +1,4 @@
-"""Analysis of a data set in five stages: trials, cells, estimates, outcomes, report."""
+"""Analysis of a data set in stages: trials, cells, estimates, outcomes, report."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,16 +14,16 @@ from .outcomes.categories import categories
 from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, group_fit
 from .outcomes.outcome import outcome
-from .outcomes.ratings import Ratings, ratings
+from .outcomes.ratings import ratings
 from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
 from .reading.course import happenings, sittings
-from .reading.origin import Origin, of_one_kind
+from .reading.origin import of_one_kind
 from .reading.quality import exclude, frames, quality, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
 from .report.methods import methods
-from .report.page import DrawEach, check_report, draw_figures, figures_of, sections_of, write_figures, write_report
+from .report.page import DrawEach, check_report, draw_figures, write_report
 from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells as counting
@@ -59,7 +59,7 @@ def analyse(
     touches: Callable[[], pd.DataFrame] | None = None,
     spread: DrawEach = map,
 ) -> Analysis:
-    """Analyse a data set or a trials file, and write the report and figures that are named.
+    """Analyse a data set or a trials file, and write its report and figures.
 
     Parameters
     ----------
@@ -95,104 +95,76 @@ def analyse(
     DeviceFailed
         If the report cannot be written or printed.
     """
-    expect(report is not None or not pdf, "--pdf", "no --report", "one: the PDF is printed from it")
     path = Path(path)
+    expect(report is not None or not pdf, "--pdf", "no --report", "one: the PDF is printed from it")
     if report is not None:
         check_report(Path(report))  # before the analysis, which may take minutes
 
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
-    notes = _group_notes(trials, trials.factors if within else ())
-    trials = replace(trials, notes=(*warnings, *notes, *trials.notes))
+    trials = replace(trials, notes=(*warnings, *trials.notes))
     analysis = analyse_trials(trials, plan or plan_of(path), replay if level_scale in (None, "linear") else None)
     if report is None and figures is None:
         return analysis
 
     if touches is not None and len(courses := touches()):
         analysis = replace(analysis, tables={**analysis.tables, "touches": courses})
-    sections = sections_of(analysis)
-    if figures is not None:
-        svgs = write_figures(analysis, Path(figures), sections, spread)
-        analysis = replace(analysis, figures_folder=Path(figures))
-    else:
-        svgs = draw_figures(figures_of(analysis, sections), spread)
-    return analysis if report is None else write_report(analysis, report, pdf=pdf, sections=sections, svgs=svgs)
-
-
-def _group_notes(trials: Trials, within: Sequence[str]) -> list[str]:
-    """Name the factors of `within` that vary between participants only."""
-    levels = trials.rows.groupby("participant")[list(within)].nunique() if within else pd.DataFrame()
-    apart = [name for name in within if levels[name].max() < 2 and trials.rows[name].nunique() > 1]
-    return [f"--within {name}: it differs between participants, each of whom has one of its levels" for name in apart]
+    folder = None if figures is None else Path(figures)
+    svgs = draw_figures(analysis, spread, folder)
+    analysis = replace(analysis, figures_folder=folder)
+    return analysis if report is None else write_report(analysis, report, pdf=pdf, svgs=svgs)
 
 
 def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:
-    """Return all estimates, tables and warnings of a trials table; nothing is written."""
-    trials = select_trials(everything, plan or AnalysisPlan())
-    cells = count_cells(trials)
-    estimates = estimate_cells(cells, replay)
-    outcomes = compare_conditions(estimates)
-    return report_outcomes(outcomes)
-
-
-@dataclass(frozen=True)
-class SelectedTrials:
-    """Stage 1: the trials that count; `everything` includes those that the plan leaves out."""
-
-    everything: Trials
-    trials: Trials
-    plan: AnalysisPlan
-    origin: Origin
-    quality: pd.DataFrame
-    excluded: pd.DataFrame
-
-
-def select_trials(everything: Trials, plan: AnalysisPlan) -> SelectedTrials:
-    """Apply the plan's exclusions to the trials of persons, or of simulated participants."""
+    """Analyse a trials table without writing anything."""
+    plan = plan or AnalysisPlan()
     plan.check(everything.factors)
     everything, origin = of_one_kind(everything)
     recorded = quality(everything)
     trials, excluded = exclude(everything, plan.exclusion, recorded)
-    return SelectedTrials(everything, trials, plan, origin, recorded, excluded)
+
+    answers = _answers(everything, trials)
+    forms, direct = ratings(trials, plan.primary), _direct_tables(answers.used, trials.factors)
+    if not (answers.cells or forms or direct):
+        is_choice = used_rows(everything)["task"].isin(counting.CHOICES).any()
+        raise InvalidFile(f"{trials.path}: found {NOTHING}{UNSCORED if is_choice else ''}")
+
+    unit = counting.level_unit(trials)
+    fits = counting.estimates(answers.cells, unit)
+    thresholds = _threshold_table(answers, fits, trials.factors, unit, replay)
+    forces = force_of_participants(answers.used, trials.factors) if has_force(answers.used) else None
+
+    outcomes = tuple(_outcomes(thresholds, direct, trials.factors, plan, forces))
+    hierarchical = tuple(_hierarchical(fits, trials.factors, unit)) if plan.hierarchical else ()
+    study = study_text(trials.path, unit)
+    analysis = Analysis(trials, unit, tuple(fits), outcomes, {}, (), "", hierarchical, forms, plan, origin, study)
+
+    tables = {"quality": with_frames(recorded, frames(trials.path)), "excluded": excluded, **direct}
+    tables |= _curve_tables(answers, fits, thresholds, trials.factors) | _compared_tables(analysis)
+    if forces is not None:
+        tables |= {"force_participants": forces, "force": force_table(forces, trials.factors)}
+    jnds = next((outcome.group for outcome in outcomes if outcome.dependent == "jnd"), None)
+    tables[TESTS] = standard_tests(thresholds, answers.used, trials.factors, jnds)
+    tables |= {"categories": categories(trials), "sittings": sittings(origin.heads)}
+    tables["happenings"] = happenings(trials.path)
+    analysis = replace(analysis, tables={name: table for name, table in tables.items() if len(table)})
+    return replace(analysis, warnings=warnings_of(analysis), methods=methods(analysis))
 
 
 @dataclass(frozen=True)
-class Cells:
-    """Stage 2: answers by participant and condition; `direct` are the tables of tasks without a curve.
+class Answers:
+    """Used rows, those with a curve (`all_judged`: also excluded ones), and cells."""
 
-    `judged` are the used rows with a curve; `all_judged` include those that the plan leaves out.
-    """
-
-    selected: SelectedTrials
     used: pd.DataFrame
     judged: pd.DataFrame
     all_judged: pd.DataFrame
     cells: list[Cell]
-    direct: Tables
-    forms: tuple[Ratings, ...]
-
-    @property
-    def factors(self) -> tuple[str, ...]:
-        return self.selected.trials.factors
 
 
-def count_cells(selected: SelectedTrials) -> Cells:
-    """Count the answers of each participant in each condition, and score the questionnaires.
-
-    Raises
-    ------
-    InvalidFile
-        If there is nothing to analyse.
-    """
-    trials = selected.trials
-    all_used = used_rows(selected.everything)
+def _answers(everything: Trials, trials: Trials) -> Answers:
+    all_used = used_rows(everything)
     all_judged = counting.judgements(all_used)
     used, judged = (rows[rows.index.isin(trials.rows.index)] for rows in (all_used, all_judged))
-    found = counting.cells(counting.counted_answers(judged), trials.factors)
-    forms, direct = ratings(trials, selected.plan.primary), _direct_tables(used, trials.factors)
-    if not (found or forms or direct):
-        why = UNSCORED if all_used["task"].isin(counting.CHOICES).any() else ""
-        raise InvalidFile(f"{trials.path}: found {NOTHING}{why}")
-    return Cells(selected, used, judged, all_judged, found, direct, forms)
+    return Answers(used, judged, all_judged, counting.cells(counting.counted_answers(judged), trials.factors))
 
 
 def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
@@ -204,113 +176,64 @@ def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
     return {name: table for name, table in tables.items() if len(table)}
 
 
-@dataclass(frozen=True)
-class CellEstimates:
-    """Stage 3: a fit of each cell, and their `table` with goodness of fit and the procedure's own estimate."""
-
-    cells: Cells
-    fits: list[Estimate]
-    table: pd.DataFrame
-    unit: str
-    forces: pd.DataFrame | None
-
-
-def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
-    """Fit a psychometric function to each cell, and average the measured force."""
-    factors, unit = cells.factors, counting.level_unit(cells.selected.trials)
-    fits = counting.estimates(cells.cells, unit)
+def _threshold_table(
+    answers: Answers, fits: Sequence[Estimate], factors: Sequence[str], unit: str, replay: Replay | None
+) -> pd.DataFrame:
+    """Return all fits with goodness of fit and the estimates of the procedures."""
     table = counting.estimate_table(fits, factors, unit)
-    if len(table):
-        # The procedure saw all answers, also those that the plan leaves out.
-        table = table.join(rule_columns(counting.counted_answers(cells.all_judged), factors, fits, replay))
-        options = {(task, n): CURVES[task].options(n, unit) for task, n in counting.curves_of(cells.cells)}
-        answers, rng = counting.counted_answers(cells.judged), np.random.default_rng(SEED)
-        table = table.join(goodness_columns(answers, factors, fits, options, rng, counting.COUNTING))
-    forces = force_of_participants(cells.used, factors) if has_force(cells.used) else None
-    return CellEstimates(cells, fits, table, unit, forces)
+    if table.empty:
+        return table
+    # The procedure saw all answers, including excluded ones.
+    table = table.join(rule_columns(counting.counted_answers(answers.all_judged), factors, fits, replay))
+    options = {(task, n): CURVES[task].options(n, unit) for task, n in counting.curves_of(answers.cells)}
+    judged, rng = counting.counted_answers(answers.judged), np.random.default_rng(SEED)
+    return table.join(goodness_columns(judged, factors, fits, options, rng, counting.COUNTING))
 
 
-@dataclass(frozen=True)
-class Outcomes:
-    """Stage 4: comparisons of conditions for each dependent value, and all participants fitted at once."""
-
-    estimates: CellEstimates
-    outcomes: tuple[Outcome, ...]
-    hierarchical: tuple[HierarchicalOutcome, ...]
-
-
-def compare_conditions(estimates: CellEstimates) -> Outcomes:
+def _outcomes(
+    thresholds: pd.DataFrame,
+    direct: Tables,
+    factors: Sequence[str],
+    plan: AnalysisPlan,
+    forces: pd.DataFrame | None,
+) -> Iterator[Outcome]:
     """Compare the conditions in each dependent value of each task."""
-    is_planned = estimates.cells.selected.plan.hierarchical
-    return Outcomes(estimates, tuple(_outcomes(estimates)), tuple(_hierarchical(estimates)) if is_planned else ())
-
-
-def _outcomes(estimates: CellEstimates) -> Iterator[Outcome]:
-    plan, factors = estimates.cells.selected.plan, estimates.cells.factors
-    tables = dict(estimates.cells.direct)
-    if len(estimates.table):
-        tables |= {str(task): rows for task, rows in estimates.table.groupby("task")}
+    tables = dict(direct)
+    if len(thresholds):
+        tables |= {str(task): rows for task, rows in thresholds.groupby("task")}
     for task in (task for task in ANALYSES if task in tables):
         results = RESULTS.get(task, Results({}))
         compared = tables[results.compared or task]
         conditions = [name for name in (*factors, *results.further) if name in compared.columns]
-        forces = estimates.forces if set(conditions) == set(factors) else None  # known by the factors alone
+        of_forces = forces if set(conditions) == set(factors) else None  # known by the factors alone
         bounds = plan.equivalence if results.in_levels else {}  # in the unit of the levels
         for dependent in ANALYSES[task].dependents:
-            yield outcome(compared, conditions, task, dependent, forces=forces, bounds=bounds, primary=plan.primary)
+            yield outcome(compared, conditions, task, dependent, forces=of_forces, bounds=bounds, primary=plan.primary)
 
 
-def _hierarchical(estimates: CellEstimates) -> Iterator[HierarchicalOutcome]:
+def _hierarchical(estimates: Sequence[Estimate], factors: Sequence[str], unit: str) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
-        fits = {estimate.cell: estimate.fit for estimate in estimates.fits if estimate.cell.task == task}
-        fit = group_fit(list(fits), estimates.cells.factors, estimates.unit, fits) if fits else None
+        fits = {estimate.cell: estimate.fit for estimate in estimates if estimate.cell.task == task}
+        fit = group_fit(list(fits), factors, unit, fits) if fits else None
         if fit is not None:
             yield fit
 
 
-def report_outcomes(outcomes: Outcomes) -> Analysis:
-    """Stage 5: collect all tables, warnings and the methods text."""
-    estimates, cells = outcomes.estimates, outcomes.estimates.cells
-    selected = cells.selected
-    analysis = Analysis(
-        trials=selected.trials,
-        unit=estimates.unit,
-        estimates=tuple(estimates.fits),
-        outcomes=outcomes.outcomes,
-        hierarchical=outcomes.hierarchical,
-        forms=cells.forms,
-        plan=selected.plan,
-        tables={},
-        origin=selected.origin,
-        study=study_text(selected.everything.path, estimates.unit),
-    )
-    path = selected.everything.path
-    tables = {"quality": with_frames(selected.quality, frames(path)), "excluded": selected.excluded, **cells.direct}
-    tables |= _curve_tables(estimates) | _compared_tables(analysis)
-    if estimates.forces is not None:
-        tables |= {"force_participants": estimates.forces, "force": force_table(estimates.forces, cells.factors)}
-    jnds = next((one.group for one in outcomes.outcomes if one.dependent == "jnd"), None)
-    tables[TESTS] = standard_tests(estimates.table, cells.used, cells.factors, jnds)
-    tables |= {"categories": categories(selected.trials), "sittings": sittings(selected.origin.heads)}
-    tables["happenings"] = happenings(path)
-    analysis = replace(analysis, tables={name: rows for name, rows in tables.items() if len(rows)})
-    return replace(analysis, warnings=warnings_of(analysis), methods=methods(analysis))
-
-
-def _curve_tables(estimates: CellEstimates) -> Tables:
-    cells, factors = estimates.cells, estimates.cells.factors
-    if not estimates.fits:
+def _curve_tables(
+    answers: Answers, fits: Sequence[Estimate], thresholds: pd.DataFrame, factors: Sequence[str]
+) -> Tables:
+    if not fits:
         return {}
-    counts = counting.count_table(cells.cells, factors)
+    counts = counting.count_table(answers.cells, factors)
     return {
-        "thresholds": estimates.table,
-        "goodness": goodness_table(estimates.table),
+        "thresholds": thresholds,
+        "goodness": goodness_table(thresholds),
         "rates": counting.detection_rates(counts, factors),
         "mean_rates": counting.mean_rates(counts, factors),
         "counts": counts,
-        "tracks": tracks(cells.judged, factors),
-        FLOORS: lowest_levels(cells.cells, factors),
-        LAPSES: lapse_table(estimates.fits, factors),
+        "tracks": tracks(answers.judged, factors),
+        FLOORS: lowest_levels(answers.cells, factors),
+        LAPSES: lapse_table(fits, factors),
     }
 
 

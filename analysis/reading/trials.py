@@ -150,8 +150,8 @@ def _between_notes(rows: pd.DataFrame, within: Sequence[str]) -> Iterator[str]:
     for name in within:
         if rows[name].nunique() > 1 and rows.groupby("participant")[name].nunique().max() == 1:
             yield (
-                f"{name} differs between participants: each has one value of it, although --within names it; check the "
-                "codes of participants if their conditions were to repeat"
+                f"--within {name}: it differs between participants, each of whom has one of its levels; check the "
+                "participant codes if each participant had several"
             )
 
 

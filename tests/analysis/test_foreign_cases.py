@@ -296,7 +296,7 @@ def test_reason_names_the_factor_between_participants(capsys):
         "by the rule: every participant has a value, and A differs between participants"
     )
     assert outcome["anova"][0]["F"] == pytest.approx(2.33, abs=0.005)
-    assert warning(found, "A differs between participants")
+    assert warning(found, "--within A: it differs between participants")
 
 
 def test_group_of_one_has_no_anova(capsys):
