@@ -110,6 +110,11 @@ class Details:
     is_open: bool = False
 
 
+def details(title: str, table: pd.DataFrame, factors: Sequence[str]) -> Details:
+    """Return a folded table whose title states the number of its rows."""
+    return Details(f"{title} ({len(table)} rows)", (grid(table, factors),))
+
+
 Content = Lead | Heading | TextGrid | Sentences | Folded | Figure | Details
 Blocks = Iterator[Content]
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from ...result import Analysis
 from ..section import Heading, Lead, ResultKind, Section, TextGrid, rows_of
 
-LEAD = "Participants by their answers; nothing is tested by them, and nobody is left out for one."
+LEAD = "Number of participants by answer. These answers are neither tested nor a reason for exclusion."
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
