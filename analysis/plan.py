@@ -70,9 +70,6 @@ def read_plan(path: str | Path) -> AnalysisPlan:
 def plan_of(path: Path) -> AnalysisPlan:
     """Return the plan in `[analysis]` of a data set's study, else the empty plan.
 
-    Raises
-    ------
-    InvalidFile
-        If the study cannot be read, or its table contains unknown keys.
+    Raises `InvalidFile` if the study cannot be read, or its table contains unknown keys.
     """
     return study_table(path, "analysis", lambda table: build(AnalysisPlan, as_si(dict(table), "analysis"), "analysis"))

@@ -36,10 +36,7 @@ def _changes(heads: Sequence[Head]) -> list[str]:
 def happenings(path: Path) -> pd.DataFrame:
     """Return the reported events of all sessions with their times (s).
 
-    Raises
-    ------
-    InvalidFile
-        If a file of events lacks a column.
+    Raises `InvalidFile` if a file of events lacks a column.
     """
     files = sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []
     tables = [table for file in files if len(table := _told(file))]

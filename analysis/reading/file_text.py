@@ -31,10 +31,7 @@ _JSON_LIST = re.compile(r"\s*\[\s*[{\]]")
 def file_text(file: Path, *, verbatim: bool = False) -> str:
     """Read UTF-8 text, normalised by `plain_text` unless `verbatim`.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, is empty, or is not UTF-8 text.
+    Raises `InvalidFile` if the file cannot be read, is empty, or is not UTF-8 text.
     """
     content = read_file(file, "a table of trials")
     kinds = [kind for signature, kind in SIGNATURES if content.startswith(signature)]

@@ -26,10 +26,7 @@ def frames(path: Path) -> pd.DataFrame:
 
     Empty without events of frames: outside of a data set folder, or if nothing was shown on a screen.
 
-    Raises
-    ------
-    InvalidFile
-        If a file of events lacks a column, or a column contains other values than counts.
+    Raises `InvalidFile` if a file of events lacks a column, or a column contains other values than counts.
     """
     files = sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []
     tables = [table for file in files if len(table := _frames_of_session(file))]
@@ -196,10 +193,7 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
     The rows keep their index. The table of exclusions has the columns `participant, rule, bound, n_trials`. `quality`
     is that of the trials (`reading.quality`), whose shares the rules on participants use.
 
-    Raises
-    ------
-    InvalidParameter
-        If the table lacks a column that a rule needs.
+    Raises `InvalidParameter` if the table lacks a column that a rule needs.
     """
     rows = trials.rows
     lost: list[tuple[object, ...]] = []

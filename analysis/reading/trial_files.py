@@ -32,10 +32,7 @@ def trial_files(path: Path, *, foreign: bool = False) -> list[Path]:
 
     With `foreign`, a folder may also contain tables of another program, directly or in ``data``.
 
-    Raises
-    ------
-    InvalidFile
-        If there is none.
+    Raises `InvalidFile` if there is none.
     """
     if path.is_file():
         return [path]

@@ -168,10 +168,7 @@ def trials_in(
     The names of files that are `named_by_us` contain the participant. Columns of numbers, counts and flags may also be
     floats, which are not checked.
 
-    Raises
-    ------
-    InvalidFile, InvalidParameter
-        As `read_trials`.
+    Raises `InvalidFile` or `InvalidParameter` as `read_trials`.
     """
     same_columns = _with_same_columns if named_by_us else with_all_columns
     tables = same_columns({file: _checked_table(table, file) for file, table in texts.items()})
@@ -214,10 +211,7 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
 def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
     """Give all tables the same columns; tables without `ADDED` get empty ones.
 
-    Raises
-    ------
-    InvalidFile
-        If one has other columns than the first.
+    Raises `InvalidFile` if one has other columns than the first.
     """
     header = list(max(tables.values(), key=lambda table: len(ADDED.intersection(table.columns))).columns)
     whole = {file: _with_added(table, header) for file, table in tables.items()}

@@ -88,10 +88,7 @@ def draw_figures(analysis: Analysis, spread: DrawEach = map, folder: Path | None
     With a `folder`, also write each as SVG and PNG (300 dots per inch) with the table of its numbers. `spread`
     distributes the drawing over processes.
 
-    Raises
-    ------
-    DeviceFailed
-        If something cannot be written.
+    Raises `DeviceFailed` if something cannot be written.
     """
     figures, svgs = figures_of(analysis), {}
     drawn = spread(partial(_drawn, with_png=folder is not None), figures)
@@ -186,10 +183,7 @@ def _with_unique_names(svg: str, n: int) -> str:
 def print_pdf(path: Path) -> Path:
     """Print the page to a PDF in the same folder.
 
-    Raises
-    ------
-    DeviceFailed
-        If there is neither browser nor WeasyPrint, or it fails.
+    Raises `DeviceFailed` if there is neither browser nor WeasyPrint, or it fails.
     """
     engine = next(filter(None, map(shutil.which, (*BROWSERS, WEASYPRINT))), None)
     if engine is None:

@@ -75,10 +75,7 @@ ORDERS = {
 def study_text(path: Path, unit: str) -> StudyText:
     """Return title, procedure and force of the study in the folder `path`; empty without a study.
 
-    Raises
-    ------
-    InvalidFile
-        If the study cannot be read.
+    Raises `InvalidFile` if the study cannot be read.
     """
     file = path / "study.toml"
     if not file.is_file():
