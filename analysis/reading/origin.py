@@ -53,7 +53,7 @@ class Origin:
         """
         if not self.is_simulated:
             return ""
-        felt = "".join(f"What was played was felt through these effects: {words}. " for words in self.felt)
+        felt = "".join(f"The stimuli were perceived through these effects: {words}. " for words in self.felt)
         return f"The participants were simulated by Tactometry ({self._seeds}); no person took part. {felt}"
 
     @property
@@ -78,9 +78,9 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
         return trials, replace(origin, warnings=(origin.line.removesuffix("."), *warnings))
     if not mask.any():
         return trials, Origin(warnings=warnings, heads=known)
-    left_out = f"simulated participants share this table with people and are left out ({_codes(trials.rows[mask])})"
+    left_out = f"simulated participants in a table with real participants were excluded ({_codes(trials.rows[mask])})"
     kept = replace(trials, rows=trials.rows[~mask].reset_index(drop=True))
-    return kept, Origin(warnings=(f"{left_out}; analyse them apart", *warnings), heads=known)
+    return kept, Origin(warnings=(f"{left_out}; analyse them separately", *warnings), heads=known)
 
 
 def _heads_of(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
@@ -114,7 +114,7 @@ def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
     asked = rows[(rows["rig"] != "") & ~holds(rows, "valid", 0) & is_felt]
     silent = asked[asked["level_delivered"].isna()]
     if len(silent):
-        yield f"nothing was played where a level was to be felt ({_codes(silent)}): these answers are to no stimulus"
+        yield f"no stimulus was presented in trials with a level ({_codes(silent)}): these answers are invalid"
 
 
 def _codes(rows: pd.DataFrame) -> str:

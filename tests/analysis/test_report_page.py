@@ -104,7 +104,12 @@ def test_report_has_title_and_procedure_of_study(one) -> None:
     page = render(one)
     assert "<h1>Tutorial: is there a vibration under the finger? (simulated)</h1>" in page
     assert "Study tutorial: 1 participant" in page
-    order = ("<h3>Procedure", "no person took part.", "was felt through", "The conditions were frequency (60, 240 Hz).")
+    order = (
+        "<h3>Procedure",
+        "no person took part.",
+        "were perceived through",
+        "The conditions were frequency (60, 240 Hz).",
+    )
     places = [page.index(words) for words in order]
     assert places == sorted(places)
     assert "share of catch trials 20 %" in page
