@@ -1,4 +1,4 @@
-"""Distributions of test statistics by scipy.special, as scipy.stats is slow to load."""
+"""Distributions of test statistics (scipy.stats is slow to load)."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from scipy.special import chdtrc, chdtri, fdtrc, fdtri, gammaincinv, stdtr, stdt
 
 
 class Student:
-    """Student's t distribution with `df` degrees of freedom, which may be infinite."""
+    """Student's t distribution with `df` degrees of freedom, also infinite."""
 
     @staticmethod
     def cdf(t: Any, df: Any) -> Any:

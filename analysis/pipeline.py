@@ -1,4 +1,4 @@
-"""Analysis of a data set in stages: trials, cells, estimates, outcomes, report."""
+"""Analysis of a data set from trials to report."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -152,7 +152,10 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
 
 @dataclass(frozen=True)
 class Answers:
-    """Used rows, those with a curve (`all_judged`: also excluded ones), and cells."""
+    """Used rows, and rows of tasks with a curve with their cells.
+
+    `all_judged` includes the rows that the plan excludes.
+    """
 
     used: pd.DataFrame
     judged: pd.DataFrame
@@ -179,7 +182,7 @@ def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
 def _threshold_table(
     answers: Answers, fits: Sequence[Estimate], factors: Sequence[str], unit: str, replay: Replay | None
 ) -> pd.DataFrame:
-    """Return all fits with goodness of fit and the estimates of the procedures."""
+    """Return all fits with goodness of fit and the procedures' estimates."""
     table = counting.estimate_table(fits, factors, unit)
     if table.empty:
         return table
@@ -205,7 +208,7 @@ def _outcomes(
         results = RESULTS.get(task, Results({}))
         compared = tables[results.compared or task]
         conditions = [name for name in (*factors, *results.further) if name in compared.columns]
-        of_forces = forces if set(conditions) == set(factors) else None  # known by the factors alone
+        of_forces = forces if set(conditions) == set(factors) else None  # known only by the factors
         bounds = plan.equivalence if results.in_levels else {}  # in the unit of the levels
         for dependent in ANALYSES[task].dependents:
             yield outcome(compared, conditions, task, dependent, forces=of_forces, bounds=bounds, primary=plan.primary)

@@ -83,7 +83,7 @@ class Analysis:
         return f"<p>{escape(repr(self))}</p><ul>{warnings}</ul>{''.join(tables)}"
 
     def stem(self, outcome: Outcome) -> str:
-        """Return the file name of an outcome: its dependent value, with the task if there are several."""
+        """Return the file name of an outcome, with its task if several."""
         several = len({other.task for other in self.outcomes}) > 1
         return f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
 

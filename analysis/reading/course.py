@@ -45,7 +45,7 @@ def happenings(path: Path) -> pd.DataFrame:
 def session_events(
     path: Path, columns: Sequence[str], read: Callable[[pd.DataFrame], pd.DataFrame]
 ) -> Iterator[pd.DataFrame]:
-    """Yield the result of `read` for the events of each session, as text cells.
+    """Yield the result of `read` for the events (text) of each session.
 
     Raises `InvalidFile` if a file is damaged or lacks one of the columns.
     """
@@ -60,7 +60,7 @@ def session_events(
 
 
 def _reported(events: pd.DataFrame) -> pd.DataFrame:
-    """Return the reported events; orders about a trial include its number."""
+    """Return the reported events, with trial numbers in orders."""
     table = events[events["trial_type"].isin(REPORTED)]
     of_trial = (table["trial_type"] == "order") & (table["trial"] != "n/a")
     text = table["text"].where(~of_trial, table["text"] + " trial " + table["trial"])

@@ -1,4 +1,4 @@
-"""Origin of the answers: people or simulated participants."""
+"""Origin of the answers: real or simulated participants."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -37,7 +37,7 @@ class Origin:
 
     @property
     def line(self) -> str:
-        """First line of a report; empty if people answered.
+        """First line of a report, empty for real participants.
 
         >>> Origin(is_simulated=True, seeds=(5,)).line
         'Simulated participants, no people (seed 5).'
@@ -46,7 +46,7 @@ class Origin:
 
     @property
     def method(self) -> str:
-        """Beginning of a methods paragraph; empty if people answered.
+        """Beginning of a methods paragraph, empty for real participants.
 
         >>> Origin(is_simulated=True).method
         'The participants were simulated by Tactometry (seed not known); no person took part. '
@@ -63,7 +63,7 @@ class Origin:
 
 
 def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
-    """Return the rows of people, or of simulated participants if there are none.
+    """Return rows of real participants, or of simulated ones if alone.
 
     The `rig` of a row states who answered, else the journal of its session does. Without either, it was people.
     """

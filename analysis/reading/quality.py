@@ -108,7 +108,7 @@ def missed_practice(trials: Trials) -> "pd.Series[bool]":
 
 
 def _criterion(table: Mapping[str, Any]) -> tuple[int, int] | None:
-    """Return how many of how many answers must be correct; None if unset."""
+    """Return how many of how many answers must be correct, if stated."""
     if not table:
         return None
     stated = dict(zip(("n_correct", "n_of"), PRACTICE_CRITERION, strict=True)) | dict(table)
@@ -125,7 +125,7 @@ def _is_right(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 @dataclass(frozen=True)
 class Exclusion:
-    """Rules that exclude trials and participants; None disables a rule.
+    """Rules that exclude trials and participants. None disables a rule.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class Exclusion:
 
 
 def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Trials, pd.DataFrame]:
-    """Apply exclusion rules; return the remaining trials and the exclusions.
+    """Apply exclusion rules and return remaining trials and exclusions.
 
     The rows keep their index. The table of exclusions has the columns `participant, rule, bound, n_trials`. `quality`
     is that of the trials (`reading.quality`), whose shares the rules on participants use.
@@ -196,7 +196,7 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
 
 
 def _against_rule(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":
-    """Return True for rows that break a rule; missing values break none."""
+    """Return True for rows that break a rule. Missing values break none."""
     of = quality.set_index("participant")
     match name:
         case "force_in_band_share_min":

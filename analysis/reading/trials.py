@@ -217,7 +217,7 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
 
 
 def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
-    """Give all tables the same columns; tables without `ADDED` get empty ones.
+    """Give all tables the same columns, with `ADDED` ones empty if missing.
 
     Raises `InvalidFile` if one has other columns than the first.
     """

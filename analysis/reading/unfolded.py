@@ -24,7 +24,7 @@ MOST_COUNTED = 10_000_000
 
 
 def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
-    """Return a row for each trial of counts; other tables are unchanged.
+    """Return a row for each trial of a table of counts.
 
     Positive answers are spread evenly over the trials of their row, as their order is not known.
 

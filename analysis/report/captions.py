@@ -1,4 +1,4 @@
-"""Captions and introductions of tables and figures, from the template `captions.j2`."""
+"""Captions and introductions of tables and figures."""
 
 import pandas as pd
 

@@ -81,9 +81,9 @@ def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str
 
 
 def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
-    """Yield the number of conditions that others have and a participant lacks, for each task."""
+    """Warn of conditions that others have and a participant lacks, by task."""
     for task, of_task in table.groupby("task", sort=False):
-        # A factor that varies between participants alone is not missing in any.
+        # A factor that only varies between participants is not missing in any.
         inside = [name for name in factors if of_task.groupby("participant")[name].nunique().max() > 1]
         keys = ["participant", *inside]
         whole = of_task[["participant"]].drop_duplicates().merge(of_task[inside].drop_duplicates(), how="cross")
@@ -94,7 +94,7 @@ def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]
 
 
 def _unused_warnings(trials: Trials) -> Iterator[str]:
-    """Yield participants without a valid answer, and forced choices without a known right answer."""
+    """Warn of participants and forced choices without a usable answer."""
     used = used_rows(trials)
     lost = sorted(set(trials.rows["participant"].unique()) - set(used["participant"].unique()))
     if lost:

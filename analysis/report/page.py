@@ -33,7 +33,7 @@ Drawn = tuple[str, bytes | None]
 
 
 class DrawEach(Protocol):
-    """Function that draws each figure, here (`map`) or in other processes, in their order."""
+    """Function that draws figures in order, here or in other processes."""
 
     def __call__(self, draw: Callable[[Figure], Drawn], figures: Iterable[Figure], /) -> Iterable[Drawn]: ...
 
@@ -69,7 +69,7 @@ def write_report(
 
 
 def _remove_earlier(folder: Path) -> None:
-    """Remove the tables of an earlier report, which a file lists; other files stay."""
+    """Remove the tables that an earlier report listed."""
     listed = folder / LIST_OF_TABLES
     names = listed.read_text(encoding="utf-8", errors="replace").splitlines() if listed.exists() else []
     for name in names:
@@ -163,7 +163,7 @@ def figures_of(analysis: Analysis) -> list[Figure]:
 
 
 def nonbreaking(text: str) -> str:
-    """Prevent line breaks within an interval, a spread or a number of participants.
+    """Prevent line breaks within an interval, a spread or a number.
 
     >>> nonbreaking("0.29 [-0.78, 1.35] (n = 3)").replace(chr(160), "_").replace(chr(8209), "~")
     '0.29 [~0.78,_1.35] (n_=_3)'
@@ -176,7 +176,7 @@ def nonbreaking(text: str) -> str:
 
 
 def _with_unique_names(svg: str, n: int) -> str:
-    """Make element names unique in the page, as a reference must not reach into another figure."""
+    """Make element names of a figure unique in the page."""
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\1f{n}-", svg)
 
 

@@ -18,7 +18,7 @@ COMPONENTS = {
 
 
 def outcome_sentences(outcome: Outcome, of_levels: str) -> dict[str, list[str]]:
-    """Return all sentences by heading; `of_levels` is the unit of the levels."""
+    """Return all sentences by heading, given the unit of the levels."""
     unit = outcome.unit(of_levels).partition(" re ")[0]  # a difference has no reference
     by_heading = {} if outcome.primary is None else {outcome.heading(): primary_sentences(outcome)}
     for (name, by), table in outcome.simple.items():

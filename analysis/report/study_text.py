@@ -1,4 +1,4 @@
-"""Title and procedure of a data set's study, quoted from its file without defaults."""
+"""Title and procedure of a study, from its file without defaults."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -66,7 +66,7 @@ LEVELS = ("levels", "start", "easy_level", "low", "high", "standard_level")
 
 
 def study_text(path: Path, unit: str) -> StudyText:
-    """Return title, procedure and force of the study in the folder `path`; empty without a study.
+    """Return title, procedure and force of the study in a folder, if any.
 
     Raises `InvalidFile` if the study cannot be read.
     """

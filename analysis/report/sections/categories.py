@@ -1,4 +1,4 @@
-"""Counts of answers to questions with choices, as those about the participants."""
+"""Counts of answers to questions with choices."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Rates against the level; psychometric curves and tracks of each participant, and all estimates."""
+"""Rates against the level, psychometric curves, tracks and estimates."""
 
 from collections.abc import Iterator
 from functools import partial

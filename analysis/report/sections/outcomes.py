@@ -1,4 +1,4 @@
-"""Dependent values: group table, primary analysis, checks and comparisons, and the hierarchical model."""
+"""Dependent values with their analyses, and the hierarchical model."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
