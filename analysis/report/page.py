@@ -133,7 +133,8 @@ def render(analysis: Analysis, svgs: Mapping[str, str] | None = None) -> str:
     studies = sorted(set(rows["study"]) - {""}) if "study" in rows.columns else []
     # The first line of the page already states that participants were simulated.
     warnings = [text for text in analysis.warnings if f"{text}." != analysis.origin.line]
-    notes = [note for source in (*analysis.outcomes, *analysis.forms) for note in source.notes]
+    notes = [note for outcome in analysis.outcomes for note in outcome.notes]
+    notes += [note for form in analysis.forms for note in form.notes]
     page = environment(is_html=True).get_template("page.html")
     return page.render(
         words=partial(in_words, factors=analysis.factors),

@@ -119,7 +119,9 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
         primary = [outcome.heading(), *primary_sentences(outcome)] if outcome.primary else []
         title = f"{name} ({means_text('cells', outcome.group)}, n)"
         yield TextTable(outcome.cross, title, [*outcome.notes, *primary], across="condition")
-    for check in (check for check in analysis.hierarchical if check.fit is not None):
+    for check in analysis.hierarchical:
+        if check.fit is None:
+            continue
         name = dependent_name(CURVES[check.task].dependents[0]) + (f", {analysis.unit}" if analysis.unit else "")
         title = f"check, all participants at once: {name} (mean, 95 % interval)"
         cross = cross_table(check.conditions, check.fit.factors)
