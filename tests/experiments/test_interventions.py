@@ -114,7 +114,7 @@ def test_the_analysis_counts_what_was_taken_back_as_not_valid(wanted):
 
 def test_the_report_tells_what_the_experimenter_did(wanted):
     page = render(analyse(wanted[0]))
-    assert page.index("<h3>What happened in them</h3>") > page.index("<h2>How the sessions went</h2>")
+    assert page.index("<h3>Events</h3>") > page.index("<h2>Course of the sessions</h2>")
     assert all(f">{said}</td>" in page for said in SAID)
 
 
