@@ -151,7 +151,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
 
 
 @dataclass(frozen=True)
-class Answers:
+class CountedAnswers:
     """Used rows, and rows of tasks with a curve with their cells.
 
     `all_judged` includes the rows that the plan excludes.
@@ -163,11 +163,11 @@ class Answers:
     cells: list[Cell]
 
 
-def _answers(everything: Trials, trials: Trials) -> Answers:
+def _answers(everything: Trials, trials: Trials) -> CountedAnswers:
     all_used = used_rows(everything)
     all_judged = counting.judgements(all_used)
     used, judged = (rows[rows.index.isin(trials.rows.index)] for rows in (all_used, all_judged))
-    return Answers(used, judged, all_judged, counting.cells(counting.counted_answers(judged), trials.factors))
+    return CountedAnswers(used, judged, all_judged, counting.cells(counting.counted_answers(judged), trials.factors))
 
 
 def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
@@ -180,7 +180,7 @@ def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
 
 
 def _threshold_table(
-    answers: Answers, fits: Sequence[Estimate], factors: Sequence[str], unit: str, replay: Replay | None
+    answers: CountedAnswers, fits: Sequence[Estimate], factors: Sequence[str], unit: str, replay: Replay | None
 ) -> pd.DataFrame:
     """Return all fits with goodness of fit and the procedures' estimates."""
     table = counting.estimate_table(fits, factors, unit)
@@ -223,7 +223,7 @@ def _hierarchical(estimates: Sequence[Estimate], factors: Sequence[str], unit: s
 
 
 def _curve_tables(
-    answers: Answers, fits: Sequence[Estimate], thresholds: pd.DataFrame, factors: Sequence[str]
+    answers: CountedAnswers, fits: Sequence[Estimate], thresholds: pd.DataFrame, factors: Sequence[str]
 ) -> Tables:
     if not fits:
         return {}

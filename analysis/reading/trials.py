@@ -197,8 +197,8 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     """Warn of rows that repeat an earlier trial, if trials are numbered.
 
     >>> row = {"participant": "P1", "trial": 1.0, "response": "1", "source": "a.csv", "row": 2}
-    >>> repetitions(pd.DataFrame([row, row | {"trial": 2.0, "row": 3}, row | {"response": "0", "row": 4}]))[0][:66]
-    '1 row repeats an earlier trial (the first: a.csv, row 4; 0 of 1 identi'
+    >>> repetitions(pd.DataFrame([row, row | {"trial": 2.0, "row": 3}, row | {"response": "0", "row": 4}]))[0][:58]
+    '1 row repeats an earlier trial (the first: a.csv, row 4; 0'
     """
     if "trial" not in rows.columns:
         return []
