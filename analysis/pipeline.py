@@ -1,4 +1,4 @@
-"""Analysis of a data set from trials to report."""
+"""Analysis of a data set in five stages: trials, cells, estimates, outcomes, report."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,11 +14,11 @@ from .outcomes.categories import categories
 from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, group_fit
 from .outcomes.outcome import outcome
-from .outcomes.ratings import ratings
+from .outcomes.ratings import Ratings, ratings
 from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
 from .reading.course import happenings, sittings
-from .reading.origin import of_one_kind
+from .reading.origin import Origin, of_one_kind
 from .reading.quality import exclude, frames, quality, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
@@ -116,58 +116,73 @@ def analyse(
 
 def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:
     """Analyse a trials table without writing anything."""
-    plan = plan or AnalysisPlan()
+    trials = select_trials(everything, plan or AnalysisPlan())
+    cells = count_cells(trials)
+    estimates = estimate_cells(cells, replay)
+    outcomes = compare_conditions(estimates)
+    return report_outcomes(outcomes)
+
+
+@dataclass(frozen=True)
+class SelectedTrials:
+    """Stage 1: included trials, and `everything` with the excluded ones."""
+
+    everything: Trials
+    trials: Trials
+    plan: AnalysisPlan
+    origin: Origin
+    quality: pd.DataFrame
+    excluded: pd.DataFrame
+
+
+def select_trials(everything: Trials, plan: AnalysisPlan) -> SelectedTrials:
+    """Apply the plan's exclusions."""
     plan.check(everything.factors)
     everything, origin = of_one_kind(everything)
     recorded = quality(everything)
     trials, excluded = exclude(everything, plan.exclusion, recorded)
-
-    answers = _answers(everything, trials)
-    forms, direct = ratings(trials, plan.primary), _direct_tables(answers.used, trials.factors)
-    if not (answers.cells or forms or direct):
-        is_choice = used_rows(everything)["task"].isin(counting.CHOICES).any()
-        raise InvalidFile(f"{trials.path}: found {NOTHING}{UNSCORED if is_choice else ''}")
-
-    unit = counting.level_unit(trials)
-    fits = counting.estimates(answers.cells, unit)
-    thresholds = _threshold_table(answers, fits, trials.factors, unit, replay)
-    forces = force_of_participants(answers.used, trials.factors) if has_force(answers.used) else None
-
-    outcomes = tuple(_outcomes(thresholds, direct, trials.factors, plan, forces))
-    hierarchical = tuple(_hierarchical(fits, trials.factors, unit)) if plan.hierarchical else ()
-    study = study_text(trials.path, unit)
-    analysis = Analysis(trials, unit, tuple(fits), outcomes, {}, (), "", hierarchical, forms, plan, origin, study)
-
-    tables = {"quality": with_frames(recorded, frames(trials.path)), "excluded": excluded, **direct}
-    tables |= _curve_tables(answers, fits, thresholds, trials.factors) | _compared_tables(analysis)
-    if forces is not None:
-        tables |= {"force_participants": forces, "force": force_table(forces, trials.factors)}
-    jnds = next((outcome.group for outcome in outcomes if outcome.dependent == "jnd"), None)
-    tables[TESTS] = standard_tests(thresholds, answers.used, trials.factors, jnds)
-    tables |= {"categories": categories(trials), "sittings": sittings(origin.heads)}
-    tables["happenings"] = happenings(trials.path)
-    analysis = replace(analysis, tables={name: table for name, table in tables.items() if len(table)})
-    return replace(analysis, warnings=warnings_of(analysis), methods=methods(analysis))
+    return SelectedTrials(everything, trials, plan, origin, recorded, excluded)
 
 
 @dataclass(frozen=True)
-class CountedAnswers:
-    """Used rows, and rows of tasks with a curve with their cells.
+class Cells:
+    """Stage 2: answers by participant and condition.
 
-    `all_judged` includes the rows that the plan excludes.
+    `judged` are the rows of tasks with a curve, `all_judged` also those that the plan excludes. `direct` are the
+    tables of tasks without a curve.
     """
 
+    selected: SelectedTrials
     used: pd.DataFrame
     judged: pd.DataFrame
     all_judged: pd.DataFrame
     cells: list[Cell]
+    direct: Tables
+    forms: tuple[Ratings, ...]
+
+    @property
+    def factors(self) -> tuple[str, ...]:
+        return self.selected.trials.factors
 
 
-def _answers(everything: Trials, trials: Trials) -> CountedAnswers:
-    all_used = used_rows(everything)
+def count_cells(selected: SelectedTrials) -> Cells:
+    """Count the answers of each participant in each condition, and score the questionnaires.
+
+    Raises
+    ------
+    InvalidFile
+        If there is nothing to analyse.
+    """
+    trials = selected.trials
+    all_used = used_rows(selected.everything)
     all_judged = counting.judgements(all_used)
     used, judged = (rows[rows.index.isin(trials.rows.index)] for rows in (all_used, all_judged))
-    return CountedAnswers(used, judged, all_judged, counting.cells(counting.counted_answers(judged), trials.factors))
+    found = counting.cells(counting.counted_answers(judged), trials.factors)
+    forms, direct = ratings(trials, selected.plan.primary), _direct_tables(used, trials.factors)
+    if not (found or forms or direct):
+        why = UNSCORED if all_used["task"].isin(counting.CHOICES).any() else ""
+        raise InvalidFile(f"{trials.path}: found {NOTHING}{why}")
+    return Cells(selected, used, judged, all_judged, found, direct, forms)
 
 
 def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
@@ -179,64 +194,113 @@ def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
     return {name: table for name, table in tables.items() if len(table)}
 
 
-def _threshold_table(
-    answers: CountedAnswers, fits: Sequence[Estimate], factors: Sequence[str], unit: str, replay: Replay | None
-) -> pd.DataFrame:
-    """Return all fits with goodness of fit and the procedures' estimates."""
+@dataclass(frozen=True)
+class CellEstimates:
+    """Stage 3: fits of the cells, and their `table` with goodness of fit and the procedures' estimates."""
+
+    cells: Cells
+    fits: list[Estimate]
+    table: pd.DataFrame
+    unit: str
+    forces: pd.DataFrame | None
+
+
+def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
+    """Fit a psychometric function to each cell, and average the measured force."""
+    factors, unit = cells.factors, counting.level_unit(cells.selected.trials)
+    fits = counting.estimates(cells.cells, unit)
     table = counting.estimate_table(fits, factors, unit)
-    if table.empty:
-        return table
-    # The procedure saw all answers, including excluded ones.
-    table = table.join(rule_columns(counting.counted_answers(answers.all_judged), factors, fits, replay))
-    options = {(task, n): CURVES[task].options(n, unit) for task, n in counting.curves_of(answers.cells)}
-    judged, rng = counting.counted_answers(answers.judged), np.random.default_rng(SEED)
-    return table.join(goodness_columns(judged, factors, fits, options, rng, counting.COUNTING))
+    if len(table):
+        # The procedure saw all answers, including excluded ones.
+        table = table.join(rule_columns(counting.counted_answers(cells.all_judged), factors, fits, replay))
+        options = {(task, n): CURVES[task].options(n, unit) for task, n in counting.curves_of(cells.cells)}
+        answers, rng = counting.counted_answers(cells.judged), np.random.default_rng(SEED)
+        table = table.join(goodness_columns(answers, factors, fits, options, rng, counting.COUNTING))
+    forces = force_of_participants(cells.used, factors) if has_force(cells.used) else None
+    return CellEstimates(cells, fits, table, unit, forces)
 
 
-def _outcomes(
-    thresholds: pd.DataFrame,
-    direct: Tables,
-    factors: Sequence[str],
-    plan: AnalysisPlan,
-    forces: pd.DataFrame | None,
-) -> Iterator[Outcome]:
+@dataclass(frozen=True)
+class Outcomes:
+    """Stage 4: comparisons of conditions, and fits of all participants at once."""
+
+    estimates: CellEstimates
+    outcomes: tuple[Outcome, ...]
+    hierarchical: tuple[HierarchicalOutcome, ...]
+
+
+def compare_conditions(estimates: CellEstimates) -> Outcomes:
     """Compare the conditions in each dependent value of each task."""
-    tables = dict(direct)
-    if len(thresholds):
-        tables |= {str(task): rows for task, rows in thresholds.groupby("task")}
+    is_planned = estimates.cells.selected.plan.hierarchical
+    return Outcomes(estimates, tuple(_outcomes(estimates)), tuple(_hierarchical(estimates)) if is_planned else ())
+
+
+def _outcomes(estimates: CellEstimates) -> Iterator[Outcome]:
+    plan, factors = estimates.cells.selected.plan, estimates.cells.factors
+    tables = dict(estimates.cells.direct)
+    if len(estimates.table):
+        tables |= {str(task): rows for task, rows in estimates.table.groupby("task")}
     for task in (task for task in ANALYSES if task in tables):
         results = RESULTS.get(task, Results({}))
         compared = tables[results.compared or task]
         conditions = [name for name in (*factors, *results.further) if name in compared.columns]
-        of_forces = forces if set(conditions) == set(factors) else None  # known only by the factors
+        forces = estimates.forces if set(conditions) == set(factors) else None  # known by the factors alone
         bounds = plan.equivalence if results.in_levels else {}  # in the unit of the levels
         for dependent in ANALYSES[task].dependents:
-            yield outcome(compared, conditions, task, dependent, forces=of_forces, bounds=bounds, primary=plan.primary)
+            yield outcome(compared, conditions, task, dependent, forces=forces, bounds=bounds, primary=plan.primary)
 
 
-def _hierarchical(estimates: Sequence[Estimate], factors: Sequence[str], unit: str) -> Iterator[HierarchicalOutcome]:
+def _hierarchical(estimates: CellEstimates) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
-        fits = {estimate.cell: estimate.fit for estimate in estimates if estimate.cell.task == task}
-        fit = group_fit(list(fits), factors, unit, fits) if fits else None
+        fits = {estimate.cell: estimate.fit for estimate in estimates.fits if estimate.cell.task == task}
+        fit = group_fit(list(fits), estimates.cells.factors, estimates.unit, fits) if fits else None
         if fit is not None:
             yield fit
 
 
-def _curve_tables(
-    answers: CountedAnswers, fits: Sequence[Estimate], thresholds: pd.DataFrame, factors: Sequence[str]
-) -> Tables:
-    if not fits:
+def report_outcomes(outcomes: Outcomes) -> Analysis:
+    """Stage 5: collect all tables, warnings and the methods text."""
+    estimates, cells = outcomes.estimates, outcomes.estimates.cells
+    selected = cells.selected
+    analysis = Analysis(
+        trials=selected.trials,
+        unit=estimates.unit,
+        estimates=tuple(estimates.fits),
+        outcomes=outcomes.outcomes,
+        hierarchical=outcomes.hierarchical,
+        forms=cells.forms,
+        plan=selected.plan,
+        tables={},
+        origin=selected.origin,
+        study=study_text(selected.everything.path, estimates.unit),
+    )
+    path = selected.everything.path
+    tables = {"quality": with_frames(selected.quality, frames(path)), "excluded": selected.excluded, **cells.direct}
+    tables |= _curve_tables(estimates) | _compared_tables(analysis)
+    if estimates.forces is not None:
+        tables |= {"force_participants": estimates.forces, "force": force_table(estimates.forces, cells.factors)}
+    jnds = next((one.group for one in outcomes.outcomes if one.dependent == "jnd"), None)
+    tables[TESTS] = standard_tests(estimates.table, cells.used, cells.factors, jnds)
+    tables |= {"categories": categories(selected.trials), "sittings": sittings(selected.origin.heads)}
+    tables["happenings"] = happenings(path)
+    analysis = replace(analysis, tables={name: rows for name, rows in tables.items() if len(rows)})
+    return replace(analysis, warnings=warnings_of(analysis), methods=methods(analysis))
+
+
+def _curve_tables(estimates: CellEstimates) -> Tables:
+    cells, factors = estimates.cells, estimates.cells.factors
+    if not estimates.fits:
         return {}
-    counts = counting.count_table(answers.cells, factors)
+    counts = counting.count_table(cells.cells, factors)
     return {
-        "thresholds": thresholds,
-        "goodness": goodness_table(thresholds),
+        "thresholds": estimates.table,
+        "goodness": goodness_table(estimates.table),
         "rates": counting.detection_rates(counts, factors),
         "mean_rates": counting.mean_rates(counts, factors),
         "counts": counts,
-        "tracks": tracks(answers.judged, factors),
-        FLOORS: lowest_levels(answers.cells, factors),
-        LAPSES: lapse_table(fits, factors),
+        "tracks": tracks(cells.judged, factors),
+        FLOORS: lowest_levels(cells.cells, factors),
+        LAPSES: lapse_table(estimates.fits, factors),
     }
 
 
