@@ -1,4 +1,4 @@
-"""Types of the estimators: arrays, sets of rows, a density with its derivatives, statuses with notes."""
+"""Array types of the estimators, and linear algebra on them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -18,7 +18,7 @@ FLATTEST = 1e-8
 
 
 def size_of(values: Array) -> float:
-    """Return the power of two below the largest value: dividing by it loses no digit, and squares stay finite.
+    """Return the power of two below the largest value, to scale without loss.
 
     >>> size_of(np.array([-5.0, 3.0])), size_of(np.array([1e308])) < 1e308
     (4.0, True)
@@ -27,7 +27,7 @@ def size_of(values: Array) -> float:
 
 
 class StatusWithNote(StrEnum):
-    """Status of a fit as files contain it, with a note for the reader: ``NAME = "word", "note"``."""
+    """Status of a fit in files with a note: ``NAME = "word", "note"``."""
 
     note: str
 
@@ -40,7 +40,7 @@ class StatusWithNote(StrEnum):
 
 @dataclass(frozen=True)
 class Rows:
-    """Arrays with one row for each of several fits; other fields are common to all rows."""
+    """Arrays with a row for each fit, and fields common to all rows."""
 
     def _of_each(self, rule: Callable[..., Any], *others: Self) -> Self:
         columns = ([getattr(rows, field.name) for rows in (self, *others)] for field in fields(self))
@@ -67,7 +67,7 @@ class Rows:
         return self._of_each(merged, other)
 
     def where(self, chosen: Bools, other: Self) -> Self:
-        """Return the rows of this one where `chosen` (n,), else those of the other."""
+        """Return the rows of this one where `chosen` (n,), else of the other."""
 
         def merged(ours: Any, theirs: Any) -> Any:
             if isinstance(ours, Rows):

@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 
 
 class Student:
-    """Student's t distribution with `df` degrees of freedom, which may be infinite."""
+    """Student's t distribution with `df` degrees of freedom, also infinite."""
 
     @staticmethod
     def cdf(t: Any, df: Any) -> Any:

@@ -14,14 +14,14 @@ from .distributions import Student
 
 
 def parts(table: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:
-    """Return the rows of each combination of values, sorted; all rows without keys."""
+    """Return the rows of each combination of values, sorted."""
     return table.groupby(list(keys), sort=True, observed=True) if keys else [((), table)]
 
 
 def by_condition(
     table: pd.DataFrame, keys: Sequence[str], row_of: Callable[[pd.DataFrame], Mapping[str, object]]
 ) -> pd.DataFrame:
-    """Return a row for each combination: its values, and the result of `row_of` for its rows.
+    """Return a row per combination: its values and `row_of` of its rows.
 
     >>> table = pd.DataFrame({"force_n": [3.0, 0.5, 3.0], "y": [1, 2, 3]})
     >>> by_condition(table, ["force_n"], lambda part: {"sum": part["y"].sum()}).values.tolist()
@@ -80,7 +80,7 @@ def mean_row(values: Array, interval: float = INTERVAL, name: str = "mean", poss
 
 
 def mean_with_interval(values: Array, interval: float = INTERVAL, possible: Range = ANY) -> dict[str, object]:
-    """Return the mean, with SD of at least two values, and t-interval where they differ.
+    """Return the mean with SD and t-interval, if they are defined.
 
     The interval stays within the `possible` range; a bounded one needs `FEWEST_IN_RANGE` values.
 
@@ -105,7 +105,7 @@ def mean_with_interval(values: Array, interval: float = INTERVAL, possible: Rang
 
 
 def rate_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTERVAL) -> tuple[Array, Array]:
-    """Return both ends of Wilson's interval of rates (1927, J. Am. Stat. Assoc. 22, 209-212).
+    """Return Wilson's interval of rates (1927, J. Am. Stat. Assoc. 22, 209).
 
     >>> [end.round(3).tolist() for end in rate_interval([0, 5, 10], [10, 10, 10])]
     [[0.0, 0.237, 0.722], [0.278, 0.763, 1.0]]

@@ -23,7 +23,7 @@ from .reading.quality import exclude, frames, quality, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
 from .report.methods import methods
-from .report.page import DrawEach, check_report, draw_figures, figures_of, sections_of, write_figures, write_report
+from .report.page import DrawEach, check_report, draw_figures, write_report
 from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells as counting
@@ -59,7 +59,7 @@ def analyse(
     touches: Callable[[], pd.DataFrame] | None = None,
     spread: DrawEach = map,
 ) -> Analysis:
-    """Analyse a data set or a trials file, and write the report and figures that are named.
+    """Analyse a data set or a trials file, and write its report and figures.
 
     Parameters
     ----------
@@ -95,38 +95,27 @@ def analyse(
     DeviceFailed
         If the report cannot be written or printed.
     """
-    expect(report is not None or not pdf, "--pdf", "no --report", "one: the PDF is printed from it")
     path = Path(path)
+    expect(report is not None or not pdf, "--pdf", "no --report", "one: the PDF is printed from it")
     if report is not None:
         check_report(Path(report))  # before the analysis, which may take minutes
 
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
-    notes = _group_notes(trials, trials.factors if within else ())
-    trials = replace(trials, notes=(*warnings, *notes, *trials.notes))
+    trials = replace(trials, notes=(*warnings, *trials.notes))
     analysis = analyse_trials(trials, plan or plan_of(path), replay if level_scale in (None, "linear") else None)
     if report is None and figures is None:
         return analysis
 
     if touches is not None and len(courses := touches()):
         analysis = replace(analysis, tables={**analysis.tables, "touches": courses})
-    sections = sections_of(analysis)
-    if figures is not None:
-        svgs = write_figures(analysis, Path(figures), sections, spread)
-        analysis = replace(analysis, figures_folder=Path(figures))
-    else:
-        svgs = draw_figures(figures_of(analysis, sections), spread)
-    return analysis if report is None else write_report(analysis, report, pdf=pdf, sections=sections, svgs=svgs)
-
-
-def _group_notes(trials: Trials, within: Sequence[str]) -> list[str]:
-    """Name the factors of `within` that vary between participants only."""
-    levels = trials.rows.groupby("participant")[list(within)].nunique() if within else pd.DataFrame()
-    apart = [name for name in within if levels[name].max() < 2 and trials.rows[name].nunique() > 1]
-    return [f"--within {name}: it differs between participants, each of whom has one of its levels" for name in apart]
+    folder = None if figures is None else Path(figures)
+    svgs = draw_figures(analysis, spread, folder)
+    analysis = replace(analysis, figures_folder=folder)
+    return analysis if report is None else write_report(analysis, report, pdf=pdf, svgs=svgs)
 
 
 def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:
-    """Return all estimates, tables and warnings of a trials table; nothing is written."""
+    """Analyse a trials table without writing anything."""
     trials = select_trials(everything, plan or AnalysisPlan())
     cells = count_cells(trials)
     estimates = estimate_cells(cells, replay)
@@ -136,7 +125,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
 
 @dataclass(frozen=True)
 class SelectedTrials:
-    """Stage 1: the trials that count; `everything` includes those that the plan leaves out."""
+    """Stage 1: included trials, and `everything` with the excluded ones."""
 
     everything: Trials
     trials: Trials
@@ -147,7 +136,7 @@ class SelectedTrials:
 
 
 def select_trials(everything: Trials, plan: AnalysisPlan) -> SelectedTrials:
-    """Apply the plan's exclusions to the trials of persons, or of simulated participants."""
+    """Apply the plan's exclusions."""
     plan.check(everything.factors)
     everything, origin = of_one_kind(everything)
     recorded = quality(everything)
@@ -157,9 +146,10 @@ def select_trials(everything: Trials, plan: AnalysisPlan) -> SelectedTrials:
 
 @dataclass(frozen=True)
 class Cells:
-    """Stage 2: answers by participant and condition; `direct` are the tables of tasks without a curve.
+    """Stage 2: answers by participant and condition.
 
-    `judged` are the used rows with a curve; `all_judged` include those that the plan leaves out.
+    `judged` are the rows of tasks with a curve, `all_judged` also those that the plan excludes. `direct` are the
+    tables of tasks without a curve.
     """
 
     selected: SelectedTrials
@@ -206,7 +196,7 @@ def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> Tables:
 
 @dataclass(frozen=True)
 class CellEstimates:
-    """Stage 3: a fit of each cell, and their `table` with goodness of fit and the procedure's own estimate."""
+    """Stage 3: fits of the cells, and their `table` with goodness of fit and the procedures' estimates."""
 
     cells: Cells
     fits: list[Estimate]
@@ -221,7 +211,7 @@ def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
     fits = counting.estimates(cells.cells, unit)
     table = counting.estimate_table(fits, factors, unit)
     if len(table):
-        # The procedure saw all answers, also those that the plan leaves out.
+        # The procedure saw all answers, including excluded ones.
         table = table.join(rule_columns(counting.counted_answers(cells.all_judged), factors, fits, replay))
         options = {(task, n): CURVES[task].options(n, unit) for task, n in counting.curves_of(cells.cells)}
         answers, rng = counting.counted_answers(cells.judged), np.random.default_rng(SEED)
@@ -232,7 +222,7 @@ def estimate_cells(cells: Cells, replay: Replay | None) -> CellEstimates:
 
 @dataclass(frozen=True)
 class Outcomes:
-    """Stage 4: comparisons of conditions for each dependent value, and all participants fitted at once."""
+    """Stage 4: comparisons of conditions, and fits of all participants at once."""
 
     estimates: CellEstimates
     outcomes: tuple[Outcome, ...]

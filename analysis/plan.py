@@ -1,4 +1,4 @@
-"""Analysis plan, stated before the data are seen: exclusions, equivalence bounds, primary analysis."""
+"""Analysis plan that is stated before data are seen."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -23,13 +23,13 @@ class AnalysisPlan:
     Parameters
     ----------
     exclusion : Exclusion
-        Which trials and participants are left out.
+        Rules that exclude trials and participants.
     equivalence : mapping of str to float
-        By factor, the difference between its levels that counts as none, in the unit of the threshold.
+        Largest negligible difference between the levels of a factor, in the unit of the threshold.
     hierarchical : bool
-        Whether all participants are also fitted at once.
+        Also fits all participants at once.
     primary : str, optional
-        The analysis that answers, the others are checks; by default a rule chooses it.
+        Primary analysis; the others are checks. By default a rule chooses it.
 
     Raises
     ------
@@ -57,7 +57,7 @@ class AnalysisPlan:
 
 
 def read_plan(path: str | Path) -> AnalysisPlan:
-    """Read a plan from a TOML file with the tables `[exclusion]` and `[equivalence]`.
+    """Read a plan from TOML: tables `[exclusion]` and `[equivalence]`.
 
     Raises
     ------
@@ -68,11 +68,8 @@ def read_plan(path: str | Path) -> AnalysisPlan:
 
 
 def plan_of(path: Path) -> AnalysisPlan:
-    """Return the plan in `[analysis]` of a data set's study, else the empty plan.
+    """Return the plan in `[analysis]` of a study, else the empty plan.
 
-    Raises
-    ------
-    InvalidFile
-        If the study cannot be read, or its table contains unknown keys.
+    Raises `InvalidFile` if the study cannot be read, or its table contains unknown keys.
     """
     return study_table(path, "analysis", lambda table: build(AnalysisPlan, as_si(dict(table), "analysis"), "analysis"))

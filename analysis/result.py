@@ -55,6 +55,10 @@ class Analysis:
         return self.trials.factors
 
     @property
+    def n_participants(self) -> int:
+        return int(self.trials.rows["participant"].nunique())
+
+    @property
     def n_choices(self) -> dict[int, list[tuple[float | str, ...]]]:
         """Conditions by the number of alternatives in forced choices."""
         cells = [estimate.cell for estimate in self.estimates if estimate.cell.task in CHOICES]
@@ -65,8 +69,7 @@ class Analysis:
 
     def __repr__(self) -> str:
         """Return trials, participants, warnings and tables in one line."""
-        participants = self.trials.rows["participant"].nunique()
-        n_trials, of_whom = count_of(len(self.trials.rows), "trial"), count_of(participants, "participant")
+        n_trials, of_whom = count_of(len(self.trials.rows), "trial"), count_of(self.n_participants, "participant")
         return f"Analysis({n_trials} of {of_whom}, {count_of(len(self.warnings), 'warning')}; {', '.join(self.tables)})"
 
     def _repr_html_(self) -> str:
@@ -80,7 +83,7 @@ class Analysis:
         return f"<p>{escape(repr(self))}</p><ul>{warnings}</ul>{''.join(tables)}"
 
     def stem(self, outcome: Outcome) -> str:
-        """Return the file name of an outcome: its dependent value, with the task if there are several."""
+        """Return the file name of an outcome, with its task if several."""
         several = len({other.task for other in self.outcomes}) > 1
         return f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
 

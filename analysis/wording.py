@@ -14,7 +14,7 @@ SMALLEST, LARGEST = 1e-3, 1e6
 
 
 def decimals_of(x: float) -> int:
-    """Return the decimal places of three significant digits; at least one.
+    """Return the decimal places of three significant digits, at least one.
 
     >>> decimals_of(0.213), decimals_of(-4.8), decimals_of(120.0), decimals_of(0.0)
     (3, 2, 1, 1)
@@ -32,7 +32,7 @@ def number_text(x: float) -> str:
 
 
 def interval_texts(value: float, low: float, high: float) -> tuple[str, str, str]:
-    """Return a value and the ends of its interval with the same decimal places.
+    """Return a value and its interval with the same decimal places.
 
     Three significant digits of the value, or of the larger end if the interval contains 0, and enough to separate the
     ends.
@@ -51,7 +51,7 @@ def interval_texts(value: float, low: float, high: float) -> tuple[str, str, str
 
 
 def interval_text(value: Any, low: Any = None, high: Any = None, decimals: int | None = None) -> str:
-    """Return a value with its interval, if any; `decimals` fixes the decimal places.
+    """Return a value with its interval, optionally with fixed `decimals`.
 
     >>> interval_text(1.25, 0.9, 1.61), interval_text(1.25), interval_text(0.93, 0.87, 0.99)
     ('1.25 [0.90, 1.61]', '1.25', '0.930 [0.870, 0.990]')
@@ -88,7 +88,7 @@ def plain_text(value: object) -> str:
 
 
 def cell_text(value: Any) -> str:
-    """Return a cell of a table; empty for a missing value.
+    """Return a cell of a table, empty for a missing value.
 
     >>> cell_text(240.0), cell_text(12345.0), cell_text(0.21349), cell_text(7), cell_text(None), cell_text(float("nan"))
     ('240', '12345', '0.213', '7', '', '')
@@ -210,7 +210,7 @@ def value_of(name: str, value: object) -> str:
 
 
 def in_words(text: str, factors: Sequence[str]) -> str:
-    """Replace the names of factors in a sentence by words, with units and × between factors.
+    """Replace factor names in a sentence by words with units and ×.
 
     >>> in_words("force_n * frequency_hz: F(2, 4) = 1.20", ["frequency_hz", "force_n"])
     'force × frequency: F(2, 4) = 1.20'
@@ -288,7 +288,7 @@ def procedure_phrase(kind: str) -> str:
 
 
 def procedure_name(kind: str) -> str:
-    """Return a procedure without its article; an unknown one unchanged.
+    """Return a procedure without its article, unknown ones unchanged.
 
     >>> procedure_name("staircase"), procedure_name("their_staircase")
     ('staircase', 'their_staircase')
@@ -301,7 +301,7 @@ MOST_COLUMNS = 8
 
 
 def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Return the texts of a table with the factor of most levels down and the others across.
+    """Return texts with the factor of most levels down, others across.
 
     If that is too wide, one factor, of numbers if there is one, runs across and the others down.
     """

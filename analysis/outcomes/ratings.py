@@ -103,7 +103,7 @@ class Ratings:
             notes.append(f"{n_apart} {of_all} without a condition: {where}")
         if n_averaged:
             why = "each is a mean of answers that were given at several times, as before and after the blocks"
-            notes.append(f"{n_averaged} {of_all}: {why}; analyse them apart")
+            notes.append(f"{n_averaged} {of_all}: {why}; analyse them separately")
         return notes
 
     def cross(self) -> pd.DataFrame:

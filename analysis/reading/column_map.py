@@ -119,10 +119,7 @@ def translate(
 
     Columns that other tables have `elsewhere` may be missing, and are then empty.
 
-    Raises
-    ------
-    InvalidFile
-        If the map names a missing column or one column twice, or no row is a trial.
+    Raises `InvalidFile` if the map names a missing column or one column twice, or no row is a trial.
     """
     if column_map == ColumnMap():
         return raw
@@ -183,10 +180,7 @@ def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
     Other programs also write rows for routines, which have none of these.
 
-    Raises
-    ------
-    InvalidFile
-        If there is no such row.
+    Raises `InvalidFile` if there is no such row.
     """
     is_trial = holds(table, "catch", "1")
     for name in ("level", "response", "item", "level_measured"):

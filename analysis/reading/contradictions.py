@@ -91,7 +91,7 @@ def _below_chance(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def _chosen(rows: pd.DataFrame) -> "pd.Series[float]":
-    """Return the chosen interval or alternative; NaN in other tasks."""
+    """Return the chosen interval or alternative, NaN in other tasks."""
     of_choices = rows["task"].isin(CHOSEN)
     chosen = pd.Series(np.nan, index=rows.index)
     chosen[of_choices] = numbers_of(rows.loc[of_choices, "response"])

@@ -1,6 +1,6 @@
 """Interruptions and interventions in sessions, from their journals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Final
@@ -13,7 +13,7 @@ from tactometry.records.head import Head, differences
 
 from .origin import SessionKey
 
-TOLD: Final = ("remark", "pause", "repeat", "stop", "abort", "order", "intervention")
+REPORTED: Final = ("remark", "pause", "repeat", "stop", "abort", "order", "intervention")
 """Kinds of events that the report lists."""
 EVENT_COLUMNS: Final = ("participant", "session", "onset", "trial_type", "text")
 
@@ -36,34 +36,32 @@ def _changes(heads: Sequence[Head]) -> list[str]:
 def happenings(path: Path) -> pd.DataFrame:
     """Return the reported events of all sessions with their times (s).
 
-    Raises
-    ------
-    InvalidFile
-        If a file of events lacks a column.
+    Raises `InvalidFile` if a file of events lacks a column.
     """
-    files = sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []
-    tables = [table for file in files if len(table := _told(file))]
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=EVENT_COLUMNS)
+    tables = [table for table in session_events(path, EVENT_COLUMNS[2:], _reported) if len(table)]
+    return pd.concat(tables, ignore_index=True)[list(EVENT_COLUMNS)] if tables else pd.DataFrame(columns=EVENT_COLUMNS)
 
 
-def _told(file: Path) -> pd.DataFrame:
-    try:
-        events = pd.read_csv(file, sep="\t", keep_default_na=False, quoting=3, dtype=str)  # 3: QUOTE_NONE
-        told = events[events["trial_type"].isin(TOLD)]
+def session_events(
+    path: Path, columns: Sequence[str], read: Callable[[pd.DataFrame], pd.DataFrame]
+) -> Iterator[pd.DataFrame]:
+    """Yield the result of `read` for the events (text) of each session.
+
+    Raises `InvalidFile` if a file is damaged or lacks one of the columns.
+    """
+    for file in sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []:
         keys = keys_of(file.stem)
-        told = told.assign(
-            participant=keys["participant"],
-            session=int(keys["session"]),
-            onset=told["onset"].astype(float),
-            text=_words(told),
-        )
-        return told[list(EVENT_COLUMNS)]
-    except (KeyError, ValueError, OSError) as damage:
-        names = ", ".join(EVENT_COLUMNS[2:])
-        raise InvalidFile(f"{file}: found no events ({damage}), expected the columns {names}") from None
+        try:
+            events = pd.read_csv(file, sep="\t", keep_default_na=False, quoting=3, dtype=str)  # 3: QUOTE_NONE
+            yield read(events).assign(participant=keys["participant"], session=int(keys["session"]))
+        except (KeyError, ValueError, OSError) as damage:
+            expected = f"expected the columns {', '.join(columns)}"
+            raise InvalidFile(f"{file}: found no events ({damage}), {expected}") from None
 
 
-def _words(told: pd.DataFrame) -> pd.Series:
-    """Return the text of each event; orders about a trial include its number."""
-    of_trial = (told["trial_type"] == "order") & (told["trial"] != "n/a")
-    return told["text"].where(~of_trial, told["text"] + " trial " + told["trial"])
+def _reported(events: pd.DataFrame) -> pd.DataFrame:
+    """Return the reported events, with trial numbers in orders."""
+    table = events[events["trial_type"].isin(REPORTED)]
+    of_trial = (table["trial_type"] == "order") & (table["trial"] != "n/a")
+    text = table["text"].where(~of_trial, table["text"] + " trial " + table["trial"])
+    return table[["trial_type"]].assign(onset=table["onset"].astype(float), text=text)

@@ -8,7 +8,7 @@ from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file
 
 WORKBOOK = "an Excel workbook; save its sheet as CSV"
-PICKLE = "a Python pickle, as PsychoPy's .psydat; read the CSV beside it, or save one with saveAsWideText"
+PICKLE = "a Python pickle, as PsychoPy's .psydat; read its CSV file, or save one with saveAsWideText"
 UTF_16 = "UTF-16 text, as Excel's Unicode text; save the table as CSV in UTF-8"
 SIGNATURES = (
     (b"PK\x03\x04", WORKBOOK),
@@ -31,10 +31,7 @@ _JSON_LIST = re.compile(r"\s*\[\s*[{\]]")
 def file_text(file: Path, *, verbatim: bool = False) -> str:
     """Read UTF-8 text, normalised by `plain_text` unless `verbatim`.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, is empty, or is not UTF-8 text.
+    Raises `InvalidFile` if the file cannot be read, is empty, or is not UTF-8 text.
     """
     content = read_file(file, "a table of trials")
     kinds = [kind for signature, kind in SIGNATURES if content.startswith(signature)]

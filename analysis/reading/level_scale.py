@@ -38,12 +38,8 @@ def is_logarithm(unit: str) -> bool:
 def on_scale(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
     """Convert levels, settings and unit to ``linear``, ``log10`` or ``db``.
 
-    Raises
-    ------
-    InvalidParameter
-        If the scale is unknown, or the levels are already logarithms.
-    InvalidFile
-        For a level of 0 or below, which has no logarithm, with its row.
+    Raises `InvalidParameter` if the scale is unknown, or the levels are already logarithms. Raises `InvalidFile` for a
+    level of 0 or below, which has no logarithm, with its row.
     """
     known = get_args(LevelScale)
     expect(scale in known, "--level-scale", repr(scale), f"one of {', '.join(known)}{nearest(scale, known)}")

@@ -1,4 +1,4 @@
-"""Origin of the answers: people or simulated participants."""
+"""Origin of the answers: real or simulated participants."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -37,7 +37,7 @@ class Origin:
 
     @property
     def line(self) -> str:
-        """First line of a report; empty if people answered.
+        """First line of a report, empty for real participants.
 
         >>> Origin(is_simulated=True, seeds=(5,)).line
         'Simulated participants, no people (seed 5).'
@@ -46,14 +46,14 @@ class Origin:
 
     @property
     def method(self) -> str:
-        """Beginning of a methods paragraph; empty if people answered.
+        """Beginning of a methods paragraph, empty for real participants.
 
         >>> Origin(is_simulated=True).method
         'The participants were simulated by Tactometry (seed not known); no person took part. '
         """
         if not self.is_simulated:
             return ""
-        felt = "".join(f"What was played was felt through these effects: {words}. " for words in self.felt)
+        felt = "".join(f"The stimuli were perceived through these effects: {words}. " for words in self.felt)
         return f"The participants were simulated by Tactometry ({self._seeds}); no person took part. {felt}"
 
     @property
@@ -63,7 +63,7 @@ class Origin:
 
 
 def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
-    """Return the rows of people, or of simulated participants if there are none.
+    """Return rows of real participants, or of simulated ones if alone.
 
     The `rig` of a row states who answered, else the journal of its session does. Without either, it was people.
     """
@@ -78,9 +78,9 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
         return trials, replace(origin, warnings=(origin.line.removesuffix("."), *warnings))
     if not mask.any():
         return trials, Origin(warnings=warnings, heads=known)
-    left_out = f"simulated participants share this table with people and are left out ({_codes(trials.rows[mask])})"
+    left_out = f"simulated participants in a table with real participants were excluded ({_codes(trials.rows[mask])})"
     kept = replace(trials, rows=trials.rows[~mask].reset_index(drop=True))
-    return kept, Origin(warnings=(f"{left_out}; analyse them apart", *warnings), heads=known)
+    return kept, Origin(warnings=(f"{left_out}; analyse them separately", *warnings), heads=known)
 
 
 def _heads_of(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
@@ -114,7 +114,7 @@ def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
     asked = rows[(rows["rig"] != "") & ~holds(rows, "valid", 0) & is_felt]
     silent = asked[asked["level_delivered"].isna()]
     if len(silent):
-        yield f"nothing was played where a level was to be felt ({_codes(silent)}): these answers are to no stimulus"
+        yield f"no stimulus was presented in trials with a level ({_codes(silent)}): these answers are invalid"
 
 
 def _codes(rows: pd.DataFrame) -> str:

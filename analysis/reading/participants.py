@@ -20,10 +20,7 @@ def without_separators(codes: Iterable[str], path: Path) -> dict[str, str]:
 
     A code with a space may be a person's name, for which the column map must state a code.
 
-    Raises
-    ------
-    InvalidFile
-        If two codes differ only by these characters.
+    Raises `InvalidFile` if two codes differ only by these characters.
 
     >>> without_separators(["sub-01", "S02", "Bob Smith", "P_01"], Path("t.csv"))
     {'sub-01': 'sub01', 'P_01': 'P01'}

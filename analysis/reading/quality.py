@@ -9,10 +9,11 @@ import numpy as np
 import pandas as pd
 
 from tactometry.arguments.require import expect, whole
-from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.errors import InvalidParameter
 from tactometry.trials.tasks import FORM_TASK, PRACTICE_CRITERION, TASKS, YES_OR_NO
 from tactometry.trials.trial import Tally
 
+from .course import session_events
 from .rows import correctness, holds, is_catch, no_column, numbers_of
 from .study_file import study_table
 from .trials import Trials
@@ -26,27 +27,18 @@ def frames(path: Path) -> pd.DataFrame:
 
     Empty without events of frames: outside of a data set folder, or if nothing was shown on a screen.
 
-    Raises
-    ------
-    InvalidFile
-        If a file of events lacks a column, or a column contains other values than counts.
+    Raises `InvalidFile` if a file of events lacks a column, or a column contains other values than counts.
     """
-    files = sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []
-    tables = [table for file in files if len(table := _frames_of_session(file))]
+    tables = [table for table in session_events(path, ("trial_type", *COUNTS, SLOWEST), _frames) if len(table)]
     if not tables:
         return pd.DataFrame(columns=["participant", *COUNTS, SLOWEST])
     sessions = pd.concat(tables, ignore_index=True)
     return sessions.groupby("participant", sort=True).agg(dict.fromkeys(COUNTS, "sum") | {SLOWEST: "max"}).reset_index()
 
 
-def _frames_of_session(file: Path) -> pd.DataFrame:
-    try:
-        events = pd.read_csv(file, sep="\t", na_values=["n/a"], quoting=3)  # 3: QUOTE_NONE
-        trials = events[events["trial_type"] == "trial"][[*COUNTS, SLOWEST]].dropna(subset=list(COUNTS))
-        return trials.astype(float).assign(participant=file.name.split("_")[0].removeprefix("participant-"))
-    except (KeyError, ValueError, OSError) as damage:
-        names = ", ".join(("trial_type", *COUNTS, SLOWEST))
-        raise InvalidFile(f"{file}: found no events ({damage}), expected the columns {names}") from None
+def _frames(events: pd.DataFrame) -> pd.DataFrame:
+    trials = events.loc[events["trial_type"] == "trial", [*COUNTS, SLOWEST]].replace("n/a", np.nan)
+    return trials.dropna(subset=list(COUNTS)).astype(float)
 
 
 def with_frames(quality: pd.DataFrame, frames: pd.DataFrame) -> pd.DataFrame:
@@ -65,16 +57,17 @@ def quality(trials: Trials) -> pd.DataFrame:
         "n_rows": True,
         "n_practice": practice,
         "n_invalid": invalid,
-        "n_repeated": _is_repeated(rows),
+        "n_repeated": (rows["attempt"] > 1) & _is_first(rows) if "attempt" in rows.columns else False,
         "n_unanswered": silent & ~invalid,
         "n_catch": catch,
         "n_false_alarms": catch & rows["response"].isin(["1", "1.0"]),
     }
     table = pd.DataFrame(flags, index=rows.index).groupby(rows["participant"], sort=True).sum()
     rate = table["n_false_alarms"] / table["n_catch"].where(table["n_catch"] > 0)  # without catch trials NaN, not inf
-    missed = missed_practice(trials)
-    told = {"practice_missed": missed.reindex(table.index).fillna(False).astype(int)} if len(missed) else {}
-    return table.assign(false_alarm_rate=rate, **told).reset_index()
+    table, missed = table.assign(false_alarm_rate=rate), missed_practice(trials)
+    if len(missed):
+        table["practice_missed"] = missed.reindex(table.index).fillna(False).astype(int)
+    return table.reset_index()
 
 
 def tally_of(trials: Trials) -> Tally:
@@ -84,13 +77,6 @@ def tally_of(trials: Trials) -> Tally:
     first = rows[_is_first(rows) & ~pd.Series(is_form, rows.index)]
     n_again = int((first["attempt"] > 1).sum()) if "attempt" in rows.columns else 0
     return Tally(len(first), int(holds(first, "valid", 0).sum()), int(np.sum(is_form)), n_again=n_again)
-
-
-def _is_repeated(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """Return True for the first row of each attempt after the first."""
-    if "attempt" not in rows.columns:
-        return pd.Series(False, index=rows.index)
-    return (rows["attempt"] > 1) & _is_first(rows)
 
 
 def _is_first(rows: pd.DataFrame) -> "pd.Series[bool]":
@@ -122,7 +108,7 @@ def missed_practice(trials: Trials) -> "pd.Series[bool]":
 
 
 def _criterion(table: Mapping[str, Any]) -> tuple[int, int] | None:
-    """Return how many of how many answers must be correct; None if unset."""
+    """Return how many of how many answers must be correct, if stated."""
     if not table:
         return None
     stated = dict(zip(("n_correct", "n_of"), PRACTICE_CRITERION, strict=True)) | dict(table)
@@ -139,7 +125,7 @@ def _is_right(rows: pd.DataFrame) -> "pd.Series[bool]":
 
 @dataclass(frozen=True)
 class Exclusion:
-    """Rules that exclude trials and participants; None disables a rule.
+    """Rules that exclude trials and participants. None disables a rule.
 
     Parameters
     ----------
@@ -191,15 +177,12 @@ class Exclusion:
 
 
 def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Trials, pd.DataFrame]:
-    """Apply exclusion rules; return the remaining trials and the exclusions.
+    """Apply exclusion rules and return remaining trials and exclusions.
 
     The rows keep their index. The table of exclusions has the columns `participant, rule, bound, n_trials`. `quality`
     is that of the trials (`reading.quality`), whose shares the rules on participants use.
 
-    Raises
-    ------
-    InvalidParameter
-        If the table lacks a column that a rule needs.
+    Raises `InvalidParameter` if the table lacks a column that a rule needs.
     """
     rows = trials.rows
     lost: list[tuple[object, ...]] = []
@@ -213,22 +196,25 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
 
 
 def _against_rule(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":
-    """Return True for rows that break a rule; missing values break none."""
-    if name == "force_in_band_share_min":
-        return _column(rows, "force_in_band", name) < bound
-    if name == "force_deviation_ratio_max":
-        target = pd.to_numeric(_column(rows, TARGET, name), errors="coerce")
-        return (_column(rows, "force_mean_n", name) - target).abs() > bound * target
-    if name == "latency_min_s":
-        return _column(rows, "latency_s", name) < bound
-    if name == "latency_max_s":
-        return _column(rows, "latency_s", name) > bound
+    """Return True for rows that break a rule. Missing values break none."""
     of = quality.set_index("participant")
-    if name == "practice":
-        missed = of["practice_missed"] if "practice_missed" in of.columns else pd.Series(0, of.index)
-        return rows["participant"].map(missed == 1).astype(bool)
-    share = of["false_alarm_rate"] if name == "false_alarm_share_max" else of["n_invalid"] / of["n_rows"]
-    return rows["participant"].map(share > bound).astype(bool)
+    match name:
+        case "force_in_band_share_min":
+            return _column(rows, "force_in_band", name) < bound
+        case "force_deviation_ratio_max":
+            target = pd.to_numeric(_column(rows, TARGET, name), errors="coerce")
+            return (_column(rows, "force_mean_n", name) - target).abs() > bound * target
+        case "latency_min_s":
+            return _column(rows, "latency_s", name) < bound
+        case "latency_max_s":
+            return _column(rows, "latency_s", name) > bound
+        case "practice":
+            is_out = of.get("practice_missed", pd.Series(0, of.index)) == 1
+        case "false_alarm_share_max":
+            is_out = of["false_alarm_rate"] > bound
+        case _:
+            is_out = of["n_invalid"] / of["n_rows"] > bound
+    return rows["participant"].map(is_out).astype(bool)
 
 
 def _column(rows: pd.DataFrame, name: str, rule: str) -> "pd.Series[float]":

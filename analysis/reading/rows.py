@@ -127,7 +127,7 @@ def _toml_text(text: str) -> str:
 
 
 def expect_column(table: pd.DataFrame, name: str, file: object, why: str) -> None:
-    """Refuse a table of this file without a column; `why` ends the sentence."""
+    """Refuse a table without a column. `why` ends the message."""
     if name not in table.columns:
         raise InvalidFile(f"{file}: found no column {name!r}{why}{nearest(name, map(str, table.columns))}")
 

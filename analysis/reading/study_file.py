@@ -33,10 +33,7 @@ class StudyText:
 def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -> T:
     """Apply `read` to a table of the study in a folder, or to an empty table.
 
-    Raises
-    ------
-    InvalidFile
-        If the study cannot be read, or `read` refuses its table.
+    Raises `InvalidFile` if the study cannot be read, or `read` refuses its table.
     """
     file = path / "study.toml"
     table = read_table(file, "the study that ran").get(name, {}) if file.is_file() else {}
@@ -48,10 +45,7 @@ def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -
 def forms_of(path: Path) -> Mapping[str, Questionnaire]:
     """Return the built-in questionnaires and those in the study's `[forms]`.
 
-    Raises
-    ------
-    InvalidFile
-        As `study_table`.
+    Raises `InvalidFile` as `study_table`.
 
     >>> "attrakdiff" in forms_of(Path("no data set"))
     True
@@ -62,10 +56,7 @@ def forms_of(path: Path) -> Mapping[str, Questionnaire]:
 def choices_of(path: Path) -> Mapping[str, ChoiceForm]:
     """Return the built-in choice forms and those in the study's `[forms]`.
 
-    Raises
-    ------
-    InvalidFile
-        As `study_table`.
+    Raises `InvalidFile` as `study_table`.
 
     >>> "demographics" in choices_of(Path("no data set"))
     True

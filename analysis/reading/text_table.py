@@ -49,11 +49,8 @@ def text_cells(
     (None: all are), are omitted with a line in `notes`. Text is normalised (`plain_text`) and trimmed, unless it is
     `verbatim`.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, is not UTF-8 text or not a table, or has rows of different lengths, more than
-        `MOST_COLUMNS` columns, or an unnamed or repeated column.
+    Raises `InvalidFile` if the file cannot be read, is not UTF-8 text or not a table, or has rows of different lengths,
+    more than `MOST_COLUMNS` columns, or an unnamed or repeated column.
     """
     text = file_text(file, verbatim=verbatim)
     notes = [] if notes is None else notes
@@ -109,11 +106,8 @@ def json_cells(text: str, file: Path) -> pd.DataFrame:
     saves them. Each key has a column. Numbers are unchanged, true and false become words, null and missing keys become
     empty. Nested lists and objects stay JSON.
 
-    Raises
-    ------
-    InvalidFile
-        If the text is not JSON or not a list of objects, or has more than `MOST_COLUMNS` keys or `MOST_EMPTY` empty
-        cells.
+    Raises `InvalidFile` if the text is not JSON or not a list of objects, or has more than `MOST_COLUMNS` keys or
+    `MOST_EMPTY` empty cells.
 
     >>> json_cells('[{"level": 0.10, "correct": true}, {"rt": null}]', Path("j.json")).values.tolist()
     [['0.10', 'true', '', 1], ['', '', '', 2]]

@@ -32,10 +32,7 @@ def trial_files(path: Path, *, foreign: bool = False) -> list[Path]:
 
     With `foreign`, a folder may also contain tables of another program, directly or in ``data``.
 
-    Raises
-    ------
-    InvalidFile
-        If there is none.
+    Raises `InvalidFile` if there is none.
     """
     if path.is_file():
         return [path]
@@ -80,14 +77,13 @@ def unread_notes(path: Path, used: Sequence[Path]) -> Iterator[str]:
     if path.is_file():
         return
     if any(part.startswith("sub-") for part in used[0].relative_to(path).parts[:1]):
-        unread = [*_unread_subjects(path, used), *_other_runs(path, used)]
-    elif used[0].match(OWN_FILES[0]):
-        unread = [file for file in _data_files(path / "data") if file not in used and not _is_sidecar(file, used)]
+        unread = _unread_in_bids(path, used)
     else:
-        # Programs save one session in several formats, of which only one is read.
-        names = {file.stem for file in used}
-        others = [file for file in _data_files(path) if file not in used]
-        unread = [file for file in others if file.stem not in names or file.suffix.lower() in TABLES]
+        # Our tables have sidecars, and other programs save one session in several formats, of which one is read.
+        is_own, names = used[0].match(OWN_FILES[0]), {file.stem for file in used}
+        copies = (".json", ".tsv") if is_own else OTHER_DATA
+        others = [file for file in _data_files(path / "data" if is_own else path) if file not in used]
+        unread = [file for file in others if file.stem not in names or file.suffix.lower() not in copies]
     if unread:
         yield f"not read: {first_named([str(file.relative_to(path)) for file in unread], MOST_NAMED)}"
 
@@ -124,34 +120,19 @@ def _begins_list(file: Path) -> bool:
 
 def _data_files(path: Path) -> list[Path]:
     """Return files in a folder and its subfolders that may contain trials."""
-    files = _visible_files([*path.glob("*"), *(file for file in path.glob("*/*") if not _is_report(file.parent))])
+    # A report writes its tables and figures into such folders.
+    inner = [file for file in path.glob("*/*") if not re.search("(^figures|_tables)$", file.parent.name)]
+    files = _visible_files([*path.glob("*"), *inner])
     return [file for file in files if file.suffix.lower() in (*TABLES, *OTHER_DATA) and file.stem not in DESCRIPTIONS]
 
 
-def _is_report(folder: Path) -> bool:
-    """Return True for folders of tables and figures that `analyse` writes."""
-    return folder.name.endswith("_tables") or folder.name == "figures"
-
-
-def _is_sidecar(file: Path, used: Sequence[Path]) -> bool:
-    return file.suffix.lower() in (".json", ".tsv") and any(file.stem == other.stem for other in used)
-
-
-def _unread_subjects(path: Path, used: Sequence[Path]) -> list[Path]:
-    read = {file.relative_to(path).parts[0] for file in used}
-    return sorted(folder for folder in path.glob("sub-*") if folder.is_dir() and folder.name not in read)
-
-
-def _other_runs(path: Path, used: Sequence[Path]) -> list[Path]:
-    """Return BIDS tables of runs that are not read."""
-    runs = {_run(file) for file in used}
+def _unread_in_bids(path: Path, used: Sequence[Path]) -> list[Path]:
+    """Return subjects that are not read, and other runs of those that are."""
+    read, runs = {file.relative_to(path).parts[0] for file in used}, {_run(file) for file in used}
+    subjects = sorted(folder for folder in path.glob("sub-*") if folder.is_dir() and folder.name not in read)
     files = (file for form in OWN_FILES[1:] for file in _visible_files(path.glob(form)))
-    return [file for file in files if _run(file) not in runs and _in_read_subject(file, path, used)]
-
-
-def _in_read_subject(file: Path, path: Path, used: Sequence[Path]) -> bool:
-    subject = file.relative_to(path).parts[0]
-    return any(other.relative_to(path).parts[0] == subject for other in used)
+    others = (file for file in files if _run(file) not in runs and file.relative_to(path).parts[0] in read)
+    return [*subjects, *others]
 
 
 def _run(file: Path) -> Path:

@@ -3,7 +3,7 @@
 Every error names the file, the row (the header is row 1) and the column.
 """
 
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, count_of, nearest
 from tactometry.records.data_set import keys_of
 from tactometry.records.head import ADDED
-from tactometry.trials.cells import PARTICIPANT, CellRule
+from tactometry.trials.cells import PARTICIPANT
 from tactometry.trials.columns import ALWAYS, FIRST, FOREIGN, MAY_BE_FACTORS, OPTIONAL, RESERVED, stated_factors
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
@@ -124,10 +124,18 @@ def read_trials(
 def _translated(
     cells: Mapping[Path, pd.DataFrame], column_map: ColumnMap, notes: list[str]
 ) -> dict[Path, pd.DataFrame]:
-    elsewhere = {str(name) for table in cells.values() for name in table.columns}
-    read = {file: _text_of(table, file, column_map, elsewhere, notes) for file, table in cells.items()}
+    """Return tables with our columns, still as text."""
+    elsewhere, tables = {str(name) for table in cells.values() for name in table.columns}, {}
+    for file, own in cells.items():
+        table = translate(own, column_map, file, elsewhere, notes.append)
+        if "level" not in table.columns and holds(table, "task", FORM_TASK).all():
+            table = table.assign(level="")  # questionnaire answers have no level
+        for name in REQUIRED:
+            of_counts = f"; for counts name {POSITIVE} and {TOTAL} in [columns] of the map" * (name == "response")
+            expect_column(table, name, file, f"; name it with a column map (--columns){of_counts}")
+        tables[file] = table
     notes += missing_notes(cells, column_map)
-    return read
+    return tables
 
 
 def _lost_notes(
@@ -150,8 +158,8 @@ def _between_notes(rows: pd.DataFrame, within: Sequence[str]) -> Iterator[str]:
     for name in within:
         if rows[name].nunique() > 1 and rows.groupby("participant")[name].nunique().max() == 1:
             yield (
-                f"{name} differs between participants: each has one value of it, although --within names it; check the "
-                "codes of participants if their conditions were to repeat"
+                f"--within {name}: it differs between participants, each of whom has one of its levels; check the "
+                "participant codes if each participant had several"
             )
 
 
@@ -168,10 +176,7 @@ def trials_in(
     The names of files that are `named_by_us` contain the participant. Columns of numbers, counts and flags may also be
     floats, which are not checked.
 
-    Raises
-    ------
-    InvalidFile, InvalidParameter
-        As `read_trials`.
+    Raises `InvalidFile` or `InvalidParameter` as `read_trials`.
     """
     same_columns = _with_same_columns if named_by_us else with_all_columns
     tables = same_columns({file: _checked_table(table, file) for file, table in texts.items()})
@@ -192,8 +197,8 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     """Warn of rows that repeat an earlier trial, if trials are numbered.
 
     >>> row = {"participant": "P1", "trial": 1.0, "response": "1", "source": "a.csv", "row": 2}
-    >>> repetitions(pd.DataFrame([row, row | {"trial": 2.0, "row": 3}, row | {"response": "0", "row": 4}]))[0][:66]
-    '1 row repeats a trial that stands before it (the first: a.csv, row'
+    >>> repetitions(pd.DataFrame([row, row | {"trial": 2.0, "row": 3}, row | {"response": "0", "row": 4}]))[0][:58]
+    '1 row repeats an earlier trial (the first: a.csv, row 4; 0'
     """
     if "trial" not in rows.columns:
         return []
@@ -204,39 +209,33 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
         return []
     alike = int(numbered.duplicated([name for name in rows.columns if name not in OWN]).sum())
     place = first_place(again).removesuffix(")")
-    repeat = "repeats a trial that stands before it" if len(again) == 1 else "repeat trials that stand before them"
+    repeat = "repeats an earlier trial" if len(again) == 1 else "repeat earlier trials"
     return [
-        f"{count_of(len(again), 'row')} {repeat} {place}; {alike} of {len(again)} alike in every cell): "
-        "each counts as a trial of its own; take copies out, or number trials through the session"
+        f"{count_of(len(again), 'row')} {repeat} {place}; {alike} of {len(again)} identical in every cell): "
+        "each counts as a separate trial; remove copies, or number trials through the session"
     ]
 
 
 def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
-    """Give all tables the same columns; tables without `ADDED` get empty ones.
+    """Give all tables the same columns, with `ADDED` ones empty if missing.
 
-    Raises
-    ------
-    InvalidFile
-        If one has other columns than the first.
+    Raises `InvalidFile` if one has other columns than the first.
     """
     header = list(max(tables.values(), key=lambda table: len(ADDED.intersection(table.columns))).columns)
-    whole = {file: _with_added(table, header) for file, table in tables.items()}
+    whole = {}
+    for file, table in tables.items():
+        missing = [name for name in header if name in ADDED and name not in table.columns]
+        is_older = missing and set(header) == {*table.columns, *missing}
+        whole[file] = with_empty(table, missing)[header] if is_older else table
     first, *others = whole
     for file in others:
         if (columns := list(whole[file].columns)) != (expected := list(whole[first].columns)):
             odd = ", ".join(sorted(set(columns) ^ set(expected))) or "in another order"
             raise InvalidFile(
                 f"{file}: found other columns than in {first.name} ({odd}), expected the same; analyse different "
-                "studies apart"
+                "studies separately"
             )
     return whole
-
-
-def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
-    missing = [name for name in header if name in ADDED and name not in table.columns]
-    if not missing or set(header) != {*table.columns, *missing}:
-        return table
-    return with_empty(table, missing)[header]
 
 
 def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
@@ -247,27 +246,13 @@ def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
         _expect(table, "participant", table["participant"] == code, expected)
 
 
-def _text_of(
-    cells: pd.DataFrame, file: Path, column_map: ColumnMap, elsewhere: Container[str], notes: list[str]
-) -> pd.DataFrame:
-    raw = translate(cells, column_map, file, elsewhere, notes.append)
-    if "level" not in raw.columns and holds(raw, "task", FORM_TASK).all():
-        raw = raw.assign(level="")  # questionnaire answers have no level
-    for name in REQUIRED:
-        of_counts = f"; for counts name {POSITIVE} and {TOTAL} in [columns] of the map" if name == "response" else ""
-        expect_column(raw, name, file, f"; name it with a column map (--columns){of_counts}")
-    return raw
-
-
 def _checked_table(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
     table = raw.assign(source=str(file))
     _expect_texts(table, "participant", lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
     _expect_texts(table, "task", lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
     texts = {name for name in table.columns if not is_numeric_dtype(table[name])}
-    for name in (name for name in NUMBERS if name in texts):
+    for name in (name for name in (*NUMBERS, *COUNTS) if name in texts):
         table[name] = _numbers(table, name)
-    for name in (name for name in COUNTS if name in texts):
-        table[name] = _counts(table, name)
     for name in (name for name in FLAGS if name in texts):
         _expect_texts(table, name, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
         # Floats, as a flag may be missing.
@@ -309,36 +294,23 @@ def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":
         fine |= table[name] == ""
         has_comma = table[name][~fine].head(1).str.fullmatch(r"-?\d+,\d+").any()
         _expect(table, name, fine, "a decimal point" if has_comma else "a finite number or nothing")
-    return values
-
-
-def _counts(table: pd.DataFrame, name: str) -> "pd.Series[float]":
-    values = _numbers(table, name)
-    n = values.to_numpy()
-    lowest = 2 if name == ALTERNATIVES else 0
-    is_count = (n == np.floor(n)) & (n >= lowest) | np.isnan(n)
-    _expect(table, name, pd.Series(is_count, table.index), f"a whole number from {lowest}")
+    if name in COUNTS:
+        lowest = 2 if name == ALTERNATIVES else 0
+        is_count = (values % 1 == 0) & (values >= lowest) | values.isna()
+        _expect(table, name, is_count, f"a whole number from {lowest}")
     return values
 
 
 def _check_answers(table: pd.DataFrame) -> None:
-    for task in sorted(table["task"].unique()):
-        if TASKS[task].is_read:
-            _check_responses(table, task)
+    for task in (task for task in sorted(table["task"].unique()) if TASKS[task].is_read):
+        rule, of_task = TASKS[task].response, table["task"] == task
+        expected = f"{rule.words}, where the task is {task}"
+        # Integers may be written as 1.0.
+        texts = table.loc[of_task, "response"].unique()
+        wrong = [text for text in texts if text and ("_" in text or not rule.holds(text.removesuffix(".0")))]
+        _expect(table, "response", ~of_task | ~table["response"].isin(wrong), expected)
     lost = table["task"].isin(CURVED) & table["level"].isna() & ~is_catch(table)
     _expect(table, "level", ~lost, "a level, or 1 in the column 'catch'")
-
-
-def _check_responses(table: pd.DataFrame, task: str) -> None:
-    rule, of_task = TASKS[task].response, table["task"] == task
-    fine = {text for text in table.loc[of_task, "response"].unique() if text == "" or _fits(rule, text)}
-    expected = f"{rule.words}, where the task is {task}"
-    _expect(table, "response", ~of_task | table["response"].isin(fine), expected)
-
-
-def _fits(rule: CellRule, text: str) -> bool:
-    """Return True if a text fits a rule; integers may be written as 1.0."""
-    return "_" not in text and rule.holds(text.removesuffix(".0"))
 
 
 def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) -> tuple[str, ...]:
@@ -346,7 +318,7 @@ def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) ->
     for name in within or ():
         expect(name in theirs, "--within", repr(name), f"columns of {path}{nearest(name, theirs)}")
         is_kept = name in RESERVED - MAY_BE_FACTORS
-        expect(not is_kept, "--within", f"{name!r}, a name that is no factor's", f"factors of {path}")
+        expect(not is_kept, "--within", f"{name!r}, a reserved name", f"factors of {path}")
     if within is not None:
         return tuple(dict.fromkeys(within))
     if "procedure" not in header or "trial" not in header:
@@ -358,16 +330,14 @@ def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) ->
     for name in factors:
         if name in RESERVED:
             raise InvalidFile(
-                f"{path}, row 1: found {name!r} between 'trial' and 'procedure', where factors stand, but the analysis "
-                "keeps that name for itself; rename the column, or name the factors with --within"
+                f"{path}, row 1: found {name!r} between 'trial' and 'procedure', expected factors only: the analysis "
+                "reserves this name. Rename the column, or name the factors with --within"
             )
     return tuple(factors)
 
 
 def _is_filled(column: "pd.Series[Any]") -> bool:
     """Return True if any cell has a value, unlike in a compared factor."""
-    if is_numeric_dtype(column):
-        return column.empty or bool(column.notna().any())
     return column.empty or bool((column.notna() & (column.astype(str) != "")).any())
 
 

@@ -24,14 +24,12 @@ MOST_COUNTED = 10_000_000
 
 
 def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
-    """Return a row for each trial of counts; other tables are unchanged.
+    """Return a row for each trial of a table of counts.
 
     Positive answers are spread evenly over the trials of their row, as their order is not known.
 
-    Raises
-    ------
-    InvalidFile
-        If one of the two columns is missing, or a row has no counts, or more positive answers than trials.
+    Raises `InvalidFile` if one of the two columns is missing, or a row has no counts, or more positive answers than
+    trials.
     """
     if POSITIVE not in table.columns:
         return table
@@ -63,10 +61,7 @@ def with_responses(table: pd.DataFrame, file: Path) -> pd.DataFrame:
 
     The number of the interval is then not known: 1 stands for a correct answer, 2 for a wrong one.
 
-    Raises
-    ------
-    InvalidFile
-        If nothing states the number of alternatives.
+    Raises `InvalidFile` if nothing states the number of alternatives.
     """
     is_choice = {"task", "correct"} <= set(table.columns) and (table["task"] == CHOICE).all()
     if "response" in table.columns or not is_choice:

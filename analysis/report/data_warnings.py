@@ -28,11 +28,11 @@ MANY_DROPPED = 0.01
 """Shares above these cause a warning; unverified defaults."""
 FEW_TRIALS = 15
 STATUS_WORDS = {
-    Status.BELOW: "with a threshold below the levels: its upper bound is given",
-    Status.ABOVE: "with a threshold above the levels: its lower bound is given",
+    Status.BELOW: "with a threshold below the levels: only its upper bound is known",
+    Status.ABOVE: "with a threshold above the levels: only its lower bound is known",
     Status.SEPARATED: "with one step between two levels: the width has an upper bound only",
-    Status.FLAT: "without a clear rise with the level: an interval is given and no threshold",
-    Status.NON_MONOTONE: "with a fall somewhere at rising level, more than chance explains",
+    Status.FLAT: "without a clear rise with the level: an interval is reported instead of a threshold",
+    Status.NON_MONOTONE: "with a rate that falls at rising level by more than chance explains",
     Status.TOO_FEW_LEVELS: "with fewer than three levels",
     Status.NO_DATA: "without a trial at a level",
 }
@@ -81,9 +81,9 @@ def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str
 
 
 def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
-    """Yield the number of conditions that others have and a participant lacks, for each task."""
+    """Warn of conditions that others have and a participant lacks, by task."""
     for task, of_task in table.groupby("task", sort=False):
-        # A factor that varies between participants alone is not missing in any.
+        # A factor that only varies between participants is not missing in any.
         inside = [name for name in factors if of_task.groupby("participant")[name].nunique().max() > 1]
         keys = ["participant", *inside]
         whole = of_task[["participant"]].drop_duplicates().merge(of_task[inside].drop_duplicates(), how="cross")
@@ -94,11 +94,11 @@ def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]
 
 
 def _unused_warnings(trials: Trials) -> Iterator[str]:
-    """Yield participants without a valid answer, and forced choices without a known right answer."""
+    """Warn of participants and forced choices without a usable answer."""
     used = used_rows(trials)
     lost = sorted(set(trials.rows["participant"].unique()) - set(used["participant"].unique()))
     if lost:
-        yield f"no valid answer, and so no result, of {first_named(lost)}"
+        yield f"no valid answer, and therefore no result, of {first_named(lost)}"
     choices = used[used["task"].isin(CHOICES)]
     unknown = choices[correctness(choices).isna()]
     if len(unknown):
@@ -134,14 +134,14 @@ def _other_tasks(trials: Trials) -> Iterator[str]:
         known |= (rows["task"] == FORM_TASK) & rows["procedure"].isin(forms)
     other = rows[~known]
     if len(other):
-        yield f"not analysed here, rows of other tasks: {len(other)} ({', '.join(sorted(other['task'].unique()))})"
+        yield f"not analysed, rows of other tasks: {len(other)} ({', '.join(sorted(other['task'].unique()))})"
 
 
 def _unanswered_forms(trials: Trials) -> Iterator[str]:
     for form, rows in asked_forms(trials):
         if (rows["response"] == "").all():
             who = count_of(rows["participant"].nunique(), "participant")
-            yield f"{form.title}: of {who} none answered, so it has no score"
+            yield f"{form.title}: of {who} none answered, so there is no score"
 
 
 def _quality_warnings(quality: pd.DataFrame) -> Iterator[str]:
@@ -172,4 +172,4 @@ def _practice_warnings(analysis: Analysis) -> Iterator[str]:
         chosen = asked["text"].str.removeprefix(PRACTICE_MISSED).groupby(asked["participant"]).agg(", ".join)
         if len(chosen):
             choices = "; ".join(f"{participant} {words}" for participant, words in chosen.items())
-            yield f"after a missed practice the experimenter chose: {choices}"
+            yield f"after practice below the criterion the experimenter chose: {choices}"

@@ -80,7 +80,7 @@ def _rules(analysis: Analysis) -> dict[str, object]:
 
 
 def _libraries(analysis: Analysis) -> Iterator[str]:
-    """Yield each statistics package that computed something, with its version and use."""
+    """Yield each statistics package that was used, with version and use."""
     outcomes = [*analysis.outcomes, *(outcome for form in analysis.forms for outcome in form.outcomes.values())]
     anovas = [outcome.anova.attrs.get("library") for outcome in outcomes if outcome.anova is not None]
     anovas += ["pingouin" for form in analysis.forms if form.crossed is not None]
@@ -104,7 +104,7 @@ def _libraries(analysis: Analysis) -> Iterator[str]:
 
 
 def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: str | None) -> str:
-    """Return what was done with the group; `named` is the primary analysis that the plan names."""
+    """Describe the group analyses (`named` is the plan's primary analysis)."""
     every = [*outcomes, *(outcome for form in forms for outcome in form.outcomes.values())]
     means = [*(outcome.group for outcome in outcomes), *(form.summary for form in forms)]
     tested = [outcome for outcome in every if outcome.analyses().keys() & {Primary.ANOVA, Primary.CENSORED}]
@@ -133,7 +133,7 @@ def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: 
 
 
 def _comparisons(outcomes: Sequence[Outcome], *, has_reference: bool) -> dict[str, bool]:
-    """Return which kinds of comparison were made; `has_reference`: patterns with the reference as well."""
+    """Return which kinds of comparison were made."""
     censored = [outcome for outcome in outcomes if outcome.primary is Primary.CENSORED]
     others = [outcome for outcome in outcomes if outcome.primary is not Primary.CENSORED]
     return {

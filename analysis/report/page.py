@@ -1,10 +1,11 @@
-"""The report as one HTML file with its tables as CSV, figures as files, and a PDF by a browser or WeasyPrint."""
+"""Output of a report: HTML page, tables as CSV, figures as files, and PDF."""
 
 import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -32,22 +33,17 @@ Drawn = tuple[str, bytes | None]
 
 
 class DrawEach(Protocol):
-    """Function that draws each figure, here (`map`) or in other processes, in their order."""
+    """Function that draws figures in order, here or in other processes."""
 
     def __call__(self, draw: Callable[[Figure], Drawn], figures: Iterable[Figure], /) -> Iterable[Drawn]: ...
 
 
 def write_report(
-    analysis: Analysis,
-    path: str | Path,
-    *,
-    pdf: bool = False,
-    sections: Sequence[Section] | None = None,
-    svgs: Mapping[str, str] | None = None,
+    analysis: Analysis, path: str | Path, *, pdf: bool = False, svgs: Mapping[str, str] | None = None
 ) -> Analysis:
-    """Write the report to `path`, its tables to the folder ``<stem>_tables``, and a PDF if requested.
+    """Write the report, its tables (folder ``<stem>_tables``) and a PDF.
 
-    Sections and `svgs` of the figures by name are made unless they are given.
+    The figures are drawn unless their `svgs` are stated by name.
 
     Raises
     ------
@@ -61,7 +57,7 @@ def write_report(
     folder = path.with_name(f"{path.stem}_tables")
     with attempt(path, "cannot be written, or its tables", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
-        page = render(analysis, sections, svgs)
+        page = render(analysis, svgs)
         _remove_earlier(folder)
         write_tables(analysis.tables, folder)
         names = "".join(f"{file_text(name)}.csv\n" for name in analysis.tables)
@@ -73,7 +69,7 @@ def write_report(
 
 
 def _remove_earlier(folder: Path) -> None:
-    """Remove the tables of an earlier report, which a file lists; other files stay."""
+    """Remove the tables that an earlier report listed."""
     listed = folder / LIST_OF_TABLES
     names = listed.read_text(encoding="utf-8", errors="replace").splitlines() if listed.exists() else []
     for name in names:
@@ -86,35 +82,27 @@ def check_report(path: Path) -> None:
     expect(path.suffix.lower() in (".html", ".htm"), "--report", repr(path.name), "a file name that ends in .html")
 
 
-def write_figures(
-    analysis: Analysis, folder: Path, sections: Sequence[Section] | None = None, spread: DrawEach = map
-) -> dict[str, str]:
-    """Write every figure as SVG and PNG (300 dots per inch) with the table of its numbers; return the SVG texts.
+def draw_figures(analysis: Analysis, spread: DrawEach = map, folder: Path | None = None) -> dict[str, str]:
+    """Return the SVG text of each figure by name.
 
-    `spread` distributes the drawing over processes.
+    With a `folder`, also write each as SVG and PNG (300 dots per inch) with the table of its numbers. `spread`
+    distributes the drawing over processes.
 
-    Raises
-    ------
-    DeviceFailed
-        If something cannot be written.
+    Raises `DeviceFailed` if something cannot be written.
     """
-    with attempt(folder, "cannot be written", "a place to write to"):
-        folder.mkdir(parents=True, exist_ok=True)
-        svgs, figures = {}, figures_of(analysis, sections)
-        for figure, (svg, png) in zip(figures, spread(partial(_drawn, with_png=True), figures), strict=True):
-            assert png is not None
-            stem = file_text(figure.name)
-            (folder / f"{stem}.svg").write_text(svg, encoding="utf-8")
-            (folder / f"{stem}.png").write_bytes(png)
-            write_tables({figure.name: figure.rows(analysis.tables[figure.table])}, folder)
+    figures, svgs = figures_of(analysis), {}
+    drawn = spread(partial(_drawn, with_png=folder is not None), figures)
+    with nullcontext() if folder is None else attempt(folder, "cannot be written", "a place to write to"):
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+        for figure, (svg, png) in zip(figures, drawn, strict=True):
             svgs[figure.name] = svg
+            if folder is not None and png is not None:
+                stem = file_text(figure.name)
+                (folder / f"{stem}.svg").write_text(svg, encoding="utf-8")
+                (folder / f"{stem}.png").write_bytes(png)
+                write_tables({figure.name: figure.rows(analysis.tables[figure.table])}, folder)
     return svgs
-
-
-def draw_figures(figures: Sequence[Figure], spread: DrawEach = map) -> dict[str, str]:
-    """Return the SVG text of each figure by name."""
-    drawn = spread(partial(_drawn, with_png=False), figures)
-    return {figure.name: svg for figure, (svg, _) in zip(figures, drawn, strict=True)}
 
 
 def _drawn(figure: Figure, with_png: bool) -> Drawn:
@@ -138,27 +126,30 @@ def csv_bytes(table: pd.DataFrame) -> bytes:
     return spreadsheet_text(([str(name) for name in table.columns], *cells.itertuples(index=False, name=None)))
 
 
-def render(analysis: Analysis, sections: Sequence[Section] | None = None, svgs: Mapping[str, str] | None = None) -> str:
-    """Return the whole page; the same data give the same text."""
-    sections = sections_of(analysis) if sections is None else sections
-    if svgs is None:
-        svgs = draw_figures(figures_of(analysis, sections))
-    # The first line of the page states already that participants were simulated.
+def render(analysis: Analysis, svgs: Mapping[str, str] | None = None) -> str:
+    """Return the page as HTML. The same data return the same text."""
+    svgs = draw_figures(analysis) if svgs is None else svgs
+    rows = analysis.trials.rows
+    studies = sorted(set(rows["study"]) - {""}) if "study" in rows.columns else []
+    # The first line of the page already states that participants were simulated.
     warnings = [text for text in analysis.warnings if f"{text}." != analysis.origin.line]
-    return (
-        environment(is_html=True)
-        .get_template("page.html")
-        .render(
-            words=partial(in_words, factors=analysis.factors),
-            nonbreaking=nonbreaking,
-            analysis=analysis,
-            title=title_of(analysis),
-            svgs={name: _with_unique_names(svg, n) for n, (name, svg) in enumerate(svgs.items())},
-            data=data_line(analysis),
-            warnings=warnings + _notes(analysis),
-            sections=sections,
-            references=references(analysis.methods),
-        )
+    notes = [note for outcome in analysis.outcomes for note in outcome.notes]
+    notes += [note for form in analysis.forms for note in form.notes]
+    page = environment(is_html=True).get_template("page.html")
+    return page.render(
+        words=partial(in_words, factors=analysis.factors),
+        nonbreaking=nonbreaking,
+        analysis=analysis,
+        title=analysis.study.title or ", ".join(studies) or analysis.trials.path.stem,
+        svgs={name: _with_unique_names(svg, n) for n, (name, svg) in enumerate(svgs.items())},
+        studies=studies,
+        participants=count_of(len(analysis.tables["quality"]), "participant"),
+        trials=tally_of(analysis.trials),
+        files=count_of(analysis.trials.n_files, "file"),
+        factors=[split_unit(name)[0] for name in analysis.factors],
+        warnings=warnings + list(dict.fromkeys(notes)),
+        sections=sections_of(analysis),
+        references=references(analysis.methods),
     )
 
 
@@ -167,30 +158,13 @@ def sections_of(analysis: Analysis) -> list[Section]:
     return [section for kind in KINDS for section in kind.sections(analysis)]
 
 
-def figures_of(analysis: Analysis, sections: Sequence[Section] | None = None) -> list[Figure]:
+def figures_of(analysis: Analysis) -> list[Figure]:
     """Return every figure of the report, in order."""
-    made = sections_of(analysis) if sections is None else sections
-    return [figure for section in made for figure in section.figures()]
-
-
-def data_line(analysis: Analysis) -> str:
-    """Return participants, trials, files, factors and unit of the levels in one line."""
-    trials, studies = analysis.trials, ", ".join(_studies(analysis))
-    participants = count_of(len(analysis.tables["quality"]), "participant")
-    read = f"{tally_of(trials)}, in {count_of(trials.n_files, 'file')}"
-    factors = ", ".join(split_unit(name)[0] for name in trials.factors) or "none"
-    levels = f"; levels in {analysis.unit}" if analysis.unit else ""
-    line = f"{f'study {studies}: ' if studies else ''}{participants}, {read}; factors: {factors}{levels}."
-    return line[0].upper() + line[1:]
-
-
-def _studies(analysis: Analysis) -> list[str]:
-    rows = analysis.trials.rows
-    return sorted(set(rows["study"]) - {""}) if "study" in rows.columns else []
+    return [figure for section in sections_of(analysis) for figure in section.figures()]
 
 
 def nonbreaking(text: str) -> str:
-    """Prevent line breaks within an interval, a spread or a number of participants.
+    """Prevent line breaks within an interval, a spread or a number.
 
     >>> nonbreaking("0.29 [-0.78, 1.35] (n = 3)").replace(chr(160), "_").replace(chr(8209), "~")
     '0.29 [~0.78,_1.35] (n_=_3)'
@@ -202,30 +176,15 @@ def nonbreaking(text: str) -> str:
     return re.sub(r"-(?=\d)", "\u2011", joined)
 
 
-def _notes(analysis: Analysis) -> list[str]:
-    notes = [note for outcome in analysis.outcomes for note in outcome.notes]
-    # Each note once.
-    return list(dict.fromkeys([*notes, *(note for form in analysis.forms for note in form.notes)]))
-
-
 def _with_unique_names(svg: str, n: int) -> str:
-    """Make element names unique in the page, as a reference must not reach into another figure."""
+    """Make element names of a figure unique in the page."""
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\1f{n}-", svg)
-
-
-def title_of(analysis: Analysis) -> str:
-    """Return the title of the study, else its name, else that of the file."""
-    title = analysis.study.title or ", ".join(_studies(analysis)) or analysis.trials.path.stem
-    return f"{title} (simulated)" if analysis.origin.is_simulated else title
 
 
 def print_pdf(path: Path) -> Path:
     """Print the page to a PDF in the same folder.
 
-    Raises
-    ------
-    DeviceFailed
-        If there is neither browser nor WeasyPrint, or it fails.
+    Raises `DeviceFailed` if there is neither browser nor WeasyPrint, or it fails.
     """
     engine = next(filter(None, map(shutil.which, (*BROWSERS, WEASYPRINT))), None)
     if engine is None:

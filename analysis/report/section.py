@@ -1,4 +1,4 @@
-"""Parts of a report: kinds of results with sections of blocks, tables of the terminal and values of JSON."""
+"""Parts of a report: sections with blocks, tables, and values of JSON."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ class TextGrid:
 
     @cached_property  # used in every cell of the page
     def is_text(self) -> tuple[bool, ...]:
-        """True for each column of words: the first, and each with a cell without a digit.
+        """True for the first column and each with a cell without a digit.
 
         >>> TextGrid(("participant", "mean", "note"), (("P01", "1.2", "no pairs"), ("P02", "", ""))).is_text
         (True, False, True)
@@ -33,7 +33,7 @@ class TextGrid:
 
 
 def grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
-    """Format a table: levels of factors as they were stated, other numbers with three significant digits.
+    """Format a table, with levels as stated and three significant digits.
 
     >>> grid(pd.DataFrame({"force_n": [0.5], "mean": [0.5]}), ["force_n"])
     TextGrid(header=('Force (N)', 'mean'), rows=(('0.5', '0.500'),))
@@ -71,7 +71,7 @@ class Sentences:
 
 @dataclass(frozen=True)
 class Folded:
-    """Sentences by heading; the first `n_open` headings are unfolded."""
+    """Sentences by heading, the first `n_open` unfolded."""
 
     kind: ClassVar = "folded"
     by_heading: Mapping[str, Sequence[str]]
@@ -110,13 +110,18 @@ class Details:
     is_open: bool = False
 
 
+def details(title: str, table: pd.DataFrame, factors: Sequence[str]) -> Details:
+    """Return a folded table whose title states the number of its rows."""
+    return Details(f"{title} ({len(table)} rows)", (grid(table, factors),))
+
+
 Content = Lead | Heading | TextGrid | Sentences | Folded | Figure | Details
 Blocks = Iterator[Content]
 
 
 @dataclass(frozen=True)
 class Section:
-    """Part of the page; without a title it continues the one before."""
+    """Part of the page, which continues the previous one without a title."""
 
     title: str
     blocks: tuple[Content, ...]
@@ -129,7 +134,10 @@ class Section:
 
 @dataclass(frozen=True)
 class TextTable:
-    """Table of the terminal with sentences below; `across` names its headings."""
+    """Table of the terminal with sentences below it.
+
+    `across` names its headings.
+    """
 
     cross: pd.DataFrame
     title: str
@@ -139,7 +147,7 @@ class TextTable:
 
 @dataclass(frozen=True)
 class ResultKind:
-    """Kind of result: sections of the page, tables of the terminal, and values of JSON."""
+    """Kind of result, with its sections, terminal tables and JSON values."""
 
     sections: Callable[[Analysis], Iterable[Section]] = field(default=lambda analysis: ())
     terminal: Callable[[Analysis], Iterable[TextTable]] = field(default=lambda analysis: ())

@@ -1,4 +1,4 @@
-"""Title and procedure of a data set's study, quoted from its file without defaults."""
+"""Title and procedure of a study, from its file without defaults."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -7,8 +7,8 @@ from typing import Any
 
 from tactometry.config.quantity import as_si
 from tactometry.config.toml import errors_in, read_table
-from tactometry.trials.tasks import TASKS
 
+from ..reading.level_scale import SETTINGS
 from ..reading.study_file import StudyText
 from ..tasks.kinds import ANALYSES
 from ..wording import in_words, level_of, percent_text, procedure_phrase, split_unit
@@ -31,8 +31,6 @@ STIMULI = {
     "texture": "a texture rendered by electrovibration",
     "wav": "a signal from a file",
 }
-INQUIRED = {"start": "before the first block", "block": "after each block", "session": "at the end of the session"}
-TOUCHES = {"slide": "slides over the surface", "press": "presses at rest"}
 WORDS = {
     "catch_rate": "share of catch trials",
     "easy_level": "their level",
@@ -65,20 +63,12 @@ WORDS = {
 """Words for keys that are not clear by themselves."""
 SHARES = ("catch_rate", "easy_share", "tolerance", "speed_tolerance")
 LEVELS = ("levels", "start", "easy_level", "low", "high", "standard_level")
-ORDERS = {
-    "williams": "changed with the participant's number by Williams squares",
-    "complete": "changed with the participant's number over all orders",
-    "random": "was drawn at random",
-}
 
 
 def study_text(path: Path, unit: str) -> StudyText:
-    """Return title, procedure and force of the study in the folder `path`; empty without a study.
+    """Return title, procedure and force of the study in a folder, if any.
 
-    Raises
-    ------
-    InvalidFile
-        If the study cannot be read.
+    Raises `InvalidFile` if the study cannot be read.
     """
     file = path / "study.toml"
     if not file.is_file():
@@ -116,12 +106,13 @@ def procedure_text(study: Table, unit: str) -> str:
         conditions=[f"{split_unit(name)[0]} ({_levels(name, levels)})" for name, levels in factors.items()],
         plan={key: plan.get(key) for key in ("between", "sessions", "interleave")},
         orders=orders,
-        rules=ORDERS,
-        inquired=INQUIRED,
+        stimuli=STIMULI,
+        courses={name: task.course for name, task in ANALYSES.items()},
+        is_setting=_table(study, "task").get("kind") in SETTINGS,
+        procedure_phrase=procedure_phrase,
         names=_names,
         enumerated=_enumeration,
         table_of=_table,
-        opening=_opening,
         details=_details,
     )
     return in_words(text, list(factors))
@@ -157,19 +148,6 @@ def _levels(name: str, stated: Any) -> str:
         return ", ".join(str(level).replace("_", " ") for level in levels)
     unit = split_unit(name)[1]
     return ", ".join(f"{level:g}" for level in levels) + (f" {unit}" if unit else "")
-
-
-def _opening(name: str, kind: str, study: Table) -> str:
-    words = kind.replace("_", " ")
-    if name == "stimulus":
-        return f"The stimulus was {STIMULI.get(kind, words)}"
-    if name == "touch":
-        return f"Touches were {TOUCHES.get(kind, kind)}"
-    if name == "task":
-        return ANALYSES[kind].course if kind in ANALYSES else f"Participants {words}"
-    task = TASKS.get(str(_table(study, "task").get("kind")))
-    levels = "The levels at which adjustments began" if task is not None and task.sets_level else "Levels"
-    return f"{levels} were chosen by {procedure_phrase(kind)}"
 
 
 def _details(table: Table, unit: str) -> str:

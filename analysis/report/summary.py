@@ -25,7 +25,7 @@ def summary(analysis: Analysis) -> dict[str, object]:
         "path": str(analysis.trials.path),
         "n_trials": tally_of(analysis.trials).n_trials,
         "n_rows": len(analysis.trials.rows),
-        "n_participants": int(analysis.trials.rows["participant"].nunique()),
+        "n_participants": analysis.n_participants,
         "factors": list(analysis.factors),
         "level_unit": analysis.unit,
         "simulated": analysis.origin.is_simulated,

@@ -19,7 +19,7 @@ MOST_FOLDED: Final = 60
 
 
 def tables(analysis: "Analysis", width: int) -> "Iterator[tuple[Table | None, Sequence[str]]]":
-    """Yield each table with the sentences below it; None for one that no `width` columns show."""
+    """Yield each table (None: too wide) with the sentences below it."""
     factors = analysis.factors
     for table in (table for kind in KINDS for table in kind.terminal(analysis)):
         sentences = [in_words(sentence, factors) for sentence in table.sentences]
@@ -31,7 +31,7 @@ def tables(analysis: "Analysis", width: int) -> "Iterator[tuple[Table | None, Se
 
 
 def text_table(cells: TextGrid, title: str, width: int, n_keys: int, across: str) -> "Table | None":
-    """Return a table that breaks no word and no value over lines; None if it is too wide, or too long when folded.
+    """Return a table without broken words, or None if it is too large.
 
     A table that is too wide has one row for each cell instead: the first `n_keys` columns, the head of the cell's
     column under `across`, and the cell.
@@ -54,7 +54,7 @@ def text_table(cells: TextGrid, title: str, width: int, n_keys: int, across: str
 
 
 def _widths(cells: TextGrid, width: int) -> list[int] | None:
-    """Return the width of each column in a table of `width`, or None if a word or a value would not fit."""
+    """Return the width of each column, or None if a word does not fit."""
     columns = [[head, *(row[index] for row in cells.rows)] for index, head in enumerate(cells.header)]
     widths = [max(map(len, column)) for column in columns]
     least = [max(map(_longest_part, column)) for column in columns]
@@ -68,7 +68,7 @@ def _widths(cells: TextGrid, width: int) -> list[int] | None:
 
 
 def _longest_part(text: str) -> int:
-    """Return the length of a value, or of the longest word of a text without digits.
+    """Return the length of a value, or of a text's longest word.
 
     >>> _longest_part("3.6 [2.8, 4.3] (n = 4)"), _longest_part("first of the pair")
     (22, 5)

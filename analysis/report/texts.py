@@ -1,4 +1,4 @@
-"""Templates of the report's texts, with the formats of numbers that they use."""
+"""Templates of the report's texts, and their number formats."""
 
 from functools import cache
 from importlib.resources import files
@@ -23,7 +23,7 @@ def source(name: str) -> str:
 
 @cache
 def environment(*, is_html: bool = False) -> "Environment":
-    """Return the templates of `templates/`; those of the page escape text."""
+    """Return the templates, which escape text for HTML."""
     from jinja2 import Environment, FunctionLoader, StrictUndefined  # slow to load
 
     found = Environment(

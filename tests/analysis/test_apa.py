@@ -1,6 +1,7 @@
 """Tests of the sentences of results and of printed assumption checks."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from designs import drawn, long_table
 from scipy import stats
@@ -8,13 +9,7 @@ from scipy import stats
 from tactometry.analysis.anova.post_hoc import equivalence, pairs
 from tactometry.analysis.anova.within_subjects import checks, permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
-from tactometry.analysis.report.sentences import (
-    anova_sentences,
-    equivalence_sentences,
-    model_sentences,
-    pair_sentences,
-    permutation_sentences,
-)
+from tactometry.analysis.report.sentences import table_sentences
 from tactometry.analysis.wording import p_text, share_text
 
 ARGUMENTS = {"dependent": "y", "subject": "subject"}
@@ -40,7 +35,7 @@ def test_a_share_has_no_leading_zero(x, text) -> None:
 
 def test_effect_sentence_contains_its_numbers(table) -> None:
     found = repeated_measures(table, within=["force", "freq"], **ARGUMENTS)
-    first, second, _ = anova_sentences(found)
+    first, second, _ = table_sentences("anova", found)
     row = found.iloc[0]
     if row["eps_CM"] < 1:
         assert first.startswith(f"force: F({2 * row['eps_CM']:.2f}, {16 * row['eps_CM']:.2f}) = {row['F']:.2f}, ")
@@ -52,26 +47,56 @@ def test_effect_sentence_contains_its_numbers(table) -> None:
 
 def test_every_result_has_its_sentence(table) -> None:
     within = ["force", "freq"]
+    tested = equivalence(table, factor="force", bound=50.0, **ARGUMENTS)
+    model = mixed_model(table, factors=within, **ARGUMENTS)
     told = [
-        *permutation_sentences(permutation_test(table, within=within, **ARGUMENTS)),
-        *pair_sentences(pairs(table, factor="force", **ARGUMENTS), "dB"),
-        *equivalence_sentences(equivalence(table, factor="force", bound=50.0, **ARGUMENTS), "dB"),
-        *model_sentences(mixed_model(table, factors=within, **ARGUMENTS)),
+        *table_sentences("permutation", permutation_test(table, within=within, **ARGUMENTS)),
+        *table_sentences("pairs", pairs(table, factor="force", **ARGUMENTS), "dB"),
+        *table_sentences("equivalence", tested, tested.attrs, "dB"),
+        *table_sentences("model", model.terms, model),
     ]
     assert all("nan" not in sentence and "None" not in sentence for sentence in told)
     assert sum("p " in sentence for sentence in told) >= len(told) - 2
     assert any("pairs are equivalent within +-50 dB" in sentence for sentence in told)
 
 
+F_TEST = {"Source": "a * b", "ddof1": 2, "ddof2": 14, "F": 8.1, "eps_CM": 1.0, "np2": 0.536}
+WELCH = {"a": "left", "b": "right", "difference": 3.0, "simultaneous_low": 0.73, "simultaneous_high": 5.27, "df": 4.0}
+WELCH |= {"t": 3.674, "p_unc": 0.021, "p_corr": 0.021, "g": 2.4, "bf10": 3.6, "status": "ok"}
+TOST = {"a": 0.5, "b": 1.0, "difference": 0.02, "low": -0.3, "high": 0.35, "p": 0.001, "equivalent": True}
+NO_ALPHA = {"frequency_hz": 60.0, "dimension": "PQ", "alpha": None, "note": "fewer than three participants"}
+
+
+@pytest.mark.parametrize(
+    ("kind", "row", "facts", "text"),
+    [
+        ("simple", F_TEST | {"hz": 60, "p_corr": 0.009, "note": ""}, ["hz"],
+         "hz 60: a * b, F(2, 14) = 8.10, p = .009 (Holm), partial eta squared = .536"),
+        ("permutation", F_TEST | {"p_permutation": 0.25, "n_permutations": 512}, [],
+         "a * b: permutation test of 512 changes of signs, F = 8.10, p = .250"),
+        ("pairs", WELCH, ["dB"],
+         "right − left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4) = 3.67, p = .021, g = 2.40, BF10 = 3.6, "
+         "moderate evidence for a difference"),
+        ("equivalence", TOST, [{"p_all": 0.001, "bound": 1.0, "alpha": 0.05}, "dB", "force_n"],
+         "1 N and 0.5 N are equivalent within +-1 dB: difference 0.020 dB, 90 % CI [-0.300, 0.350], TOST p = .001"),
+        ("alpha", NO_ALPHA, [["frequency_hz"]],
+         "60 Hz, PQ: no Cronbach's alpha (fewer than three participants)"),
+    ],
+)  # fmt: skip
+def test_sentence_of_one_row(kind, row, facts, text) -> None:
+    assert table_sentences(kind, pd.DataFrame([row]), *facts) == [text]
+
+
 def test_equivalence_sentences_deny_unmet_claims() -> None:
     values = np.random.default_rng().normal(size=(8, 2)) + np.array([0, 5.0])
-    told = equivalence_sentences(equivalence(long_table(values), factor="force", bound=0.5, **ARGUMENTS))
+    tested = equivalence(long_table(values), factor="force", bound=0.5, **ARGUMENTS)
+    told = table_sentences("equivalence", tested, tested.attrs)
     assert all("not" in sentence for sentence in told)
 
 
 def test_pair_sentence_reports_differences_without_error() -> None:
     values = np.arange(4.0)[:, None] + np.array([0.0, 2.0])
-    (told,) = pair_sentences(pairs(long_table(values), factor="force", **ARGUMENTS))
+    (told,) = table_sentences("pairs", pairs(long_table(values), factor="force", **ARGUMENTS))
     assert told == "1 − 0: 2.00 in every participant: no test, as there is no error"
 
 

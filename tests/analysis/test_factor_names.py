@@ -44,7 +44,7 @@ def test_every_column_that_an_analysis_adds_is_reserved(tmp_path):
 
 @pytest.mark.parametrize("name", ["level", "response", "task", "participant"])
 def test_measured_column_is_rejected_as_factor(tmp_path, name):
-    with pytest.raises(InvalidParameter, match=f"--within: found '{name}', a name that is no factor's"):
+    with pytest.raises(InvalidParameter, match=f"--within: found '{name}', a reserved name"):
         analyse(table(tmp_path, "colour"), within=[name])
 
 

@@ -154,7 +154,7 @@ TRIALS = [f"{code},{level},{'y' if level > 2 else 'n'}" for code in ("S1", "S2")
 def test_participants_without_an_answer_are_named(capsys, tmp_path):
     table = written(tmp_path, ["participant,level,response", *TRIALS, "S3,1,", "S3,2,"], MAP)
     found = analysed(capsys, table)
-    assert warning(found, "no valid answer") == "no valid answer, and so no result, of S3"
+    assert warning(found, "no valid answer") == "no valid answer, and therefore no result, of S3"
     assert warning(found, "without an answer").startswith(
         "2 rows without an answer were left out (the first: t.csv, row 8)"
     )
@@ -253,7 +253,7 @@ def test_survey_answers_of_jspsych_are_ratings(capsys, tmp_path):
         warning(found, "survey")
         == "1 row of answers to a survey were read as the task rating (the first: t.json, row 4)"
     )
-    assert warning(found, "not analysed here") == "not analysed here, rows of other tasks: 2 (rating)"
+    assert warning(found, "not analysed, rows") == "not analysed, rows of other tasks: 2 (rating)"
 
 
 # --- Unicode
@@ -296,7 +296,7 @@ def test_reason_names_the_factor_between_participants(capsys):
         "by the rule: every participant has a value, and A differs between participants"
     )
     assert outcome["anova"][0]["F"] == pytest.approx(2.33, abs=0.005)
-    assert warning(found, "A differs between participants")
+    assert warning(found, "--within A: it differs between participants")
 
 
 def test_group_of_one_has_no_anova(capsys):
@@ -323,7 +323,7 @@ def test_threshold_above_levels_has_lower_bound(capsys, tmp_path):
     )
     output(capsys, "simulate", study, "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
     found = json.loads(output(capsys, "analyse", tmp_path / "d", "--json"))
-    assert warning(found, "6 of 6 cells with a threshold above the levels: its lower bound is given")
+    assert warning(found, "6 of 6 cells with a threshold above the levels: only its lower bound is known")
 
 
 # --- rules whose guess rate is not that of the task

@@ -312,8 +312,8 @@ def test_copied_rows_are_warned_of(tmp_path, capsys):
     status, _, out = call(capsys, "analyse", file, "--json")
     assert status == 0
     assert (
-        "2 rows repeat trials that stand before them (the first: t.csv, row 10; 1 of 2 alike in every cell): each "
-        "counts as a trial of its own; take copies out, or number trials through the session"
+        "2 rows repeat earlier trials (the first: t.csv, row 10; 1 of 2 identical in every cell): each "
+        "counts as a separate trial; remove copies, or number trials through the session"
     ) in json.loads(out)["warnings"]
 
 

@@ -91,7 +91,8 @@ def test_mixed_table_leaves_out_simulated_participants(mixed, whole, capsys):
     pooled = analyse_trials(read_trials(both))
     assert pooled.tables["thresholds"].equals(found.tables["thresholds"])
     assert pooled.warnings[0] == (
-        f"simulated participants share this table with people and are left out (P77: {n_rows} rows); analyse them apart"
+        f"simulated participants in a table with real participants were excluded (P77: {n_rows} rows); "
+        "analyse them separately"
     )
     assert not pooled.origin.is_simulated
     status, _, out = call(capsys, "validate", mixed / "d")
@@ -122,7 +123,7 @@ def test_journals_identify_simulated_participants_of_older_version(tmp_path):
         writer.writerows(own)
     found = analyse_trials(read_trials(root))
     assert "P77" not in set(found.trials.rows["participant"])
-    assert found.origin.warnings[0].startswith("simulated participants share this table with people and are left out")
+    assert found.origin.warnings[0].startswith("simulated participants in a table with real participants were excluded")
 
 
 def test_changed_setting_between_sittings_has_warning(tmp_path):

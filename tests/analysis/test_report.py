@@ -315,7 +315,7 @@ def test_report_has_force_models_pairs_and_references(planned) -> None:
     headings = (
         "Applied force",
         "Data quality",
-        "Left out by the plan",
+        "Excluded by the analysis plan",
         "Pairs of frequency",
         "Equivalence over force",
     )

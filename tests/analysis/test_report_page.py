@@ -17,7 +17,7 @@ from tactometry.analysis.figures.style import COLOURS, look, shift
 from tactometry.analysis.outcomes.findings import Outcome
 from tactometry.analysis.pipeline import analyse, analyse_trials
 from tactometry.analysis.reading.trials import read_trials
-from tactometry.analysis.report.captions import figure_text, means_sentence
+from tactometry.analysis.report.captions import means_text
 from tactometry.analysis.report.page import figures_of, nonbreaking, render
 from tactometry.analysis.report.sections.outcomes import as_amplitudes
 from tactometry.analysis.report.study_text import STIMULI, procedure_text, study_text
@@ -104,7 +104,12 @@ def test_report_has_title_and_procedure_of_study(one) -> None:
     page = render(one)
     assert "<h1>Tutorial: is there a vibration under the finger? (simulated)</h1>" in page
     assert "Study tutorial: 1 participant" in page
-    order = ("<h3>Procedure", "no person took part.", "was felt through", "The conditions were frequency (60, 240 Hz).")
+    order = (
+        "<h3>Procedure",
+        "no person took part.",
+        "were perceived through",
+        "The conditions were frequency (60, 240 Hz).",
+    )
     places = [page.index(words) for words in order]
     assert places == sorted(places)
     assert "share of catch trials 20 %" in page
@@ -241,11 +246,13 @@ def test_scores_of_a_load_are_not_called_good() -> None:
 
 def test_captions_describe_means_and_intervals() -> None:
     told = pd.DataFrame({"mean": [1.0], "mean_low": [0.5], "within_low": [0.7], "n": [3]})
-    assert figure_text(told, "dots").startswith("means over participants; bars are 95 % intervals within participants")
+    assert means_text("figure", told, "dots").startswith(
+        "means over participants; bars are 95 % intervals within participants"
+    )
     alike = pd.DataFrame({"mean": [1.0], "mean_low": [np.nan], "n": [3]})
-    assert means_sentence(alike) == "Mean over participants; there is no interval between participants."
+    assert means_text("sentence", alike) == "Mean over participants; there is no interval between participants."
     modelled = told.assign(method=["censored model"])
-    assert means_sentence(modelled).endswith("; where a value is a bound, of the censored model.")
+    assert means_text("sentence", modelled).endswith("; where a value is a bound, of the censored model.")
 
 
 def test_methods_of_questionnaire_match_its_figures() -> None:
@@ -280,7 +287,7 @@ def test_bounds_alone_have_no_means() -> None:
     assert found.outcomes[0].group["mean"].isna().all()
     assert found.outcomes[0].group["text"].tolist() == ["at least 10.0 (flat)", "of 1: 1 below the levels"]
     page = render(found)
-    assert "No mean is known; the cells say of how many participants there are bounds." in page
+    assert "No mean is known; the cells state for how many participants there are bounds." in page
     assert "means are geometric" not in page
     assert captions(found)["threshold"].startswith("Detection threshold: no mean is known; ")
 

@@ -114,7 +114,7 @@ def test_retracted_trials_count_as_invalid(wanted):
 
 def test_report_lists_interventions(wanted):
     page = render(analyse(wanted[0]))
-    assert page.index("<h3>What happened in them</h3>") > page.index("<h2>How the sessions went</h2>")
+    assert page.index("<h3>Events</h3>") > page.index("<h2>Course of the sessions</h2>")
     assert all(f">{said}</td>" in page for said in SAID)
 
 

@@ -101,12 +101,12 @@ def test_experimenter_chooses_after_missed_practice(
 @pytest.mark.parametrize(
     ("lines", "warned"),
     [
-        (f"{NOT_FELT}1\n{FELT}", ["after a missed practice the experimenter chose: P01 again"]),
+        (f"{NOT_FELT}1\n{FELT}", ["after practice below the criterion the experimenter chose: P01 again"]),
         (
             f"{NOT_FELT}1\n{NOT_FELT}2\n",
             [
                 "practice ended without meeting its criterion: P01",
-                "after a missed practice the experimenter chose: P01 again, go on",
+                "after practice below the criterion the experimenter chose: P01 again, go on",
             ],
         ),
     ],

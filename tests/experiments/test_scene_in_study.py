@@ -252,7 +252,7 @@ def test_simulation_with_scene_explains_and_replays(study, tmp_path, capsys):
     (journal,) = (tmp_path / "d" / "journals").glob("*.jsonl")
     assert heads(journal)[0].facts["felt"] == told
     output(capsys, "analyse", tmp_path / "d", "--report", tmp_path / "r.html")
-    assert f"was felt through these effects: {told}." in (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert f"were perceived through these effects: {told}." in (tmp_path / "r.html").read_text(encoding="utf-8")
     default = output(
         capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", tmp_path / "e", "--explain"
     )

@@ -104,7 +104,7 @@ def test_report_lists_sittings_and_changes(tmp_path):
     sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, stops_at=3, resume=True)
     sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, resume=True)
     page = render(analyse(tmp_path))
-    assert "<h2>How the sessions went</h2>" in page
+    assert "<h2>Course of the sessions</h2>" in page
     assert ">output_volts_per_unit was 200.0, is 400.0</td>" in page
     rows = summary(analyse(tmp_path))["sittings"]
     assert [(row["sitting"], row["changes"]) for row in rows] == [
@@ -115,7 +115,7 @@ def test_report_lists_sittings_and_changes(tmp_path):
 
 
 def test_single_sitting_has_no_section(whole):
-    assert "How the sessions went" not in render(analyse(whole))
+    assert "Course of the sessions" not in render(analyse(whole))
 
 
 def test_changed_bench_key_is_reported(whole):

@@ -1,11 +1,11 @@
-"""Counts of answers to questions with choices, as those about the participants."""
+"""Counts of answers to questions with choices."""
 
 from collections.abc import Iterator
 
 from ...result import Analysis
 from ..section import Heading, Lead, ResultKind, Section, TextGrid, rows_of
 
-LEAD = "Participants by their answers; nothing is tested by them, and nobody is left out for one."
+LEAD = "Number of participants by answer. These answers are neither tested nor a reason for exclusion."
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:

@@ -3,30 +3,29 @@
 from collections.abc import Iterator
 
 from ...result import Analysis
-from ..section import Content, Details, Heading, Lead, ResultKind, Section, grid, rows_of
+from ..section import Content, Heading, Lead, ResultKind, Section, details, grid, rows_of
 
 COLUMNS = {
-    "started_utc": "began (UTC)", "begun_s": "at (s)", "changes": "what is another than in the sitting before",
-    "onset": "at (s)", "trial_type": "what", "text": "in words",
+    "started_utc": "began (UTC)", "begun_s": "at (s)", "changes": "changes since the previous sitting",
+    "onset": "at (s)", "trial_type": "event", "text": "description",
 }  # fmt: skip
 MOST_OPEN = 20
 """Longer tables are folded."""
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
-    sittings, events = (analysis.table(name) for name in ("sittings", "happenings"))
+    sittings, events = (analysis.table(name).rename(columns=COLUMNS) for name in ("sittings", "happenings"))
     blocks: list[Content] = []
     if len(sittings):
-        lead = "Sessions that were interrupted went on with the trial that was under way."
-        blocks += [Heading("Sittings"), Lead(lead), grid(sittings.rename(columns=COLUMNS), ())]
+        lead = "Interrupted sessions were resumed at the trial that was interrupted."
+        blocks += [Heading("Sittings"), Lead(lead), grid(sittings, ())]
     if len(events):
-        blocks.append(Heading("What happened in them"))
-        if "order" in set(events["trial_type"]):
-            blocks.append(Lead("An order is what the experimenter asked for, an intervention what came of it."))
-        listed = grid(events.rename(columns=COLUMNS), ())
-        blocks.append(listed if len(events) <= MOST_OPEN else Details(f"All {len(events)} events", (listed,)))
+        blocks.append(Heading("Events"))
+        if "order" in set(events["event"]):
+            blocks.append(Lead("An order is a request of the experimenter, an intervention its result."))
+        blocks.append(grid(events, ()) if len(events) <= MOST_OPEN else details("All events", events, ()))
     if blocks:
-        yield Section("How the sessions went", tuple(blocks))
+        yield Section("Course of the sessions", tuple(blocks))
 
 
 KIND = ResultKind(_sections, values=rows_of("sittings", "happenings"))

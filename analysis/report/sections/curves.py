@@ -1,9 +1,7 @@
-"""Rates against the level; psychometric curves and tracks of each participant, and all estimates."""
+"""Rates against the level, psychometric curves, tracks and estimates."""
 
 from collections.abc import Iterator
 from functools import partial
-
-import pandas as pd
 
 from ...figures import psychophysics
 from ...figures.curves import curve_figure
@@ -12,7 +10,8 @@ from ...tasks.cells import MAX_LEVELS
 from ...tasks.kinds import CURVES
 from ...tasks.lapses import LAPSES
 from ...wording import procedure_name
-from ..section import Details, Figure, ResultKind, Section, grid, rows_of
+from ..captions import caption
+from ..section import Details, Figure, ResultKind, Section, details, rows_of
 
 SHOWN = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_high", "width", "guess_rate",
          "lapse_rate", "n_trials", "n_catch", "status", "misfit")  # fmt: skip
@@ -21,28 +20,8 @@ OF_RULES = ("rule_estimate", "rule_sd", "rule_n")
 N_OPEN = 2
 
 
-def _rate_figures(analysis: Analysis, task: str) -> Iterator[Figure]:
-    factors, kind, of = analysis.factors, CURVES[task].rate_label, ("task", task)
-    rates, means, counts = (
-        table[table["task"] == task] for table in map(analysis.tables.__getitem__, ("rates", "mean_rates", "counts"))
-    )
-    is_one = counts["participant"].nunique() == 1
-    classes = f"; levels in {MAX_LEVELS} classes, each at its mean" if counts["level"].nunique() > MAX_LEVELS else ""
-    text = f"{kind} against level, {'one participant' if is_one else 'all participants together'}{classes}."
-    yield Figure(
-        f"rates_{task}", partial(psychophysics.rate_figure, rates, factors, unit=analysis.unit), text, "rates", of
-    )
-    # Where levels follow the answers, their mean rate depends on the procedure alone.
-    is_tracked = "tracks" in analysis.tables and task in set(analysis.tables["tracks"]["task"])
-    if factors and not is_tracked:
-        text = f"{kind} over all levels, {'one participant' if is_one else 'mean over participants'}."
-        yield Figure(
-            f"mean_rates_{task}", partial(psychophysics.mean_rate_figure, means, factors), text, "mean_rates", of
-        )
-
-
 def _sections(analysis: Analysis) -> Iterator[Section]:
-    # Cells without a level have catch trials alone.
+    # Cells without a level contain only catch trials.
     tasks = sorted({estimate.cell.task for estimate in analysis.estimates if estimate.cell.levels} & set(CURVES))
     if tasks:
         yield Section("Rates", tuple(figure for task in tasks for figure in _rate_figures(analysis, task)))
@@ -53,8 +32,22 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         of_rules = [name for name in OF_RULES if table[name].notna().any()]
         wanted = ("participant", *analysis.factors, *SHOWN, *of_rules)
         estimates = table[[name for name in wanted if name in table.columns]]
-        rows = Details(f"All estimates ({len(estimates)} rows)", (grid(estimates, analysis.factors),))
-        yield Section("Participants", (*unfolding, rows))
+        yield Section("Participants", (*unfolding, details("All estimates", estimates, analysis.factors)))
+
+
+def _rate_figures(analysis: Analysis, task: str) -> Iterator[Figure]:
+    factors, label, of_task = analysis.factors, CURVES[task].rate_label, ("task", task)
+    tables = (analysis.tables[name] for name in ("rates", "mean_rates", "counts"))
+    rates, means, counts = (table[table["task"] == task] for table in tables)
+    is_one = counts["participant"].nunique() == 1
+    text = caption("rates", label, is_one, MAX_LEVELS if counts["level"].nunique() > MAX_LEVELS else 0)
+    draw = partial(psychophysics.rate_figure, rates, factors, unit=analysis.unit)
+    yield Figure(f"rates_{task}", draw, text, "rates", of_task)
+    # If levels follow the answers, their mean rate depends only on the procedure.
+    is_tracked = "tracks" in analysis.tables and task in set(analysis.tables["tracks"]["task"])
+    if factors and not is_tracked:
+        draw = partial(psychophysics.mean_rate_figure, means, factors)
+        yield Figure(f"mean_rates_{task}", draw, caption("mean_rates", label, is_one), "mean_rates", of_task)
 
 
 def _figures(analysis: Analysis) -> Iterator[tuple[str, Figure]]:
@@ -62,24 +55,20 @@ def _figures(analysis: Analysis) -> Iterator[tuple[str, Figure]]:
     for code in sorted({estimate.cell.participant for estimate in shown}):
         estimates = [estimate for estimate in shown if estimate.cell.participant == code]
         draw = partial(curve_figure, estimates, analysis.factors, unit=analysis.unit)
-        text = (
-            f"{code}: rate at each level (dot size: trials) with Wilson's 95 % interval, fitted curve, and below it "
-            "the threshold with its 95 % interval."
-        )
-        yield f"{code}: psychometric curves", Figure(f"{code}_curves", draw, text, "counts", ("participant", code))
-        yield from _tracks(analysis, code)
+        of_code = ("participant", code)
+        yield f"{code}: psychometric curves", Figure(f"{code}_curves", draw, caption("curves", code), "counts", of_code)
+        if "tracks" in analysis.tables and code in set(analysis.tables["tracks"]["participant"]):
+            yield f"{code}: tracks", _track_figure(analysis, code)
 
 
-def _tracks(analysis: Analysis, code: str) -> Iterator[tuple[str, Figure]]:
-    rows = analysis.tables.get("tracks", pd.DataFrame({"participant": []}))
+def _track_figure(analysis: Analysis, code: str) -> Figure:
+    rows = analysis.tables["tracks"]
     rows = rows[rows["participant"] == code]
-    if rows.empty:
-        return
+    procedures = [procedure_name(name) for name in sorted(set(rows["procedure"]))]
+    successes = [CURVES[task].success for task in sorted(set(rows["task"]))]
     draw = partial(psychophysics.track_figure, rows, analysis.factors, unit=analysis.unit)
-    kinds = ", ".join(procedure_name(name) for name in sorted(set(rows["procedure"])))
-    filled = " or ".join(CURVES[task].success for task in sorted(set(rows["task"])))
-    text = f"{code}: tracks ({kinds}); filled: {filled}, open: not; catch trials and easy trials are left out."
-    yield f"{code}: tracks", Figure(f"{code}_tracks", draw, text, "tracks", ("participant", code))
+    text = caption("tracks", code, procedures, successes)
+    return Figure(f"{code}_tracks", draw, text, "tracks", ("participant", code))
 
 
 KIND = ResultKind(_sections, values=rows_of("thresholds", LAPSES))

@@ -6,21 +6,21 @@ from ...result import Analysis
 from ..section import Content, Heading, Lead, ResultKind, Section, grid, rows_of
 
 COLUMNS = {
-    "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "asked again",
+    "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "repeated",
     "n_unanswered": "unanswered", "n_catch": "catch trials", "n_false_alarms": "false alarms",
     "practice_missed": "practice missed",
     "false_alarm_rate": "rate of false alarms", "n_frames": "frames", "n_dropped_frames": "dropped frames",
-    "n_tested": "functions", "n_flagged": "with p ≤ .01", "n_by_chance": "by chance", "meaning": "what a small p says",
+    "n_tested": "functions", "n_flagged": "with p ≤ .01", "n_by_chance": "by chance", "meaning": "meaning of a small p",
 }  # fmt: skip
 """Headings of the tables of data quality and goodness of fit."""
 GOODNESS = (
-    "Tests of the fitted functions with p ≤ .01, and how many chance alone would flag. Which functions: column misfit "
-    "of thresholds.csv."
+    "Tests of the fitted functions with p ≤ .01, and the number expected by chance. The column misfit of "
+    "thresholds.csv names the functions."
 )
 HEADS: dict[str, tuple[Content, ...]] = {
     "quality": (),
     "goodness": (Heading("Goodness of fit"), Lead(GOODNESS)),
-    "excluded": (Heading("Left out by the plan of analysis"),),
+    "excluded": (Heading("Excluded by the analysis plan"),),
 }
 
 

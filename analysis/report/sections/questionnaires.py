@@ -9,7 +9,7 @@ from ...attrakdiff.patterns import THESIS
 from ...figures import attrakdiff
 from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
-from ..captions import figure_text, means_of, means_sentence, means_text
+from ..captions import caption, facts_of, means_text
 from ..section import Draw, Figure, Folded, Lead, ResultKind, Section, TextGrid, TextTable
 from ..sentences import form_sentences
 
@@ -20,7 +20,7 @@ MOST_LINES = 7
 def _sections(analysis: Analysis) -> Iterator[Section]:
     for form in analysis.forms:
         low, high, cross = form.form.score_low, form.form.score_high, form.cross()
-        lead = Lead(f"Scores from {low:g} to {high:g}. {means_sentence(form.summary)}")
+        lead = Lead(f"Scores from {low:g} to {high:g}. {means_text('sentence', form.summary)}")
         table = TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
         sentences = Folded(form_sentences(form), n_open=1)
         yield Section(form.form.title, (lead, table, *_figures(form), sentences))
@@ -32,21 +32,20 @@ def _figures(form: Ratings) -> Iterator[Figure]:
     low, high = form.form.score_low, form.form.score_high
 
     scores = partial(attrakdiff.scores_figure, form.summary, names[:MOST_LINES], order, low, high)
-    yield _figure(form, "scores", scores, f"Scores: {figure_text(form.summary)}.", "summary")
+    yield _figure(form, "scores", scores, f"Scores: {means_text('figure', form.summary)}.", "summary")
     if form.portfolio is not None:
         bars = " with 95 % confidence rectangles" if form.portfolio["PQ_low"].notna().any() else ""
-        text = f"Portfolio: {means_of(form.summary)}{bars}."
+        text = f"Portfolio: {means_text('whose', form.summary)}{bars}."
         yield _figure(form, "portfolio", partial(attrakdiff.portfolio_figure, form.portfolio), text, "portfolio")
     if form.crossed is not None:
         draw = partial(attrakdiff.crossed_figure, form.summary, THESIS, order, REFERENCE, (low, high))
-        shaded = " with its t-interval between participants" if form.summary["mean_low"].notna().any() else ""
-        text = f"Frequency by envelope: {figure_text(form.summary)}; dashed{shaded}: {REFERENCE}."
+        text = caption("crossed", facts_of(form.summary), REFERENCE)
         yield _figure(form, "frequency_by_envelope", draw, text, "summary")
     items = "Word pairs" if form.profile["negative"].astype(bool).any() else "Items"
     for name, conditions in _profiles(form, names):
         draw = partial(attrakdiff.profile_figure, form.profile, conditions, low, high)
         of = f" of {', '.join(conditions)}" if len(names) > 1 else ""
-        yield _figure(form, name, draw, f"{items}: {means_of(form.summary)}{of}.", "word_pairs")
+        yield _figure(form, name, draw, f"{items}: {means_text('whose', form.summary)}{of}.", "word_pairs")
     if form.grouped is not None:
         yield from _grouped_figures(form, form.grouped)
 
@@ -58,7 +57,7 @@ def _figure(
 
 
 def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """Return the conditions of each figure: the thesis's comparisons of its patterns, else all together."""
+    """Return the conditions of each figure, for its patterns as in the thesis."""
     if form.crossed is None:
         return [("word_pairs", list(names[:MOST_LINES]))]
     groups = {f: [p for p, (frequency, _) in THESIS.items() if frequency == f] for f, _ in THESIS.values()}
@@ -67,11 +66,11 @@ def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]
 
 
 def _grouped_figures(form: Ratings, grouped: pd.DataFrame) -> Iterator[Figure]:
-    """Yield comparisons of frequencies and of envelopes, each with the single focus."""
+    """Yield comparisons of frequencies and envelopes with the single focus."""
     for of, profile in grouped.groupby("of", sort=False):
         names = list(dict.fromkeys(profile["condition"]))
         draw = partial(attrakdiff.profile_figure, profile, names, form.form.score_low, form.form.score_high)
-        text = f"Word pairs by {of}: {means_of(form.summary)}, over patterns; {REFERENCE} beside them."
+        text = f"Word pairs by {of}: {means_text('whose', form.summary)}, over patterns; with {REFERENCE}."
         yield _figure(form, f"word_pairs_by_{of}", draw, text, "word_pairs_grouped", ("of", str(of)))
 
 
@@ -79,7 +78,7 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
     for form in analysis.forms:
         heading, lines = next(iter(form_sentences(form).items()))
         compared = [heading, *lines] if form.tests_effects else []
-        title = f"{form.form.title} ({means_text(form.summary)}, n)"
+        title = f"{form.form.title} ({means_text('cells', form.summary)}, n)"
         yield TextTable(form.cross(), title, [*form.notes, *compared], across="scale")
 
 

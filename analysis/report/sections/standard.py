@@ -1,4 +1,4 @@
-"""Points of subjective equality against the standard, and the rates of "more" at the lowest levels."""
+"""Points of subjective equality against the standard."""
 
 from collections.abc import Iterator
 
