@@ -315,7 +315,7 @@ def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array
     """Return low, median, high (n_sets, 3) of densities on even nodes."""
     shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
     n_nodes = density.shape[1]
-    fine, weights = _spline_integral(n_nodes)
+    fine, weights = spline_integral(n_nodes)
     integral = density @ weights
     # A spline may dip below 0 between nodes, but its integral must rise to be inverted.
     cumulated = np.maximum.accumulate(integral, axis=1)
@@ -325,13 +325,28 @@ def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array
 
 
 @cache
-def _spline_integral(n_nodes: int) -> tuple[Array, Array]:
+def spline_integral(n_nodes: int) -> tuple[Array, Array]:
     """Return places on the nodes 0, 1, ... and weights of integrals up to them.
 
-    The weights (n_nodes, n_places) are those of a cubic spline through the values at the nodes.
+    The weights (n_nodes, n_places) are those of a cubic spline without knots at the second and the second to last
+    node. The tests compare it with `scipy.interpolate`, which is slow to load.
     """
-    from scipy.interpolate import CubicSpline  # slow to load
-
+    values, moments = np.eye(n_nodes), _second_derivatives(n_nodes)
+    steps = (values[:-1] + values[1:]) / 2 - (moments[:-1] + moments[1:]) / 24
+    before = np.concatenate([np.zeros((1, n_nodes)), steps.cumsum(axis=0)])
     places = np.linspace(0, n_nodes - 1, FINE * n_nodes)
-    integrals = CubicSpline(np.arange(n_nodes), np.eye(n_nodes)).antiderivative()(places)
-    return places, np.ascontiguousarray(integrals.T)
+    node = np.minimum(places.astype(np.intp), n_nodes - 2)
+    t = (places - node)[:, None]
+    integral = before[node] + values[node] * (t - t**2 / 2) + values[node + 1] * t**2 / 2
+    integral -= moments[node] * (t**2 - t**3 + t**4 / 4) / 6 + moments[node + 1] * (t**2 / 2 - t**4 / 4) / 6
+    return places, np.ascontiguousarray(integral.T)
+
+
+def _second_derivatives(n_nodes: int) -> Array:
+    """Return the matrix from spline values to second derivatives at nodes."""
+    inner = np.arange(1, n_nodes - 1)
+    left, right = np.zeros((2, n_nodes, n_nodes))
+    for offset, of_moment, of_value in ((-1, 1, 6), (0, 4, -12), (1, 1, 6)):
+        left[inner, inner + offset], right[inner, inner + offset] = of_moment, of_value
+    left[0, :3] = left[-1, -3:] = 1, -2, 1
+    return np.asarray(np.linalg.solve(left, right), dtype=np.float64)

@@ -128,16 +128,31 @@ def _falls(counts: Counts) -> Bools:
 
 
 def _isotonic_log_likelihood(counts: Counts) -> Array:
-    from scipy.optimize import isotonic_regression  # slow to load
-
     fitted = saturated_log_likelihood(counts)  # exact if the answers rise already
     for i in range(len(counts)):
         used = counts.n_trials[i] > 0
         k, n = counts.n_yes[i, used], counts.n_trials[i, used]
         if np.any(np.diff(k / n) < 0):
-            p = np.minimum(isotonic_regression(k / n, weights=n).x, 1)  # a mean of ones may round to above 1
+            p = np.minimum(rising_fit(k / n, n), 1)  # a mean of ones may round to above 1
             fitted[i] = (xlogy(k, p) + xlog1py(n - k, -p)).sum()
     return fitted
+
+
+def rising_fit(values: Array, weights: Array) -> Array:
+    """Return the rising sequence nearest to the values by weighted squares.
+
+    The method is pool adjacent violators. `scipy.optimize.isotonic_regression` is slow to load.
+    """
+    blocks: list[tuple[float, float, int]] = []
+    for value, weight in zip(values.tolist(), weights.tolist(), strict=True):
+        mean, total, size = value, weight, 1
+        while blocks and blocks[-1][0] >= mean:
+            before, its_total, its_size = blocks.pop()
+            mean = (before * its_total + mean * total) / (its_total + total)
+            total, size = total + its_total, size + its_size
+        blocks.append((mean, total, size))
+    means, _, sizes = zip(*blocks, strict=True)
+    return np.repeat(means, sizes)
 
 
 def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:

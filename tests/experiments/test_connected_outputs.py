@@ -63,7 +63,7 @@ def test_amplified_output_needs_a_gain(tmp_path, capsys, kind):
         ({"measured_with": "audio Interface, int16"}, r"\.measured_with: found 'audio Interface, int16', expected '"),
         (
             {"system_volume": 0.5},
-            r"\.system_volume: found a gain of a volume of 50 %, expected one of a volume that is",
+            r"\.system_volume: found a gain of a volume of 50 %, expected one of an unknown volume",
         ),
         (
             {"measured_on": date(2025, 11, 20)},

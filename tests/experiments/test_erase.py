@@ -82,7 +82,7 @@ def test_erase_removes_one_participant_only(capsys, copied):
 
 def test_erase_removes_derived_files(capsys, copied):
     said = output(capsys, "erase", copied, "--participant", "QX7", "--yes")
-    assert "make anew" in said
+    assert "recreate them with" in said
     assert sorted(path.name for path in copied.iterdir()) == sorted(
         ("data", "dataset_description.json", RECORD, "journals", "study.toml")
     )

@@ -256,7 +256,7 @@ def test_task_is_added_by_two_files_and_line(folder: Path) -> None:
     assert {row["standard_level"] for row in rows} == {"12"}
     page = (folder / "odd.html").read_text(encoding="utf-8")
     for said in (
-        "told which of three intervals was the odd one",
+        "reported which of three intervals was the odd one",
         "Detection threshold",
         "odd ones was 1/3",
         "Rate correct",

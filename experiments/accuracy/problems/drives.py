@@ -83,7 +83,8 @@ def modulated(order: int) -> Problem:
     )
 
 
-first_order, second_order = partial(modulated, 1), partial(modulated, 2)
+first_order = partial(modulated, 1)
+second_order = partial(modulated, 2)
 
 
 def _tone(rate_hz: float) -> Real:
