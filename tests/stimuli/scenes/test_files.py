@@ -235,7 +235,7 @@ def test_slow_scene_announces_its_duration(capsys, monkeypatch):
     monkeypatch.setattr("tactometry.cli.scene.LONG_S", 0.01)
     code, said, out = call(capsys, "scene", "electrovibration-panel")
     assert code == 0
-    assert said.startswith("this takes about 0 s, most of it '")
+    assert said.startswith("this takes about 0 s, mostly for '")
     assert out.startswith("Electrovibration panel")
 
 
