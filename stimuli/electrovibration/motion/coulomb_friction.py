@@ -26,6 +26,12 @@ class CoulombFriction(Effect):
     A coefficient of 0.5 at 1 N is an unverified default; with an exponent below 0 it falls with load. The load F_n is
     that of the finger: the voltage does not change the coefficient.
 
+    An exponent of 0 is Coulomb's law, as Dzidek et al. (J. R. Soc. Interface 14, 20160935, 2017, abstract) report for a
+    finger pad, except after more than 10 s on smooth glass, where the coefficient falls by a factor of five over their
+    loads. A smooth Hertz contact whose friction is proportional to its area has -1/3 (textbook). From 1 to 20 N a
+    coefficient fell by 46 % on average, an exponent of -0.21 (Seo, Armstrong and Drinkaus, Ergonomics 52, 609, 2009,
+    abstract; aluminium and rubber).
+
     At a speed v it is the regularised law, ``mu v/sqrt(v^2 + v_s^2)``: a finger far below `slip_speed_m_per_s` creeps
     and hardly slips, so that sensation goes smoothly to nothing at rest; 1 mm/s is an unverified default.
 
@@ -34,7 +40,7 @@ class CoulombFriction(Effect):
     coefficient : float
         Of friction at 1 N.
     load_exponent : float
-        How it changes with the load: below 0 it falls.
+        Exponent by which it changes with the load, the load index less 1: below 0 it falls.
     slip_speed_m_per_s : float
         Below this speed the finger creeps.
 

@@ -27,7 +27,8 @@ class DryFriction(Quantity):
         Coefficient of friction of a finger that slides.
     gated : bool
         The voltage adds to the friction in full slip alone, as Sirin et al. (2019) found: a stuck finger bears its
-        normal force's static friction (or the slipping one, if that is more). Without, it holds a stuck finger too.
+        normal force's static friction (or the slipping one, if that is more). Without, it holds a stuck finger too, as
+        in an independent event-driven integration, which agrees with this alone.
     """
 
     kind = "dry_friction"

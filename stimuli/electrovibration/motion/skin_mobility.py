@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...composition.content import VoltageContent
@@ -20,11 +21,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SkinMobility(Effect):
-    """Displacement of the skin over lateral force, ``1/(k - m w^2 + i w c)``, with ``k = k_1 (F_n/1 N)^p``.
+    """Displacement of the skin over lateral force, ``1/(k - m w^2 + i w c)``, with k and c powers of the normal force.
 
     Stiffness, damping and moving mass in tangential direction are unverified defaults: orders of magnitude from memory
     of Wiertlewski and Hayward (J. Biomech. 45, 1869, 2012), who found the fingertip elastic below some 100 Hz and
-    viscous above. So is a stiffness that does not grow with the normal force (`stiffness_exponent` 0).
+    viscous above. So are exponents of 0, a pulp that no force changes. In print: the stiffness after relaxation varied
+    linearly with the normal force (an exponent of up to 1; Pataky, Latash and Zatsiorsky, J. Biomech. 38, 1441, 2005,
+    abstract); under Mindlin's theory stiffness, and in a material of one relaxation time damping, grow as the radius of
+    the contact (1/3 for a Hertz contact). We have no measurement of the damping against force. The mass is the same at
+    all forces.
 
     Parameters
     ----------
@@ -36,6 +41,8 @@ class SkinMobility(Effect):
         Moving mass of the skin under a normal force of 1 N, at least 0.
     stiffness_exponent : float
         Exponent by which the stiffness grows with the normal force, at least 0.
+    damping_exponent : float
+        Exponent by which the damping grows with the normal force, at least 0.
 
     >>> skin = SkinMobility()
     >>> [round(1e-7 / float(skin.gain_m_per_n(f, force_n=1.0)), 6) for f in (60.0, 250.0)]  # N, of 0.1 um
@@ -45,7 +52,7 @@ class SkinMobility(Effect):
     kind = "skin_mobility"
     slot = "mobility"
     positive = ("stiffness_n_per_m", "damping_n_s_per_m")
-    not_negative = ("mass_kg", "stiffness_exponent")
+    not_negative = ("mass_kg", "stiffness_exponent", "damping_exponent")
     requires = ("friction", "sliding contact")
     reads, gives = ("components", "contact"), "skin_components"
     stage_name = "skin_motion"
@@ -56,13 +63,21 @@ class SkinMobility(Effect):
     damping_n_s_per_m: float = 1.5
     mass_kg: float = 0.15e-3
     stiffness_exponent: float = 0.0
+    damping_exponent: float = 0.0
 
     def under(self, force_n: float) -> Self:
-        """Return the mobility with its stiffness fixed at a normal force."""
-        if self.stiffness_exponent == 0:
+        """Return the mobility with stiffness and damping fixed at a normal force (above 0).
+
+        >>> SkinMobility(damping_exponent=0.5).under(4.0).damping_n_s_per_m
+        3.0
+        """
+        if self.stiffness_exponent == self.damping_exponent == 0:
             return self
-        stiffness_n_per_m = self.stiffness_n_per_m * force_n**self.stiffness_exponent
-        return replace(self, stiffness_n_per_m=stiffness_n_per_m, stiffness_exponent=0.0)
+        require.positive("SkinMobility.under", force_n=force_n)
+        stiffness_n_per_m = self.stiffness_n_per_m * _grown(force_n, self.stiffness_exponent)
+        damping_n_s_per_m = self.damping_n_s_per_m * _grown(force_n, self.damping_exponent)
+        grown = {"stiffness_n_per_m": stiffness_n_per_m, "damping_n_s_per_m": damping_n_s_per_m}
+        return replace(self, **grown, stiffness_exponent=0.0, damping_exponent=0.0)
 
     def gain_m_per_n(self, frequency_hz: ArrayLike, force_n: float) -> FloatArray:
         """Return displacement per newton at frequencies (Hz) under a load (N).
@@ -87,3 +102,13 @@ class SkinMobility(Effect):
         skin = self.under(scene.contacts[0].force_n)
         poles = np.roots([skin.mass_kg, skin.damping_n_s_per_m, skin.stiffness_n_per_m])
         return VoltageContent(steepest_db_per_hz=float(40 * pi / np.log(10) * np.sum(1 / -poles.real)))
+
+
+def _grown(force_n: float, exponent: float) -> float:
+    try:
+        return float(force_n) ** exponent
+    except OverflowError:
+        raise InvalidParameter(
+            f"SkinMobility: found an exponent of {exponent} for a normal force of {force_n} N, expected a power within "
+            "the range of a double"
+        ) from None

@@ -26,8 +26,9 @@ OUTPUTS: Mapping[bool, Mapping[str, str]] = {
 class FingerDynamics(Effect):
     """Mass and stiffness as published per sliding speed; the damping, of all speeds, is an unverified default.
 
-    The motion of this skin is felt instead of that of `skin_mobility`. With `friction` the finger slides
-    all the time, and its friction is what it is without; with `dry_friction` it sticks and slips.
+    The motion of this skin is felt instead of that of `skin_mobility`, and none of it depends on the normal force. With
+    `friction` the finger slides all the time, and its friction is what it is without; with `dry_friction` it sticks and
+    slips.
 
     Parameters
     ----------

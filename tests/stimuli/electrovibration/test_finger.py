@@ -205,3 +205,28 @@ def test_a_pad_is_damped_as_the_skin_is() -> None:
     swing_m = deflection_m - deflection_m[0]
     assert swing_m.max() / swing_m[-1] - 1 == pytest.approx(overshoot, rel=1e-3)
     assert Finger().damping_n_s_per_m == FingerDynamics().damping_n_s_per_m == SkinMobility().damping_n_s_per_m
+
+
+@pytest.mark.parametrize("force_n", [1e-3, 0.5, 3.0, 100.0])
+def test_skin_moves_as_a_pad_of_its_stiffness_and_damping_at_a_force(force_n: float) -> None:
+    """A steady sine of voltage moves the pad at twice its frequency."""
+    skin = SkinMobility(stiffness_exponent=1.0, damping_exponent=0.5)
+    pad = Finger(skin.mass_kg, 1000.0 * force_n, 1.5 * force_n**0.5)
+    form = force_form("parallel_plate", Skin(), AREA_M2)
+    t_s = 1 + np.arange(4096) / 4096 / 30  # one period of the force, after the transient
+    pieces = Sine(frequency_hz=15.0, ramp_s=0.0, duration_s=1.1).pieces(20.0)
+    moved = sliding(t_s, pieces, form, finger=pad, friction=FRICTION, force_n=force_n)
+    lines = [abs(np.fft.rfft(course)[1]) for course in (moved.deflection_m, moved.lateral_n)]
+    assert lines[0] / lines[1] == pytest.approx(float(skin.gain_m_per_n(30.0, force_n)), rel=1e-6)
+
+
+def test_skin_that_no_force_changes_is_the_same_at_all_forces() -> None:
+    skin = SkinMobility()
+    assert skin.under(0.0) is skin
+    np.testing.assert_array_equal(skin.gain_m_per_n([0.0, 1e5], 1e-9), skin.gain_m_per_n([0.0, 1e5], 100.0))
+
+
+def test_skin_of_one_exponent_without_mass_scales_with_the_force() -> None:
+    skin = SkinMobility(mass_kg=0.0, stiffness_exponent=0.4, damping_exponent=0.4)
+    f_hz = np.array([0.0, 30.0, 480.0, 1e5])
+    np.testing.assert_allclose(skin.gain_m_per_n(f_hz, 100.0) * 100.0**0.4, skin.gain_m_per_n(f_hz, 1.0), rtol=1e-12)

@@ -100,7 +100,8 @@ CONSTRUCTORS: dict[str, Call] = {
         "frequencies_hz": np.array([1.0]), "amplitudes_v": np.ones((2, 1))}),
     "Polarity": (Polarity, {"positive_share": 0.5}),
     "SkinMobility": (SkinMobility, {
-        "stiffness_n_per_m": 1000.0, "damping_n_s_per_m": 1.5, "mass_kg": 1e-4, "stiffness_exponent": 0.3}),
+        "stiffness_n_per_m": 1000.0, "damping_n_s_per_m": 1.5, "mass_kg": 1e-4, "stiffness_exponent": 0.3,
+        "damping_exponent": 0.2}),
     "PowerLawArea": (PowerLawArea, {"area_at_1n_m2": 1e-4, "exponent": 0.3}),
     "Print": (Print, {"force_n": 1.0, "length_m": 0.01, "width_m": 0.01}),
     "PulseTrain": (ev.PulseTrain, {

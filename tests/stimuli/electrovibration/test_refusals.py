@@ -26,6 +26,7 @@ from tactometry.stimuli.electrovibration.attraction.contact_area import PowerLaw
 from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.attraction.offset import WithOffset
 from tactometry.stimuli.electrovibration.motion.dry_friction import DryFriction
+from tactometry.stimuli.electrovibration.motion.skin_mobility import SkinMobility
 from tactometry.stimuli.electrovibration.motion.stick_slip import Travel
 from tactometry.stimuli.electrovibration.skin.relaxation import Solution
 from tactometry.stimuli.electrovibration.textures.texture import Region
@@ -139,6 +140,11 @@ def force_n(voltage_v, **changes):
         (lambda: CoulombFriction(load_exponent=-20.0).coefficient_at(1e-30),
          "CoulombFriction.load_exponent: found -20.0 for a normal force of 1e-30 N, expected a coefficient within "
          "the range of a double"),
+        (lambda: SkinMobility(damping_exponent=1.0).under(0.0),
+         "SkinMobility.under.force_n: found 0.0, expected a finite number above 0"),
+        (lambda: SkinMobility(damping_exponent=400.0).under(100.0),
+         "SkinMobility: found an exponent of 400.0 for a normal force of 100.0 N, expected a power within the range of "
+         "a double"),
         (lambda: Noise.drawn(100.0, 500.0, 0.0, rng=np.random.default_rng(0)),
          "Noise.length_m: found 0.0, expected a finite number above 0"),
         (lambda: PulseTrain(frequency_hz=60.0, width_s=1e-5),
