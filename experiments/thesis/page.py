@@ -179,8 +179,17 @@ def _section(reproduced: Reproduced) -> Iterator[str]:
     yield f"*Assumed:* {item.assumes}\n"
     if item.outcome:
         yield f"*Outcome:* {item.outcome}\n"
-    yield _table(reproduced.numbers)
-    yield ""
+    for part in dict.fromkeys(number.part for number in reproduced.numbers):
+        yield from [f"### {part}\n"] if part else []
+        yield _table([number for number in reproduced.numbers if number.part == part])
+        yield ""
+    if item.ranges:
+        yield "### Ranges and their sources\n"
+        rows = [
+            (one.name, f"{show(one.low)} to {show(one.high)} {one.unit}".strip(), one.source) for one in item.ranges
+        ]
+        yield table(("range", "from and to", "source"), rows)
+        yield ""
 
 
 def _table(numbers: Sequence[Number]) -> str:

@@ -6,6 +6,8 @@ from typing import Any, Final, Literal, get_args
 
 from tactometry.arguments.require import one_of
 
+from .spread import Range
+
 Origin = Literal["derived", "calibrated", "assumed"]
 ORIGINS: Final[tuple[Origin, ...]] = get_args(Origin)
 
@@ -29,6 +31,8 @@ class Number:
         The input was changed to see its effect: shown, but not counted.
     low, high : float, optional
         The 5 % and 95 % quantiles of the value over the spread of its sources.
+    part : str
+        Title of a table for itself on the page, or empty for the table of the item.
     """
 
     quantity: str
@@ -41,6 +45,7 @@ class Number:
     is_variant: bool = False
     low: float | None = None
     high: float | None = None
+    part: str = ""
 
     def __post_init__(self) -> None:
         one_of("Number.origin", self.origin, ORIGINS)
@@ -74,6 +79,8 @@ class Reproduction:
         Origin of the curves of the drawing.
     outcome : str
         Result of a finding, and its reason.
+    ranges : tuple of Range
+        What the bands of the numbers are drawn from.
     name : str
         Key in `REPRODUCTIONS`.
     """
@@ -85,6 +92,7 @@ class Reproduction:
     drawing: Callable[[], Any] | None = None
     origin: Origin = "derived"
     outcome: str = ""
+    ranges: tuple[Range, ...] = ()
     name: str = ""
 
 

@@ -149,7 +149,8 @@ def test_corner_of_the_chosen_resistivity_is_calibrated():
 def of_variants(name):
     rows = {}
     for each in reproduce(reproduction_of(name)).numbers:
-        rows.setdefault(each.condition, {})[each.quantity] = each
+        if not each.part:
+            rows.setdefault(each.condition, {})[each.quantity] = each
     return rows
 
 

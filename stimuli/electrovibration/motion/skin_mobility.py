@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SkinMobility(Effect):
-    """Displacement of the skin over lateral force, ``1/(k - m w^2 + i w c)``, with k and c powers of the normal force.
+    """Skin displacement over lateral force, ``1/(k - m w^2 + i w c)``.
 
-    Stiffness, damping and moving mass in tangential direction are unverified defaults: orders of magnitude from memory
-    of Wiertlewski and Hayward (J. Biomech. 45, 1869, 2012), who found the fingertip elastic below some 100 Hz and
-    viscous above. So are exponents of 0, a pulp that no force changes. In print: the stiffness after relaxation varied
-    linearly with the normal force (an exponent of up to 1; Pataky, Latash and Zatsiorsky, J. Biomech. 38, 1441, 2005,
-    abstract); under Mindlin's theory stiffness, and in a material of one relaxation time damping, grow as the radius of
-    the contact (1/3 for a Hertz contact). We have no measurement of the damping against force. The mass is the same at
-    all forces.
+    Stiffness k and damping c are powers of the normal force; the moving mass m is the same at all forces. In tangential
+    direction they are unverified defaults: orders of magnitude from memory of Wiertlewski and Hayward (J. Biomech. 45,
+    1869, 2012), who found the fingertip elastic below some 100 Hz and viscous above. Exponents of 0, a pulp that no
+    force changes, are unverified too. In print, the stiffness after relaxation varied linearly with the normal force
+    (Pataky, Latash and Zatsiorsky, J. Biomech. 38, 1441, 2005, abstract), an exponent of up to 1. By Mindlin's theory
+    stiffness grows as the radius of the contact, 1/3 for a Hertz contact, and so does damping in a material of one
+    relaxation time. We have no measurement of the damping against force.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class SkinMobility(Effect):
     damping_exponent: float = 0.0
 
     def under(self, force_n: float) -> Self:
-        """Return the mobility with stiffness and damping fixed at a normal force (above 0).
+        """Return the mobility of a constant normal force (above 0).
 
         >>> SkinMobility(damping_exponent=0.5).under(4.0).damping_n_s_per_m
         3.0
@@ -106,7 +106,7 @@ class SkinMobility(Effect):
 
 def _grown(force_n: float, exponent: float) -> float:
     try:
-        return float(force_n) ** exponent
+        return float(float(force_n) ** exponent)
     except OverflowError:
         raise InvalidParameter(
             f"SkinMobility: found an exponent of {exponent} for a normal force of {force_n} N, expected a power within "

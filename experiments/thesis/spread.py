@@ -1,0 +1,74 @@
+"""Ranges of uncertain values with sources, and draws from them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from tactometry.stimuli.arrays import FloatArray
+
+QUANTILES = (0.05, 0.5, 0.95)
+
+
+@dataclass(frozen=True)
+class Range:
+    """Values that sources leave open, all equally likely on a scale.
+
+    Parameters
+    ----------
+    name, unit : str
+    low, high : float
+        Ends of the range, above 0 on the scale "log".
+    source : str
+        Where the ends are from and how they were read, or "no source".
+    scale : {"linear", "log"}
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    source: str
+    scale: Literal["linear", "log"] = "linear"
+
+    def at(self, share: FloatArray) -> FloatArray:
+        """Return the values at shares (0 to 1) of the range.
+
+        >>> Range("area", "m^2", 1.0, 100.0, "no source", "log").at(np.array([0.0, 0.5])).tolist()
+        [1.0, 10.0]
+        """
+        if self.scale == "log":
+            return np.asarray(self.low * (self.high / self.low) ** share)
+        return np.asarray(self.low + (self.high - self.low) * share)
+
+
+def draw(ranges: Mapping[str, Range], n_draws: int, seed: int) -> dict[str, FloatArray]:
+    """Return (n_draws,) values of each range, a Latin hypercube.
+
+    Each range has one draw in each of `n_draws` equal parts, so that quantiles need fewer draws than independent ones.
+    """
+    rng = np.random.default_rng(seed)
+    parts = rng.permuted(np.tile(np.arange(n_draws), (len(ranges), 1)), axis=1)
+    shares = (parts + rng.random(parts.shape)) / n_draws
+    return {name: one.at(share) for (name, one), share in zip(ranges.items(), shares, strict=True)}
+
+
+def band(values: FloatArray) -> tuple[float, float, float]:
+    """Return the 5 % quantile, median and 95 % quantile."""
+    low, median, high = np.quantile(values, QUANTILES)
+    return float(low), float(median), float(high)
+
+
+def rank_correlations(drawn: Mapping[str, FloatArray], result: FloatArray) -> dict[str, float]:
+    """Return Spearman's correlation of a result (n_draws,) with each range.
+
+    >>> rank_correlations({"area": np.array([1.0, 2.0, 3.0])}, np.array([9.0, 4.0, 1.0]))
+    {'area': -1.0}
+    """
+    ranks = _ranks([result, *drawn.values()])
+    return dict(zip(drawn, np.corrcoef(ranks)[0, 1:].round(12).tolist(), strict=True))
+
+
+def _ranks(rows: Sequence[FloatArray]) -> FloatArray:
+    return np.asarray(np.argsort(np.argsort(rows, axis=1), axis=1), dtype=np.float64)
