@@ -49,7 +49,8 @@ Draws = Mapping[str, FloatArray]
 RANGES: Mapping[str, Range] = {
     "area_exponent": Range("exponent of the contact area", "", 0.0, 2 / 3,
         "0: the area of one finger was largest at 1 N (Tomlinson, Lewis and Carre, Wear, 2009, abstract); 2/3: Hertz "
-        "(textbook), which the gross deformation does not follow (Dzidek et al. 2017, abstract)"),
+        "(textbook), which the gross deformation does not follow (Dzidek et al. 2017, abstract); the apparent area, as "
+        "the model has no other"),
     "stiffness_exponent": Range("exponent of the stiffness", "", 0.0, 1.0,
         "1: varies linearly with normal force after relaxation (Pataky et al. 2005, abstract; in proportion, if the "
         "intercept is 0, which we could not read); 1/3: Mindlin under a Hertz contact (textbook); 0: none"),
@@ -65,8 +66,9 @@ RANGES: Mapping[str, Range] = {
         "1.6 g: 3.23e-5 kg per mm/s at 50 mm/s (Balasubramanian et al. 2025, abstract); 0.1 g: no source, near the "
         "default; the same at all forces", "log"),
     "load_exponent": Range("exponent of the coefficient of friction", "", -1 / 3, 0.0,
-        "0: Coulomb, -1/3: a smooth Hertz contact (textbook); both were found on glass, the latter's fall after 10 s "
-        "of contact (Dzidek et al. 2017, abstract); -0.21 from 1 to 20 N (Seo et al. 2009, abstract)"),
+        "0: Coulomb, found for a finger pad except after 10 s on smooth glass, where the coefficient falls with load "
+        "(Dzidek et al. 2017, abstract, without an exponent); -1/3: a smooth Hertz contact (textbook); between: -0.21, "
+        "from a fall of 46 % from 1 to 20 N (Seo et al. 2009, abstract)"),
     "body_ohm": Range("resistance of body and source", "ohm", 100.0, 10e3, "no source", "log"),
     "area_at_1n_m2": Range("contact area at 1 N", "m^2", 0.5e-4, 2e-4, "no source, a factor of 2", "log"),
     "coefficient": Range("coefficient of friction at 1 N", "", 0.2, 1.5,
