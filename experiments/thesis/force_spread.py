@@ -21,7 +21,7 @@ from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.scenes.effects.carrier import Carrier
 
 from .reproduction import Number
-from .spread import Range, band, draw, rank_correlations
+from .spread import SourcedRange, band, draw, rank_correlations
 
 N_DRAWS, SEED = 2000, 35
 FREQUENCIES_HZ = (30.0, 60.0, 120.0, 180.0, 240.0, 320.0, 400.0, 480.0)
@@ -46,37 +46,37 @@ ALL = list(STEPS)[-1]
 MINDLIN = "all ranges, stiffness and damping as the radius of the contact"
 Draws = Mapping[str, FloatArray]
 
-RANGES: Mapping[str, Range] = {
-    "area_exponent": Range("exponent of the contact area", "", 0.0, 2 / 3,
+RANGES: Mapping[str, SourcedRange] = {
+    "area_exponent": SourcedRange("exponent of the contact area", "", 0.0, 2 / 3,
         "0: the area of one finger was largest at 1 N (Tomlinson, Lewis and Carre, Wear, 2009, abstract); 2/3: Hertz "
         "(textbook), which the gross deformation does not follow (Dzidek et al. 2017, abstract); the apparent area, as "
         "the model has no other"),
-    "stiffness_exponent": Range("exponent of the stiffness", "", 0.0, 1.0,
+    "stiffness_exponent": SourcedRange("exponent of the stiffness", "", 0.0, 1.0,
         "1: varies linearly with normal force after relaxation (Pataky et al. 2005, abstract; in proportion, if the "
         "intercept is 0, which we could not read); 1/3: Mindlin under a Hertz contact (textbook); 0: none"),
-    "damping_exponent": Range("exponent of the damping", "", 0.0, 1.0,
+    "damping_exponent": SourcedRange("exponent of the damping", "", 0.0, 1.0,
         "no source; the range of the stiffness, of which it is a multiple in a material of one relaxation time"),
-    "stiffness_n_per_m": Range("stiffness at 1 N", "N/m", 200.0, 3000.0,
+    "stiffness_n_per_m": SourcedRange("stiffness at 1 N", "N/m", 200.0, 3000.0,
         "200: 4.04 N/m per mm/s at 50 mm/s, its intercept left out (Balasubramanian et al. 2025, abstract); 3000: no "
         "source, three times the default", "log"),
-    "crossover_hz": Range("frequency from which the skin is viscous", "Hz", 50.0, 200.0,
+    "crossover_hz": SourcedRange("frequency from which the skin is viscous", "Hz", 50.0, 200.0,
         "some 100 Hz (Wiertlewski and Hayward 2012, abstract), with a factor of 2 without a source; it fixes the "
         "damping at 1 N by the stiffness", "log"),
-    "mass_kg": Range("moving mass", "kg", 1e-4, 1.6e-3,
+    "mass_kg": SourcedRange("moving mass", "kg", 1e-4, 1.6e-3,
         "1.6 g: 3.23e-5 kg per mm/s at 50 mm/s (Balasubramanian et al. 2025, abstract); 0.1 g: no source, near the "
         "default; the same at all forces", "log"),
-    "load_exponent": Range("exponent of the coefficient of friction", "", -1 / 3, 0.0,
+    "load_exponent": SourcedRange("exponent of the coefficient of friction", "", -1 / 3, 0.0,
         "0: Coulomb, found for a finger pad except after 10 s on smooth glass, where the coefficient falls with load "
         "(Dzidek et al. 2017, abstract, without an exponent); -1/3: a smooth Hertz contact (textbook); between: -0.21, "
         "from a fall of 46 % from 1 to 20 N (Seo et al. 2009, abstract)"),
-    "body_ohm": Range("resistance of body and source", "ohm", 100.0, 10e3, "no source", "log"),
-    "area_at_1n_m2": Range("contact area at 1 N", "m^2", 0.5e-4, 2e-4, "no source, a factor of 2", "log"),
-    "coefficient": Range("coefficient of friction at 1 N", "", 0.2, 1.5,
+    "body_ohm": SourcedRange("resistance of body and source", "ohm", 100.0, 10e3, "no source", "log"),
+    "area_at_1n_m2": SourcedRange("contact area at 1 N", "m^2", 0.5e-4, 2e-4, "no source, a factor of 2", "log"),
+    "coefficient": SourcedRange("coefficient of friction at 1 N", "", 0.2, 1.5,
         "0.6 on aluminium, 0.9 on rubber (Seo et al. 2009, abstract); on glass no source, a factor of 2 more", "log"),
-    "cutoff_hz": Range("cut-off of the lag of friction", "Hz", 345.0, 1380.0,
+    "cutoff_hz": SourcedRange("cut-off of the lag of friction", "Hz", 345.0, 1380.0,
         "690 Hz: 13.8 Hz per mm/s at 50 mm/s (Balasubramanian et al. 2025, abstract), a factor of 2 without a source; "
         "the same at all forces", "log"),
-    "reference_m": Range("displacement at threshold at 250 Hz", "m", 1e-8, 3e-7,
+    "reference_m": SourcedRange("displacement at threshold at 250 Hz", "m", 1e-8, 3e-7,
         "0.01 um: some people who grasp a cylinder (Brisben et al. 1999, abstract); 0.3 um: no source; the same at all "
         "forces: tangential thresholds at 250 Hz were the same at 0.5 and 4.9 N (De Pra et al. 2022, abstract)", "log"),
 }  # fmt: skip

@@ -6,7 +6,7 @@ from typing import Any, Final, Literal, get_args
 
 from tactometry.arguments.require import one_of
 
-from .spread import Range
+from .spread import SourcedRange
 
 Origin = Literal["derived", "calibrated", "assumed"]
 ORIGINS: Final[tuple[Origin, ...]] = get_args(Origin)
@@ -79,7 +79,7 @@ class Reproduction:
         Origin of the curves of the drawing.
     outcome : str
         Result of a finding, and its reason.
-    ranges : tuple of Range
+    ranges : tuple of SourcedRange
         What the bands of the numbers are drawn from.
     name : str
         Key in `REPRODUCTIONS`.
@@ -92,7 +92,7 @@ class Reproduction:
     drawing: Callable[[], Any] | None = None
     origin: Origin = "derived"
     outcome: str = ""
-    ranges: tuple[Range, ...] = ()
+    ranges: tuple[SourcedRange, ...] = ()
     name: str = ""
 
 

@@ -12,7 +12,7 @@ QUANTILES = (0.05, 0.5, 0.95)
 
 
 @dataclass(frozen=True)
-class Range:
+class SourcedRange:
     """Values that sources leave open, all equally likely on a scale.
 
     Parameters
@@ -35,7 +35,7 @@ class Range:
     def at(self, share: FloatArray) -> FloatArray:
         """Return the values at shares (0 to 1) of the range.
 
-        >>> Range("area", "m^2", 1.0, 100.0, "no source", "log").at(np.array([0.0, 0.5])).tolist()
+        >>> SourcedRange("area", "m^2", 1.0, 100.0, "no source", "log").at(np.array([0.0, 0.5])).tolist()
         [1.0, 10.0]
         """
         if self.scale == "log":
@@ -43,7 +43,7 @@ class Range:
         return np.asarray(self.low + (self.high - self.low) * share)
 
 
-def draw(ranges: Mapping[str, Range], n_draws: int, seed: int) -> dict[str, FloatArray]:
+def draw(ranges: Mapping[str, SourcedRange], n_draws: int, seed: int) -> dict[str, FloatArray]:
     """Return (n_draws,) values of each range, a Latin hypercube.
 
     Each range has one draw in each of `n_draws` equal parts, so that quantiles need fewer draws than independent ones.
