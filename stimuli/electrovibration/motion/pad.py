@@ -22,7 +22,8 @@ and Vardar (2025), whose abstract, which is what we have, says no damping."""
 class Finger:
     """``m x'' + c x' + k x = f``: x the skin's deflection (m) under a lateral force f.
 
-    The defaults are unverified: a speed of 50 mm/s in `at_speed`.
+    The defaults are unverified: a speed of 50 mm/s in `at_speed`. No normal force changes them: for a pad under a force
+    take stiffness and damping of `SkinMobility.under`, as `sliding` and `stick_slip` do not.
     """
 
     mass_kg: Positive = 1.615e-3
