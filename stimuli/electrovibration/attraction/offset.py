@@ -17,18 +17,18 @@ from .force import Law, force_form
 @checked
 @dataclass(frozen=True)
 class WithOffset:
-    """``(w + ratio V0)/(1 + |ratio|)``: a waveform w of peak V0 with a constant of `ratio` times V0, peak V0 in all.
+    """A waveform w of peak V0 plus a constant: ``(w + ratio V0)/(1 + |ratio|)``, again of peak V0.
 
-    In a lossless skin the force then contains the frequency of the voltage. A leaky corneum behind an
-    insulator loses the constant after a few time constants: its force vanishes in the `sc_layer` law and rises in
-    the `interface` law. That is allowed, and `remark` says so. The constant has the ramps of w.
+    In a lossless skin the force then contains the frequency of the voltage. A leaky corneum behind an insulator
+    discharges within a few time constants: the force of the constant vanishes in the `sc_layer` law and rises in the
+    `interface` law. `remark` reports this. The constant has the ramps of w.
 
     Parameters
     ----------
     waveform
         Any waveform of this package.
     ratio : float
-        Constant over the peak of the waveform, of either sign.
+        Constant divided by the peak of the waveform, of either sign.
 
     >>> from tactometry.stimuli.electrovibration import Sine
     >>> tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
@@ -49,7 +49,7 @@ class WithOffset:
 
     @property
     def force_frequency_hz(self) -> float:
-        """Lower one of the waveform's force frequency and the voltage's."""
+        """The lower of the waveform's force and voltage frequencies."""
         own_hz = self.waveform.force_frequency_hz
         return own_hz if self.ratio == 0 else min(own_hz, self.voltage_frequency_hz)
 
@@ -60,7 +60,7 @@ class WithOffset:
         peak_v = peak_voltage_v(level, self.level_unit)
         share = 1 / (1 + abs(self.ratio))
         total_v = share * signal.samples + self.ratio * share * peak_v * constant
-        # two peaks of rounded parts may add up to one digit more than the peak that was promised
+        # rounding may raise the sum of two parts above the stated peak by one digit
         return Signal(np.clip(total_v, -peak_v, peak_v), signal.rate_hz, "V")
 
     def pieces(self, level: float) -> Pieces:
@@ -74,7 +74,7 @@ class WithOffset:
     def remark(self, skin: Skin, law: Law, area_m2: float = 1e-4) -> str | None:
         """Describe how the skin changes the offset's force, or return None.
 
-        The time is that of the slowest relaxation of the law on the contact area (1 cm^2: unverified default).
+        The remark states the time of the law's slowest relaxation on the contact area (1 cm^2: unverified default).
 
         >>> from tactometry.stimuli.electrovibration import Sine
         >>> tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
@@ -95,7 +95,7 @@ class WithOffset:
 
 
 def _sum(one: Pieces, other: Pieces) -> Pieces:
-    # both with all starts of both, so that they add piece by piece
+    # split each at the starts of both, so that they add piece by piece
     one, other = one.split_at(other.starts_s), other.split_at(one.starts_s)
     return replace(
         one,

@@ -16,8 +16,8 @@ from ...composition.effect import Quantity
 class DryFriction(Quantity):
     """Coulomb friction with a static and a kinetic coefficient; both defaults are unverified.
 
-    With the static one above the kinetic one, a friction law that is smooth in the speed is another model, not an
-    approximation of this one: its peak lies below the static friction at any width.
+    If the static coefficient is the larger one, a friction law that is smooth in the speed does not approximate this
+    model: its peak stays below the static friction at any width.
 
     Parameters
     ----------
@@ -26,18 +26,19 @@ class DryFriction(Quantity):
     kinetic : float
         Coefficient of friction of a finger that slides.
     gated : bool
-        The voltage adds to the friction in full slip alone, as Sirin et al. (2019) found: a stuck finger bears its
-        normal force's static friction (or the slipping one, if that is more). Without, it holds a stuck finger too.
+        True: the voltage adds to the friction only in full slip, as Sirin et al. (2019) found. A stuck finger then
+        bears the static friction of its normal force, or the sliding friction if that is larger. False: the voltage
+        also holds a stuck finger.
     """
 
     kind = "dry_friction"
     slot = "friction"
     requires = ("sliding contact", "dynamics")
     excludes: ClassVar[Mapping[str, str]] = {
-        "friction_lag": "a lag has no stick; use 'friction' with it, or 'finger_dynamics' in its place"
+        "friction_lag": "a lag has no stick; use 'friction' with the lag, or 'finger_dynamics' instead of it"
     }
     gives = stage_name = "friction_law"
-    assumes = ("the coefficients know neither load nor speed nor time of rest",)
+    assumes = ("the coefficients depend neither on load nor on speed nor on time at rest",)
 
     static: NotNegative = 0.6
     kinetic: NotNegative = 0.5

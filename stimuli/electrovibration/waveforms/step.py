@@ -13,7 +13,7 @@ from .waveform import LevelUnit, Ramped, check_pulse, n_samples, peak_voltage_v,
 
 @dataclass(frozen=True)
 class Step(Ramped):
-    """0 until `onset_s`, up to ``V0`` in `rise_s`, hold, and down to 0 in `fall_s` before the end.
+    """A step: 0 until `onset_s`, rise to ``V0`` in `rise_s`, hold, fall to 0 in `fall_s` before the end.
 
     Raises `InvalidParameter` if a value is outside of its domain, the parts are longer than the whole, or the voltage
     stays for less than a sample above ``V0 / 2``, so that samples may miss it.
@@ -52,12 +52,12 @@ class Step(Ramped):
 
     @property
     def ramp_s(self) -> float:
-        """0: rise and fall are its ramps."""
+        """0, as rise and fall act as ramps."""
         return 0.0
 
     @property
     def voltage_frequency_hz(self) -> float:
-        """0: a step has no frequency."""
+        """0, as a step has no frequency."""
         return 0.0
 
     @property

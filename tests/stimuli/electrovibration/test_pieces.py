@@ -221,9 +221,9 @@ def test_zero_length_line_is_jump_and_pieces_split() -> None:
          "Pieces.frequencies_hz: found [0.], expected numbers above 0"),
         (lambda: Pieces(np.array([0.0, 1.0]), 1.0, np.zeros(2), np.zeros(2)),
          "Pieces.starts_s: found [0. 1.] and an end of 1.0, expected ascending times from 0"),
-        (lambda: straight([0, 1], [0, 1, 2]), "straight: found shapes (2,) and (3,), expected two of one length"),
+        (lambda: straight([0, 1], [0, 1, 2]), "straight: found shapes (2,) and (3,), expected equal lengths"),
         (lambda: straight([0, 2, 1], [0, 1, 2]),
-         "straight.times_s: found 1.0 after 2.0, expected times that do not go back"),
+         "straight.times_s: found 1.0 after 2.0, expected times in ascending order"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_clear_sentence(call, message: str) -> None:

@@ -262,7 +262,7 @@ def test_the_order_of_the_tuple_does_not_matter():
         (lambda: [default("friction"), default("dry_friction")],
          r"effects\[2\]: found 'dry_friction' beside 'friction', expected one of them, .*; remove the other"),
         (lambda: [default("friction"), default("polarity"), default("friction_lag")],
-         r"found 'polarity' beside 'friction_lag', expected one of them: .*; remove 'polarity' or the other"),
+         r"found 'polarity' beside 'friction_lag', expected one of them: .*; remove one of the two"),
         (lambda: [default("friction_lag")],
          r"found 'friction_lag' without an effect of friction, .*; add it or remove 'friction_lag'"),
         (lambda: [default("dry_friction")], r"found 'dry_friction' without an effect of dynamics"),

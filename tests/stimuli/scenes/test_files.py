@@ -44,7 +44,7 @@ def table(**changes):
         ({"effects": [{"kind": "shear", "factor": 0.8}]}, r"effects\[0\]\.factor: found an unknown key.* shear_factor"),
         ({"effects": [LAW, {"kind": "air_gap", "gap_m": -1.0}]}, r"effects\[1\]\.gap_m: found -1\.0"),
         ({"effects": [LAW, {"kind": "dc_offset", "ratio": 1e300}]}, r"effects\[1\]\.ratio: found 1e\+300, .* 1e\+06"),
-        ({"contacts": [{"force_n": 0.0}]}, r"contacts\[0\]\.force_n: found 0\.0, .* leave the contact out"),
+        ({"contacts": [{"force_n": 0.0}]}, r"contacts\[0\]\.force_n: found 0\.0, .* omit the contact"),
         ({"contacts": [{"force": 1.0}]}, r"contacts\[0\]\.force: found an unknown key"),
         ({"given": {"level": 1.0}}, r"given\.level: found an unknown quantity, expected one of level_db_re_1v"),
         ({"outputs": []}, r"^outputs: found none"),
