@@ -57,7 +57,7 @@ class Hybrid:
             "friction.duration_s": (self.friction.duration_s, self.focus.duration_s),
         }
         for name, (value, partner) in pairs.items():
-            expect(value == partner, f"Hybrid.{name}", value, f"{partner}, so that both play as one")
+            expect(value == partner, f"Hybrid.{name}", value, f"{partner}, so that both play together")
         finite("Hybrid", electrode_offset_db=self.electrode_offset_db)
 
     @property

@@ -99,7 +99,7 @@ def _weights(lines_hz: bytes) -> tuple[IntArray, FloatArray, FloatArray]:
 
 
 def highest_level_db(weighed: Components, reference_m: float) -> float:
-    """Return the level (dB) of the largest amplitude at 250 Hz."""
+    """Return the level (dB) of the largest of amplitudes at 250 Hz."""
     largest_m = float(weighed.amplitudes.max(initial=0.0))
     return 20 * log10(largest_m / reference_m) if largest_m > 0 else -inf
 

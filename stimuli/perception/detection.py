@@ -65,7 +65,7 @@ def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Componen
 def blackman_harris(n: int) -> FloatArray:
     """Return the Blackman-Harris window (n,) with a period of n samples.
 
-    scipy.signal also has this window, but takes longer to import than a scene takes to compute.
+    Importing this window from scipy.signal takes longer than computing a scene.
 
     >>> blackman_harris(4).round(5).tolist()
     [6e-05, 0.21747, 1.0, 0.21747]

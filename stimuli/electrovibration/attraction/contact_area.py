@@ -99,7 +99,7 @@ class TableArea(AreaLaw):
     def __post_init__(self) -> None:
         fit = len(self.forces_n) == len(self.areas_m2) > 0
         counts = f"{len(self.forces_n)} forces and {len(self.areas_m2)} areas"
-        require.expect(fit, "TableArea", counts, "as many of each, at least one")
+        require.expect(fit, "TableArea", counts, "equal numbers, at least one")
         for force_n, area_m2 in zip(self.forces_n, self.areas_m2, strict=True):
             require.positive("TableArea", force_n=force_n, area_m2=area_m2)
         rise = (np.diff(self.forces_n) > 0).all()
@@ -171,7 +171,7 @@ def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
 
 @checked
 def ellipse_area_m2(length_m: NotNegativeArray, width_m: NotNegativeArray) -> FloatArray:
-    """Area of an ellipse from its full axes: ``pi/4`` times their product.
+    """Return the area of an ellipse, ``pi/4`` times its full axes.
 
     >>> float(ellipse_area_m2(0.02, 0.01).round(9))
     0.00015708

@@ -79,9 +79,9 @@ class WithOffset:
         >>> from tactometry.stimuli.electrovibration import Sine
         >>> tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
         >>> tone.remark(Skin(), "sc_layer")
-        'WithOffset.ratio: sc_layer blocks a constant: below 1 % of its force 5 tau (1.58 ms) after its last change'
+        "WithOffset.ratio: sc_layer leaves less than 1 % of the offset's force 5 tau (1.58 ms) after its last change"
         >>> tone.remark(Skin(), "interface")
-        'WithOffset.ratio: interface keeps a constant: its force has risen fully 5 tau (1.58 ms) after its last change'
+        "WithOffset.ratio: interface yields the offset's full force 5 tau (1.58 ms) after its last change"
         >>> tone.remark(Skin(), "parallel_plate") is None
         True
         """
@@ -89,7 +89,7 @@ class WithOffset:
         keeps = relaxations.dc_gain != 0
         if self.ratio == 0 or (keeps and not relaxations.rates_per_s):
             return None
-        fate = "keeps a constant: its force has risen fully" if keeps else "blocks a constant: below 1 % of its force"
+        fate = "yields the offset's full force" if keeps else "leaves less than 1 % of the offset's force"
         after_ms = 5e3 / min(relaxations.rates_per_s, default=inf)
         return f"WithOffset.ratio: {law} {fate} 5 tau ({after_ms:.3g} ms) after its last change"
 

@@ -62,7 +62,7 @@ class Circuit:
         return z
 
     def output(self) -> FloatArray:
-        """Linear form (n_states,) of the voltage whose square is the force."""
+        """Return the linear form (n_states,) of the voltage, squared in the force."""
         r = self.relaxations
         moving = [gain for gain, moves in zip(r.gains, self.active, strict=True) if moves]
         still = [(gain, rate) for gain, rate, m in zip(r.gains, r.rates_per_s, self.active, strict=True) if not m]
@@ -85,7 +85,7 @@ class Circuit:
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """``x' = M x + b F``, M (n, n) and b (n,) as tuples."""
+    """Linear system ``x' = M x + b F``, with M (n, n) and b (n,) as tuples."""
 
     matrix: tuple[tuple[float, ...], ...]
     input: tuple[float, ...]

@@ -56,7 +56,7 @@ class FrictionLag(Effect):
 
     @checked
     def cutoff_hz(self, speed_m_per_s: NotNegative) -> float:
-        """Corner frequency at a sliding speed (m/s, at least 0)."""
+        """Return the cut-off frequency at a sliding speed (m/s, at least 0)."""
         return max(self.floor_hz, self.intercept_hz + self.slope_hz_per_m_per_s * speed_m_per_s)
 
     @checked

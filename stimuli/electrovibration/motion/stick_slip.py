@@ -140,5 +140,5 @@ def _plan(
 
 
 def _fastest_rad_per_s(finger: Finger) -> float:
-    """Return the fastest rate in slip: pad resonance or speed decay."""
+    """Return the fastest rate in slip: pad resonance or decay of its speed."""
     return max(sqrt(finger.stiffness_n_per_m / finger.mass_kg), finger.damping_n_s_per_m / finger.mass_kg)

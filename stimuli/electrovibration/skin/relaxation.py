@@ -39,7 +39,7 @@ class Relaxations:
         rates = require.array("Relaxations.rates_per_s", self.rates_per_s)
         fit = gains.ndim == 1 and gains.shape == rates.shape and (rates >= 0).all()
         terms = f"the gains {self.gains!s:.60} and the rates {self.rates_per_s!s:.60}"
-        require.expect(fit, "Relaxations", terms, "as many of each, rates of at least 0")
+        require.expect(fit, "Relaxations", terms, "equal numbers, with rates of at least 0")
 
     @checked
     def response(self, frequency_hz: ArrayLike) -> ComplexArray:
@@ -94,7 +94,7 @@ def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
     Parameters
     ----------
     steps_v : (..., n_samples) array
-        Increments; the first is a jump, each later one is a ramp over one sample.
+        Increments of v: the first is a jump, later ones are ramps over one sample.
     decay : float
         ``rate/rate_hz``, the exponent over one sample, 0 to inf.
 

@@ -122,7 +122,7 @@ class Skin:
 
     @checked
     def gain(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> FloatArray:
-        """``|H|``, the modulus of `response`.
+        """Return ``|H|``, the magnitude of `response`.
 
         >>> Skin().gain([60.0, 240.0]).round(6).tolist()
         [0.051708, 0.188118]

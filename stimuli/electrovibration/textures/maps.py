@@ -78,7 +78,7 @@ class Mapped:
 
 
 def _grey_of_picture(content: bytes) -> FloatArray:
-    from PIL import Image as Picture, UnidentifiedImageError  # slow to load
+    from PIL import Image as Picture, UnidentifiedImageError  # slow import
 
     try:
         with warnings.catch_warnings():
@@ -122,7 +122,7 @@ class GreyImage(Mapped):
         require.expect(shares, "GreyImage.values", extremes, "numbers from 0 to 1")
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:
-        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
+        """Return the share (0..1) of the full force at `x_m` (m), in its shape."""
         at = np.asarray(x_m, dtype=np.float64) / self.pixel_m - 0.5
         return np.asarray(np.interp(at, np.arange(self._line.size), self._line))
 

@@ -28,7 +28,7 @@ class Texture(Protocol):
     """A map from position to a share of the force."""
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:
-        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
+        """Return the share (0..1) of the full force at `x_m` (m), in its shape."""
 
 
 @checked
@@ -276,10 +276,8 @@ class Velvet:
         >>> bool(np.allclose(np.r_[first, second], velvet.force_share_along(path_m), rtol=0, atol=1e-15))
         True
         """
-        found = f"{len(x_m)} places and {len(y_m)} of the way"
-        require.expect(
-            len(x_m) == len(y_m) > 0, "Velvet.after.y_m", found, "as many of the way as places, at least one"
-        )
+        found = f"{len(x_m)} positions and {len(y_m)} path points"
+        require.expect(len(x_m) == len(y_m) > 0, "Velvet.after.y_m", found, "equal numbers, at least one")
         pile, then = self._pile(y_m, way or Way(float(y_m[0]), 1.0, float(y_m[0]), self.with_pile, self.with_pile))
         return pile * (1 - self.tuft_depth * (1 - np.cos(2 * np.pi * x_m / self.tuft_period_m)) / 2), then
 

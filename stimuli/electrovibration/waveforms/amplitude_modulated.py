@@ -157,7 +157,7 @@ def of_supply(waveform: AmplitudeModulated, rate_hz: float, supply_v: float) -> 
 
 
 def pulses(signal: Signal, supply_v: float) -> Signal:
-    """Return one pulse of the supply per run of samples of one sign.
+    """Return one pulse of the supply per run of samples with equal sign.
 
     Raises `LimitExceeded` if the mean square of a run is above that of the supply, or no run needs a whole sample.
     """

@@ -186,7 +186,7 @@ class Trapezoid(Periodic):
     def __post_init__(self) -> None:
         times = {name: getattr(self, name) for name in ("rise_s", "high_s", "fall_s", "low_s")}
         require.not_negative("Trapezoid", **times)
-        require.expect(sum(times.values()) > 0, "Trapezoid", "four lines of 0 s", "a period above 0 s")
+        require.expect(sum(times.values()) > 0, "Trapezoid", "four durations of 0 s", "a period longer than 0 s")
         require.finite("Trapezoid", low_ratio=self.low_ratio)
         require.expect(-1 <= self.low_ratio <= 1, "Trapezoid.low_ratio", repr(self.low_ratio), "-1 to 1")
         super().__post_init__()

@@ -58,7 +58,7 @@ class Sampled(Ramped):
         >>> Sampled(tuple(np.sin(2 * np.pi * 9900 * t_s)), rate_hz=20_000.0).force_frequency_hz
         19800.0
         """
-        from scipy.signal import resample  # slow to load
+        from scipy.signal import resample  # slow import
 
         finer = resample(np.asarray(self.shape, dtype=np.float64), 2 * len(self.shape))
         return strongest_hz(finer**2, 2 * self.rate_hz)

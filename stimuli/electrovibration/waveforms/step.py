@@ -45,7 +45,7 @@ class Step(Ramped):
         super().__post_init__()
         parts_s = self.onset_s + self.rise_s + self.fall_s
         less = f"less than duration_s ({self.duration_s} s); lengthen the signal"
-        require.expect(parts_s < self.duration_s, "Step", f"onset, rise and fall of {parts_s} s in all", less)
+        require.expect(parts_s < self.duration_s, "Step", f"onset, rise and fall of {parts_s} s in total", less)
         end_s = min(self.duration_s - self.fall_s / 2, n_samples(self.duration_s, self.rate_hz) / self.rate_hz)
         width_s = end_s - self.onset_s - self.rise_s / 2
         check_pulse("Step.duration_s", width_s, self.rate_hz, "lengthen it or raise rate_hz")
@@ -65,7 +65,7 @@ class Step(Ramped):
         return 0.0
 
     def at(self, level: float) -> Signal:
-        """(1, n_samples) volt."""
+        """Return the samples (1, n_samples) in volt."""
         samples = self.pieces(level).at(np.round(times_s(self.duration_s, self.rate_hz), 12))
         return Signal(samples[None, :], self.rate_hz, "V")
 

@@ -100,26 +100,25 @@ class WavFile:
         except ValueError as damage:
             raise InvalidParameter(f"WavFile.path: {self.path}: {damage}") from None
         rate_hz = wav.rate_hz
-        resample = f"{self.rate_hz:g} Hz, as stated; state that of the file, or resample it to that of the output"
+        resample = f"{self.rate_hz:g} Hz, as stated; state the file's rate, or resample it to the output's rate"
         require.expect(rate_hz == self.rate_hz, "WavFile.rate_hz", f"a file at {rate_hz:g} Hz", resample)
         length_s = len(samples) / rate_hz
         is_as_long = abs(length_s - self.duration_s) < 1 / rate_hz
-        require.expect(is_as_long, "WavFile.duration_s", f"{self.duration_s:g} s", f"{length_s:g} s, that of the file")
+        require.expect(is_as_long, "WavFile.duration_s", f"{self.duration_s:g} s", f"{length_s:g} s, the file's length")
         return samples
 
 
 def _one_channel(wav: Wav) -> FloatArray:
     """Return the samples of a one-channel file as parts of full scale.
 
-    Raises `ValueError` if it has several channels, or samples that are not finite, are all 0 or are cut off at full
-    scale.
+    Raises `ValueError` if it has several channels, or samples that are not finite, all 0 or clipped.
     """
     n_channels = wav.frames.shape[1]
     if n_channels != 1:
         raise ValueError(f"found {n_channels} channels, expected one; keep the intended channel")
     form = wav.frames.dtype.str[1:]
     if form not in _LARGEST:
-        raise ValueError(f"found samples of form {form}, expected whole numbers of 8 to 32 bits, or floating point")
+        raise ValueError(f"found samples of format {form}, expected whole numbers of 8 to 32 bits, or floating point")
     samples = wav.parts()[:, 0]
     _refuse_unsound(samples, _LARGEST[form], floating=form[0] == "f")
     return samples

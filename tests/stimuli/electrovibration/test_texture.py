@@ -171,7 +171,7 @@ def test_a_power_law_scales(force_n: float, factor: float) -> None:
          "use a PowerLawArea"),
         (lambda: TableArea((2.0, 1.0), (1.0, 1.0)), "TableArea.forces_n: found (2.0, 1.0), expected ascending forces"),
         (lambda: TableArea((1.0,), ()),
-         "TableArea: found 1 forces and 0 areas, expected as many of each, at least one"),
+         "TableArea: found 1 forces and 0 areas, expected equal numbers, at least one"),
         (lambda: power_law_of_prints([Print(1.0, 0.01, 0.01)]),
          "power_law_of_prints: found 1 prints, expected prints at two or more forces"),
     ],

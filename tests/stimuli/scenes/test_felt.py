@@ -173,12 +173,12 @@ def test_signal_is_refused_when_not_single_channel_voltage():
 
 def test_a_scene_without_a_threshold_names_the_cure():
     scene = replace(felt(), effects=(default("force_law"), default("friction")), outputs=("peak_force_n",))
-    with pytest.raises(InvalidParameter, match=r"nothing that gives 'sensation_db'.*sensitivity, or receptors"):
+    with pytest.raises(InvalidParameter, match=r"no stage or effect for 'sensation_db'.*sensitivity, or receptors"):
         scene.sensation(Sine(60.0, 0.5).at(30.0), TOUCH)
 
 
 NO_STIMULUS = {
-    "no losses, no patches": ((), r"^effects: found a plate without losses or patches where .* add 'attenuation' and"),
+    "no losses, no patches": ((), r"^effects: found a plate without losses or patches for .* add 'attenuation' and"),
     "losses by frequency": (
         (effect("attenuation", exponent=0.5),),
         r"^attenuation\.exponent: found 0\.5 where a signal",

@@ -83,7 +83,7 @@ def test_custom_setting_hides_predicted_error(capsys, tmp_path):
 def test_settings_beyond_memory_are_refused():
     huge = scene_of(table(settings={"sampling": {"n_samples": 10**15}}, given={"level_db_re_1v": 40.0}))
     with pytest.raises(
-        InvalidParameter, match=r"^scene: found more than this memory holds .*; loosen the accuracy, or"
+        InvalidParameter, match=r"^scene: found more data than fit into memory .*; loosen the accuracy or"
     ):
         compute(huge.scene.resolve(), huge.given)
 
@@ -103,8 +103,8 @@ def test_given_values_must_be_finite(level):
 @pytest.mark.parametrize(
     ("output", "message"),
     [
-        ("level_db_re_1v", r"^outputs\[1\]: found 'level_db_re_1v', which each run is given, .*; remove it"),
-        ("skin", r"^outputs\[1\]: found 'skin', which stages hand on to each other, .*; remove it"),
+        ("level_db_re_1v", r"^outputs\[1\]: found 'level_db_re_1v', an input of each run, .*; remove it"),
+        ("skin", r"^outputs\[1\]: found 'skin', an internal quantity, .*; remove it"),
     ],
 )
 def test_given_and_non_numeric_quantities_are_refused_outputs(output, message):
@@ -115,7 +115,8 @@ def test_given_and_non_numeric_quantities_are_refused_outputs(output, message):
 def test_an_unknown_output_names_the_known_ones():
     scene = scene_of(table(outputs=["electrostatic_force"])).scene
     with pytest.raises(
-        InvalidParameter, match=r"^outputs: found nothing that gives 'electrostatic_force', .*did you mean 'electrost"
+        InvalidParameter,
+        match=r"^outputs: found no stage or effect for 'electrostatic_force', .*did you mean '",
     ):
         scene.resolve()
 
@@ -199,11 +200,11 @@ def test_explanation_starts_with_assumptions():
     assert said.startswith("assumptions: edges simply supported all around; a thin plate, without shear")
     assert "patches have neither mass nor stiffness" in said
     assert "it pulls as well as it presses" in said
-    assert "transducers that push at points" not in said  # 'patches' takes its place
+    assert "transducers that are point forces" not in said  # 'patches' takes its place
     assert "losses" not in said  # there are some
     assert "radiated" not in said  # sound is not asked for
     bare = replace(given, effects=())
-    assert "transducers that push at points" in " ".join(bare.assumed())
+    assert "transducers that are point forces" in " ".join(bare.assumed())
     assert "a plate without losses" in bare.assumed()
 
 
