@@ -73,7 +73,7 @@ class Hybrid:
         return self.focus.level_unit
 
     def at(self, level: float) -> Signal:
-        """(n_transducers + 1, n_samples) volt.
+        """Return the samples (n_transducers + 1, n_samples) in volt.
 
         Raises `InvalidParameter` if the level is not finite. Raises `LimitExceeded` if the foci need more than
         `focus.voltage_max_v`.
@@ -119,7 +119,7 @@ def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
 def _together(
     train: FocusTrain | TimeReversalStimulus, waveform: AmplitudeModulated, level: float, offset_db: float
 ) -> Signal:
-    """Add the channels; a supply voltage also switches the electrode."""
+    """Stack the channels; a supply voltage also switches the electrode."""
     foci, friction = train.at(level), waveform.at(level + offset_db)
     if train.supply_v is not None:
         friction = pulses(friction, train.supply_v)

@@ -157,7 +157,7 @@ class Effect:
     `excludes`   kinds that contradict it, with the reason and the cure; `felt_excludes` replaces it
                  where a signal is played and no time course is computed
     `assumes`    its assumptions, in words
-    `rests_on`   the number that sets the absolute size of its result
+    `rests_on` the constant that sets the absolute size of its result
     `cures` for missing quantities: how to add this effect
     `in_signal`  whether a played signal already contains it, or the plate on which the signal was learnt
     ============ ==================================================================================
@@ -243,7 +243,7 @@ class Effect:
 
 
 def is_changed(quantity: str, scene: Surroundings) -> bool:
-    """Return True if an effect changes a quantity, which bars shortcuts."""
+    """Return True if an effect changes a quantity, so that shortcuts fail."""
     return any(quantity in effect.reads and effect.gives == quantity for effect in scene.effects)
 
 
@@ -324,7 +324,7 @@ class Surface:
         return tuple(replace(stage, effect=effect.kind) for stage in stages)
 
     def cure(self, quantity: str) -> str:
-        """Describe which effect provides a quantity, or return ""."""
+        """Return advice on which effect to add for a quantity, or ""."""
         cures = (resolve(target).cures for target in self.effects.values())
         return next((of_effect[quantity] for of_effect in cures if quantity in of_effect), "")
 

@@ -66,7 +66,7 @@ def sensation_level_db(skin: Components, reference_m: float = THRESHOLD_M) -> fl
 
 
 def as_at_250_hz(parts: Components) -> Components:
-    """Scale components by the sensitivity at their frequency re 250 Hz.
+    """Scale components to equally perceptible components at 250 Hz.
 
     >>> as_at_250_hz(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).amplitudes.round(4).tolist()
     [0.2512]

@@ -29,7 +29,7 @@ def explanation(scene: Scene, given: Mapping[str, float]) -> str:
     """
     plan = scene.resolve()
     values = values_for(plan, given)
-    cold, warm = plan.timed(values), plan.timed(values)  # the first run imports, loads machine code and starts threads
+    cold, warm = plan.timed(values), plan.timed(values)  # includes imports and thread starts
     on = (_on(stage, plan, *times_s) for stage, *times_s in zip(plan.stages, cold, warm, strict=True))
     unused = [((effect.kind, "off", "no output needs it", "", "", "", ""), "") for effect in scene.off()]
     named = {effect.kind for effect in scene.effects}

@@ -173,7 +173,7 @@ class Scene:
         return (*of_surface, *(words for effect in called_for for words in effect.assumes))
 
     def rests_on(self) -> tuple[str, ...]:
-        """Describe the numbers that set the absolute size of these outputs."""
+        """Describe the constants that set the absolute size of these outputs."""
         return tuple(effect.rests_on for effect in self._called_for(self._unsized()) if effect.rests_on)
 
     def _check_outputs(self) -> None:

@@ -41,9 +41,9 @@ class Band:
     Parameters
     ----------
     f_min_hz, f_max_hz : float
-        0 <= f_min < f_max.
+        Limits of the band, 0 <= f_min < f_max.
     flank_hz : float
-        At least 0; at most the width of the band.
+        Width of each flank, at least 0 and at most the width of the band.
     """
 
     f_min_hz: float

@@ -102,8 +102,8 @@ def one_sided_contacts(
 ) -> ContactCourses:
     """Return the courses of contacts that can open, from free motion.
 
-    As `one_sided_contact`, for displacements (n_contacts, n_samples) of the free plate. The force of each contact moves
-    the plate under all.
+    Like `one_sided_contact`, for displacements (n_contacts, n_samples) of the free plate. The force of each contact
+    moves the plate under all contacts.
 
     Raises `InvalidParameter` if a finger has a mass, or no resistance.
 

@@ -29,7 +29,7 @@ class AreaLaw(Effect):
     reads, gives = ("contact",), "area_m2"
 
     def area_m2(self, force_n: ArrayLike) -> FloatArray:
-        """Area (m^2), of the shape of `force_n` (N, at least 0)."""
+        """Return the area (m^2) at `force_n` (N, at least 0), in its shape."""
         raise NotImplementedError
 
     def __call__(self, contact: "Contact") -> float:
@@ -69,10 +69,10 @@ class PowerLawArea(AreaLaw):
 
 @runtime_checkable
 class ContactArea(Protocol):
-    """An area law."""
+    """Interface of an area law."""
 
     def area_m2(self, force_n: ArrayLike) -> FloatArray:
-        """Area (m^2), of the shape of `force_n` (N, at least 0)."""
+        """Return the area (m^2) at `force_n` (N, at least 0), in its shape."""
 
 
 @checked
@@ -106,7 +106,7 @@ class TableArea(AreaLaw):
         require.expect(rise, "TableArea.forces_n", self.forces_n, "ascending forces")
 
     def area_m2(self, force_n: NotNegativeArray) -> FloatArray:
-        """Area (m^2), of the shape of `force_n` (N, 0 to the last force of the table)."""
+        """Return the area (m^2) at `force_n` (N, up to the last of the table)."""
         force = np.asarray(force_n, dtype=np.float64)
         if force.size and force.max() > self.forces_n[-1]:
             raise InvalidParameter(
@@ -171,7 +171,7 @@ def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
 
 @checked
 def ellipse_area_m2(length_m: NotNegativeArray, width_m: NotNegativeArray) -> FloatArray:
-    """Return the area of an ellipse, ``pi/4`` times its full axes.
+    """Return an ellipse's area, ``pi/4`` times the product of its full axes.
 
     >>> float(ellipse_area_m2(0.02, 0.01).round(9))
     0.00015708

@@ -54,7 +54,7 @@ class WithOffset:
         return own_hz if self.ratio == 0 else min(own_hz, self.voltage_frequency_hz)
 
     def at(self, level: float) -> Signal:
-        """Return (1, n_samples) volt, at most the peak that `level` states."""
+        """Return samples (1, n_samples) in volt, at most the peak of `level`."""
         signal = self.waveform.at(level)
         constant = ramped(np.ones(signal.samples.shape[1]), self.waveform.ramp_s, signal.rate_hz)
         peak_v = peak_voltage_v(level, self.level_unit)

@@ -26,7 +26,7 @@ class Polarity(Effect):
     Parameters
     ----------
     positive_share : float
-        At least 0; below 1 positive voltages are less effective.
+        Factor of the force, at least 0; below 1 positive voltages are less effective.
 
     >>> Polarity(0.5).weighted(np.array([4.0, 4.0]), layer_v=np.array([2.0, -2.0])).tolist()
     [2.0, 4.0]

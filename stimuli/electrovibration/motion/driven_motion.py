@@ -62,7 +62,7 @@ class Circuit:
         return z
 
     def output(self) -> FloatArray:
-        """Return the linear form (n_states,) of the voltage, squared in the force."""
+        """Return the voltage as a linear form (n_states,) of the states."""
         r = self.relaxations
         moving = [gain for gain, moves in zip(r.gains, self.active, strict=True) if moves]
         still = [(gain, rate) for gain, rate, m in zip(r.gains, r.rates_per_s, self.active, strict=True) if not m]
@@ -127,7 +127,7 @@ def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flow
 
 
 def _short_flows(circuit: Circuit, system: LinearSystem, unit_per_s: float, lengths: FloatArray) -> Flows:
-    """Return flows by power series in lengths (n_lengths,) up to `REACH`."""
+    """Return flows over lengths (n_lengths,) up to `REACH` by power series."""
     z, m = circuit.matrix() / unit_per_s, np.array(system.matrix) / unit_per_s
     factors = np.cumprod(lengths[:, None] / np.arange(1, TERMS + 1), axis=1)  # h^k/k! for k from 1
 
@@ -287,7 +287,7 @@ def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple
 
 
 def _kinds(lengths: FloatArray, moves: NDArray[np.bool_]) -> tuple[list[Kind], IndexArray]:
-    """Return the kinds of intervals: equal lengths and moving relaxations."""
+    """Group intervals by equal length and equal moving relaxations."""
     # equal time steps differ by rounding: compare leading digits and power of ten
     scale = 10.0 ** np.floor(np.log10(lengths))
     keys = np.column_stack([np.round(lengths / scale, 11), scale, moves])

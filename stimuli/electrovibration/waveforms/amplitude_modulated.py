@@ -144,7 +144,7 @@ class PulsedCarrier:
         return self.waveform.level_unit
 
     def at(self, level: float) -> Signal:
-        """(1, n_samples) volt.
+        """Return the samples (1, n_samples) in volt.
 
         Raises `LimitExceeded` if a half period needs more than the supply, or no half period needs a whole sample.
         """
@@ -188,5 +188,5 @@ def _check_reach(needed: FloatArray, lengths: IntArray, peak_v: float, supply_v:
         raise LimitExceeded(
             f"level: found {peak_v:.4g} V, expected at least {peak_v * np.sqrt(SHORTEST / longest):.4g} V, which "
             f"pulses of {SHORTEST:g} sample at the {supply_v:.4g} V of the supply make; raise the level or the rate of "
-            "the board, or lower its supply or command it (lowest_supply_v of an output)"
+            "the board, lower its supply, or let the session set the supply (lowest_supply_v of an output)"
         )

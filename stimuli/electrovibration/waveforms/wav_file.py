@@ -76,7 +76,7 @@ class WavFile:
             _ = self._samples
 
     def at(self, level: float) -> Signal:
-        """(1, n_samples) volt.
+        """Return the samples (1, n_samples) in volt.
 
         Raises `InvalidParameter` if the level is invalid or the file was not read.
         """

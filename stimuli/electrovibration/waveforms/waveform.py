@@ -63,7 +63,7 @@ class Ramped(Waveform):
         check_timing(owner, self.duration_s, self.ramp_s, self.rate_hz)
 
     def at(self, level: float) -> Signal:
-        """Return (1, n_samples) volt, at most the peak that `level` states."""
+        """Return samples (1, n_samples) in volt, at most the peak of `level`."""
         samples = peak_voltage_v(level, self.level_unit) * ramped(self._unit(), self.ramp_s, self.rate_hz)
         return Signal(samples[None, :], self.rate_hz, "V")
 

@@ -112,7 +112,7 @@ def label(name: str) -> str:
 
 
 def prefix_of(value: float) -> tuple[float, str]:
-    """Return the prefix that leaves a number of at least 1.
+    """Return the unit prefix that makes a number at least 1.
 
     >>> prefix_of(0.02)
     (0.001, 'm')

@@ -131,7 +131,7 @@ def lost_s(motion: PlateMotion) -> FloatArray:
 
 
 def _under_forces(motion: PlateMotion, forces: ComplexArray) -> PlateMotion:
-    """Return the motion with other forces (N/V) (n_contacts, n_frequencies)."""
+    """Return the motion with new contact forces (N/V), (n_contacts, n_frequencies)."""
     n = len(forces)
     oscillators, at = moving_modes(motion.screen, motion.modes_to_hz, motion.static_to_hz)
     pushed, change = np.ascontiguousarray(at[:, -n:]), -forces - motion.played[-n:]

@@ -83,7 +83,7 @@ def several(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> Points:
 def learning(
     screen: Screen, foci: Points, rate_hz: float, reversal_s: float, f_max_hz: float, flank_hz: float
 ) -> Responses:
-    """Return the responses at the foci: band modes over the reversal time."""
+    """Return responses at the foci, of the modes in the band, of length T."""
     band = Band(0.0, f_max_hz, flank_hz)
     return Emission(band, reversal_s, rate_hz, modes_to_hz=f_max_hz).responses(screen, foci)
 

@@ -56,7 +56,7 @@ class PlateMotion:
         return self.screen.modes(self.static_to_hz)
 
     def among(self, part: slice) -> "PlateMotion":
-        """Return the motion at some of the frequencies."""
+        """Return the motion at a slice of the frequencies."""
         return replace(self, amplitude=self.amplitude[:, part], played=self.played[:, part], s=self.s[part])
 
     def turning(self, t_s: FloatArray) -> ComplexArray:

@@ -22,7 +22,8 @@ from ...composition.content import PlateContent
 from ...composition.effect import Demand, FingerContact, Surroundings
 
 MOVING, STILL, TURNING = 2.0, 8.0, 2.0
-"""Error of moving and of following modes, as parts of one transducer's remainder, and the constant of `Tail.turning`.
+"""Errors of the moving and of the following modes, as parts of one transducer's remainder, and the factor of
+`Tail.turning`.
 
 They are at least 1.7 times the worst of 340 random screens, most with the focus on or next to a transducer."""
 OF_LOAD = 0.15

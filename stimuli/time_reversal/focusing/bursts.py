@@ -40,7 +40,7 @@ class Bursts:
     rows : sequence of int
         Row of `heard` for each focus.
     supply_v : float
-        Above 0.
+        Supply voltage, above 0.
 
     >>> h = Responses(np.array([[[1.0, 2.0, 4.0]]]), 1e3)
     >>> Bursts([np.ones((1, 3))], np.array([0]), h, [0], 30.0).drive(np.array([90.0])).samples

@@ -90,7 +90,7 @@ def drive(
     voltage_v : float
         Peak voltage, above 0.
     quantiser : Quantiser, optional
-        By default one bit.
+        Quantiser of the reversed responses; default one bit.
 
     >>> h = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)
     >>> drive(h, 30.0).samples

@@ -168,7 +168,7 @@ def _in_blocks(grid: _Grid, first: IntArray, kernel: ComplexArray) -> tuple[Floa
 
 
 def _tile(weights: FloatArray, kernels: FloatArray, modes: IndexArray, grid: _Grid) -> FloatArray:
-    """Return the time signals of spread bins, folded at 0 and Nyquist."""
+    """Return time signals of the bins, folded at 0 and the Nyquist frequency."""
     bins = np.zeros((len(weights), (len(modes) - 1) * BLOCK + WIDTH), complex)
     wide = bins.view(float)
     for block in np.flatnonzero(np.diff(modes)).tolist():

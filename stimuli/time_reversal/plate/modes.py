@@ -150,7 +150,7 @@ def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = N
     ----------
     plate : Plate
     f_max_hz : float
-        Above 0.
+        Highest frequency of a mode, above 0.
     shear_factor : float, optional
         If given (5/6), Mindlin's dispersion replaces Kirchhoff's, which is exact for simply supported edges. For other
         edges the shapes remain those of the thin plate, and the frequencies are corrected mode by mode (`mindlin`).

@@ -81,7 +81,7 @@ class Oscillators:
         return out
 
     def step(self, step_s: float) -> tuple[FloatArray, FloatArray]:
-        """Return displacement and velocity (n,) after one time, at least 0."""
+        """Return displacement and velocity (n,) at one time after the impulse."""
         if not self.oscillates.all():
             return self.impulse_at(step_s)[:, 0], self.impulse_at(step_s, "velocity")[:, 0]
         turned = self._phasor(np.array([step_s]), 1.0)[:, 0]
@@ -102,7 +102,7 @@ class Oscillators:
         return np.divide(1, stiffness, out=stiffness)
 
     def of(self, which: NDArray[np.bool_] | IndexArray) -> "Oscillators":
-        """Return some of the modes."""
+        """Return the oscillators selected by a mask or by indices."""
         return Oscillators(self.omega_rad_per_s[which], self.decay_per_s[which])
 
     def _swinging(self, rate_hz: float, start: int, stop: int, quantity: str) -> FloatArray:

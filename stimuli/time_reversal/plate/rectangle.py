@@ -201,7 +201,7 @@ class Rectangle:
     Parameters
     ----------
     length_m, width_m : float
-        Above 0.
+        Side lengths, above 0.
     boundary : str
         Four letters, S (simply supported), C (clamped) or F (free), for x = 0, y = 0, x = length, y = width.
     poisson_ratio : float

@@ -47,7 +47,7 @@ def solve(rectangle: Rectangle, wavenumber2_max_per_m2: float, degrees: tuple[in
 
 
 def pairs(rectangle: Rectangle, degrees: tuple[int, int]) -> list[tuple[Family, Family]]:
-    """Yield the functions of x and of y of each pair of parities."""
+    """Yield the functions of x and y for each pair of parities."""
     p_x, p_y = degrees
     on_x = families(rectangle.length_m, rectangle.edges_x, p_x)
     on_y = families(rectangle.width_m, rectangle.edges_y, p_y)
@@ -68,7 +68,7 @@ def _block(
 
 
 def ellipse(on_x: Family, on_y: Family, p_x: int, p_y: int) -> tuple[IntArray, IntArray]:
-    """Return the products kept: (i / p_x)^2 + (j / p_y)^2 <= 1 in degrees."""
+    """Return a mask of the kept products, (i / p_x)^2 + (j / p_y)^2 <= 1."""
     inside = (on_x.order[:, None] / p_x) ** 2 + (on_y.order[None, :] / p_y) ** 2 <= 1
     i, j = np.nonzero(inside)
     return i, j
@@ -129,7 +129,7 @@ def _orthonormal(vectors: FloatArray, mass: FloatArray) -> FloatArray:
 
 
 def _without_rigid_noise(blocks: list[ParityBlock], n_zero: int) -> list[ParityBlock]:
-    """Set the known number of rigid-body modes to a wavenumber of 0."""
+    """Set the wavenumbers of the known rigid-body modes to 0."""
     if n_zero == 0:
         return blocks
     ascending = np.sort(np.concatenate([block.wavenumber2_per_m2 for block in blocks]))

@@ -51,15 +51,15 @@ class Attached(Protocol):
 @checked
 @dataclass(frozen=True)
 class PlateLoad:
-    """A mass, a damper and a spring to ground at a point of the plate.
+    """A mass, a damper and a spring to ground at one point of the plate.
 
     Parameters
     ----------
     x_m, y_m : float
     resistance_n_s_per_m, mass_kg : float
-        At least 0.
+        Damper and mass, at least 0.
     stiffness_n_per_m : float
-        At least 0; ``math.inf`` pins the point.
+        Spring, at least 0; ``math.inf`` pins the point.
     """
 
     x_m: float
@@ -91,7 +91,7 @@ class SprungMass:
     ----------
     x_m, y_m : float
     mass_kg, stiffness_n_per_m : float
-        Above 0.
+        Mass and spring, above 0.
     """
 
     x_m: float

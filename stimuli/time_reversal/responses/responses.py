@@ -33,7 +33,7 @@ class Responses:
     samples : (n_points, n_channels, n_samples) array
         Finite values in m, m/s or m/s^2 per unit of the channel. The array is made read-only.
     rate_hz : float
-        Above 0.
+        Sampling rate, above 0.
     quantity : str
         ``displacement``, ``velocity`` or ``acceleration``.
     """
@@ -108,9 +108,9 @@ def impulse_responses(
     screen : Screen
     points : sequence of (x_m, y_m)
     rate_hz : float
-        At least twice `f_max_hz`.
+        Sampling rate, at least twice `f_max_hz`.
     duration_s : float
-        At least 0; rounded to whole samples.
+        Duration, at least 0, rounded to whole samples.
     static_to_hz : float, optional
         Frequency above `f_max_hz`. Modes between the two respond without inertia, which adds their static compliance to
         sample 0 (displacement only). Up to half of `f_max_hz` this is more accurate than three times as many modes.

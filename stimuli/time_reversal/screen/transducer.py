@@ -97,7 +97,7 @@ class Patch:
     Parameters
     ----------
     x_m, y_m : float
-        Centre.
+        Centre of the patch.
     length_m, width_m : float
         Sides along x and y, above 0.
     moment_n_per_v : float
@@ -133,9 +133,9 @@ class DiscPatch:
     Parameters
     ----------
     x_m, y_m : float
-        Centre.
+        Centre of the patch.
     diameter_m : float
-        Above 0.
+        Diameter of the patch, above 0.
     moment_n_per_v : float
         Bending moment per length and volt (N m / m / V).
     """

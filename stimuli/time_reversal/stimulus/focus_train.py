@@ -62,7 +62,7 @@ class TimeReversalStimulus:
     pattern : Pattern
         Pattern of foci; default P0, one focus. The level is its largest focus, including overlaps.
     quantiser : Quantiser, optional
-        By default one bit.
+        Quantiser of the reversed responses; default one bit.
     reversal_s : float, optional
         T, above 0; by default the length of the responses.
     voltage_max_v : float
