@@ -26,7 +26,7 @@ from .content import VoltageContent
 from .effect import Demand, Size, Surroundings
 
 FEWEST, MOST = 16, 4_000_000
-"""Limits of the samples of a record; the upper one takes about 2 GB."""
+"""Limits of the number of samples of a record; the upper one takes about 2 GB."""
 
 
 def force_rad_per_s(scene: Surroundings) -> float:

@@ -154,7 +154,7 @@ class _Series:
 
     def _between(self, low: int) -> _Pole:
         """Return the zero between two rates, measured from the nearer one."""
-        # a pole may be so close to a rate that only its distance from that rate has digits
+        # a pole may be so close to a rate that only its distance from that rate is precise
         half = (self.rates_per_s[low + 1] - self.rates_per_s[low]) / 2
         offsets = [rate - self.rates_per_s[low] for rate in self.rates_per_s]
         at_half = self.resistance_ohm_m2 + sum(s / (o - half) for s, o in zip(self.elastances, offsets, strict=True))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class AudibleFilter(Effect):
-    """Remove responses below `cutoff_hz` before they are reversed and quantised; both defaults are unverified.
+    """Filter that removes frequencies below `cutoff_hz` before reversal and quantisation; both defaults are unverified.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ OUTPUTS: Mapping[bool, Mapping[str, str]] = {
 
 @dataclass(frozen=True)
 class FingerDynamics(Effect):
-    """Mass and stiffness of the pad as published per sliding speed; the damping is an unverified default.
+    """Finger pad with the mass and stiffness published per sliding speed; the damping is an unverified default.
 
     The motion of this pad is felt instead of that of `skin_mobility`. With `friction` the finger always slides, and the
     effect does not change its friction. With `dry_friction` it sticks and slips.

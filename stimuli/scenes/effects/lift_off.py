@@ -20,7 +20,7 @@ FEWEST = 2
 
 @dataclass(frozen=True)
 class LiftOff(Effect):
-    """Make the fingers of `finger_load` contacts that open where they would pull and close where skin meets plate.
+    """Lift-off of the fingers of `finger_load`: contacts open where they would pull and close where skin meets plate.
 
     The finger has no mass. Each run is solved in time at its voltage, as in `one_sided_contact`. All outputs of the
     plate include these fingers and are no longer proportional to the voltage.

@@ -1,4 +1,4 @@
-"""A plate that focuses with an electrode on it."""
+"""A focusing plate with an electrode on it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -23,7 +23,7 @@ RENAMED = ("t_s", "motion", "sensation_db")
 
 @dataclass(frozen=True)
 class HybridScreen(TwoSided):
-    """A plate that focuses, with an electrode on it.
+    """A focusing plate with an electrode on it.
 
     Fingers at rest feel the focus, and the first sliding finger feels friction. All fingers load the plate at their
     places, those at rest first, since a finger slides less than a tenth of a wavelength during a focus. The model

@@ -33,7 +33,7 @@ SMALL: Final = 0.5
 @checked
 @dataclass(frozen=True)
 class Sheet:
-    """One thickness: its guide, and its stress and deflection under 2 N at the centre with supported edges.
+    """A sheet of glass: its design guide, and its stress and deflection under 2 N at the centre (supported edges).
 
     Both assume small deflections. A plate that bends by more than half of its thickness stretches and bends less
     (`bends_linearly`).

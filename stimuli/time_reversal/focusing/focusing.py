@@ -45,7 +45,7 @@ def reversed_waveform(
     reversal_s : float, optional
         T, at least 0 and at most the length of the responses (the default).
     weights : sequence of float, optional
-        One per focus, by default 1; the sign is kept.
+        Weight of each focus, 1 by default; the sign is kept.
     window : (n_samples,) array, optional
         Factors for the learnt responses, from their start.
 

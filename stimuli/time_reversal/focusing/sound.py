@@ -93,7 +93,7 @@ def _of_edges(plate: Plate, f_over_f_c: FloatArray) -> FloatArray:
 @checked
 @dataclass(frozen=True, eq=False)
 class NoiseSpectrum:
-    """Mean-square pressure per hertz (Pa^2/Hz) over frequency, at a distance over a hemisphere."""
+    """Mean-square sound pressure per hertz (Pa^2/Hz) over frequency, at a distance, on a hemisphere."""
 
     frequency_hz: Vector
     pressure_pa2_per_hz: Vector

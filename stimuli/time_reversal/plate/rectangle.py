@@ -236,7 +236,7 @@ class Rectangle:
 
 
 class Sines(NamedTuple):
-    """Half-waves `m` along x and `n` along y, each from 1, by ascending `wavenumber2_per_m2`."""
+    """Modes with `m` half-waves along x and `n` along y, each from 1, by ascending `wavenumber2_per_m2`."""
 
     m: IntArray
     n: IntArray
