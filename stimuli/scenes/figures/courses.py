@@ -262,7 +262,7 @@ def _writer(path: Path) -> Any:
     if path.suffix == ".gif":
         return MapWriter(fps=FRAMES_PER_S)
     expected = "ffmpeg; install it or the package imageio-ffmpeg (the extra film), or write a .gif"
-    expect(bool(_ffmpeg()), "--movie", "no ffmpeg for MP4", expected)
+    expect(bool(_ffmpeg()), "--movie", "no ffmpeg, which MP4 needs", expected)
     return animation.FFMpegWriter(fps=FRAMES_PER_S)
 
 

@@ -206,7 +206,7 @@ def test_random_scenes_keep_their_accuracy(case):
 def test_accuracy_is_refused_when_it_needs_many_samples():
     fine = panel(default("carrier"), default("skin_leakage"), accuracy=1e-8)
     with pytest.raises(
-        InvalidParameter, match=r"accuracy: .* left for 'sampling', .*\(n_samples = 4000000\); loosen the accuracy"
+        InvalidParameter, match=r"accuracy: .* for 'sampling', .*\(n_samples = 4000000\); loosen the accuracy"
     ):
         fine.resolve()
 
@@ -264,8 +264,8 @@ def test_the_order_of_the_tuple_does_not_matter():
         (lambda: [default("friction"), default("polarity"), default("friction_lag")],
          r"found 'polarity' with 'friction_lag', expected only one of them: .*; remove one of the two"),
         (lambda: [default("friction_lag")],
-         r"found 'friction_lag' without an effect of friction, .*; add it or remove 'friction_lag'"),
-        (lambda: [default("dry_friction")], r"found 'dry_friction' without an effect of dynamics"),
+         r"found 'friction_lag' without an effect in slot friction, .*; add it or remove 'friction_lag'"),
+        (lambda: [default("dry_friction")], r"found 'dry_friction' without an effect in slot dynamics"),
         (lambda: [effect("force_law", law="interface")],
          r"effects\[1\]: found 'force_law' with 'force_law', expected only one of them"),
     ],
@@ -306,7 +306,7 @@ def test_an_output_without_its_effect_names_the_effect():
 
 @pytest.mark.parametrize("accuracy", [0.0, -1.0, 1.5, float("nan")])
 def test_an_accuracy_outside_of_its_range_is_refused(accuracy):
-    with pytest.raises(InvalidParameter, match=r"Scene\.accuracy: found .*, expected above 0 and at most 1"):
+    with pytest.raises(InvalidParameter, match=r"Scene\.accuracy: found .*, expected a number above 0 and at most 1"):
         panel(accuracy=accuracy)
 
 

@@ -30,7 +30,7 @@ def test_too_costly_accuracy_is_refused_with_reason():
         (lambda: [effect("one_bit"), effect("sigma_delta")],
          r"'sigma_delta' with 'one_bit', .*in the slot quantiser; remove"),
         (lambda: [LOSSY, LOSSY], r"'attenuation' with 'attenuation', expected only one of them"),
-        (lambda: [effect("airborne_sound")], r"'airborne_sound' without an effect of attenuation, .*add it or remove"),
+        (lambda: [effect("airborne_sound")], r"'airborne_sound' without an effect in slot attenuation, .*add it or"),
         (lambda: [effect("shear"), effect("finger_load")],
          r"'finger_load' with 'shear', expected only one of them: .*remove 'shear' or 'finger_load'"),
         (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not know"),
