@@ -266,7 +266,7 @@ def test_wav_file_is_felt(filed, tmp_path, capsys):
 
 UNSOUND = {
     "another rate": (wav(as_int16(TONE), 44_100), "stimulus.rate_hz: found a file at 44100 Hz, expected 48000 Hz"),
-    "another length": (wav(as_int16(TONE[:12_000])), "stimulus.duration_s: found 0.5 s, expected 0.25 s, that of the"),
+    "another length": (wav(as_int16(TONE[:12_000])), "stimulus.duration_s: found 0.5 s, expected 0.25 s, the file's"),
     "clipped": (wav(as_int16(np.clip(3 * TONE, -1, 1 - 2**-15))), "3 neighbouring samples at full scale, from "),
     "clipped, floating": (wav(np.clip(3 * TONE, -1, 1)), "3 neighbouring samples at full scale, from "),
     "empty": (wav(np.empty(0, "<i2")), "found no samples, expected at least one"),

@@ -237,7 +237,7 @@ def test_foci_and_friction_mask_each_other_if_stated():
 
 REFUSED = {
     DETECTION + ', { kind = "receptors" }': "scene.effects[1]: found 'receptors' on 'time_reversal', expected "
-    "'focus_detection' in its place: a focus is felt as one event, whose spectrum in the skin no source states",
+    "'focus_detection': no source states the spectrum of a focus in the skin",
     '{ kind = "summation" }': "scene.effects[0]: found 'summation' on 'time_reversal', expected 'focus_detection'",
     DETECTION
     + ', { kind = "cross_masking", target = "foci" }': "found 'cross_masking', which 'time_reversal' does not",

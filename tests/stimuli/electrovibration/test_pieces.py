@@ -211,7 +211,7 @@ def test_zero_length_line_is_jump_and_pieces_split() -> None:
         (lambda: Trapezoid(rise_s=-1e-3, high_s=0, fall_s=0, low_s=1),
          "Trapezoid.rise_s: found -0.001, expected a finite number, at least 0"),
         (lambda: Step(onset_s=0.5, duration_s=0.5),
-         "Step: found onset, rise and fall of 0.5 s in all, expected less than duration_s (0.5 s); lengthen the "
+         "Step: found onset, rise and fall of 0.5 s in total, expected less than duration_s (0.5 s); lengthen the "
          "signal"),
         (lambda: Sampled((0.0, 0.0), rate_hz=10.0),
          "Sampled.shape: found shape (2,), expected at least two samples, not all 0"),

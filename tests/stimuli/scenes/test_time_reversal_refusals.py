@@ -33,7 +33,7 @@ def test_too_costly_accuracy_is_refused_with_reason():
         (lambda: [effect("airborne_sound")], r"'airborne_sound' without an effect in slot attenuation, .*add it or"),
         (lambda: [effect("shear"), effect("finger_load")],
          r"'finger_load' with 'shear', expected only one of them: .*remove 'shear' or 'finger_load'"),
-        (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not know"),
+        (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not support"),
     ],
 )  # fmt: skip
 def test_contradictory_effects_are_refused_with_fix(effects, message):
@@ -76,7 +76,7 @@ def test_a_screen_outside_of_its_domain_is_refused(changes, message):
             r"shift_of_frequencies: found -1\.5, expected a number from -0\.1 to 0\.1",
         ),
         ("temperature_drift", {"kelvin": 0.0}, r"omit the effect if there is no drift"),
-        ("foci", {"x_m": (0.1,), "y_m": ()}, r"expected as many"),
+        ("foci", {"x_m": (0.1,), "y_m": ()}, r"expected equal numbers"),
         ("sigma_delta", {"order": 3}, r"expected 1 or 2"),
         ("repetition", {"envelope": "sync"}, r"did you mean 'sinc'"),
         ("finger_load", {"resistance_n_s_per_m": 0.0}, r"expected a finite number above 0"),
