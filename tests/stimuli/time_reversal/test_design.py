@@ -204,7 +204,7 @@ def test_command_prints_the_design_as_json():
 def test_command_reports_law_errors_and_omissions():
     shown = CliRunner().invoke(command, [])
     assert shown.exit_code == 0, shown.output
-    for said in ("simulation over these laws: resolution -15% to +10%, contrast -25%", "moment per volt", "> 150 um"):
+    for said in ("simulation to these laws: resolution -15% to +10%, contrast -25%", "moment per volt", "> 150 um"):
         assert said in shown.output
     record = json.loads(CliRunner().invoke(command, ["--json"]).output)
     assert record["simulation_over_law"] == {name: list(ends) for name, ends in OFF.items()}
