@@ -2,7 +2,8 @@
 
 No module here depends on protocols, devices or result files.
 
-`electrovibration`: a voltage attracts a finger that slides. `time_reversal`: waves in a plate focus under a finger that
-rests. `hybrid`: both on one plate. `perception`: how far a vibration is above the threshold of touch. `scenes`: any of
-these put together, computed only as far and as finely as asked; `composition` says what an effect of a scene is.
+`electrovibration`: a voltage attracts a sliding finger. `time_reversal`: waves in a plate focus under a resting finger.
+`hybrid`: both on one plate. `perception`: the level of a vibration above the threshold of touch. `scenes`: any
+combination of these, computed only as far and as finely as requested. `composition`: the interface of an effect of a
+scene.
 """

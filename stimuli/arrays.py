@@ -13,7 +13,7 @@ IndexArray = NDArray[np.intp]
 
 
 def real_product(real: FloatArray, numbers: ComplexArray) -> ComplexArray:
-    """Multiply a real by a complex matrix without a complex copy of the first."""
+    """Multiply a real by a complex matrix without copying the real one."""
     return np.asarray(real @ np.ascontiguousarray(numbers).view(float)).view(complex)
 
 
@@ -22,7 +22,7 @@ COMPLEX: Final = (3, 5, 7, 11)
 
 
 def fast_length(n: int, odd_factors: Sequence[int] = REAL) -> int:
-    """Return the least number of at least `n` with these prime factors and 2.
+    """Return the least number >= `n` with factors 2 and `odd_factors` only.
 
     >>> fast_length(13), fast_length(13, COMPLEX)
     (15, 14)

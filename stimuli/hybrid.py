@@ -1,6 +1,6 @@
-"""Foci and electrovibration of a sliding finger on one screen.
+"""Stimuli of foci and electrovibration of a sliding finger on one screen.
 
-The outlook of Zophoniasson's thesis (2017): dynamic and static feedback on one surface.
+Proposed in the outlook of Zophoniasson's thesis (2017): dynamic and static feedback on one surface.
 """
 
 from dataclasses import dataclass, field, replace
@@ -21,7 +21,7 @@ from .time_reversal.stimulus.setup import Setup
 
 @dataclass(frozen=True)
 class Hybrid:
-    """Foci and friction that begin together; the level is that of the foci.
+    """Foci and friction with a common onset; the level is that of the foci.
 
     The channels are those of the transducers, then that of the electrode. The electrode's level (dB re 1 V) is the
     level of the foci (dB re 1 um) plus `electrode_offset_db`, so that both grow together.
@@ -31,11 +31,12 @@ class Hybrid:
     Parameters
     ----------
     focus : FocusTrain
-        Its level in dB re 1 um. Its `supply_v`, where one is stated, makes the friction too, by the width of pulses.
+        Foci with the level in dB re 1 um. A `supply_v` also makes the friction, by pulse width.
     friction : AmplitudeModulated
-        Its level in dB re 1 V, its rate that of the screen (`focus.setup.rate_hz`), its duration that of the focus.
+        Friction with the level in dB re 1 V, the rate of the screen (`focus.setup.rate_hz`) and the duration of the
+        foci.
     electrode_offset_db : float
-        Finite; 12 dB is an unverified default, with which both are felt.
+        Level of the electrode minus that of the foci; 12 dB is an unverified default, at which both are felt.
 
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> focus = FocusTrain(setup, f_max_hz=20e3)
@@ -56,7 +57,7 @@ class Hybrid:
             "friction.duration_s": (self.friction.duration_s, self.focus.duration_s),
         }
         for name, (value, partner) in pairs.items():
-            expect(value == partner, f"Hybrid.{name}", value, f"{partner}, so that both play as one")
+            expect(value == partner, f"Hybrid.{name}", value, f"{partner}, so that both play together")
         finite("Hybrid", electrode_offset_db=self.electrode_offset_db)
 
     @property
@@ -72,7 +73,7 @@ class Hybrid:
         return self.focus.level_unit
 
     def at(self, level: float) -> Signal:
-        """(n_transducers + 1, n_samples) volt.
+        """Return the samples (n_transducers + 1, n_samples) in volt.
 
         Raises `InvalidParameter` if the level is not finite. Raises `LimitExceeded` if the foci need more than
         `focus.voltage_max_v`.
@@ -98,7 +99,7 @@ class MeasuredHybrid:
 
 
 def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
-    """Return the same foci and friction from measured responses.
+    """Return these foci and this friction, made from measured responses.
 
     Both have the sampling rate of the responses.
 
@@ -118,7 +119,7 @@ def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
 def _together(
     train: FocusTrain | TimeReversalStimulus, waveform: AmplitudeModulated, level: float, offset_db: float
 ) -> Signal:
-    """Add the channels; a supply voltage also switches the electrode."""
+    """Stack the channels; a supply voltage also switches the electrode."""
     foci, friction = train.at(level), waveform.at(level + offset_db)
     if train.supply_v is not None:
         friction = pulses(friction, train.supply_v)
@@ -135,15 +136,15 @@ class HybridSensation:
     `tactometry.stimuli.scenes.default_scenes.default_scene` builds the scene. Its level is that of the stronger
     stimulus.
 
-    Neither masks the other (an unverified simplification): the foci are felt as if the finger rested at the focus and
-    whatever its force, the friction only while it slides.
+    Neither stimulus masks the other (an unverified simplification). The foci are felt as if the finger rested at the
+    focus, at any force; the friction is felt only while the finger slides.
 
     Parameters
     ----------
     setup : Setup
-        The screen and focus, the same as the stimulus has.
+        Screen and focus of the stimulus.
     friction : ElectrovibrationSensation
-        What is felt of the electrode.
+        Sensation of the friction from the electrode.
     reference_m : float
         Amplitude of a single focus at the detection threshold; unverified default.
 

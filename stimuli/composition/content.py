@@ -1,4 +1,4 @@
-"""Content that effects add to a scene and that it must resolve."""
+"""Signal content that effects add to a scene, which sets its sampling."""
 
 from dataclasses import dataclass, fields
 from math import inf
@@ -6,28 +6,29 @@ from math import inf
 
 @dataclass(frozen=True)
 class VoltageContent:
-    """Content of a voltage and of the force that it causes.
+    """Rates and frequencies in a voltage and the force that it causes.
 
     Parameters
     ----------
     added_hz : float
-        Frequency that is added to that of the voltage.
+        Frequency added to that of the voltage.
     carrier_hz : float
-        Frequency of a carrier, 0 of none.
+        Carrier frequency; 0 without a carrier.
     envelope_rad_per_s, kinks_rad_per_s : float
-        How fast an envelope goes through its zeros, where it has a kink: one of the tone alone, and one of all of it.
+        Slope of an envelope at its zeros, where it has a kink: an envelope of the tone alone, and one of the whole
+        voltage.
     constant : float
-        The constant voltage added to the tone, over the peak of the tone.
+        Constant voltage added to the tone, divided by the peak of the tone.
     swing_rad_per_s : float
-        How fast a finger pad swings freely.
+        Angular frequency of the free oscillation of the finger pad.
     resistivity_ohm_m : float
-        Of the corneum.
+        Resistivity of the corneum.
     gap_m : float
-        Of air.
+        Thickness of the air gap.
     bare_kinks : float
-        Share of the kinks of the voltage that the skin passes on as they are.
+        Share of the voltage's kinks that the skin passes on unchanged.
     steepest_db_per_hz : float
-        How fast what is felt of a component changes with its frequency at most.
+        Largest change of a component's felt level per hertz of its frequency.
     """
 
     added_hz: float = 0.0
@@ -50,28 +51,28 @@ class VoltageContent:
 
 @dataclass(frozen=True)
 class PlateContent:
-    """Content of the motion of a plate.
+    """Properties of a plate's motion that set its time span and modes.
 
     Parameters
     ----------
     weakening : float
-        How much smaller than the plainest focus the reading is that errors are relative to.
+        Factor by which the reading is smaller than that of a single plain focus; errors are relative to the reading.
     tau_s : float
         Time constant at the top of the band.
     ringing_s : float
-        How long the plate sounds after its emission.
+        How long the plate rings after the emission.
     train_s : float
-        By how much an emission is longer than the reversal time.
+        Time by which the emission exceeds the reversal time.
     places_m : tuple of pairs of float
-        Where the motion is read in addition to the focus.
+        Points besides the focus at which the motion is read.
     reach_m : float
-        From the centre of a transducer to its outline.
+        Largest distance from the centre of a transducer to its outline.
     load : float
-        Impedance of what loads the plate, over that of the infinite plate.
+        Impedance of the load on the plate, divided by that of the infinite plate.
     reading : float
-        How much more of what the modes leave out a finger feels than the focus shows.
+        Truncation error of the modes under a finger, divided by that at the focus.
     most_ritz_modes : float
-        That can be had of edges that need them.
+        Largest number of Ritz modes, for edges that need them.
     """
 
     weakening: float = 1.0

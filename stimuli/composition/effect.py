@@ -1,4 +1,4 @@
-"""Stages, effects and surfaces of a scene, and the demand on them."""
+"""Base classes of a scene: stages, effects, surfaces and the demand."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -16,7 +16,7 @@ from .content import PlateContent, VoltageContent
 Answer = TypeVar("Answer")
 
 PLAYED = "signal", "contact"
-"""What each run of a surface that is played is given."""
+"""Inputs of each run of a surface that plays a signal."""
 
 Setting = float | int | str | tuple[float, ...] | tuple[str, ...]
 
@@ -28,7 +28,7 @@ def note(words: str, *names: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Size:
-    """Settings of a stage for an error, the error left, and operations a run."""
+    """Settings of a stage, its remaining error and its operations per run."""
 
     settings: Mapping[str, Setting] = field(default_factory=dict)
     error: float = 0.0
@@ -37,31 +37,31 @@ class Size:
 
 @dataclass(frozen=True)
 class Stage:
-    """One step from quantities to a quantity.
+    """One step that computes a quantity from other quantities.
 
     Parameters
     ----------
     name : str
-        What the step is, in the words of `tactometry scene --explain`; a key of ``[settings]`` in a scene file.
+        Name of the step in `tactometry scene --explain`; a key of ``[settings]`` in a scene file.
     needs : tuple of str
-        Names of the quantities that it reads. If `gives` is among them the stage changes that quantity; if not, it
-        replaces the stage that provided it before.
+        Names of the quantities that the stage reads. If `gives` is among them, the stage changes that quantity. If not,
+        it replaces the earlier stage that computed it.
     gives : str
-        Name of the quantity.
+        Name of the quantity that the stage computes.
     target : str
         ``module:function``, which takes the needed quantities in their order and the settings by name, or
-        ``module:Class``, whose value takes the quantities. It is imported when the plan is bound, and not before.
+        ``module:Class``, whose instance takes the quantities. It is imported only when the plan is bound.
     settings : mapping
-        Numbers and texts that are fixed when the plan is made.
+        Numbers and strings that are fixed when the plan is made.
     error : float
-        Predicted relative error of what it gives; 0 for an exact stage.
+        Predicted relative error of the result; 0 for an exact stage.
     n_operations : float
         Predicted number of floating-point operations of one run.
     effect : str
-        Kind of the effect that brings it; empty for a stage of the surface.
+        Kind of the effect that adds the stage; empty for a stage of the surface.
     size : callable, optional
-        What is left to say of settings, error and work: asked for once the stage is known to be needed, so that what
-        no output needs is neither computed nor refused.
+        Computes the remaining settings, error and work. It is called only if an output needs the stage, so that an
+        unneeded stage is neither computed nor rejected.
     """
 
     name: str
@@ -88,7 +88,7 @@ class Stage:
         return replace(self, settings=settings, error=size.error, n_operations=size.n_operations)
 
     def bind(self) -> Callable[..., Any]:
-        """Return the callable of the run, with its settings."""
+        """Import the target and return it as a callable with its settings."""
         called = resolve(self.target)
         return called(**self.settings) if isinstance(called, type) else partial(called, **self.settings)
 
@@ -102,7 +102,7 @@ class FingerContact:
     force_n : float
         Normal force, above 0.
     speed_m_per_s : float
-        Of sliding, at least 0; 0 is a finger at rest.
+        Sliding speed, at least 0; 0 is a finger at rest.
     x_m : float or None
         Place of the finger along the length. Default: at the focus.
     y_m : float or None
@@ -118,7 +118,7 @@ class FingerContact:
     y_m: float | None = None
 
     def __post_init__(self) -> None:
-        pressed = "a finite number above 0; without a finger leave the contact out"
+        pressed = "a finite number above 0; omit the contact if there is no finger"
         require.expect(0 < self.force_n < inf, "FingerContact.force_n", self.force_n, pressed)
         require.not_negative("FingerContact", speed_m_per_s=self.speed_m_per_s)
 
@@ -132,7 +132,7 @@ class Surroundings(Protocol):
 
     @property
     def surface(self) -> Any:
-        """The `Surface`; an effect knows the fields of that to which it belongs."""
+        """The `Surface` of the scene; an effect uses the fields of its own surface."""
 
     @property
     def effects(self) -> "tuple[Effect, ...]": ...
@@ -148,7 +148,7 @@ class Surroundings(Protocol):
 
 
 class Effect:
-    """An effect of a scene: a value that computes, with its fields as settings.
+    """An effect of a scene, called to compute, with its fields as settings.
 
     ============ ==================================================================================
     `kind`       name in a scene file
@@ -157,8 +157,8 @@ class Effect:
     `excludes`   kinds that contradict it, with the reason and the cure; `felt_excludes` replaces it
                  where a signal is played and no time course is computed
     `assumes`    its assumptions, in words
-    `rests_on`   the number that sets the absolute size of its result
-    `cures`      for quantities that nothing gives: how to add this effect
+    `rests_on` the constant that sets the absolute size of its result
+    `cures` for missing quantities: how to add this effect
     `in_signal`  whether a played signal already contains it, or the plate on which the signal was learnt
     ============ ==================================================================================
 
@@ -205,36 +205,36 @@ class Effect:
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         """Return the stages of the effect; by default the value itself.
 
-        Their `size` computes, predicts or refuses, and is called only if an output needs the stage.
+        The `size` of a stage is called only if an output needs the stage; it may raise if the error is unreachable.
         """
         return (self.stage(),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         """Return the stages for a played signal whose sensation is the output.
 
-        A linear effect acts on components in their steady state, so that no time course is computed for a contact.
+        A linear effect acts on steady-state components, so that no time course is computed.
         """
         return self.stages(scene)
 
     def stage(self) -> Stage:
-        """Return the stage that calls this value."""
+        """Return the stage that calls this effect."""
         target = f"{type(self).__module__}:{type(self).__qualname__}"
         return Stage(self.stage_name or self.kind, self.reads, self.gives, target, dict(vars(self)), size=self.size)
 
     def size(self, demand: "Demand") -> Size:
-        """Return settings, error and work; refuse an unreachable error."""
+        """Return settings, error and work. Raises if the error is unreachable."""
         return Size()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        """Return what the effect adds to voltage and force."""
+        """Return the content that the effect adds to voltage and force."""
         return VoltageContent()
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        """Return what the effect adds to the motion of a plate."""
+        """Return the content that the effect adds to the plate's motion."""
         return PlateContent()
 
     def in_setup(self) -> Mapping[str, Any]:
-        """Return `Setup` fields that the effect sets, not contained in signals."""
+        """Return the `Setup` fields that the effect sets in played signals."""
         return {}
 
     def wavenumber_rad_per_m(self, plate: Any, frequency_hz: float) -> float | None:
@@ -243,12 +243,12 @@ class Effect:
 
 
 def is_changed(quantity: str, scene: Surroundings) -> bool:
-    """Return True if an effect changes a quantity, which bars shortcuts."""
+    """Return True if an effect changes a quantity, so that shortcuts fail."""
     return any(quantity in effect.reads and effect.gives == quantity for effect in scene.effects)
 
 
 class Quantity(Effect):
-    """An effect that is itself the quantity that it gives, such as a law."""
+    """An effect that is itself the quantity it provides, such as a law."""
 
     def __call__(self) -> Self:
         return self
@@ -257,7 +257,7 @@ class Quantity(Effect):
 class Alteration(Effect):
     """An effect that copies its fields into the one quantity that it reads.
 
-    `sets` says what those are called there, where it is something else.
+    `sets` maps the names of the fields to their names in the quantity where these differ.
 
     >>> from dataclasses import dataclass
     >>> @dataclass(frozen=True)
@@ -277,11 +277,10 @@ class Alteration(Effect):
 class Surface:
     """A touched surface, with the stages that need no effect.
 
-    `effects` holds the kinds that it knows, in the order in which they act, and where their classes are. `given` names
-    the quantities that each run is given, `touches` the fingers that stand for any where a run is given its contact.
-    A surface that `is_played` is given a signal and a contact, and its effects bring their `felt_stages`.
-    `assumes` says, by slot, what holds as long as no effect fills the slot; `refuses`, by kind, what to take in place
-    of an effect that one might look for here, and why.
+    `effects` maps the supported kinds, in the order in which they act, to their classes. `given` names the inputs of
+    each run. `touches` are representative fingers for surfaces whose runs receive a contact. If `is_played`, each run
+    receives a signal and a contact, and effects contribute their `felt_stages`. `assumes` maps a slot to the assumption
+    that applies while no effect fills it. `refuses` maps an unsupported kind to the reason and its replacement.
     """
 
     kind: ClassVar[str]
@@ -294,22 +293,21 @@ class Surface:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the fingers that report where they feel; empty for one."""
+        """Names of the fingers whose results are labelled; empty for one."""
         return ()
 
     def stages(self, scene: "Demand") -> tuple[Stage, ...]:
         raise NotImplementedError
 
     def played(self, scene: Surroundings) -> "Surface":
-        """Return this surface for runs that are given a signal and a contact.
+        """Return the variant of this surface that plays a given signal.
 
-        Raises `InvalidParameter` if no signal can be given to it.
+        Raises `InvalidParameter` if the surface cannot play a signal.
         """
         if self.is_played:
             return self
         raise InvalidParameter(
-            f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected a surface that says "
-            "how it is played"
+            f"surface.kind: found {self.kind!r}, which cannot play a signal, expected a surface that can"
         )
 
     def reaches(self, contact: Contact) -> bool:
@@ -326,27 +324,27 @@ class Surface:
         return tuple(replace(stage, effect=effect.kind) for stage in stages)
 
     def cure(self, quantity: str) -> str:
-        """Describe which effect provides a quantity, or return ""."""
+        """Return advice on which effect to add for a quantity, or ""."""
         cures = (resolve(target).cures for target in self.effects.values())
         return next((of_effect[quantity] for of_effect in cures if quantity in of_effect), "")
 
 
 @dataclass(frozen=True)
 class Demand:
-    """The effects that the outputs of a scene need, and the error per stage.
+    """The effects that the outputs of a scene need and the error per stage.
 
-    Effects that no output needs are not in it, so that no size of a stage can depend on them.
+    Effects that no output needs are left out, so that no stage's size depends on them.
 
     Parameters
     ----------
     surface : Surface
-        An effect knows the fields of that to which it belongs.
+        Surface of the scene; an effect uses the fields of its own surface.
     effects : tuple of Effect
-        In their order, those alone that an output needs.
+        The effects that an output needs, in order.
     outputs : tuple of str
     contacts : tuple of FingerContact
     error : float
-        The relative error that a stage may add.
+        Relative error that a stage may add.
     """
 
     surface: Any
@@ -361,7 +359,7 @@ class Demand:
         return next((effect for effect in self.effects if effect.slot == slot), None)
 
     def once(self, question: "Callable[[Demand], Answer]") -> Answer:
-        """Return an answer that several stages need, computed once.
+        """Return the result of a function that several stages share, cached.
 
         >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
         >>> Demand(Electrovibration(240.0), (), ("voltage_v",), (), 0.01).once(lambda demand: demand.error / 2)

@@ -21,38 +21,37 @@ Criterion = Literal["absolute", "fraction"]
 @checked
 @dataclass(frozen=True)
 class ElectrovibrationSensation:
-    """Settings of a scene of friction from electrovibration.
+    """Settings of a scene of felt friction from electrovibration.
 
-    Voltage, corneum, electrostatic force (`law`), friction, lag of friction, displacement of the skin, thresholds of
-    the receptor channels: each is an effect of the scene (`tactometry.stimuli.scenes.default_scenes.default_scene`),
-    whose level is that of the component furthest above the lowest of the thresholds.
+    Each step from the voltage to the thresholds of the receptor channels is an effect of the scene that
+    `tactometry.stimuli.scenes.default_scenes.default_scene` builds. Its level is that of the component furthest above
+    the lowest threshold.
 
     Parameters
     ----------
     skin
         Electrical model of electrode and skin.
     law
-        Name of the force law, an unverified default: the four in print differ by a factor near 1000.
+        Name of the force law, an unverified default: the four published laws differ by a factor near 1000.
     friction
-        Friction of the finger against normal force.
+        Friction of the finger as a function of normal force.
     area
-        Contact area of the finger against normal force.
+        Contact area of the finger as a function of normal force.
     lag : FrictionLag or None
         First-order lag of friction, on by default; None leaves it out.
     mobility : SkinMobility
         How far the skin moves under the friction.
     reference_m : float
-        Amplitude of the skin's displacement at the detection threshold, at 250 Hz: 0.1 um, an unverified default. No
-        voltage is put in: with these values a square-root carrier of 240 Hz (1.5 N, 50 mm/s) is felt from 31 V peak.
+        Amplitude of the skin's displacement at the detection threshold, at 250 Hz: 0.1 um, an unverified default. With
+        the default values a square-root carrier of 240 Hz (1.5 N, 50 mm/s) is felt from 31 V peak.
     criterion : {"absolute", "fraction"}
-        Whether `reference_m` holds at any normal force, or at 1 N and in proportion to it at others, so that a
-        fixed fraction of the friction is detected. With areas that grow as ``F^m`` the threshold then changes with
-        force as ``-10 m log10 F`` dB or as ``10 (1 - m) log10 F`` dB.
+        ``absolute``: `reference_m` applies at any normal force. ``fraction``: it applies at 1 N and is proportional to
+        the normal force, so that a fixed fraction of the friction is detected. With areas that grow as ``F^m`` the
+        voltage threshold changes with force by ``-10 m log10 F`` dB or by ``10 (1 - m) log10 F`` dB.
     reference_force_n : float, optional
-        Amplitude of the friction at threshold, at 250 Hz under 1 N, in place of `reference_m`: in study files written
-        before thresholds were those of the skin.
+        Amplitude of the friction at threshold, at 250 Hz under 1 N. It replaces `reference_m` in older study files.
     polarity : Polarity or None
-        An asymmetry between positive and negative voltages; None, the default, is none.
+        Asymmetry between positive and negative voltages. Default: None, symmetric.
 
     >>> ElectrovibrationSensation(law="interface").reference_m
     1e-07

@@ -14,14 +14,14 @@ from ..defaults import BEST_DB, THRESHOLD_M
 from .detection import Components
 
 NP_III, NP_I, P = 0, 1, 2
-"""Rows: Merkel, Meissner, Pacini. NP II, of very small contactors alone, is left out."""
+"""Rows: Merkel, Meissner, Pacini. NP II, which matters for very small contactors only, is omitted."""
 HEARS_HZ: Final = ((0.4, 3.0), (3.0, 100.0), (35.0, 800.0))
-"""Where each of them answers at all."""
+"""Frequency range in which each channel responds."""
 BEST_HZ: Final = 250.0
 
 
 def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
-    """Return thresholds (3, n) of NP III, NP I and P (dB re the best).
+    """Return thresholds (3, n) of NP III, NP I and P, in dB re the lowest.
 
     A piecewise form of the model of Bolanowski, Gescheider, Verrillo and Checkosky (J. Acoust. Soc. Am. 84, 1680,
     1988) for a contactor of 2.9 cm^2; its numbers are unverified defaults.
@@ -42,7 +42,7 @@ def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
 def channel_levels_db(skin: Components, reference_m: float = THRESHOLD_M) -> FloatArray:
     """Return the level (3,) of each channel; ``-inf`` if not felt.
 
-    `skin` holds displacements (m), and `reference_m` is the one at threshold at 250 Hz.
+    `skin` contains displacements (m); `reference_m` is the displacement at threshold at 250 Hz.
 
     >>> channel_levels_db(Components(np.array([250.0]), np.array([1e-6]))).round(9).tolist()
     [-inf, -inf, 20.0]
@@ -66,7 +66,7 @@ def sensation_level_db(skin: Components, reference_m: float = THRESHOLD_M) -> fl
 
 
 def as_at_250_hz(parts: Components) -> Components:
-    """Scale components by their sensitivity relative to 250 Hz.
+    """Scale components to equally perceptible components at 250 Hz.
 
     >>> as_at_250_hz(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).amplitudes.round(4).tolist()
     [0.2512]
@@ -99,13 +99,13 @@ def _weights(lines_hz: bytes) -> tuple[IntArray, FloatArray, FloatArray]:
 
 
 def highest_level_db(weighed: Components, reference_m: float) -> float:
-    """Return the level (dB) of the largest amplitude at 250 Hz."""
+    """Return the level (dB) of the largest of amplitudes at 250 Hz."""
     largest_m = float(weighed.amplitudes.max(initial=0.0))
     return 20 * log10(largest_m / reference_m) if largest_m > 0 else -inf
 
 
 def summation_db(area_m2: float, reference_m2: float) -> float:
-    """Return the gain of P from contact area: 3 dB per doubling.
+    """Return P's sensitivity gain (dB) from contact area: 3 dB per doubling.
 
     After Craig and Sherrick (1969).
 

@@ -15,7 +15,7 @@ WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
 FAINT = 1e-9
 SHORTEST = 4
 STEEP = 0.2
-"""Least power of a line next to a peak, relative to the peak. Removing the mean can make a line smaller."""
+"""Least power of a line next to a peak, relative to the peak. Lines can be weaker only where the mean was removed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class Components:
     amplitudes: FloatArray
 
     def times(self, gain: FloatArray | float) -> "Components":
-        """Return the components multiplied by one gain or one gain each.
+        """Return the components multiplied by one common gain or a gain each.
 
         >>> Components(np.array([60.0]), np.array([0.5])).times(3.0).amplitudes
         array([1.5])
@@ -38,10 +38,10 @@ def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Componen
     """Return the peaks of a record's amplitude spectrum, without its mean.
 
     The record (n_samples,) is padded with zeros to `padding` times its length. A parabola is fitted to the logarithms
-    of the highest line of a peak and its two neighbours, as the transform of a Blackman-Harris window is nearly such a
-    parabola. The amplitude of a steady component is accurate within 0.37 %, and its frequency within 0.004 lines, also
-    between two lines. The amplitude of a component with ramps is its mean under the window. Peaks below 1e-9 of the
-    largest sample are discarded as rounding errors.
+    of a peak's highest line and its two neighbours. The transform of a Blackman-Harris window is nearly such a
+    parabola. The amplitude of a steady component is accurate within 0.37 % and its frequency within 0.004 lines. The
+    amplitude of a component with ramps is its mean under the window. Peaks below 1e-9 of the largest sample are
+    discarded as rounding errors.
 
     >>> t = np.arange(4000) / 4000
     >>> found = components(3 + 0.5 * np.sin(2 * np.pi * 60 * t), 4000.0)
@@ -65,7 +65,7 @@ def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Componen
 def blackman_harris(n: int) -> FloatArray:
     """Return the Blackman-Harris window (n,) with a period of n samples.
 
-    scipy.signal also has this window, but takes longer to import than a scene takes to compute.
+    Importing this window from scipy.signal takes longer than computing a scene.
 
     >>> blackman_harris(4).round(5).tolist()
     [6e-05, 0.21747, 1.0, 0.21747]

@@ -10,30 +10,29 @@ from ..arrays import FloatArray, IntArray
 from .channels import P, channel_thresholds_db
 
 TAU_S: Final = 0.2
-"""Of the leaky integrator: 3 dB per doubling of a duration below it, nothing above 1 s. Zwislocki (J. Acoust. Soc. Am.
-32, 1046, 1960), whose theory Verrillo (J. Acoust. Soc. Am. 37, 843, 1965) found to hold for vibration on the hand; the
-number is from memory of these papers: unverified default."""
+"""Time constant of the leaky integrator: 3 dB per doubling of a shorter duration, nothing above 1 s. Zwislocki (J.
+Acoust. Soc. Am. 32, 1046, 1960), whose theory Verrillo (J. Acoust. Soc. Am. 37, 843, 1965) found to hold for vibration
+on the hand; the number is from memory of these papers (unverified default)."""
 
 STEP_HZ: Final = 5.0
-"""Of the curve of sensitivity, straight between its points."""
+"""Spacing of the points of the sensitivity curve, which is linear between them."""
 
 HORIZON_S: Final = 1 / STEP_HZ
-"""Events further apart are felt on their own: `likeness` is 0 there, and within 2e-4 of it beyond."""
+"""Events further apart do not sum: `likeness` is 0 at this lag, and within 2e-4 of 0 beyond it."""
 
 
 def summed_amplitude(times_s: FloatArray, peaks: FloatArray) -> float:
-    """Return the single event that P feels as strongly as a train.
+    """Return the amplitude of a single event that equals a train for channel P.
 
-    Each event a_k at t_k passes the filter of P, of which the energy is felt, kept by a leaky integrator of `TAU_S`:
-    after event n it is ``E_n = sum_jk a_j a_k R(t_j - t_k) exp(-(2 t_n - t_j - t_k)/(2 tau))``, R being `likeness`.
-    Each event is felt before the next one comes, so a train is as strong as the strongest of its beginnings, and at
-    least as its largest event: the amplitude is the root of the largest E_n or a_n^2. It lies between the largest and
-    the sum of the amplitudes, and events too far apart to overlap add their squares.
+    Each event a_k at t_k passes the filter of P, and a leaky integrator of `TAU_S` sums the energy. After event n it is
+    ``E_n = sum_jk a_j a_k R(t_j - t_k) exp(-(2 t_n - t_j - t_k)/(2 tau))``, R being `likeness`. The amplitude is the
+    root of the largest E_n or a_n^2. It lies between the largest amplitude and the sum of all. Events too far apart to
+    overlap add their squares.
 
     Parameters
     ----------
     times_s, peaks
-        (n,): when the events come, in any order, and their amplitudes, at least 0.
+        (n,): times of the events, in any order, and their amplitudes, at least 0.
 
     >>> far, near = (summed_amplitude(np.array([0.0, apart_s]), np.ones(2)) for apart_s in (1.0, 4e-3))
     >>> far < 1.004, near > 1.5
@@ -43,7 +42,7 @@ def summed_amplitude(times_s: FloatArray, peaks: FloatArray) -> float:
     largest = float(peaks.max())
     if largest == 0:
         return 0.0
-    times, amplitudes = times_s[order], peaks[order] / largest  # squares of the faintest would be 0
+    times, amplitudes = times_s[order], peaks[order] / largest  # the squares of the smallest would underflow
     later, sooner = _neighbours(times)
     lag_s = times[later] - times[sooner]
     shared = amplitudes[later] * amplitudes[sooner] * likeness(lag_s) * np.exp(-lag_s / (2 * TAU_S))
@@ -58,7 +57,7 @@ def likeness(lag_s: FloatArray) -> FloatArray:
     """Return R, the autocorrelation of P's response at lags (s).
 
     ``integral of 10^(-T(f)/10) cos(2 pi f t) df`` with the threshold T of P, straight between points `STEP_HZ` apart,
-    so that the integral is exact: a sum of lines alone would recur after 1/`STEP_HZ`.
+    so that the integral is exact. A sum of cosines would be periodic in 1/`STEP_HZ`.
 
     >>> likeness(np.array([0.0, 2e-3, 0.1])).round(2).tolist()
     [1.0, -0.57, 0.0]
@@ -69,7 +68,7 @@ def likeness(lag_s: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def _power() -> FloatArray:
-    """Shares of the energy at multiples of `STEP_HZ`, from 0 Hz."""
+    """Return shares of the energy at multiples of `STEP_HZ`, from 0 Hz."""
     frequency_hz = np.arange(STEP_HZ, 1000.0, STEP_HZ)
     power = 10 ** (-channel_thresholds_db(frequency_hz)[P] / 10)
     return np.concatenate([[0.0], power / power.sum()])

@@ -1,6 +1,6 @@
 """Results of runs, cached on disk by their content.
 
-A file holds the outputs as arrays and their digest. One that is torn or altered is found out and computed anew.
+A file contains the outputs as arrays and their digest. A damaged or altered file is detected and computed again.
 """
 
 import hashlib
@@ -34,7 +34,7 @@ def cached_result(plan: Plan, given: Mapping[str, float], folder: Path) -> Resul
 
 
 def key_of(plan: Plan, given: Mapping[str, float]) -> str:
-    """Return a digest of all that a result depends on.
+    """Return a digest of all inputs of a result.
 
     >>> key_of(Plan((), (), ()), {}) == key_of(Plan((), (), ()), {}) != key_of(Plan((), (), ()), {"voltage_v": 1.0})
     True
@@ -56,7 +56,7 @@ def _digest(values: Mapping[str, Any]) -> str:
 
 
 def _read(path: Path) -> dict[str, Any] | None:
-    """Return the outputs of a file, or None if it is absent or damaged."""
+    """Return the outputs in a file, or None if it is missing or damaged."""
     import numpy as np
 
     try:

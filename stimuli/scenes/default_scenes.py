@@ -1,4 +1,4 @@
-"""Scenes in which a stimulus is felt where a study states none."""
+"""Default scenes of sensation for studies that state none."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -20,22 +20,22 @@ if TYPE_CHECKING:
     from .surfaces.electrovibration import PlayedElectrovibration
 
 ACCURACY: Final = 0.02
-"""One half is left for aliasing, 40 dB below the rest, and one half for the spectrum."""
+"""Half of it allows for aliasing, 40 dB below the signal, and half for the spectrum."""
 
 WITHOUT_LEAK: Final = ("parallel_plate", "total_thickness")
 """Force laws without a term for a leaking corneum."""
 
 
 def default_scene(model: Any, duration_s: float = 1.0) -> Scene:
-    """Build the scene of a model of `[sensation]`.
+    """Build the scene of a `[sensation]` model.
 
-    Raises `InvalidParameter` if scenes do not have the area law.
+    Raises `InvalidParameter` if scenes do not support the area law.
 
     Parameters
     ----------
     model : ElectrovibrationSensation, TimeReversalSensation, FingersSensation or HybridSensation
     duration_s : float
-        Duration of the voltages; drives of a plate are felt whatever their duration.
+        Duration of the voltages; not used for drives of a plate.
 
     >>> from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
     >>> [effect.kind for effect in default_scene(ElectrovibrationSensation()).effects]

@@ -14,23 +14,22 @@ from .scene import Scene
 COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 7), ("predicted", 9), ("cold", 7), ("warm", 7))
 WIDTH = 100
 ROUGH = 0.1
-"""Tolerated error of forces that a scene does not ask for."""
+"""Tolerated error of forces that are not outputs of a scene."""
 
 Row = tuple[tuple[str, ...], str]
-"""A line of the explanation, a cell for each of `COLUMNS`, and the settings that stand below it.
-
-``cold`` is the time of the first run of this process, ``warm`` that of the second.
+"""A row of the explanation (one cell per column of `COLUMNS`) and the settings printed below it. ``cold`` is the time
+of the first run in this process, ``warm`` that of the second.
 """
 
 
 def explanation(scene: Scene, given: Mapping[str, float]) -> str:
     """Return the explanation in lines of at most 100 columns.
 
-    Raises `InvalidParameter` if the plan takes a quantity that is not given.
+    Raises `InvalidParameter` if the plan needs a quantity that is not given.
     """
     plan = scene.resolve()
     values = values_for(plan, given)
-    cold, warm = plan.timed(values), plan.timed(values)  # the first run imports, loads machine code and starts threads
+    cold, warm = plan.timed(values), plan.timed(values)  # includes imports and thread starts
     on = (_on(stage, plan, *times_s) for stage, *times_s in zip(plan.stages, cold, warm, strict=True))
     unused = [((effect.kind, "off", "no output needs it", "", "", "", ""), "") for effect in scene.off()]
     named = {effect.kind for effect in scene.effects}
@@ -63,19 +62,19 @@ def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
 
 
 def pulled_by(scene: Scene, plan: Plan, given: Mapping[str, float]) -> list[PulledFinger]:
-    """Return the fingers that load the plate as linear contacts, and pull it.
+    """Return the fingers whose linear contact would pull the plate.
 
     Their forces are accurate to a tenth, or to the accuracy of the scene where that is looser. The list is empty if
     they cannot be computed.
     """
     if not loads_n(plan).size:
         return []
-    linear = tuple(effect for effect in scene.effects if "load" not in effect.requires)  # what acts on it
+    linear = tuple(effect for effect in scene.effects if "load" not in effect.requires)  # effects on the load
     accuracy = max(scene.accuracy, ROUGH)
     forces = replace(scene, effects=linear, outputs=(FORCE,), accuracy=accuracy, settings={})
     try:
         rough = forces.resolve()
-    except InvalidParameter:  # a record may be too long for forces, and not for what is asked for
+    except InvalidParameter:  # the record may be too long for forces only
         return []
     values = values_for(rough, given)
     return pulled_fingers(Result(rough.run(values), rough, values, 0.0))
@@ -106,7 +105,7 @@ def rests_on_in_words(scene: Scene) -> str:
 
 
 def error_in_words(plan: Plan) -> str:
-    """Return the predicted error, or None if a setting was given."""
+    """Format the predicted error, which is unknown if a setting is given."""
     return "not known (a setting is given)" if isinf(plan.error) else f"{plan.error:.1e}"
 
 
@@ -114,7 +113,7 @@ def _one_more_digit(scene: Scene, plan: Plan) -> str:
     try:
         finer = replace(scene, accuracy=scene.accuracy / 10).resolve()
     except InvalidParameter as error:
-        return f"one more digit: not to be had ({str(error).partition(',')[0]})"
+        return f"one more digit: not possible ({str(error).partition(',')[0]})"
     ratio = finer.predicted_s / plan.predicted_s
     return (
         f"one more digit (accuracy {scene.accuracy / 10:g}): predicted {_time(finer.predicted_s)}, "

@@ -1,4 +1,4 @@
-"""Scene files: TOML, read strictly; an error opens with the key path."""
+"""Scene files in TOML, read strictly; errors begin with the key path."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class SceneFile:
-    """Content of a scene file: title, scene and given values."""
+    """Content of a scene file: title, scene and values of the runs."""
 
     title: str
     scene: Scene
@@ -30,26 +30,26 @@ class SceneFile:
 
 @dataclass(frozen=True)
 class SceneTables:
-    """The physics between an output and the skin: what is computed, on which surface, with which effects.
+    """Tables of a scene file: outputs, surface, effects and contacts.
 
     Parameters
     ----------
     outputs : tuple of str
-        What is computed, by name.
+        Names of the quantities to compute.
     surface : mapping
-        ``kind`` of surface, and its keys.
+        ``kind`` of the surface, and its keys.
     title : str
-        What figures call it.
+        Title of the figures.
     accuracy : float
         Relative error of the outputs.
     effects : tuple of mapping
-        ``kind`` of each effect, and its keys; what is not named is not computed.
+        ``kind`` of each effect, and its keys; other effects are not computed.
     contacts : tuple of mapping
-        The fingers on it.
+        Fingers on the surface.
     given : mapping of str to float
-        Values of the quantities that a run is given.
+        Values of the quantities that each run needs.
     settings : mapping
-        By stage, settings in place of those that the accuracy chooses.
+        Settings by stage, which replace those chosen for the accuracy.
     """
 
     outputs: tuple[str, ...]
@@ -65,8 +65,8 @@ class SceneTables:
 def load_scene(path: str | Path) -> SceneFile:
     """Read the scene of a file.
 
-    Raises `InvalidFile` if it cannot be read, is not TOML, a key is unknown, missing or of another type, or the scene
-    cannot be; the sentence opens with the file and the key path.
+    Raises `InvalidFile` if the file cannot be read or is not TOML, if a key is unknown, missing or of another type, or
+    if the scene is invalid. The message begins with the file and the key path.
     """
     path = Path(path)
     table = read_table(path, "a scene file")
@@ -75,7 +75,7 @@ def load_scene(path: str | Path) -> SceneFile:
 
 
 def scene_of(table: Mapping[str, object]) -> SceneFile:
-    """Build the scene of a table of a scene file.
+    """Build the scene of the tables of a scene file.
 
     >>> tone = {"kind": "electrovibration", "frequency_hz": "240 Hz"}
     >>> scene_of({"outputs": ["voltage_v"], "surface": tone}).scene.surface.frequency_hz

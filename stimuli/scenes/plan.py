@@ -18,7 +18,7 @@ from ..arrays import FloatArray
 from ..composition.effect import Stage
 
 Step = tuple[Callable[..., Any], tuple[int, ...], int]
-"""A callable, the registers it reads, and the one it writes."""
+"""A callable, the registers that it reads, and the register that it writes."""
 
 
 OPERATIONS_PER_S = 1e9
@@ -27,14 +27,14 @@ CALL_S = 5e-6
 
 @dataclass(frozen=True)
 class Plan:
-    """Stages that lead from `given` quantities to `outputs`, each behind those it needs."""
+    """Stages from the `given` quantities to the `outputs`, each after those it needs."""
 
     stages: tuple[Stage, ...]
     given: tuple[str, ...]
     outputs: tuple[str, ...]
 
     def __repr__(self) -> str:
-        """In one line: the stages by name, from what is given to what comes out.
+        """Return one line: given quantities, stages and outputs.
 
         >>> Plan((Stage("force", ("voltage_v",), "force_n", "math:sqrt"),), ("voltage_v",), ("force_n",))
         Plan(voltage_v > force > force_n)
@@ -44,7 +44,7 @@ class Plan:
 
     @property
     def error(self) -> float:
-        """Predicted relative error of the outputs: the sum of those of the stages."""
+        """Predicted relative error of the outputs: the sum over the stages."""
         return sum(stage.error for stage in self.stages)
 
     @property
@@ -53,11 +53,11 @@ class Plan:
 
     @property
     def predicted_s(self) -> float:
-        """Predicted time: `CALL_S` for each stage, and the operations."""
+        """Predicted time: `CALL_S` per stage, plus the operations."""
         return sum(predicted_s(stage) for stage in self.stages)
 
     def prepare(self) -> None:
-        """Bind the stages and compute what does not depend on what a run is given."""
+        """Bind the stages and compute those that do not depend on given values."""
         _ = self._program
 
     def timed(self, given: Mapping[str, Any]) -> tuple[float, ...]:
@@ -73,9 +73,9 @@ class Plan:
     def run(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Return the outputs for the given quantities.
 
-        Stages that depend on none of them are run once for all runs of this plan.
+        Stages that depend on none of them run once for all runs of this plan.
 
-        Raises `InvalidParameter` if a quantity is missing or not finite, or one is given that the plan does not take.
+        Raises `InvalidParameter` if a quantity is missing, unexpected or not finite.
         """
         program = self._program
         if given.keys() != program.given:
@@ -98,7 +98,7 @@ class Plan:
 
 
 def predicted_s(stage: Stage) -> float:
-    """Predicted time of a stage.
+    """Return the predicted time (s) of a stage.
 
     >>> predicted_s(Stage("a", (), "b", "c:d", n_operations=995e3))
     0.001
@@ -108,7 +108,7 @@ def predicted_s(stage: Stage) -> float:
 
 @dataclass(frozen=True)
 class _Program:
-    """Values that never change, then the steps of a run."""
+    """Constant values and the steps of a run."""
 
     constants: tuple[Any, ...]
     given: frozenset[str]
@@ -120,7 +120,7 @@ class _Program:
 def _compile(plan: Plan) -> _Program:
     constant, varying = _split(plan.stages, plan.given)
     values: dict[str, Any] = {}
-    for stage in constant:  # what a stage changes is let go: the motion of a plate may fill half of the memory
+    for stage in constant:  # release replaced values: the motion of a plate may fill half of the memory
         values[stage.gives] = stage.bind()(*(values[need] for need in stage.needs))
     read = {name for stage in varying for name in stage.needs} | set(plan.outputs)
     values = {name: value for name, value in values.items() if name in read}
@@ -135,7 +135,7 @@ def _compile(plan: Plan) -> _Program:
 
 
 def _split(stages: Sequence[Stage], given: Collection[str]) -> tuple[list[Stage], list[Stage]]:
-    """Stages that depend on nothing given, and the others, both in order."""
+    """Split stages by whether they depend on a given quantity, in order."""
     moving = set(given)
     still: list[Stage] = []
     varying: list[Stage] = []
@@ -173,8 +173,7 @@ ABOVE_THRESHOLD = ("sensation_db", "channels_db")
 class Result:
     """Outputs of a plan, with its input, package versions and run times.
 
-    `prepared_s` is the time of the stages that never change between runs. No stage draws at random, so that there is
-    no seed.
+    `prepared_s` is the time of the stages that are the same in all runs. No stage is random, so there is no seed.
     """
 
     values: Mapping[str, Any]
@@ -196,7 +195,7 @@ class Result:
 def unit_of(name: str) -> str:
     """Return the unit in the name of a quantity, or "".
 
-    Sensation levels (dB SL) are those above the threshold of detection.
+    Sensation levels (dB SL) are relative to the detection threshold.
 
     >>> unit_of("peak_m"), unit_of("sensation_db"), unit_of("field")
     ('m', 'dB SL', '')
@@ -208,9 +207,9 @@ def unit_of(name: str) -> str:
 
 
 def compute(plan: Plan, given: Mapping[str, float]) -> Result:
-    """Run a plan and time it, after computing what runs share.
+    """Run a plan and time it, after computing the shared stages.
 
-    Raises `InvalidParameter` if it does not fit into memory.
+    Raises `InvalidParameter` if the plan does not fit into memory.
     """
     begin_s = time.perf_counter()
     try:
@@ -219,7 +218,7 @@ def compute(plan: Plan, given: Mapping[str, float]) -> Result:
         values = plan.run(given)
     except MemoryError as error:
         raise InvalidParameter(
-            f"scene: found more than this memory holds ({error}), expected a scene that fits; loosen the accuracy, or "
+            f"scene: found more data than fit into memory ({error}), expected a smaller scene; loosen the accuracy or "
             "lower its settings"
         ) from None
     return Result(values, plan, given, time.perf_counter() - start_s, start_s - begin_s)
@@ -230,7 +229,7 @@ FORCE, MOVED = "contact_force_n", "motion"
 
 @dataclass(frozen=True)
 class PulledFinger:
-    """A finger of a scene, the force (N) that presses it, by which the plate pulls it at most, at a voltage (V)."""
+    """A finger, its normal force (N), and the plate's largest pull (N) on it at a voltage (V)."""
 
     finger: int
     force_n: float
@@ -243,37 +242,37 @@ class PulledFinger:
 
     @property
     def first_db_re_1v(self) -> float:
-        """The voltage at which a linear contact would begin to pull, in dB re 1 V."""
+        """Voltage at which a linear contact begins to pull, in dB re 1 V."""
         first_v = abs(self.voltage_v) * self.force_n / self.pull_n if self.pull_n else math.inf
         return 20 * math.log10(first_v)
 
     @property
     def line(self) -> str:
-        """In one sentence.
+        """Describe lift-off in one sentence.
 
         >>> PulledFinger(1, 2.0, 0.5, 10.0).line
-        'finger 1 stays: at 20 dB re 1 V the plate would pull it by 0.5 N, and 2 N press it'
+        'finger 1 stays: at 20 dB re 1 V the plate would pull it by 0.5 N, and its normal force is 2 N'
         """
         at = f"at {20 * math.log10(abs(self.voltage_v)):.3g} dB re 1 V" if self.voltage_v else "at 0 V"
-        pulled = f"{at} the plate would pull it by {self.pull_n:.2g} N, and {self.force_n:g} N press it"
+        pulled = f"{at} the plate would pull it by {self.pull_n:.2g} N, and its normal force is {self.force_n:g} N"
         if not self.lifts_off:
             return f"finger {self.finger} stays: {pulled}"
         return f"finger {self.finger} lifts off: {pulled}; contact is lost from {self.first_db_re_1v:.3g} dB re 1 V on"
 
 
 def loads_n(plan: Plan) -> FloatArray:
-    """Return the forces (n_contacts,) that press the fingers, in order."""
+    """Return the normal forces (n_contacts,) of the fingers, in order."""
     loads = (stage.settings for stage in plan.stages if stage.gives == MOVED and "force_n" in stage.settings)
     return np.asarray(next(loads, {}).get("force_n", ()), float)
 
 
 def is_linear(plan: Plan) -> bool:
-    """Return True if the plate moves in proportion to the voltage."""
+    """Return True if the plate's motion is proportional to the voltage."""
     return not any(stage.gives == MOVED and "voltage_v" in stage.needs for stage in plan.stages)
 
 
 def pulled_fingers(result: Result) -> list[PulledFinger]:
-    """Return the fingers whose force a linear contact provides."""
+    """Return the fingers under linear contacts, with the pull on each."""
     if FORCE not in result.values or not is_linear(result.plan):
         return []
     lowest = np.atleast_2d(result.values[FORCE]).min(axis=1)

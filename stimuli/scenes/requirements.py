@@ -8,19 +8,18 @@ from ..composition.effect import Effect, Stage, Surroundings
 from .plan import unit_of
 
 Cure = Callable[[str], str]
-"""What would bring a quantity, in words; empty if nothing would."""
+"""Returns advice for a missing quantity, or an empty string."""
 
 
 def required_stages(
     outputs: Sequence[str], stages: Sequence[Stage], given: Collection[str], cure: Cure = lambda quantity: ""
 ) -> tuple[Stage, ...]:
-    """Return the stages that `outputs` need, each after those that it needs.
+    """Return the stages that `outputs` need, each after its prerequisites.
 
-    `stages` stand in the order in which they act. Of those that give one quantity, the last that makes it anew counts,
-    and those behind it that change it; whoever else needs the quantity reads its last value. `cure` is asked
-    about a quantity that nothing gives.
+    `stages` are in the order in which they act. The last stage that creates a quantity counts, with all later stages
+    that change it. Other stages read the final value. `cure` returns advice for a quantity that no stage computes.
 
-    Raises `InvalidParameter` if nothing gives a quantity, or quantities need each other in a circle.
+    Raises `InvalidParameter` if no stage computes a quantity, or quantities depend on each other in a cycle.
 
     >>> source = Stage("source", (), "voltage", "x:y")
     >>> ramps = Stage("ramps", ("voltage",), "voltage", "x:y")
@@ -38,7 +37,7 @@ def required_stages(
         if quantity in done:
             return
         if quantity in path:
-            raise InvalidParameter(f"scene: found that {' needs '.join((*path, quantity))}, expected no circle")
+            raise InvalidParameter(f"scene: found that {' needs '.join((*path, quantity))}, expected no cycle")
         for stage in _chain(quantity, stages, path, cure):
             for need in stage.needs:
                 if need != quantity:
@@ -60,7 +59,7 @@ def _chain(quantity: str, stages: Sequence[Stage], path: tuple[str, ...], cure: 
         bringing = cure(quantity)
         mend = f"; {bringing}" if bringing else nearest(quantity, known)
         raise InvalidParameter(
-            f"{where}: found nothing that gives {quantity!r}{wanted}, expected one of {', '.join(known)}{mend}"
+            f"{where}: found no stage or effect for {quantity!r}{wanted}, expected one of {', '.join(known)}{mend}"
         )
     return giving[makers[-1] :]
 
@@ -69,7 +68,7 @@ TOUCHES = ("contact", "sliding contact", "resting contact")
 
 
 def check_effects(effects: Sequence[Effect], scene: Surroundings) -> None:
-    """Refuse unknown, repeated, contradictory or incomplete effects."""
+    """Raise an error for unknown, repeated, excluded or incomplete effects."""
     filled: dict[str, Effect] = {}
     for n, effect in enumerate(effects):
         where = f"effects[{n}]"
@@ -78,13 +77,13 @@ def check_effects(effects: Sequence[Effect], scene: Surroundings) -> None:
             raise InvalidParameter(f"{where}: found {effect.kind!r} on {scene.surface.kind!r}, expected {refused}")
         if effect.kind not in scene.surface.effects:
             raise InvalidParameter(
-                f"{where}: found {effect.kind!r}, which {scene.surface.kind!r} does not know, expected an effect of "
+                f"{where}: found {effect.kind!r}, which {scene.surface.kind!r} does not support, expected an effect of "
                 f"{', '.join(scene.surface.effects)}; remove it"
             )
         if effect.slot in filled:
             raise InvalidParameter(
-                f"effects[{n}]: found {effect.kind!r} beside {filled[effect.slot].kind!r}, expected one of them, for "
-                f"both are the {effect.slot}; remove the other"
+                f"effects[{n}]: found {effect.kind!r} with {filled[effect.slot].kind!r}, expected only one of them "
+                f"in the slot {effect.slot}; remove the other"
             )
         filled[effect.slot] = effect
     for n, effect in enumerate(effects):
@@ -98,7 +97,7 @@ def _check_company(effect: Effect, scene: Surroundings, where: str) -> None:
     for other in scene.effects:
         if other.kind in excluded:
             raise InvalidParameter(
-                f"{where}: found {effect.kind!r} beside {other.kind!r}, expected one of them: {excluded[other.kind]}"
+                f"{where}: found {effect.kind!r} with {other.kind!r}, expected only one of them: {excluded[other.kind]}"
             )
 
 
@@ -111,7 +110,7 @@ def _check_need(effect: Effect, need: str, scene: Surroundings, where: str) -> N
             )
     elif scene.find(need) is None:
         raise InvalidParameter(
-            f"{where}: found {effect.kind!r} without an effect of {need}, which it acts on, expected one; add it or "
+            f"{where}: found {effect.kind!r} without an effect in slot {need}, expected one; add it or "
             f"remove {effect.kind!r}"
         )
 

@@ -23,7 +23,7 @@ TOUCHES: Final = (Contact, FingerContact)
 ROUNDING = 1e-9
 SENSATION = "sensation_db"
 N_SIGNALS = 128
-"""Of which what does not depend on a contact is kept: each may hold courses of the whole record."""
+"""Number of signals whose contact-independent results are cached; each may contain courses of the whole record."""
 N_CONTACTS = 256
 OfContact = Callable[[Contact], tuple[float, ...]]
 OfSignal = Callable[[Signal], OfContact]
@@ -31,24 +31,24 @@ OfSignal = Callable[[Signal], OfContact]
 
 @dataclass(frozen=True)
 class Scene:
-    """The physics between output and skin.
+    """A surface, its effects and the quantities to compute.
 
-    Raises `InvalidParameter` if the accuracy is outside of its range, nothing is asked for, two effects fill one slot,
-    contradict each other, do not belong to the surface, or lack something that they require.
+    Raises `InvalidParameter` if the accuracy is out of range or there is no output, or if effects fill the same slot,
+    contradict each other, do not belong to the surface or lack a requirement.
 
     Parameters
     ----------
     surface : Surface
     effects : tuple of Effect
-        In any order. What is not here is not computed and not imported.
+        Effects in any order. Other effects are neither computed nor imported.
     outputs : tuple of str
-        Names of the quantities that are asked for.
+        Names of the quantities to compute.
     accuracy : float
-        Relative error of the outputs that is tolerated, above 0 and at most 1.
+        Tolerated relative error of the outputs, above 0 and at most 1.
     contacts : tuple of FingerContact
         Fingers on the surface.
     settings : mapping
-        Settings of single stages, by the name of the stage, that a person sets in place of the chosen ones.
+        Settings by name of the stage, which replace the chosen settings.
 
     >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
     >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -72,7 +72,7 @@ class Scene:
                 of_kind("Scene", kind, **{f"{name}[{n}]": one})
 
         is_share = is_number(self.accuracy) and 0 < self.accuracy <= 1
-        expect(is_share, "Scene.accuracy", self.accuracy, "above 0 and at most 1")
+        expect(is_share, "Scene.accuracy", self.accuracy, "a number above 0 and at most 1")
         if not self.outputs:
             raise InvalidParameter("Scene.outputs: found none, expected at least one quantity")
         check_effects(self.effects, self)
@@ -82,12 +82,12 @@ class Scene:
         return next((effect for effect in self.effects if effect.slot == slot), None)
 
     def resolve(self) -> Plan:
-        """Plan the ordered stages, with settings chosen for the accuracy.
+        """Return the plan of stages, with settings chosen for the accuracy.
 
-        The tolerated error is shared evenly by the stages that have one.
+        The tolerated error is divided evenly among the stages that are not exact.
 
-        Raises `InvalidParameter` if an output is not to be had, or not so accurately, or the settings name no stage of
-        the plan.
+        Raises `InvalidParameter` if an output cannot be computed or not with this accuracy, or the settings name an
+        unknown stage.
         """
         unsized = self._unsized()
         self._check_outputs()
@@ -103,10 +103,10 @@ class Scene:
     def sensation(self, signal: Signal, contact: Contact) -> float:
         """Return a signal's level (dB) above the detection threshold.
 
-        `contact` replaces the contacts of the scene. The level is ``-inf`` in silence, without contact, and at rest
-        where only a sliding finger feels. Stages that depend on the signal alone run once for each signal.
+        `contact` replaces the contacts of the scene. The level is ``-inf`` in silence, without contact, and at rest if
+        only a sliding finger feels the stimulus. Stages that depend only on the signal run once for each signal.
 
-        Raises `InvalidParameter` if the scene gives no sensation, or its surface cannot play the signal.
+        Raises `InvalidParameter` if the scene has no sensation level, or its surface cannot play the signal.
 
         >>> from tactometry.stimuli.electrovibration import CoulombFriction, Sine
         >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
@@ -146,14 +146,14 @@ class Scene:
         return lru_cache(maxsize=N_SIGNALS)(of_signal)
 
     def felt(self, output: str = SENSATION) -> "Scene":
-        """Return the scene whose runs are given a signal and a contact.
+        """Return the variant of the scene that plays a given signal.
 
-        Its output is the sensation level or another quantity.
+        Its runs receive a signal and a contact, and return the sensation level or another quantity.
 
-        Effects that make what is played are left out, as the signal holds them, and so is what acts on them alone; the
-        plate keeps those that make it.
+        Effects that a played signal already contains are left out, with all effects on them. The plate keeps the
+        effects that define it.
 
-        Raises `InvalidParameter` if no signal can be given to the surface.
+        Raises `InvalidParameter` if the surface cannot play a signal.
         """
         surface = self.surface.played(self)
         held = {effect.slot for effect in self.effects if effect.in_signal}
@@ -173,17 +173,17 @@ class Scene:
         return (*of_surface, *(words for effect in called_for for words in effect.assumes))
 
     def rests_on(self) -> tuple[str, ...]:
-        """Describe the numbers that set the absolute size of these outputs."""
+        """Describe the constants that set the absolute size of these outputs."""
         return tuple(effect.rests_on for effect in self._called_for(self._unsized()) if effect.rests_on)
 
     def _check_outputs(self) -> None:
         for n, output in enumerate(self.outputs):
-            expected = "what it computes; remove it"
-            expect(output not in self.surface.given, f"outputs[{n}]", f"{output!r}, which each run is given", expected)
+            expected = "a computed quantity; remove it"
+            expect(output not in self.surface.given, f"outputs[{n}]", f"{output!r}, an input of each run", expected)
             if not unit_of(output):
                 raise InvalidParameter(
-                    f"outputs[{n}]: found {output!r}, which stages hand on to each other, expected a quantity with a "
-                    "unit in its name; remove it"
+                    f"outputs[{n}]: found {output!r}, an internal quantity, expected one with a unit in its name; "
+                    "remove it"
                 )
 
     def _unsized(self) -> tuple[Stage, ...]:
@@ -217,7 +217,7 @@ class Scene:
 
 
 def _check_felt(signal: object, contact: object) -> None:
-    if not (isinstance(signal, Signal) and isinstance(contact, TOUCHES)):  # a session asks often
+    if not (isinstance(signal, Signal) and isinstance(contact, TOUCHES)):  # called often during a session
         of_kind("Scene.sensation", Signal, signal=signal)
         of_kind("Scene.sensation", TOUCHES, contact=contact)
 
@@ -230,8 +230,8 @@ def _check_kept(stage: Stage, error: float) -> None:
     if stage.error > error * (1 + ROUNDING):
         finest = ", ".join(f"{key} = {value}" for key, value in stage.settings.items())
         raise InvalidParameter(
-            f"accuracy: found an error of {error:.2g} left for {stage.name!r}, expected at least "
-            f"{stage.error:.2g}, which its finest setting gives ({finest}); loosen the accuracy"
+            f"accuracy: found an error budget of {error:.2g} for {stage.name!r}, expected at least "
+            f"{stage.error:.2g}, the error of its finest setting ({finest}); loosen the accuracy"
         )
 
 
@@ -240,7 +240,7 @@ def _check_known(where: str, name: str, known: Sequence[str], what: str) -> None
 
 
 def _check_like(where: str, value: Setting, chosen: Setting) -> None:
-    """Refuse a setting of another kind than the chosen one."""
+    """Raise an error if a setting is not of the kind of the chosen one."""
     whole = isinstance(chosen, int)
     if not isinstance(chosen, (int, float)):
         fits, expected = isinstance(value, type(chosen)), "a text" if isinstance(chosen, str) else "as many numbers"
@@ -252,5 +252,5 @@ def _check_like(where: str, value: Setting, chosen: Setting) -> None:
 
 
 def _with(stage: Stage, settings: Mapping[str, Setting]) -> Stage:
-    """Return a stage with a user's settings, of which no error is predicted."""
+    """Return a stage with a user's settings, whose error is unknown."""
     return replace(stage, settings={**stage.settings, **settings}, error=math.inf) if settings else stage

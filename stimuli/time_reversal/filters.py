@@ -19,14 +19,14 @@ class GainCurve(Protocol):
     """A linear element in the frequency domain."""
 
     def at(self, frequency_hz: FloatArray) -> ComplexArray:
-        """Complex gain at frequencies of at least 0."""
+        """Return the complex gain at frequencies of at least 0."""
 
 
 @checked
 def filtered(samples: FloatArray, rate_hz: Positive, gain: GainCurve) -> FloatArray:
-    """Return samples (..., n) filtered by a linear element, cut to n."""
+    """Return samples (..., n) filtered by a linear element, truncated to n."""
     n = samples.shape[-1]
-    n_fft = fast_length(max(2 * n, 1))  # what wraps round falls into zeros that are cut off
+    n_fft = fast_length(max(2 * n, 1))  # wrap-around falls into padding that is cut off
     frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / rate_hz), float)
     return np.asarray(np.fft.irfft(np.fft.rfft(samples, n_fft) * gain.at(frequency_hz), n_fft)[..., :n])
 
@@ -34,16 +34,16 @@ def filtered(samples: FloatArray, rate_hz: Positive, gain: GainCurve) -> FloatAr
 @checked
 @dataclass(frozen=True)
 class Band:
-    """Passes f_min..f_max without a change of phase; raised-cosine flanks of `flank_hz` lie inside the band.
+    """A zero-phase band pass from f_min to f_max, with raised-cosine flanks of `flank_hz` inside the band.
 
     Raises `InvalidParameter` if the band is empty.
 
     Parameters
     ----------
     f_min_hz, f_max_hz : float
-        0 <= f_min < f_max.
+        Limits of the band, 0 <= f_min < f_max.
     flank_hz : float
-        At least 0; at most the width of the band.
+        Width of each flank, at least 0 and at most the width of the band.
     """
 
     f_min_hz: float
@@ -73,7 +73,7 @@ class Band:
 @checked
 @dataclass(frozen=True)
 class Butterworth:
-    """Amplifier that rolls off: 1 / prod(s - poles), order n, -3 dB at the cut-off."""
+    """Amplifier with a roll-off: 1 / prod(s - poles), order n, -3 dB at the cut-off."""
 
     cutoff_hz: Positive
     order: PositiveWhole = 1
@@ -86,7 +86,7 @@ class Butterworth:
 
 
 def _step(above_hz: FloatArray, flank_hz: float) -> FloatArray:
-    """0 below 0, 1 above the flank, a raised cosine between."""
+    """Return 0 below 0, 1 above the flank and a raised cosine between."""
     if flank_hz == 0:
         return np.asarray(above_hz >= 0, float)
     return np.asarray((1 - np.cos(math.pi * np.clip(above_hz, 0, flank_hz) / flank_hz)) / 2)

@@ -1,8 +1,8 @@
 """Fingers that the plate can throw off: they press and never pull.
 
-The skin at z answers the plate at u with f = R z' + k z, on top of the force F that presses it at rest. The contact
-bears N = F + f >= 0 and z >= u, one of them with equality (Signorini's conditions): together z = u, or N = 0 and the
-skin sinks back by itself, R z' + k z = -F. The plate answers f by its compliance, a convolution.
+The skin at z exerts the force f = R z' + k z on the plate at u, in addition to the normal force F. The contact force is
+N = F + f >= 0, and z >= u; one of the two is an equality (Signorini's conditions). In contact z = u. Without contact N
+= 0, and the skin relaxes by itself: R z' + k z = -F. The plate responds to f by its compliance, a convolution.
 """
 
 from collections.abc import Sequence
@@ -25,14 +25,14 @@ from .screen.screen import Screen
 from .screen.transducer import PointForce
 
 PASSES: Final = 4
-"""Over contacts that hear of each other within a step, by less than a fiftieth a pass."""
+"""Iterations over contacts coupled within a step; each reduces the error at least fiftyfold."""
 
 
 @dataclass(frozen=True, eq=False)
 class ContactCourse:
-    """Plate and skin at a contact that can open: (n_samples,) each.
+    """Motion of plate and skin at a contact that can open, (n_samples,) each.
 
-    `contact_force_n` is the mean over the step that ends at a sample, and 0 where the two are apart.
+    `contact_force_n` is the mean over the step that ends at a sample, and 0 where contact is lost.
     """
 
     displacement_m: FloatArray
@@ -47,7 +47,7 @@ class ContactCourse:
 
 @dataclass(frozen=True, eq=False)
 class ContactCourses(ContactCourse):
-    """The same of several fingers on one plate, (n_contacts, n_samples) each, under `force_n` (n_contacts,)."""
+    """Courses of several contacts on one plate, (n_contacts, n_samples), with normal forces `force_n` (n_contacts,)."""
 
     force_n: FloatArray
 
@@ -64,19 +64,19 @@ def one_sided_contact(
 ) -> ContactCourse:
     """Return the course of a contact that can open, from free motion.
 
-    Each step takes the force of a closed contact, or that of an open one where a closed one would pull: one of the
-    two holds, never both. The midpoint rule is of second order while the state stays, of first where it changes.
+    Each step uses the force of a closed contact, or of an open contact if a closed one would pull. The midpoint rule is
+    of second order, and of first order where the contact opens or closes.
 
     Parameters
     ----------
     free_m : (n_samples,) array
-        Without the finger, from rest.
+        Displacement of the plate without the finger, from rest.
     rate_hz : float
-        Of the samples, at least `f_max_hz`; events are timed to one of them, so 20 times `f_max_hz` and more.
+        Sampling rate, at least `f_max_hz`. Events are timed to one sample, so use 20 times `f_max_hz` or more.
     force_n : float
-        That presses the finger, above 0.
+        Normal force of the finger, above 0.
     finger : Fingertip, optional
-        Without mass: two masses that meet need a law of impact, for which there is no source here.
+        Finger without mass, since an impact of two masses needs a law for which we have no source.
 
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> sampling = {"rate_hz": 100e3, "duration_s": 2e-3, "f_max_hz": 5e3}
@@ -102,15 +102,15 @@ def one_sided_contacts(
 ) -> ContactCourses:
     """Return the courses of contacts that can open, from free motion.
 
-    As `one_sided_contact`, for displacements (n_contacts, n_samples) of the free plate. The force of each contact moves
-    the plate under all.
+    Like `one_sided_contact`, for displacements (n_contacts, n_samples) of the free plate. The force of each contact
+    moves the plate under all contacts.
 
     Raises `InvalidParameter` if a finger has a mass, or no resistance.
 
     Parameters
     ----------
     still_m_per_n : (n_contacts, n_contacts) array, optional
-        Static compliance of what is above `f_max_hz`; by default none.
+        Static compliance of the modes above `f_max_hz`; by default none.
     """
     shape("one_sided_contacts.free_m", free_m, (len(loads), None))
     shape("one_sided_contacts.force_n", force_n, (len(loads),))
@@ -124,7 +124,7 @@ def one_sided_contacts(
     long_s = free_m.shape[1] / rate_hz
     heard = impulse_responses(alone, places, rate_hz=2 * rate_hz, duration_s=long_s, f_max_hz=f_max_hz)
 
-    # (m/N) half a step, one and a half, ... after a force of one step begins, of which a unit sample is half
+    # compliance (m/N) at 0.5, 1.5, ... steps after the start of a force that lasts one step
     compliance = np.asarray(2 * heard.samples[..., 1::2])
     compliance[:, :, 0] += 0.0 if still_m_per_n is None else still_m_per_n
     damping = rate_hz * np.array([skin.resistance_n_s_per_m for skin in loads])
@@ -135,14 +135,14 @@ def one_sided_contacts(
 def _march(
     free_m: FloatArray, compliance: FloatArray, force_n: FloatArray, towards_new: FloatArray, towards_old: FloatArray
 ) -> ContactCourses:
-    """F = towards_new z - towards_old z_before in each step, z = u or f = -F."""
+    """Solve f = towards_new z - towards_old z_before per step, z = u or f = -F."""
     k, n = free_m.shape
     plate, skin, answer = (np.zeros((k, n)) for _ in range(3))
     plate[:, :1] = skin[:, :1] = free_m[:, :1]
     backwards, now = np.ascontiguousarray(compliance[:, :, ::-1]), compliance[:, :, 0]
     own, others = now.diagonal(), now - np.diag(now.diagonal())
     for i in range(1, n):
-        # forces of the steps before, the last of them one and a half steps ago
+        # forces of earlier steps, the latest 1.5 steps ago
         left = free_m[:, i] - np.einsum("abj,bj->a", backwards[:, :, n - i : n - 1], answer[:, 1:i])
         for _ in range(PASSES if k > 1 else 1):
             alone = left - others @ answer[:, i]

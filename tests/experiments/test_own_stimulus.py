@@ -266,12 +266,12 @@ def test_wav_file_is_felt(filed, tmp_path, capsys):
 
 UNSOUND = {
     "another rate": (wav(as_int16(TONE), 44_100), "stimulus.rate_hz: found a file at 44100 Hz, expected 48000 Hz"),
-    "another length": (wav(as_int16(TONE[:12_000])), "stimulus.duration_s: found 0.5 s, expected 0.25 s, that of the"),
+    "another length": (wav(as_int16(TONE[:12_000])), "stimulus.duration_s: found 0.5 s, expected 0.25 s, the file's"),
     "clipped": (wav(as_int16(np.clip(3 * TONE, -1, 1 - 2**-15))), "3 neighbouring samples at full scale, from "),
     "clipped, floating": (wav(np.clip(3 * TONE, -1, 1)), "3 neighbouring samples at full scale, from "),
     "empty": (wav(np.empty(0, "<i2")), "found no samples, expected at least one"),
-    "silent": (wav(np.zeros(N_SAMPLES, "<i2")), "found silence alone, expected a sample that is not 0"),
-    "stereo": (wav(np.stack([as_int16(TONE)] * 2, axis=1)), "found 2 channels, expected one; keep the one that is"),
+    "silent": (wav(np.zeros(N_SAMPLES, "<i2")), "found only zeros, expected a sample that is not 0"),
+    "stereo": (wav(np.stack([as_int16(TONE)] * 2, axis=1)), "found 2 channels, expected one; keep the intended"),
     "not a number": (wav(np.where(np.arange(N_SAMPLES) == 7, np.nan, TONE)), "found nan as sample 7, expected finite"),
     "no WAV": (b"OggS" + bytes(100), "found no WAV file, expected one that begins with RIFF and WAVE"),
     "nothing": (b"", "found no WAV file"),
@@ -300,7 +300,7 @@ def test_wav_file_with_other_digest_is_refused(filed, tmp_path, capsys):
     content = wav(as_int16(0.9 * TONE))
     (tmp_path / "buzz.wav").write_bytes(content)
     said = refused(capsys, "simulate", filed, *ALL, "--out", tmp_path / "d")
-    assert f"expected '{digest(content)}', which is that of {tmp_path / 'buzz.wav'}" in said
+    assert f"expected '{digest(content)}', the digest of {tmp_path / 'buzz.wav'}" in said
 
 
 def test_wav_level_above_limit_is_refused(filed, capsys):

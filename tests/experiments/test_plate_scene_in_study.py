@@ -79,7 +79,7 @@ ON_A_PLATE = {
     ),
     "an effect of the other surface": (
         'effects = [{ kind = "friction" }, { kind = "focus_detection" }]',
-        "scene.effects[0]: found 'friction', which 'time_reversal' does not know, expected an effect of ",
+        "scene.effects[0]: found 'friction', which 'time_reversal' does not support, expected an effect of ",
     ),
     "a scene on the other surface": (
         'name = "electrovibration-panel"',
@@ -165,7 +165,7 @@ def test_foci_under_fingers_use_study_scene():
 
 
 FINGER_SENTENCES = {
-    '"index", "index"': "scene.surface.fingers[1]: found 'index' twice, expected each place once: two fingers",
+    '"index", "index"': "scene.surface.fingers[1]: found 'index' twice, expected each place once, as two fingers",
     '"ring"': "scene.surface.fingers: found 'ring', expected one of index, middle",
     "1e300": "scene.surface.fingers[0]: found 1e+300, expected",
     "nan": "scene.surface.fingers[0]: found nan, expected",
@@ -237,7 +237,7 @@ def test_foci_and_friction_mask_each_other_if_stated():
 
 REFUSED = {
     DETECTION + ', { kind = "receptors" }': "scene.effects[1]: found 'receptors' on 'time_reversal', expected "
-    "'focus_detection' in its place: a focus is felt as one event, whose spectrum in the skin no source states",
+    "'focus_detection': no source states the spectrum of a focus in the skin",
     '{ kind = "summation" }': "scene.effects[0]: found 'summation' on 'time_reversal', expected 'focus_detection'",
     DETECTION
     + ', { kind = "cross_masking", target = "foci" }': "found 'cross_masking', which 'time_reversal' does not",
@@ -269,7 +269,7 @@ def test_journal_states_effects_felt_by_fingers():
 
 def test_assumptions_of_fingers_follow_their_scene():
     (free,) = felt_effects(wired(on_fingers(TWO)))
-    said = "fingers that do not damp what others feel", "fingers that share the force of a touch evenly"
+    said = "fingers that do not damp the motion under other fingers", "fingers that share the force of a touch evenly"
     assert set(said) <= set(free.assumed)
     assert "at rest: 0.0 dB above threshold" in " ".join(" ".join(free.lines).split())  # not -0.0
     loaded = 'effects = [{ kind = "finger_load" }, { kind = "focus_detection" }]'

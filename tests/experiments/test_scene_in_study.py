@@ -148,19 +148,19 @@ SENTENCES = {
     "unknown effect": (scene('{ kind = "frictoin" }'), "scene.effects[0].kind: found 'frictoin', expected one of "),
     "effect of another surface": (
         scene('{ kind = "one_bit" }'),
-        "scene.effects[0]: found 'one_bit', which 'electrovibration' does not know, expected an effect of ",
+        "scene.effects[0]: found 'one_bit', which 'electrovibration' does not support, expected an effect of ",
     ),
     "two of one kind": (
         scene(*EFFECT_LINES.values(), '{ kind = "receptors" }'),
-        "scene.effects[2]: found 'sensitivity' beside 'receptors', expected one of them: ",
+        "scene.effects[2]: found 'sensitivity' with 'receptors', expected only one of them: ",
     ),
     "an effect without its need": (
         scene('{ kind = "masking", level_db_re_threshold = 25.0 }', *list(EFFECT_LINES.values())[:2]),
-        "scene: outputs: found nothing that gives 'sensation_db'",
+        "scene: outputs: found no stage or effect for 'sensation_db'",
     ),
     "no threshold": (
         scene(*list(EFFECT_LINES.values())[:2]),
-        "scene: outputs: found nothing that gives 'sensation_db'",
+        "scene: outputs: found no stage or effect for 'sensation_db'",
     ),
     "no law": (scene(*list(EFFECT_LINES.values())[1:]), "add the effect force_law and name one of the four laws"),
     "accuracy out of range": (

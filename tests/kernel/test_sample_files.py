@@ -165,7 +165,7 @@ def test_rf64_file_is_read_with_large_size(tmp_path):
     [
         (
             HEADER.replace("rate_hz=100000", "rate_hz=1 rate_hz=2") + ROWS,
-            "rate_hz=1 rate_hz=2 quantity=velocity unit=um/s', expected each word once",
+            "rate_hz=1 rate_hz=2 quantity=velocity unit=um/s', expected each key once",
         ),
         (HEADER, "found no row of numbers, expected at least one"),
         ("# rate_hz=1000\n", "line 2: found '', expected a header row|found no row of numbers"),

@@ -188,7 +188,7 @@ def test_level_below_fixed_supply_is_refused_with_fix(tried, tmp_path, capsys, m
     assert (
         "level: found 0.3162 V, expected at least 17.89 V, which pulses of 1 sample at the 100 V of the supply" in said
     )
-    assert "raise the level or the rate of the board, or lower its supply or command it (lowest_supply_v" in said
+    assert "raise the level or the rate of the board, lower its supply, or let the session set the supply (" in said
     assert "nothing was played" in said
     assert not list(streams((tmp_path / "board").read_bytes()))
 

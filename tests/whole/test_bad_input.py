@@ -116,7 +116,7 @@ STUDIES = {
     ),
     "two fingers on one place": (
         FOCI.replace('fingers = ["index", "middle"]', 'fingers = ["index", "index"]'),
-        "s.toml, sensation.fingers[1]: found 'index' twice, expected each place once: two fingers do not fit on one",
+        "s.toml, sensation.fingers[1]: found 'index' twice, expected each place once, as two fingers do not fit there",
     ),
     "two fingers that overlap": (
         FOCI.replace('middle = { x_m = "131 mm" }', 'middle = { x_m = "126 mm" }'),

@@ -1,1 +1,1 @@
-"""Electrostatic force: laws, area, polarity, offset, drawn charge."""
+"""Electrostatic force: laws, contact area, polarity and offset."""

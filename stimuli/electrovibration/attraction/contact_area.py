@@ -1,4 +1,4 @@
-"""Contact area of a finger against the force that presses it."""
+"""Contact area of a finger as a function of its normal force."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class AreaLaw(Effect):
-    """An area law as an effect of a scene: the area under the finger."""
+    """An area law as an effect of a scene: the contact area of the finger."""
 
     kind = "contact_area"
     slot = "area"
@@ -29,7 +29,7 @@ class AreaLaw(Effect):
     reads, gives = ("contact",), "area_m2"
 
     def area_m2(self, force_n: ArrayLike) -> FloatArray:
-        """Area (m^2), of the shape of `force_n` (N, at least 0)."""
+        """Return the area (m^2) at `force_n` (N, at least 0), in its shape."""
         raise NotImplementedError
 
     def __call__(self, contact: "Contact") -> float:
@@ -38,14 +38,16 @@ class AreaLaw(Effect):
 
 @dataclass(frozen=True)
 class PowerLawArea(AreaLaw):
-    """``A = A_1 (F/1 N)^m``. Both defaults are unverified: 1 cm^2 at 1 N, m = 1/3 (a Hertz sphere has 2/3).
+    """An area that is a power of the force, ``A = A_1 (F/1 N)^m``.
+
+    Both defaults are unverified: 1 cm^2 at 1 N, m = 1/3 (a Hertz sphere has 2/3).
 
     Parameters
     ----------
     area_at_1n_m2 : float
-        The area at 1 N.
+        Area at 1 N.
     exponent : float
-        How it grows with the force.
+        Exponent of the force.
 
     >>> float(PowerLawArea().area_m2(8.0).round(12))
     0.0002
@@ -53,7 +55,7 @@ class PowerLawArea(AreaLaw):
 
     positive = ("area_at_1n_m2",)
     not_negative = ("exponent",)
-    assumes = ("the area is a power of the force, and no other after a time",)
+    assumes = ("the area is a power of the force and does not change over time",)
 
     area_at_1n_m2: float = 1e-4
     exponent: float = 1 / 3
@@ -62,36 +64,36 @@ class PowerLawArea(AreaLaw):
     def area_m2(self, force_n: NotNegativeArray) -> FloatArray:
         force = np.asarray(force_n, dtype=np.float64)
         with np.errstate(over="ignore"):
-            # without force no contact, where an exponent of 0 would give 0 ** 0 = 1
+            # no contact without force: an exponent of 0 would return 0 ** 0 = 1
             area_m2 = np.where(force > 0, self.area_at_1n_m2 * force**self.exponent, 0.0)
         return require.in_range("PowerLawArea.exponent", area_m2)
 
 
 @runtime_checkable
 class ContactArea(Protocol):
-    """An area law."""
+    """Interface of an area law."""
 
     def area_m2(self, force_n: ArrayLike) -> FloatArray:
-        """Area (m^2), of the shape of `force_n` (N, at least 0)."""
+        """Return the area (m^2) at `force_n` (N, at least 0), in its shape."""
 
 
 @checked
 @dataclass(frozen=True)
 class TableArea(AreaLaw):
-    """Areas measured at forces, straight lines between them: ink prints were described by such lines.
+    """Areas measured at several forces, with linear interpolation between them, as used for ink prints.
 
     Parameters
     ----------
     forces_n, areas_m2 : tuple of float
-        Ascending forces and their areas, all above 0. From 0 N to the first force the area grows in proportion;
-        above the last force nothing is known, and asking for it is an error.
+        Ascending forces and their areas, all above 0. Below the first force the area is proportional to the force. A
+        force above the last one raises an error.
 
     >>> prints = TableArea((0.2, 1.5), (0.5e-4, 1.5e-4))
     >>> (prints.area_m2([0.0, 0.1, 0.85]) * 1e4).round(9).tolist()
     [0.0, 0.25, 1.0]
     """
 
-    assumes = ("the area follows straight lines between those measured",)
+    assumes = ("the area is interpolated linearly between measured areas",)
 
     forces_n: tuple[float, ...]
     areas_m2: tuple[float, ...]
@@ -99,14 +101,14 @@ class TableArea(AreaLaw):
     def __post_init__(self) -> None:
         fit = len(self.forces_n) == len(self.areas_m2) > 0
         counts = f"{len(self.forces_n)} forces and {len(self.areas_m2)} areas"
-        require.expect(fit, "TableArea", counts, "as many of each, at least one")
+        require.expect(fit, "TableArea", counts, "equal numbers, at least one")
         for force_n, area_m2 in zip(self.forces_n, self.areas_m2, strict=True):
             require.positive("TableArea", force_n=force_n, area_m2=area_m2)
         rise = (np.diff(self.forces_n) > 0).all()
         require.expect(rise, "TableArea.forces_n", self.forces_n, "ascending forces")
 
     def area_m2(self, force_n: NotNegativeArray) -> FloatArray:
-        """Area (m^2), of the shape of `force_n` (N, 0 to the last force of the table)."""
+        """Return the area (m^2) at `force_n` (N, up to the last of the table)."""
         force = np.asarray(force_n, dtype=np.float64)
         if force.size and force.max() > self.forces_n[-1]:
             raise InvalidParameter(
@@ -119,7 +121,7 @@ class TableArea(AreaLaw):
 @checked
 @dataclass(frozen=True)
 class Print:
-    """A fingerprint: an ellipse with full axes measured at a force.
+    """A fingerprint: an ellipse with full axes measured at a normal force.
 
     >>> round(Print(force_n=1.5, length_m=0.014, width_m=0.011).area_m2 * 1e4, 4)
     1.2095
@@ -140,12 +142,12 @@ UNVERIFIED_PRINTS = (
     Print(3.0, 0.0160, 0.0125),
     Print(7.0, 0.0180, 0.0142),
 )
-"""Unverified default: plausible axes at the four forces of the inked prints; measure your participants'."""
+"""Unverified default: plausible axes at the four forces of the inked prints. Measure those of your participants."""
 
 
 @checked
 def area_of_prints(prints: Sequence[Print]) -> TableArea:
-    """Interpolate the ellipses of measured prints, in any order of force.
+    """Return the area table of measured prints, given in any order.
 
     >>> float(area_of_prints(UNVERIFIED_PRINTS).area_m2(1.5) * 1e4).__round__(4)
     1.2095
@@ -163,7 +165,7 @@ def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
     0.333333333333
     """
     n_forces = len({one.force_n for one in prints})
-    require.expect(n_forces >= 2, "power_law_of_prints", f"{len(prints)} prints", "prints at two forces at least")
+    require.expect(n_forces >= 2, "power_law_of_prints", f"{len(prints)} prints", "prints at two or more forces")
     x, y = np.log([one.force_n for one in prints]), np.log([one.area_m2 for one in prints])
     exponent, constant = np.polyfit(x, y, 1)
     return PowerLawArea(float(np.exp(constant)), float(exponent))
@@ -171,7 +173,7 @@ def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
 
 @checked
 def ellipse_area_m2(length_m: NotNegativeArray, width_m: NotNegativeArray) -> FloatArray:
-    """Area of an ellipse from its full axes: ``pi/4`` times their product.
+    """Return an ellipse's area, ``pi/4`` times the product of its full axes.
 
     >>> float(ellipse_area_m2(0.02, 0.01).round(9))
     0.00015708

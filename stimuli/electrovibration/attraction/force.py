@@ -28,15 +28,15 @@ APPLIED = Relaxations((), (), 1.0)
 @checked
 @dataclass(frozen=True)
 class ForceForm:
-    """``F = newton_per_v2 u^2``, u the output of `relaxations` for the applied voltage: any of the laws."""
+    """A force law as ``F = newton_per_v2 u^2``, with u the output of `relaxations` for the applied voltage."""
 
     relaxations: Relaxations
     newton_per_v2: NotNegative
 
     def force_n(self, layer_v: FloatArray, polarity: "Polarity | None" = None) -> FloatArray:
-        """Force (N) of layer voltages u, of their shape."""
+        """Return the force (N) of layer voltages u, with their shape."""
         layer_v = require.array("ForceForm.force_n.layer_v", layer_v)
-        with errstate(over="ignore"):  # an overflow is refused below, with the voltage that made it
+        with errstate(over="ignore"):  # an overflow is rejected below, with the voltage that caused it
             even_n = self.newton_per_v2 * layer_v**2
         if not isfinite(even_n).all():
             raise InvalidParameter(
@@ -65,7 +65,7 @@ def force_form(law: str | None, skin: Skin, area_m2: NotNegative) -> ForceForm:
     ``parallel_plate``  ``e0 e_i A V^2/(2 d_i^2)``: the insulator alone, the finger a conductor
     =================== ==================================================================================
 
-    Raises `InvalidParameter` if no law is named, the area is negative, or the law lacks a term for the gap or the body.
+    Raises `InvalidParameter` if no law is named, the area is negative, or the law ignores a gap or body that is set.
     """
     check_law(law)
     insulator_m, permittivity = skin.insulator_thickness_m, skin.insulator_permittivity
@@ -109,12 +109,12 @@ def electrostatic_force_n(
     law : {"parallel_plate", "interface", "total_thickness", "sc_layer"}
         Must be named; see `force_form`.
     polarity : Polarity or None
-        An asymmetry between positive and negative voltages; None, the default, is none.
+        Asymmetry between positive and negative voltages. Default: None, symmetric.
 
     Returns
     -------
     (..., n_samples) array
-        Exact at the samples: the recurrence solves the circuit, nothing is stepped.
+        Force at the samples, exact: the recurrence solves the circuit without time stepping.
 
     >>> step = [100.0, 100.0, 100.0]
     >>> force_n = electrostatic_force_n(step, rate_hz=1e4, skin=Skin(), area_m2=1e-4, law="sc_layer")
@@ -136,7 +136,7 @@ def electrostatic_force_n_at(
     law: Law | None = None,
     polarity: "Polarity | None" = None,
 ) -> FloatArray:
-    """Return the exact attraction (N) at times (0 to the end) of a voltage.
+    """Return the exact attraction (N) at times within a voltage.
 
     >>> from tactometry.stimuli.electrovibration import Step
     >>> pieces = Step(duration_s=0.1).pieces(40.0)
@@ -149,7 +149,7 @@ def electrostatic_force_n_at(
 
 
 def check_law(law: str | None) -> None:
-    """Refuse a law that is not named."""
+    """Raise an error if no law is named."""
     if law is None:
         raise InvalidParameter(
             f"law: found none, expected one of {', '.join(LAWS)}; their forces differ by a factor near 1000, "

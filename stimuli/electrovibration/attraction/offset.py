@@ -17,18 +17,18 @@ from .force import Law, force_form
 @checked
 @dataclass(frozen=True)
 class WithOffset:
-    """``(w + ratio V0)/(1 + |ratio|)``: a waveform w of peak V0 with a constant of `ratio` times V0, peak V0 in all.
+    """A waveform w of peak V0 plus a constant: ``(w + ratio V0)/(1 + |ratio|)``, again of peak V0.
 
-    In a lossless skin the force then contains the frequency of the voltage. A leaky corneum behind an
-    insulator loses the constant after a few time constants: its force vanishes in the `sc_layer` law and rises in
-    the `interface` law. That is allowed, and `remark` says so. The constant has the ramps of w.
+    In a lossless skin the force then contains the frequency of the voltage. A leaky corneum behind an insulator
+    discharges within a few time constants: the force of the constant vanishes in the `sc_layer` law and rises in the
+    `interface` law. `remark` reports this. The constant has the ramps of w.
 
     Parameters
     ----------
     waveform
         Any waveform of this package.
     ratio : float
-        Constant over the peak of the waveform, of either sign.
+        Constant divided by the peak of the waveform, of either sign.
 
     >>> from tactometry.stimuli.electrovibration import Sine
     >>> tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
@@ -49,18 +49,18 @@ class WithOffset:
 
     @property
     def force_frequency_hz(self) -> float:
-        """Lower one of the waveform's force frequency and the voltage's."""
+        """The lower of the waveform's force and voltage frequencies."""
         own_hz = self.waveform.force_frequency_hz
         return own_hz if self.ratio == 0 else min(own_hz, self.voltage_frequency_hz)
 
     def at(self, level: float) -> Signal:
-        """Return (1, n_samples) volt, at most the peak that `level` states."""
+        """Return samples (1, n_samples) in volt, at most the peak of `level`."""
         signal = self.waveform.at(level)
         constant = ramped(np.ones(signal.samples.shape[1]), self.waveform.ramp_s, signal.rate_hz)
         peak_v = peak_voltage_v(level, self.level_unit)
         share = 1 / (1 + abs(self.ratio))
         total_v = share * signal.samples + self.ratio * share * peak_v * constant
-        # two peaks of rounded parts may add up to one digit more than the peak that was promised
+        # rounding may raise the sum of two parts above the stated peak by one digit
         return Signal(np.clip(total_v, -peak_v, peak_v), signal.rate_hz, "V")
 
     def pieces(self, level: float) -> Pieces:
@@ -74,14 +74,14 @@ class WithOffset:
     def remark(self, skin: Skin, law: Law, area_m2: float = 1e-4) -> str | None:
         """Describe how the skin changes the offset's force, or return None.
 
-        The time is that of the slowest relaxation of the law on the contact area (1 cm^2: unverified default).
+        The remark states the time of the law's slowest relaxation on the contact area (1 cm^2: unverified default).
 
         >>> from tactometry.stimuli.electrovibration import Sine
         >>> tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
         >>> tone.remark(Skin(), "sc_layer")
-        'WithOffset.ratio: sc_layer blocks a constant: below 1 % of its force 5 tau (1.58 ms) after its last change'
+        "WithOffset.ratio: sc_layer leaves less than 1 % of the offset's force 5 tau (1.58 ms) after its last change"
         >>> tone.remark(Skin(), "interface")
-        'WithOffset.ratio: interface keeps a constant: its force has risen fully 5 tau (1.58 ms) after its last change'
+        "WithOffset.ratio: interface yields the offset's full force 5 tau (1.58 ms) after its last change"
         >>> tone.remark(Skin(), "parallel_plate") is None
         True
         """
@@ -89,13 +89,13 @@ class WithOffset:
         keeps = relaxations.dc_gain != 0
         if self.ratio == 0 or (keeps and not relaxations.rates_per_s):
             return None
-        fate = "keeps a constant: its force has risen fully" if keeps else "blocks a constant: below 1 % of its force"
+        fate = "yields the offset's full force" if keeps else "leaves less than 1 % of the offset's force"
         after_ms = 5e3 / min(relaxations.rates_per_s, default=inf)
         return f"WithOffset.ratio: {law} {fate} 5 tau ({after_ms:.3g} ms) after its last change"
 
 
 def _sum(one: Pieces, other: Pieces) -> Pieces:
-    # both with all starts of both, so that they add piece by piece
+    # split each at the starts of both, so that they add piece by piece
     one, other = one.split_at(other.starts_s), other.split_at(one.starts_s)
     return replace(
         one,

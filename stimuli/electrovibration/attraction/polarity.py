@@ -9,24 +9,24 @@ from tactometry.arguments.checked import checked
 from ...arrays import FloatArray
 from ...composition.effect import Effect, note
 
-NO_FLOW = "the exact motion has no term for it; remove 'polarity' or the other"
+NO_FLOW = "the exact motion has no term for polarity; remove one of the two"
 
 
 @dataclass(frozen=True)
 class Polarity(Effect):
-    """The force counts `positive_share` times while the voltage across the layer is positive.
+    """Scale the force by `positive_share` while the voltage across the layer is positive.
 
     The force of all laws is even in the voltage. Yet positive pulses are reported to be felt less than negative or
-    biphasic ones (Kaczmarek 2006), which is ascribed to an asymmetric skin. How strong the asymmetry is has not been
-    read anywhere, and that it scales the force is a choice (unverified): the effect is off unless it is asked for, and
-    its strength has no default.
+    biphasic ones (Kaczmarek 2006), which is ascribed to an asymmetric skin. We found no published strength of the
+    asymmetry, and scaling the force is an unverified choice. The effect is off by default, and its strength has no
+    default.
 
     Raises `InvalidParameter` if the share is negative or not finite.
 
     Parameters
     ----------
     positive_share : float
-        At least 0; below 1 positive voltages are less effective.
+        Factor of the force, at least 0; below 1 positive voltages are less effective.
 
     >>> Polarity(0.5).weighted(np.array([4.0, 4.0]), layer_v=np.array([2.0, -2.0])).tolist()
     [2.0, 4.0]

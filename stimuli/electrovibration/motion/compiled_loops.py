@@ -1,4 +1,4 @@
-"""Loops that must be loops, compiled."""
+"""Compiled loops over nodes that cannot be vectorised."""
 
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ Bare = tuple[Any, ...]
 
 
 class FullSlip(NamedTuple):
-    """A finger in full slip: its pad, the coefficient of friction and the force that presses it."""
+    """A finger in full slip: its pad, its coefficient of friction and its normal force."""
 
     mass_kg: float
     damping_n_s_per_m: float
@@ -43,7 +43,7 @@ def response_at(m: int, i: int, piece: int, heights: Heights, phases: Phases) ->
 
 @compiled
 def enter(new: int, i: int, heights: Heights, phases: Phases, free: FloatArray) -> None:
-    """Return the free decays at the start of a piece (node i)."""
+    """Update the free decays in place at the start of a piece (node i)."""
     old, jump = new - 1, heights.offsets[new] + sinusoids_at(i, new, heights, phases)
     if old >= 0:
         jump -= heights.offsets[old] + heights.slopes[old] * phases.spans[old] + sinusoids_at(i, old, heights, phases)
@@ -56,7 +56,7 @@ def enter(new: int, i: int, heights: Heights, phases: Phases, free: FloatArray) 
 
 @compiled
 def relax(low: int, high: int, slope: float, phases: Phases, at: int, free: FloatArray, z: FloatArray) -> None:
-    """Fill the relaxations at a piece's nodes (rows of z from `at` on)."""
+    """Write a piece's relaxations to z, whose sinusoids start at row `at`."""
     for m in range(len(free)):
         start = free[m]
         for i in range(low, high):
@@ -93,7 +93,7 @@ def states(heights: Heights, plan: DrivenPlan) -> FloatArray:
 
 @compiled
 def march(z: FloatArray, newton: float, plan: DrivenPlan) -> FloatArray:
-    """``x_(i+1) = map x_i + newton z_i drive z_i`` from 0, (n, n_nodes)."""
+    """Return x (n, n_nodes) of ``x_(i+1) = map x_i + newton z_i drive z_i``."""
     kinds, maps, drives = plan.kinds, plan.maps, plan.drives
     n, n_nodes = maps.shape[1], z.shape[1]
     path = np.zeros((n, n_nodes))

@@ -1,7 +1,7 @@
-"""Motion of a linear system under the force of a voltage in pieces.
+"""Motion of a linear system driven by the force of a piecewise voltage.
 
-A relaxation that has decayed (`phases.DECAYED` time constants after the start of a piece) follows its input and is left
-out of the flow, which bounds every exponent.
+A relaxation follows its input once it has decayed (`phases.DECAYED` time constants after the start of a piece). It is
+then left out of the flow, which bounds every exponent.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,19 +21,19 @@ from ..waveforms.pieces import Pieces
 from .phases import Phases, moving, nodes_of, phases
 
 REACH: Final = 0.5
-"""The longest time of the series in units of the fastest rate."""
+"""Longest step of the series, times the fastest rate."""
 TERMS: Final = 20
-"""Of the series: 0.5^21/21! = 1e-26 is left out."""
+"""Terms of the series; the remainder is 0.5^21/21! = 1e-26."""
 
 
 @dataclass(frozen=True)
 class Circuit:
     """States of the circuit: relaxations, line and sinusoids.
 
-    `active` marks the relaxations that still move.
+    `active` marks the relaxations that have not decayed.
 
-    States in order: active relaxations; value of the line (if it counts); slope of the line (if any); for each
-    frequency real and imaginary part of ``c exp(2 pi i f t)``.
+    Order of the states: active relaxations, value of the line (if used), slope of the line (if any), then the real and
+    imaginary part of ``c exp(2 pi i f t)`` for each frequency.
     """
 
     relaxations: Relaxations
@@ -46,7 +46,7 @@ class Circuit:
         return self.relaxations.dc_gain != 0
 
     def matrix(self) -> FloatArray:
-        """(n_states, n_states) of their linear equation."""
+        """Matrix (n_states, n_states) of the states' linear equation."""
         n_active, n = sum(self.active), self.n_states
         z = np.zeros((n, n))
         first = n - 2 * len(self.frequencies_hz)
@@ -62,11 +62,11 @@ class Circuit:
         return z
 
     def output(self) -> FloatArray:
-        """Linear form (n_states,) of the voltage whose square is the force."""
+        """Return the voltage as a linear form (n_states,) of the states."""
         r = self.relaxations
         moving = [gain for gain, moves in zip(r.gains, self.active, strict=True) if moves]
         still = [(gain, rate) for gain, rate, m in zip(r.gains, r.rates_per_s, self.active, strict=True) if not m]
-        # one that is still follows its input: a slope gives slope/rate, a sinusoid its response
+        # a decayed relaxation follows its input: slope/rate, or the response to a sinusoid
         line = [r.dc_gain] if self.has_line else []
         slope = [sum(gain / rate for gain, rate in still)] if self.has_slope else []
         turns = Relaxations(tuple(g for g, _ in still), tuple(s for _, s in still), r.dc_gain)
@@ -78,14 +78,14 @@ class Circuit:
         return sum(self.active) + self.has_line + self.has_slope + 2 * len(self.frequencies_hz)
 
     def active_places(self) -> IndexArray:
-        """Places (n_states,) among the states with all relaxations moving."""
+        """Return indices (n_states,) among the states of an all-active circuit."""
         n_all = len(self.active) + self.n_states - sum(self.active)
         return np.flatnonzero([*self.active, *([True] * (n_all - len(self.active)))])
 
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """``x' = M x + b F``, M (n, n) and b (n,) as tuples."""
+    """Linear system ``x' = M x + b F``, with M (n, n) and b (n,) as tuples."""
 
     matrix: tuple[tuple[float, ...], ...]
     input: tuple[float, ...]
@@ -96,8 +96,8 @@ class Flows:
     """``x_a(t + h) = sum_b states_ab x_b(t) + sum_ij forms_aij z_i(t) z_j(t)`` for lengths h, for 1 N/V^2.
 
     `states` (n_lengths, n, n) and `forms` (n_lengths, n, n_states, n_states) of a circuit with n_states; `change`
-    (n_lengths, n_states, n_states) are the maps of its own states less the identity, beside which a short turn of
-    phase would lose its digits.
+    (n_lengths, n_states, n_states) are the maps of the circuit's states minus the identity, which keeps the digits of a
+    small phase.
     """
 
     states: FloatArray
@@ -105,7 +105,7 @@ class Flows:
     change: FloatArray
 
     def twice(self) -> "Flows":
-        """Return the flows over twice the lengths."""
+        """Return the flows over doubled lengths."""
         over = (np.eye(self.change.shape[-1]) + self.change)[:, None]
         forms = np.einsum("lab,lbij->laij", self.states, self.forms) + over.swapaxes(-1, -2) @ self.forms @ over
         return Flows(self.states @ self.states, forms, 2 * self.change + self.change @ self.change)
@@ -113,7 +113,7 @@ class Flows:
 
 def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flows:
     """Return the exact flows over lengths of time (n_lengths,) above 0."""
-    # a bound of the rates of products of the circuit's states and of the driven states, above 0
+    # an upper bound of the rates of the driven states and of products of circuit states, above 0
     electric, driven = (np.abs(np.linalg.eigvals(m)).max(initial=0.0) for m in (circuit.matrix(), system.matrix))
     fastest_per_s = float(2 * electric + driven) or 1.0
 
@@ -127,7 +127,7 @@ def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flow
 
 
 def _short_flows(circuit: Circuit, system: LinearSystem, unit_per_s: float, lengths: FloatArray) -> Flows:
-    """Return flows by power series in lengths (n_lengths,) up to `REACH`."""
+    """Return flows over lengths (n_lengths,) up to `REACH` by power series."""
     z, m = circuit.matrix() / unit_per_s, np.array(system.matrix) / unit_per_s
     factors = np.cumprod(lengths[:, None] / np.arange(1, TERMS + 1), axis=1)  # h^k/k! for k from 1
 
@@ -148,7 +148,7 @@ def _short_flows(circuit: Circuit, system: LinearSystem, unit_per_s: float, leng
 
 
 def _derivatives(first: FloatArray, derive: Callable[[FloatArray], FloatArray]) -> list[FloatArray]:
-    """`TERMS` of them, each derived from the one before it."""
+    """Return `TERMS` derivatives, each computed from the previous one."""
     found = [first]
     while len(found) < TERMS:
         found.append(derive(found[-1]))
@@ -156,21 +156,22 @@ def _derivatives(first: FloatArray, derive: Callable[[FloatArray], FloatArray]) 
 
 
 Kind = tuple[float, tuple[bool, ...]]
-"""Length of an interval and which relaxations move in it."""
+"""Length of an interval and the relaxations that move in it."""
 CYCLES_MAX = 1e7
-"""The most periods of a lag or a finger between two times: rounding is 1e-9 of the largest force there."""
+"""Largest number of periods of a lag or finger between two times; the rounding error is then 1e-9 of the largest
+force."""
 
 
 AT_ONCE = 1024
-"""Nodes whose products are made together: their states stay in cache, and BLAS starts no threads for them."""
+"""Nodes per matrix product: few enough that the states stay in cache and BLAS starts no threads."""
 
 
 class DrivenPlan(NamedTuple):
-    """A driven linear system over time, for any heights.
+    """Level-independent plan of a driven linear system over time.
 
-    The nodes that were asked for, the first node of each piece, and whether the circuit has a line and a slope among
-    its states, whose linear `form` is the voltage that pulls. Over each interval the states go on by ``maps[kinds[i]]``
-    and take up the quadratic forms ``drives[kinds[i]]`` of the circuit's states.
+    It contains the requested nodes, the first node of each piece, and whether the circuit's states include a line and a
+    slope. The linear `form` of the states is the voltage across the layer. Over interval i the states advance by
+    ``maps[kinds[i]]`` and add the quadratic forms ``drives[kinds[i]]`` of the circuit's states.
     """
 
     phases: Phases
@@ -185,9 +186,9 @@ class DrivenPlan(NamedTuple):
 
 
 def first_order_response(pieces: Pieces, force: ForceForm, system: LinearSystem, t_s: ArrayLike) -> FloatArray:
-    """Return the state (n_times,) of a first-order system from 0, exactly.
+    """Return the exact state (n_times,) of a first-order system from 0.
 
-    `compiled_loops` does the same for more states; one needs no loop, and numba takes half a second to load.
+    `compiled_loops` handles several states. A single state needs no loop, and importing numba takes half a second.
     """
     plan = plan_of(Timing(pieces, t_s), force.relaxations, system)
     taken_up = force.newton_per_v2 * _products(circuit_states(pieces, force.relaxations, plan), plan)
@@ -195,7 +196,7 @@ def first_order_response(pieces: Pieces, force: ForceForm, system: LinearSystem,
 
 
 def circuit_states(pieces: Pieces, relaxations: Relaxations, plan: DrivenPlan) -> FloatArray:
-    """States (n_states, n_nodes) of a circuit, in the order of `Circuit`."""
+    """Return the states (n_states, n_nodes) in the order of `Circuit`."""
     phases, piece, n_relax = plan.phases, plan.phases.piece, len(plan.phases.decay)
     at, slopes = n_relax + plan.has_line + plan.has_slope, pieces.slopes_v_per_s[piece]
     z, turned = np.empty((len(plan.form), len(piece))), phases.turns * pieces.harmonics_v[piece]
@@ -211,7 +212,7 @@ def circuit_states(pieces: Pieces, relaxations: Relaxations, plan: DrivenPlan) -
 
 
 def _products(z: FloatArray, plan: DrivenPlan) -> FloatArray:
-    """Return what the driven state gains in each interval, under 1 N/V^2."""
+    """Return the driven state's increment per interval, for 1 N/V^2."""
     order = np.argsort(plan.kinds, kind="stable")
     starts = np.flatnonzero(np.diff(plan.kinds[order])) + 1
     taken_up = np.empty(len(order))
@@ -222,7 +223,7 @@ def _products(z: FloatArray, plan: DrivenPlan) -> FloatArray:
 
 
 def check_times(t: FloatArray, pieces: Pieces) -> None:
-    """Refuse times (n_times,) that do not ascend within the pieces."""
+    """Raise an error unless the times ascend within the pieces."""
     require.finite_array("t_s", t)
     inside = t.ndim == 1 and t.size > 0 and t[0] >= 0 and t[-1] <= pieces.end_s and (np.diff(t) > 0).all()
     found = f"{t.size} times in shape {t.shape}"
@@ -230,7 +231,7 @@ def check_times(t: FloatArray, pieces: Pieces) -> None:
 
 
 class Timing:
-    """When pieces start and which times are asked for: what a plan depends on, but for the heights."""
+    """Starts of the pieces and requested times: the inputs of a plan apart from the heights."""
 
     def __init__(self, pieces: Pieces, t_s: ArrayLike) -> None:
         self.pieces, self.t_s = pieces, np.asarray(t_s, dtype=np.float64)
@@ -256,7 +257,7 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> D
     _check_resolved(system, float(lengths.max(initial=0.0)))
     shared = phases(timing.pieces, relaxations, nodes)
     groups, kinds = _kinds(lengths, moving(shared.since, relaxations)[:-1])
-    first = np.searchsorted(shared.piece, np.arange(shared.piece[-1] + 2))  # node of each piece, and the end
+    first = np.searchsorted(shared.piece, np.arange(shared.piece[-1] + 2))  # first node of each piece, and the end
     all_moving = (True,) * len(relaxations.rates_per_s)
     whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, all_moving)
     maps, drives = _maps(whole, system, groups)
@@ -266,13 +267,13 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> D
 
 def _check_resolved(system: LinearSystem, longest_s: float) -> None:
     fastest_hz = float(np.abs(np.linalg.eigvals(system.matrix)).max()) / (2 * np.pi)
-    found = f"one that moves at up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart"
-    expected = f"a product of at most {CYCLES_MAX:.0e}; take a heavier, softer or less damped finger"
+    found = f"a frequency of up to {fastest_hz:.3g} Hz with times up to {longest_s:.3g} s apart"
+    expected = f"a product of at most {CYCLES_MAX:.0e}; use a heavier, softer or less damped finger"
     require.expect(fastest_hz * longest_s <= CYCLES_MAX * (1 + 1e-9), "finger", found, expected)
 
 
 def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[FloatArray, FloatArray]:
-    """Return state maps and forms over each kind of interval."""
+    """Return the state maps and quadratic forms of each interval kind."""
     n, n_states = len(system.input), whole.n_states
     maps, drives = np.zeros((len(groups), n, n)), np.zeros((len(groups), n, n_states, n_states))
     for active in {moves for _, moves in groups}:
@@ -286,8 +287,8 @@ def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple
 
 
 def _kinds(lengths: FloatArray, moves: NDArray[np.bool_]) -> tuple[list[Kind], IndexArray]:
-    """Return the kinds of intervals: equal lengths and moving relaxations."""
-    # equal steps of time differ by their rounding: digits behind the leading one, and its power of ten
+    """Group intervals by equal length and equal moving relaxations."""
+    # equal time steps differ by rounding: compare leading digits and power of ten
     scale = 10.0 ** np.floor(np.log10(lengths))
     keys = np.column_stack([np.round(lengths / scale, 11), scale, moves])
     _, first, kinds = np.unique(keys, axis=0, return_index=True, return_inverse=True)

@@ -16,8 +16,8 @@ from ...composition.effect import Quantity
 class DryFriction(Quantity):
     """Coulomb friction with a static and a kinetic coefficient; both defaults are unverified.
 
-    With the static one above the kinetic one, a friction law that is smooth in the speed is another model, not an
-    approximation of this one: its peak lies below the static friction at any width.
+    If the static coefficient is the larger one, a friction law that is smooth in the speed does not approximate this
+    model: its peak stays below the static friction at any width.
 
     Parameters
     ----------
@@ -35,10 +35,10 @@ class DryFriction(Quantity):
     slot = "friction"
     requires = ("sliding contact", "dynamics")
     excludes: ClassVar[Mapping[str, str]] = {
-        "friction_lag": "a lag has no stick; use 'friction' with it, or 'finger_dynamics' in its place"
+        "friction_lag": "a lag has no stick; use 'friction' with the lag, or 'finger_dynamics' instead of it"
     }
     gives = stage_name = "friction_law"
-    assumes = ("the coefficients know neither load nor speed nor time of rest",)
+    assumes = ("the coefficients depend neither on load nor on speed nor on time at rest",)
 
     static: NotNegative = 0.6
     kinetic: NotNegative = 0.5

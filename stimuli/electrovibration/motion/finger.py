@@ -18,7 +18,7 @@ from .phases import heights
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A finger over time, arrays (..., n_times): lateral force on the skin (N), deflection (m), and its derivatives."""
+    """Motion of a finger as arrays (..., n_times): lateral force (N), skin deflection (m), derivatives."""
 
     t_s: FloatArray
     electrostatic_n: FloatArray
@@ -32,12 +32,12 @@ class Motion:
 def sliding(
     t_s: ArrayLike, pieces: Pieces, form: ForceForm, *, finger: Finger, friction: CoulombFriction, force_n: float
 ) -> Motion:
-    """Return the exact motion in full slip, from rest under constant friction.
+    """Return the exact motion in full slip from rest, constant friction.
 
-    The lateral force is ``mu (F_n + F_e)``. There is no slip-rate in it, so that any speed gives the same; whether the
-    finger slips at all is the matter of `stick_slip`.
+    The lateral force is ``mu (F_n + F_e)``. It does not depend on the speed of slip. `stick_slip` computes whether the
+    finger slips at all.
 
-    Raises `InvalidParameter` if the times are not as stated or the force is negative.
+    Raises `InvalidParameter` if the times do not ascend within the voltage or the force is negative.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FrictionLag(Effect):
-    """First-order low-pass between electrostatic force and friction, ``1/(1 + i f/f_c)``.
+    """First-order low-pass filter between electrostatic force and friction, ``1/(1 + i f/f_c)``.
 
     ``f_c = max(floor, f_0 + slope v)``. The slope, 13.8 Hz per mm/s, is published (20 to 100 mm/s, 0.2 to
     0.6 N); intercept and floor are unverified defaults.
@@ -56,7 +56,7 @@ class FrictionLag(Effect):
 
     @checked
     def cutoff_hz(self, speed_m_per_s: NotNegative) -> float:
-        """Corner frequency at a sliding speed (m/s, at least 0)."""
+        """Return the cut-off frequency at a sliding speed (m/s, at least 0)."""
         return max(self.floor_hz, self.intercept_hz + self.slope_hz_per_m_per_s * speed_m_per_s)
 
     @checked
@@ -71,7 +71,7 @@ class FrictionLag(Effect):
         return (Stage("friction_lag", needs, "friction_force_n", target, dict(vars(self)), size=size),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return a steady-state stage, or the slower exact one if it is needed."""
+        """Return a steady-state stage, or the slower exact one if needed."""
         if is_changed("friction_force_n", scene):
             return tuple(replace(stage, size=None) for stage in self.stages(scene))
         return (self.stage(),)
@@ -97,8 +97,8 @@ def lagged_friction_n(
 
     The lag acts on the electrostatic part, from rest: ``f' = 2 pi f_c (mu F_e - f)``.
 
-    Raises `InvalidParameter` if a value is outside of its domain, or the corner is so high that rounding would pass
-    1e-9 (`CYCLES_MAX`).
+    Raises `InvalidParameter` if a value is outside of its domain, or the cut-off frequency is so high that rounding
+    errors would exceed 1e-9 (`CYCLES_MAX`).
 
     >>> from tactometry.stimuli.electrovibration import Skin, Step
     >>> from tactometry.stimuli.electrovibration.attraction.force import force_form
@@ -120,11 +120,11 @@ def lagged_friction_n(
         return np.zeros_like(t)
 
     cutoff_hz = lag.cutoff_hz(speed_m_per_s)
-    longest_s = float(np.diff(t, prepend=0.0).max())  # the motion begins at 0, even if `t_s` does not
+    longest_s = float(np.diff(t, prepend=0.0).max())  # the plan starts at time 0, even if `t_s` does not
     if cutoff_hz == np.inf or cutoff_hz * longest_s > CYCLES_MAX:
         raise InvalidParameter(
-            f"lagged_friction_n.lag: found a corner of {cutoff_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
-            f"expected a product of at most {CYCLES_MAX:.0e}; a lag that short is none: take mu (F_n + F_e)"
+            f"lagged_friction_n.lag: found a cut-off of {cutoff_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
+            f"expected a product of at most {CYCLES_MAX:.0e}; such a short lag is negligible: use mu (F_n + F_e)"
         )
 
     rate_per_s = 2 * np.pi * cutoff_hz

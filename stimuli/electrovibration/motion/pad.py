@@ -12,15 +12,15 @@ from .driven_motion import LinearSystem
 MASS_KG_PER_M_PER_S: Final = 3.23e-2
 STIFFNESS_N_S_PER_M2: Final = 4_040.0
 DAMPING_N_S_PER_M: Final = 1.5
-"""Of the skin of a fingertip in tangential direction, as in `SkinMobility`: an unverified default, whose order of
-magnitude is from memory of Wiertlewski and Hayward (2012). Mass and stiffness per speed are from Balasubramanian, Pool
-and Vardar (2025), whose abstract, which is what we have, says no damping."""
+"""Tangential damping of the skin of a fingertip, as in `SkinMobility`: an unverified default, its order of magnitude
+from memory of Wiertlewski and Hayward (2012). Mass and stiffness per speed are from the abstract of Balasubramanian,
+Pool and Vardar (2025), which states no damping."""
 
 
 @checked
 @dataclass(frozen=True)
 class Finger:
-    """``m x'' + c x' + k x = f``: x the skin's deflection (m) under a lateral force f.
+    """A finger pad, ``m x'' + c x' + k x = f``, with deflection x (m) of the skin under a lateral force f.
 
     The defaults are unverified: a speed of 50 mm/s in `at_speed`. No normal force changes them: for a pad under a force
     take stiffness and damping of `SkinMobility.under`, as `sliding` and `stick_slip` do not.
@@ -34,8 +34,8 @@ class Finger:
     def at_speed(cls, speed_m_per_s: Positive, damping_n_s_per_m: NotNegative = DAMPING_N_S_PER_M) -> "Finger":
         """Return the pad with the mass and stiffness published for 20 to 100 mm/s.
 
-        Mass 3.23e-5 kg and stiffness 4.04 N/m per mm/s. The damping is the same at all speeds, an unverified default:
-        3.3 times the critical at 20 mm/s, 0.66 times at 100 mm/s.
+        Mass 3.23e-5 kg and stiffness 4.04 N/m per mm/s. The damping is the same at all speeds (unverified default): 3.3
+        times the critical damping at 20 mm/s, 0.66 times at 100 mm/s.
 
         >>> slow, fast = Finger.at_speed(0.02), Finger.at_speed(0.1)
         >>> round((fast.mass_kg - slow.mass_kg) * 1e3, 3), round(fast.stiffness_n_per_m - slow.stiffness_n_per_m, 1)
@@ -45,6 +45,6 @@ class Finger:
 
     @cached_property
     def system(self) -> LinearSystem:
-        """States (x, x') under a force in newton."""
+        """The linear system of (x, x') driven by a force in newton."""
         m, k, c = self.mass_kg, self.stiffness_n_per_m, self.damping_n_s_per_m
         return LinearSystem(((0.0, 1.0), (-k / m, -c / m)), (0.0, 1 / m))

@@ -1,4 +1,4 @@
-"""Time nodes within the pieces of a voltage, independent of its level."""
+"""Time nodes of a voltage and their factors, independent of its level."""
 
 from typing import NamedTuple
 
@@ -10,11 +10,11 @@ from ..skin.relaxation import Relaxations, phi1
 from ..waveforms.pieces import Pieces
 
 DECAYED = 40.0
-"""Time constants after which a relaxation follows its input: what is left of it is 4e-18."""
+"""Time constants after which a relaxation follows its input: a remainder of 4e-18."""
 
 
 class Heights(NamedTuple):
-    """Value, slope and sinusoids (n_pieces, n_turns) of a voltage per piece."""
+    """Value, slope and sinusoid amplitudes (n_pieces, n_turns) per piece."""
 
     offsets: FloatArray
     slopes: FloatArray
@@ -24,9 +24,9 @@ class Heights(NamedTuple):
 class Phases(NamedTuple):
     """Times of the nodes, and the circuit factors that depend on them.
 
-    Per node the piece that holds it and the time since that started; decay and line factor of each relaxation there,
-    (n_relax, n_nodes); the same at the ends of the pieces, with their lengths; the turn of each sinusoid at each node,
-    (n_nodes, n_turns), and what each relaxation answers to it, (n_relax, n_turns).
+    For each node: its piece, the time since the start of the piece, and the decay and line factor of each relaxation
+    (n_relax, n_nodes). For each piece: its length and the same factors at its end. `turns` are the phasors of the
+    sinusoids at the nodes (n_nodes, n_turns), `responses` the response of each relaxation to them (n_relax, n_turns).
     """
 
     piece: IndexArray
@@ -65,14 +65,14 @@ def phases(pieces: Pieces, relaxations: Relaxations, nodes: FloatArray) -> Phase
 
 
 def moving(since: FloatArray, relaxations: Relaxations) -> NDArray[np.bool_]:
-    """Return which relaxations move after each node, (n_nodes, n_relax)."""
+    """Return a mask (n_nodes, n_relax) of relaxations not yet decayed."""
     return np.asarray(since[:, None] * np.array(relaxations.rates_per_s) < DECAYED * (1 - 1e-9))
 
 
 def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: FloatArray) -> FloatArray:
-    """Merge requested times, 0, starts of pieces and ends of decays in order."""
+    """Return requested times, 0, piece starts and ends of decays, sorted."""
     rates = np.array([rate for rate in relaxations.rates_per_s if rate > 0])
-    # (n_pieces * n_rates,), and the end of the piece of each: a decay that outlasts its piece ends with it
+    # (n_pieces * n_rates,); a decay ends at the latest with its piece
     decayed = (pieces.starts_s[:, None] + DECAYED / rates[None, :]).ravel()
     ends = np.repeat(np.r_[pieces.starts_s[1:], pieces.end_s], rates.size)
     nodes = np.unique(np.concatenate([[0.0], pieces.starts_s, decayed[decayed < ends], t_s]))

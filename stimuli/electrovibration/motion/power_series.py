@@ -1,4 +1,4 @@
-"""Compiled stick and slip: power series with events at exact roots."""
+"""Compiled stick-slip motion: power series, with events at their roots."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from .phases import Heights, Phases
 
 DEGREE = 20
 REACH = 1.5
-"""Longest step in units of the fastest rate: 1.5^21/21! = 1e-16 is left out."""
+"""Longest step, times the fastest rate; the remainder of the series is 1.5^21/21! = 1e-16."""
 N_LOOKS = 16
 N_AT_ONCE = 100
 Pair = tuple[int, int]
@@ -21,7 +21,7 @@ TOO_MANY, CHATTER, TOO_LONG = 1, 2, 3
 
 
 class Layers(NamedTuple):
-    """The circuit, its response to the sinusoids, and the force of a square volt of its output."""
+    """The circuit, its response to the sinusoids, and the force per square volt of its output."""
 
     gains: FloatArray
     dc_gain: float
@@ -32,9 +32,10 @@ class Layers(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """The time from each node to the next, and which relaxations still move there.
+    """Time from each node to the next, and the relaxations that still move there.
 
-    `longest` (2, n_nodes) are the longest steps of a stuck finger, which only the voltage moves, and of one that slips.
+    `longest` (2, n_nodes) are the longest steps of a stuck finger, on which only the voltage acts, and of a slipping
+    finger.
     """
 
     lengths: FloatArray
@@ -43,7 +44,7 @@ class Steps(NamedTuple):
 
 
 class ContactConstants(NamedTuple):
-    """A finger, its friction, the force that presses it, and its motion ``speed + acceleration t`` over the screen."""
+    """A finger, its friction, its normal force, and its motion ``speed + acceleration t`` over the screen."""
 
     mass_kg: float
     damping_n_s_per_m: float
@@ -100,7 +101,7 @@ def _slope(c: FloatArray, x: float) -> float:
 
 @compiled
 def _falls(c: FloatArray) -> float:
-    """Return the first place in (0, 1] with a polynomial below 0, or 2."""
+    """Return where a polynomial first falls below 0 in (0, 1], or 2."""
     low = 0.0
     for look in range(1, N_LOOKS + 1):
         high = look / N_LOOKS
@@ -125,7 +126,7 @@ def _force_series(circuit: CircuitState, layers: Layers, moves: NDArray[np.bool_
     voltage, rise, turned = np.zeros(DEGREE + 1), np.zeros(DEGREE + 1), circuit.turns.copy()
     voltage[0], voltage[1], rise[0] = dc_gain * level, dc_gain * slope * h, slope * h
     for m in range(n_relax):
-        # one that has decayed follows what drives it
+        # a decayed relaxation follows its input
         states[m, 0] = circuit.relaxed[m] if moves[m] else slope / rates[m]
         states[m, 1:].fill(0.0)
     for n in range(DEGREE + 1):
@@ -168,7 +169,7 @@ def _push_series(skin: SkinState, contact: ContactConstants, series: Series) -> 
 
 @compiled
 def _slip_series(skin: SkinState, contact: ContactConstants, h: float, series: Series) -> None:
-    """``m s'' + c s' + k s = push`` from ``s, s'`` in powers of time over `h`."""
+    """Fill the series of ``m s'' + c s' + k s = push`` in time over `h`."""
     m, c, k = contact.mass_kg, contact.damping_n_s_per_m, contact.stiffness_n_per_m
     push, out = series.push, series.stretch
     out[0], out[1] = skin.stretch_m, skin.rate_m_per_s * h
@@ -237,20 +238,20 @@ def _follow(skin: SkinState, contact: ContactConstants) -> SkinState:
 
 @compiled
 def _gives_way(skin: SkinState, contact: ContactConstants, limit_n: float) -> bool:
-    """Return True if a stuck skin needs more friction than it can bear."""
+    """Return True if a stuck skin needs more than its static friction."""
     return skin.direction == 0 and abs(_holding_friction(skin, contact)) > limit_n * (1 + 1e-14)
 
 
 @compiled
 def _after(skin: SkinState, stretch: FloatArray, reached: float, unit_s: float, passed_s: float) -> SkinState:
-    """Return the skin after the part `reached` of a step, the time `passed_s`."""
+    """Return the skin state after a part `reached` of a step, `passed_s` later."""
     rate_m_per_s = _slope(stretch, reached) / unit_s
     return SkinState(_value(stretch, reached), rate_m_per_s, skin.direction, skin.time_s + passed_s)
 
 
 @compiled
 def _change(skin: SkinState, contact: ContactConstants, events: FloatArray, n: int) -> SkinState:
-    """Record event n; return the skin at the finger's speed in its new state."""
+    """Record event n; return the new skin state at the finger's speed."""
     direction = 0.0 if skin.direction != 0 else (1.0 if _holding_friction(skin, contact) > 0 else -1.0)
     events[n, 0], events[n, 1] = skin.time_s, direction
     return SkinState(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
@@ -258,7 +259,7 @@ def _change(skin: SkinState, contact: ContactConstants, events: FloatArray, n: i
 
 @compiled
 def _note(skin: SkinState, contact: ContactConstants, series: Series, row: FloatArray) -> bool:
-    """Write a row of the first result of `flow`: it is there then."""
+    """Write the state at a node to the first result of `flow`."""
     s, rate, direction, force = skin.stretch_m, skin.rate_m_per_s, skin.direction, series.force[0]
     if direction == 0:
         second, lateral = contact.acceleration_m_per_s2, _holding_friction(skin, contact)
@@ -271,7 +272,7 @@ def _note(skin: SkinState, contact: ContactConstants, series: Series, row: Float
 
 @compiled
 def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit: CircuitState) -> None:
-    """Return the circuit at node i, from the free decays of its piece."""
+    """Set the circuit to node i, from the free decays of its piece."""
     piece = phases.piece[i]
     slope = heights.slopes[piece]
     circuit.line[0], circuit.line[1] = heights.offsets[piece] + slope * phases.since[i], slope
@@ -284,7 +285,7 @@ def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit:
 
 @compiled
 def _go_on(circuit: CircuitState, layers: Layers, series: Series, reached: float, passed: float) -> None:
-    """Return the circuit after a part `reached` of a step, the time `passed`."""
+    """Advance the circuit by a part `reached` of a step."""
     for m in range(len(layers.gains)):
         circuit.relaxed[m] = _value(series.relaxed[m], reached)
     for k in range(len(layers.omegas)):
@@ -294,7 +295,7 @@ def _go_on(circuit: CircuitState, layers: Layers, series: Series, reached: float
 
 @compiled
 def _next_event(skin: SkinState, contact: ContactConstants, h: float, series: Series, limit: FloatArray) -> float:
-    """Return the skin's series over a step, and its event (2: none) over `h`."""
+    """Return the place of the next event in a step of length `h` (2: none)."""
     if skin.direction == 0:
         _stick_series(skin, contact, h, series)
         return _breaks_loose(skin, contact, h, series.stretch, limit)
@@ -304,7 +305,7 @@ def _next_event(skin: SkinState, contact: ContactConstants, h: float, series: Se
 
 @compiled
 def _empty(layers: Layers) -> tuple[CircuitState, Series]:
-    """Room for the circuit and its series."""
+    """Return empty arrays for the circuit and its series."""
     n, width = len(layers.gains), DEGREE + 1
     circuit = CircuitState(np.zeros(2), np.zeros(len(layers.omegas), np.complex128), np.zeros(n))
     return circuit, Series(np.zeros((n, width)), np.zeros(width), np.zeros(width), np.zeros(width))
@@ -315,9 +316,10 @@ def flow(
 ) -> tuple[FloatArray, FloatArray, int, float]:
     """Return states at nodes, and events, of a finger that sticks at first.
 
-    Rows of the first result: stretch, its rate, its second derivative, lateral force, electrostatic force, direction
-    of slip (0: stuck); rows of the second: time of an event, direction after. The last two are a failure and its time:
-    `TOO_MANY` events, `CHATTER` (that many at one instant), or `TOO_LONG`; `most` events and steps are made.
+    The rows of the first result are stretch, its first and second derivative, lateral force, electrostatic force and
+    direction of slip (0: stuck). The rows of the second are the time of an event and the direction after it. The last
+    two are a failure and its time: `TOO_MANY` events, `CHATTER` (too many at one instant), or `TOO_LONG`. `most` limits
+    events and steps.
     """
     at = uniform(heights), tuple(phases), tuple(layers), tuple(steps)
     return _flow_entry(*at, uniform(contact), float(start), most)
@@ -353,7 +355,7 @@ def _flow(
             if _gives_way(skin, contact, limit[0]) and n_events < most[0]:
                 skin = _change(skin, contact, events, n_events)
                 n_events, n_here = n_events + 1, n_here + 1
-                continue  # a step of one that slips may be shorter
+                continue  # a slipping finger may need a shorter step
             _push_series(skin, contact, series)
             if not noted:
                 noted = _note(skin, contact, series, out[i])

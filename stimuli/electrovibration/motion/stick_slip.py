@@ -32,7 +32,7 @@ N_STEPS_MAX = 2_000_000
 @checked
 @dataclass(frozen=True)
 class Travel:
-    """Motion of the finger over the screen: ``V = speed + acceleration t``, of any sign; 0 is a finger at rest.
+    """Velocity of the finger over the screen: ``V = speed + acceleration t``, of either sign; 0 is a finger at rest.
 
     `stretch_m` is the deflection of the skin at time 0, at which the finger sticks.
     """
@@ -75,11 +75,11 @@ def stick_slip(
 ) -> StickSlip:
     """Return the motion of a finger that sticks and slips.
 
-    It sticks while friction can hold it, and slips until the skin is at rest again.
+    It sticks while friction can hold it, and slips until the skin is at rest on the screen.
 
-    In stick the skin follows the screen, ``s' = V``, and needs a friction of ``k s + c V``. It breaks away
-    above ``mu_s (F_n + F_e)``. In slip ``m s'' + c s' + k s = m V' + sign mu_k (F_n + F_e)``. Between events the motion
-    is a power series of 20 terms over at most 1.5 of the fastest time; an event is the root of a polynomial.
+    In stick the skin follows the screen, ``s' = V``, and needs a friction of ``k s + c V``. It breaks away above ``mu_s
+    (F_n + F_e)``. In slip ``m s'' + c s' + k s = m V' + sign mu_k (F_n + F_e)``. Between events the motion is a power
+    series of 20 terms over at most 1.5 times the fastest time constant. An event is the root of a polynomial.
 
     Raises `InvalidParameter` if a value is outside of its domain, or there are `n_events_max` events or more.
 
@@ -104,7 +104,7 @@ def stick_slip(
     if failure == power_series.TOO_LONG:
         raise InvalidParameter(
             f"stick_slip: found more than {N_STEPS_MAX:.3g} steps of the series at {time_s:.6g} s of this signal (the "
-            f"finger moves at up to {_fastest_rad_per_s(finger):.3g} rad/s), expected fewer; take a heavier "
+            f"finger moves at up to {_fastest_rad_per_s(finger):.3g} rad/s), expected fewer; use a heavier "
             "or softer finger, or shorten the signal"
         )
     if failure:
@@ -121,7 +121,7 @@ def stick_slip(
 def _plan(
     timing: Timing, form: ForceForm, finger: Finger
 ) -> "tuple[IndexArray, Phases, power_series.Layers, power_series.Steps]":
-    """Prepare nodes, phases, circuit and steps, which no level changes."""
+    """Prepare nodes, phases, circuit and steps, the same at all levels."""
     from . import power_series
 
     check_times(timing.t_s, timing.pieces)
@@ -130,9 +130,9 @@ def _plan(
     shared = phases(timing.pieces, relaxations, nodes)
     rates, omegas = np.array(relaxations.rates_per_s), 2 * pi * timing.pieces.frequencies_hz
     gains, moves = np.array(relaxations.gains), moving(shared.since, relaxations)
-    # the force goes with the square of the voltage, so that its rates are doubled
+    # the force is quadratic in the voltage, which doubles its rates
     electric = np.max(2 * rates[None, :] * moves, axis=1, initial=2 * omegas.max(initial=0.0))
-    # in stick the pad follows the screen and does not swing; (2, n_nodes): stick, slip
+    # (2, n_nodes), stick and slip; in stick the pad follows the screen and does not swing
     fastest = np.stack([electric, np.maximum(electric, _fastest_rad_per_s(finger))])
     longest = np.divide(power_series.REACH, fastest, out=np.full(fastest.shape, inf), where=fastest > 0)
     layers = power_series.Layers(gains, relaxations.dc_gain, rates, omegas, shared.responses, form.newton_per_v2)
@@ -140,5 +140,5 @@ def _plan(
 
 
 def _fastest_rad_per_s(finger: Finger) -> float:
-    """Return the fastest rate in slip: pad resonance or speed decay."""
+    """Return the fastest rate in slip: pad resonance or decay of its speed."""
     return max(sqrt(finger.stiffness_n_per_m / finger.mass_kg), finger.damping_n_s_per_m / finger.mass_kg)

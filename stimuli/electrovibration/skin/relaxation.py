@@ -16,12 +16,12 @@ from ..waveforms.pieces import Pieces
 
 BLOCK = 32
 AT_ONCE = 128
-"""Blocks of one matrix product: BLAS starts no threads for so few."""
+"""Blocks per matrix product: few enough that BLAS starts no threads."""
 
 
 @dataclass(frozen=True)
 class Relaxations:
-    """``H(s) = dc_gain + sum_m gain_m s/(s + rate_m)``: what a stack of leaky capacitors does.
+    """The transfer function ``H(s) = dc_gain + sum_m gain_m s/(s + rate_m)`` of a stack of leaky capacitors.
 
     A rate of 0 passes everything, a rate of ``inf`` nothing.
 
@@ -39,11 +39,11 @@ class Relaxations:
         rates = require.array("Relaxations.rates_per_s", self.rates_per_s)
         fit = gains.ndim == 1 and gains.shape == rates.shape and (rates >= 0).all()
         terms = f"the gains {self.gains!s:.60} and the rates {self.rates_per_s!s:.60}"
-        require.expect(fit, "Relaxations", terms, "as many of each, rates of at least 0")
+        require.expect(fit, "Relaxations", terms, "equal numbers, with rates of at least 0")
 
     @checked
     def response(self, frequency_hz: ArrayLike) -> ComplexArray:
-        """``H(2 pi i f)``, of the shape of `frequency_hz` (at least 0)."""
+        """Return ``H(2 pi i f)``, with the shape of `frequency_hz` (at least 0)."""
         f_hz = require.not_negative_array("Relaxations.response.frequency_hz", frequency_hz)
         s = np.asarray(2j * np.pi * f_hz, dtype=np.complex128)
         terms = (gain * _high_pass(s, rate) for gain, rate in zip(self.gains, self.rates_per_s, strict=True))
@@ -69,7 +69,7 @@ def phi1(x: ArrayLike) -> FloatArray:
     [1.0, 1.0, 0.632121, 0.0]
     """
     x = np.asarray(x, dtype=np.float64)
-    safe = np.where(x == 0, 1.0, x)  # `where` computes both sides: no 0/0 on the one that is thrown away
+    safe = np.where(x == 0, 1.0, x)  # `where` computes both branches: avoid 0/0 in the unused one
     return np.where(x == 0, 1.0, -np.expm1(-safe) / safe)
 
 
@@ -80,7 +80,7 @@ def scan(decays: FloatArray, gained: FloatArray) -> FloatArray:
     [1.0, 1.5, 7.0]
     """
     total, factor, reach = gained.copy(), np.r_[0.0, decays], 1
-    # before each round total_n holds what the last `reach` steps gained, factor_n the product of their decays
+    # before each round total_n is the gain of the last `reach` steps, factor_n the product of their decays
     while reach < total.size and factor.any():
         total[reach:] += factor[reach:] * total[:-reach]
         factor[reach:] *= factor[:-reach]
@@ -94,7 +94,7 @@ def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
     Parameters
     ----------
     steps_v : (..., n_samples) array
-        Increments; the first is a jump, each later one is a ramp over one sample.
+        Increments of v: the first is a jump, later ones are ramps over one sample.
     decay : float
         ``rate/rate_hz``, the exponent over one sample, 0 to inf.
 
@@ -103,7 +103,7 @@ def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
     ``y_n = exp(-decay) y_(n-1) + phi1(decay) step_n``.
     """
     weighted = steps_v * phi1(decay)
-    # the first is a jump, which passes whole; a relaxation without duration passes nothing
+    # the first is a jump, which passes unchanged; an infinitely fast relaxation passes nothing
     weighted[..., :1] = steps_v[..., :1] * (0.0 if np.isinf(decay) else 1.0)
     return decaying_sum(weighted, decay)
 
@@ -111,8 +111,8 @@ def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
 def decaying_sum(values: FloatArray, decay: float) -> FloatArray:
     """Return ``y_n = exp(-decay) y_(n-1) + x_n`` along the last axis.
 
-    What a block begins with decays through it by exponentials and not by repeated products: else the rounding of
-    ``exp(-decay)`` near 1 adds up (1e-9 over 1e7 samples).
+    The initial value of a block decays by exponentials, not by repeated products, in which the rounding of
+    ``exp(-decay)`` near 1 would accumulate (1e-9 over 1e7 samples).
 
     >>> decaying_sum(np.array([1.0, 1.0, 0.0]), np.log(2)).tolist()
     [1.0, 1.5, 0.75]
@@ -132,7 +132,7 @@ def decaying_sum(values: FloatArray, decay: float) -> FloatArray:
 
 @lru_cache(maxsize=64)
 def _decays(decay: float) -> FloatArray:
-    """(BLOCK, BLOCK): the weight of each earlier value at each later one."""
+    """Return the weights (BLOCK, BLOCK) of earlier values at later ones."""
     later = np.subtract.outer(np.arange(BLOCK), np.arange(BLOCK))
     passed = np.multiply(decay, later, out=np.zeros(later.shape), where=later > 0)
     return np.tril(np.exp(-passed))
@@ -164,7 +164,7 @@ class Solution:
     relaxations: Relaxations
 
     def at(self, t_s: ArrayLike) -> FloatArray:
-        """Return the output at `t_s` (0 to the end), from the right at a jump.
+        """Return the output at `t_s` (0 to the end), after a jump if there is one.
 
         Raises `InvalidParameter` if a time is before 0 or after the end.
         """
@@ -175,7 +175,7 @@ class Solution:
         return np.asarray(total, dtype=np.float64)
 
     def state_at(self, order: int, t_s: FloatArray) -> FloatArray:
-        """Relaxation number `order`, of gain 1, at the times."""
+        """Return relaxation number `order`, with gain 1, at the times."""
         rate = self._rates[order]
         if np.isinf(rate):
             return np.zeros_like(t_s)
@@ -199,7 +199,7 @@ class Solution:
 
     @cached_property
     def free_decays(self) -> FloatArray:
-        """Free decays at the starts of pieces, (n_relaxations, n_pieces)."""
+        """Return free decays at the piece starts, (n_relaxations, n_pieces)."""
         chains = [self._chain(order) for order in range(len(self._rates))]
         return np.array(chains).reshape(len(chains), len(self.pieces.starts_s))
 
@@ -210,7 +210,7 @@ class Solution:
             return np.zeros(len(starts))
         at_start = self._forced_response(order, index, starts)
         at_end = self._forced_response(order, index[:-1], starts[1:])
-        # the free decay takes up what the forced parts of two neighbouring pieces lack to the jump between them
+        # the free decay absorbs the jump minus the difference of the forced parts of neighbouring pieces
         gained = self.pieces.jumps_v() - at_start + np.r_[0.0, at_end]
         return scan(np.exp(-rate * np.diff(starts)), gained)
 

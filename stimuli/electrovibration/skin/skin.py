@@ -24,7 +24,7 @@ class Skin:
     """Insulator, air gap and stratum corneum (resistor parallel to capacitor) in series with the body.
 
     All defaults are the unverified parameter set "P0": usual magnitudes, not measured values. The resistivity was
-    chosen for a corner near the 500 Hz that Meyer, Peshkin and Colgate (2013) predict, and do not find.
+    chosen for a cut-off near the 500 Hz that Meyer, Peshkin and Colgate (2013) predicted but did not find.
 
     Raises `InvalidParameter` if a thickness or permittivity is not above 0, or another value is negative.
 
@@ -39,13 +39,13 @@ class Skin:
     corneum_permittivity : float
         Relative permittivity of the stratum corneum.
     corneum_resistivity_ohm_m : float
-        Resistivity of the stratum corneum: ``inf`` is a lossless skin, 0 a conductor.
+        Resistivity of the stratum corneum: ``inf`` for a lossless skin, 0 for a conductor.
     gap_m : float
-        Air between insulator and skin.
+        Thickness of the air between insulator and skin.
     body_resistance_ohm : float
         Body and source resistance. Above 0 the waveform of the force depends on the contact area.
     tissue : Layer or None
-        Deeper tissue in series; None, the default, is one that conducts without loss.
+        Deeper tissue in series. Default: None, tissue that conducts without loss.
 
     >>> skin = Skin()
     >>> round(skin.k, 9), round(skin.tau_s * 1e6, 6), round(skin.cutoff_hz, 6)
@@ -75,17 +75,17 @@ class Skin:
 
     @property
     def insulator_equivalent_m(self) -> float:
-        """Equivalent air thickness of insulator and gap: ``d_i/e_i + g``."""
+        """Air thickness with the capacitance of insulator and gap: ``d_i/e_i + g``."""
         return self.insulator_thickness_m / self.insulator_permittivity + self.gap_m
 
     @property
     def corneum_equivalent_m(self) -> float:
-        """Air thickness of the same capacitance as the corneum: ``d_sc/e_sc``."""
+        """Air thickness with the capacitance of the corneum: ``d_sc/e_sc``."""
         return self.corneum_thickness_m / self.corneum_permittivity
 
     @property
     def k(self) -> float:
-        """Share of a fast voltage across the corneum, ``C_i/(C_i + C_sc)``."""
+        """High-frequency voltage share of the corneum, ``C_i/(C_i + C_sc)``."""
         return self.corneum_equivalent_m / (self.insulator_equivalent_m + self.corneum_equivalent_m)
 
     @property
@@ -96,7 +96,7 @@ class Skin:
 
     @property
     def cutoff_hz(self) -> float:
-        """Corner of the high-pass, ``1/(2 pi tau)``."""
+        """Cut-off frequency of the high-pass, ``1/(2 pi tau)``."""
         return 1 / (2 * pi * self.tau_s) if self.tau_s > 0 else inf
 
     @checked
@@ -114,15 +114,15 @@ class Skin:
 
     @checked
     def response(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> ComplexArray:
-        """Return the corneum's voltage over the applied one, complex.
+        """Return the corneum's share of the applied voltage, complex.
 
-        Without body resistance it is ``k tau s/(1 + tau s)``, whatever the area (1 cm^2: unverified default).
+        Without body resistance it is ``k tau s/(1 + tau s)`` at any area (1 cm^2: unverified default).
         """
         return self.relaxations(area_m2).response(frequency_hz)
 
     @checked
     def gain(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> FloatArray:
-        """``|H|``, the modulus of `response`.
+        """Return ``|H|``, the magnitude of `response`.
 
         >>> Skin().gain([60.0, 240.0]).round(6).tolist()
         [0.051708, 0.188118]
@@ -150,7 +150,7 @@ class Skin:
 def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin) -> FloatArray:
     """Return ``V0 |H| (sin(wt + phi) - sin(phi) exp(-t/tau))`` of a sine."""
     check_one_relaxation(skin)
-    # the free decay starts at minus the steady voltage at time 0, so that the sum begins at rest
+    # the free decay cancels the steady voltage at time 0: the sum begins at rest
     response = complex(skin.response(frequency_hz))
     steady = response * np.exp(2j * np.pi * frequency_hz * np.asarray(t_s, dtype=np.float64))
     return np.asarray(voltage_v * (steady.imag - response.imag * np.exp(-in_taus(t_s, skin))))
@@ -160,12 +160,12 @@ def check_one_relaxation(skin: Skin) -> None:
     for name, neutral in (("body_resistance_ohm", 0.0), ("tissue", None)):
         if getattr(skin, name) != neutral:
             raise InvalidParameter(
-                f"skin: found a skin with Skin.{name} other than {neutral}, which this formula has no term for; "
-                f"expected {neutral}, or take Solution or electrostatic_force_n_at"
+                f"skin: found a skin with Skin.{name} other than {neutral}, which this formula ignores; "
+                f"expected {neutral}, or use Solution or electrostatic_force_n_at"
             )
 
 
 def in_taus(t_s: ArrayLike, skin: Skin) -> FloatArray:
-    """Time in units of tau."""
+    """Return the time in units of tau."""
     t = require.not_negative_array("t_s", t_s)
     return t / skin.tau_s if skin.tau_s > 0 else np.where(t == 0, 0.0, inf)

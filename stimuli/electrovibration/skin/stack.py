@@ -24,7 +24,7 @@ SMALLEST_OHM_M, LARGEST_OHM_M = DOMAINS["_ohm_m"]
 
 
 def check_resistivity(where: str, found: object) -> None:
-    """Refuse a resistivity that is not 0, infinite or within bounds."""
+    """Raise an error unless a resistivity is 0, infinite or within bounds."""
     number = found if isinstance(found, int | float) and not isinstance(found, bool) else -1
     expected = f"0 (a conductor) or a number from {SMALLEST_OHM_M:g} to {LARGEST_OHM_M:g} (inf: lossless)"
     require.expect(number in (0, inf) or SMALLEST_OHM_M <= number <= LARGEST_OHM_M, where, repr(found), expected)
@@ -32,16 +32,16 @@ def check_resistivity(where: str, found: object) -> None:
 
 @dataclass(frozen=True)
 class Layer:
-    """A slab: thickness, relative permittivity (1 is air), resistivity (``inf`` does not leak, 0 conducts).
+    """A homogeneous layer of the circuit.
 
     Parameters
     ----------
     thickness_m : float
         Thickness of the layer, above 0.
     permittivity : float
-        Relative: 1 is air.
+        Relative permittivity: 1 for air.
     resistivity_ohm_m : float
-        ``inf`` does not leak, 0 conducts.
+        Resistivity: ``inf`` for no leakage, 0 for a conductor.
 
     >>> round(Layer(200e-6, 1000.0, 2e4).rate_per_s, 3)
     5647.045
@@ -73,13 +73,12 @@ class Layer:
 @checked
 @dataclass(frozen=True)
 class Stack:
-    """Leaky layers in series, from the electrode to the body, and a resistance (body and source).
+    """Leaky layers in series from the electrode to the body, and a series resistance (body and source).
 
-    The ratio of the voltage across layer j to the applied one is ``Z_j/(R + sum Z)`` with ``Z_j = s_j/(A (p + r_j))``,
-    s the elastance and r the rate of a layer: a sum of real relaxations, whose rates interlace the rates of the layers.
+    The voltage share of layer j is ``Z_j/(R + sum Z)`` with ``Z_j = s_j/(A (p + r_j))``, s the elastance and r the rate
+    of a layer. It is a sum of real relaxations, whose rates interlace those of the layers.
 
-    Raises `InvalidParameter` if there is no layer with a thickness that can hold a voltage, or the resistance is
-    negative.
+    Raises `InvalidParameter` if no layer can carry a voltage, or the resistance is negative.
 
     >>> stack = Stack((Layer(1e-6, 3.9), Layer(200e-6, 1000.0, 2e4)))
     >>> found = stack.relaxations(1, area_m2=1e-4)
@@ -93,10 +92,10 @@ class Stack:
     def __post_init__(self) -> None:
         holds = any(layer.elastance_m2_per_f > 0 for layer in self.layers)
         expected = "a layer of thickness and resistivity above 0"
-        require.expect(holds, "Stack.layers", "none that can hold a voltage", expected)
+        require.expect(holds, "Stack.layers", "no layer that can carry a voltage", expected)
 
     def relaxations(self, index: int, area_m2: float) -> Relaxations:
-        """Return the exact voltage share of layer `index` at an area (m^2)."""
+        """Return the relaxations of layer `index`'s voltage share at an area (m^2)."""
         require.not_negative("Stack", area_m2=area_m2)
         require.one_of("Stack.index", index, range(len(self.layers)))
         rates = sorted({layer.rate_per_s for layer in self.layers if layer.elastance_m2_per_f > 0})
@@ -110,13 +109,13 @@ class Stack:
         return Relaxations(gains, tuple(pole.rate_per_s for pole in poles), share * series.dc_gain(group))
 
     def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> ComplexArray:
-        """Return layer `index`'s voltage over the applied one, complex."""
+        """Return layer `index`'s complex share of the applied voltage."""
         return self.relaxations(index, area_m2).response(frequency_hz)
 
 
 @dataclass(frozen=True)
 class _Pole:
-    """A rate and its accurate distances from the rates of the groups."""
+    """A relaxation rate and its exact distances from the group rates."""
 
     rate_per_s: float
     distances_per_s: tuple[float, ...]
@@ -131,7 +130,7 @@ class _Series:
     resistance_ohm_m2: float
 
     def dc_gain(self, group: int) -> float:
-        if self.rates_per_s[0] == 0:  # what does not leak holds all of a constant voltage
+        if self.rates_per_s[0] == 0:  # layers without leakage carry all of a constant voltage
             return 1.0 if group == 0 else 0.0
         resistances = [s / r for s, r in zip(self.elastances, self.rates_per_s, strict=True)]
         return resistances[group] / (self.resistance_ohm_m2 + sum(resistances))
@@ -148,14 +147,14 @@ class _Series:
     def poles(self) -> list[_Pole]:
         """Return the zeros of ``R + sum_h s_h/(r_h - rate)``."""
         poles = [self._between(low) for low in range(len(self.rates_per_s) - 1)]
-        # below, the resistance is none: its pole would lie beyond the largest numbers
+        # a smaller resistance counts as none: its pole would overflow
         if self.resistance_ohm_m2 > 2 * sum(self.elastances) / LARGEST:
             poles.append(self._from(len(self.rates_per_s) - 1, 2 * sum(self.elastances) / self.resistance_ohm_m2))
         return poles
 
     def _between(self, low: int) -> _Pole:
         """Return the zero between two rates, measured from the nearer one."""
-        # a pole may lie so near to a rate that only its distance from there still holds digits
+        # a pole may be so close to a rate that only its distance from that rate is precise
         half = (self.rates_per_s[low + 1] - self.rates_per_s[low]) / 2
         offsets = [rate - self.rates_per_s[low] for rate in self.rates_per_s]
         at_half = self.resistance_ohm_m2 + sum(s / (o - half) for s, o in zip(self.elastances, offsets, strict=True))
@@ -166,11 +165,11 @@ class _Series:
         offsets = [rate - self.rates_per_s[origin] for rate in self.rates_per_s]
         others = [(s, o) for i, (s, o) in enumerate(zip(self.elastances, offsets, strict=True)) if i != origin]
 
-        # the secular function times the shift: without the pole at the origin, where the search begins
+        # the secular function times the shift, which removes the pole at the origin
         def regular(shift: float) -> float:
             return -self.elastances[origin] + shift * (self.resistance_ohm_m2 + sum(s / (o - shift) for s, o in others))
 
-        # The zero lies at the reach, where rounding puts it behind.
+        # Rounding may move a zero at `reach` beyond it.
         root = reach if regular(reach) <= 0 else _zero(regular, reach)
         return _Pole(self.rates_per_s[origin] + root, tuple(offset - root for offset in offsets))
 
@@ -180,13 +179,13 @@ def _zero(function: Callable[[float], float], reach: float) -> float:
 
     The function is below 0 at 0 and above 0 at `reach`.
 
-    Halves the numbers in between, not the distance: the smallest root too takes 63 steps and has all of its digits.
-    A library's search would take longer to load than a scene to compute.
+    It bisects the floating-point numbers in between instead of the distance, so that even the smallest root takes 63
+    steps and is exact to the last digit. Importing a library's search takes longer than computing a scene.
 
     >>> _zero(lambda x: x * x - 2, 2.0), _zero(lambda x: -1e-300 - x, -1.0)
     (1.4142135623730951, -1e-300)
     """
-    below, beyond = 0, unpack("<q", pack("<d", abs(reach)))[0]  # places among all numbers in order
+    below, beyond = 0, unpack("<q", pack("<d", abs(reach)))[0]  # ranks among all floating-point numbers
     while beyond - below > 1:
         middle = (below + beyond) // 2
         value = function(copysign(_number(middle), reach))
@@ -204,7 +203,7 @@ def _number(place: int) -> float:
 @checked
 @dataclass(frozen=True)
 class DispersiveLayer:
-    """A slab with a table of properties, log-log between its rows and constant outside of them.
+    """A layer with a table of properties, interpolated log-log and constant outside the table.
 
     Raises `InvalidParameter` if the columns differ in length, are not above 0, or the frequencies do not ascend.
 
@@ -222,7 +221,7 @@ class DispersiveLayer:
         for name in ("frequencies_hz", "permittivities", "resistivities_ohm_m"):
             column = np.asarray(getattr(self, name), dtype=np.float64)
             fits = column.shape == (len(self.frequencies_hz),) and column.size > 0 and (column > 0).all()
-            expected = f"{len(self.frequencies_hz)} numbers above 0"
+            expected = f"{len(self.frequencies_hz)} numbers above 0, one per frequency"
             require.expect(fits, f"DispersiveLayer.{name}", column.tolist(), expected)
         rises = (np.diff(self.frequencies_hz) > 0).all()
         require.expect(rises, "DispersiveLayer.frequencies_hz", self.frequencies_hz, "ascending numbers")
@@ -240,9 +239,9 @@ FREQUENCIES_HZ = (1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
 STRATUM_CORNEUM = DispersiveLayer(
     200e-6, FREQUENCIES_HZ, (6e3, 4e3, 2e3, 1e3, 7e2, 5e2, 3e2), (2e5, 1.4e5, 6e4, 2e4, 5e3, 1e3, 2e2)
 )
-"""Unverified default: only its row at 1 kHz is the parameter set P0, the others have the usual trend."""
+"""Unverified default: only the row at 1 kHz is the parameter set P0; the others follow the usual trend."""
 
 DEEPER_TISSUE = DispersiveLayer(
     5e-3, FREQUENCIES_HZ, (1e6, 5e5, 1e5, 3e4, 2e4, 1e4, 2e3), (5.0, 4.5, 4.0, 3.5, 3.0, 2.5, 2.0)
 )
-"""Unverified default: orders of magnitude of a wet tissue."""
+"""Unverified default: orders of magnitude for wet tissue."""

@@ -1,1 +1,1 @@
-"""How strong the friction is to be where the finger is."""
+"""Textures: friction as a function of the finger's position."""

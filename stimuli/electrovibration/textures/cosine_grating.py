@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CosineGrating(Effect):
-    """A grating of `period_m`: the force goes with ``(1 + cos(2 pi x/period))/2``, the voltage with its root.
+    """A grating whose force is proportional to ``(1 + cos(2 pi x/period))/2`` and its voltage to the root of that.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class CosineGrating(Effect):
     period_m: float
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:
-        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
+        """Return the share (0..1) of the full force at `x_m` (m), in its shape."""
         return np.asarray((1 + np.cos(2 * pi * np.asarray(x_m, float) / self.period_m)) / 2)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
@@ -59,12 +59,12 @@ class CosineGrating(Effect):
 
 
 def under_finger(voltage: Pieces, contact: Contact, period_m: float) -> Pieces:
-    """Return a voltage under a finger that slides over a grating."""
+    """Modulate a voltage by the grating under a sliding finger."""
     return modulated(voltage, contact.speed_m_per_s / period_m)
 
 
 def sampled_under_finger(record: "VoltageRecord", contact: Contact, period_m: float) -> "VoltageRecord":
-    """Return samples under a finger that slides over a grating."""
+    """Modulate samples by the grating under a sliding finger."""
     share = np.abs(np.cos(pi * contact.speed_m_per_s / period_m * record.t_s))
     return replace(record, voltage_v=share * record.voltage_v)
 

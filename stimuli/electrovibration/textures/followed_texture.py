@@ -22,7 +22,7 @@ from .way import Way, directions_along, without_jitter
 
 
 class Followed(NamedTuple):
-    """State of a followed path: the way, and recent unaveraged parts."""
+    """State of a followed path: the finger's path and recent unsmoothed shares."""
 
     way: Way
     recent: FloatArray
@@ -31,22 +31,22 @@ class Followed(NamedTuple):
 @checked
 @dataclass(frozen=True)
 class FollowedTexture(Ramped):
-    """``V0 sqrt(share(x)) sin(2 pi f_c t)``, where `x` is where the finger is, as it is measured or simulated.
+    """The voltage ``V0 sqrt(share(x)) sin(2 pi f_c t)``, with x the measured or simulated position of the finger.
 
     Parameters
     ----------
     texture : Texture or Velvet
         Texture that the friction follows as the finger slides.
     carrier_hz : float
-        Carrier, below half of `rate_hz`; 2 kHz is an unverified default.
+        Carrier frequency, below half of `rate_hz`; 2 kHz is an unverified default.
     duration_s, ramp_s, rate_hz, level_unit
         As in `Sine`.
     rise_s : float
-        The envelope is averaged over this time, so that an edge rises no faster: its slope keeps the limits of current.
-        1 ms is an unverified default.
+        Averaging time of the envelope, which limits the slope of an edge and thus the current. 1 ms is an unverified
+        default.
     turn_m : float
-        A finger has turned when it came back twice so far from where it was farthest; noise of its position turns
-        nothing. 0.1 mm is an unverified default.
+        Half of the distance by which the finger must move back to count as turned, so that position noise does not
+        count. 0.1 mm is an unverified default.
 
     >>> from .texture import Grating
     >>> texture = FollowedTexture(Grating(2e-3), duration_s=0.1, rise_s=5e-5)
@@ -82,7 +82,7 @@ class FollowedTexture(Ramped):
 
     @property
     def force_frequency_hz(self) -> float:
-        """0: it follows from the speed of the finger."""
+        """0, as the force frequency depends on the speed of the finger."""
         return 0.0
 
     def _unit(self) -> FloatArray:
@@ -92,10 +92,10 @@ class FollowedTexture(Ramped):
         return self._carrier.pieces(level)
 
     def parts(self, x_m: Any, before: Followed | None = None) -> tuple[FloatArray, Followed]:
-        """Return parts (0..1) of the voltage at places (n_samples,).
+        """Return the share (0..1) of the peak voltage at positions (n_samples,).
 
-        `before` is what the same path gave so far; without it the finger begins here, as if it had been here before.
-        NaN is an unknown place of the finger: nothing is played there.
+        `before` is the state of the path so far; without it the finger starts here, as if it had rested here before. At
+        NaN, an unknown position, the share is 0.
         """
         x_m = np.atleast_1d(require.array("FollowedTexture.parts.x_m", x_m))
         require.expect(x_m.size > 0, "FollowedTexture.parts.x_m", "no place", "at least one")
@@ -103,7 +103,7 @@ class FollowedTexture(Ramped):
         known = np.isfinite(x_m)
         shares, way = self._shares(x_m if known.all() else _filled(x_m, known, way), way)
         roots = np.sqrt(np.where(known, shares, 0.0))
-        # no two parts differ by more than their distance over `rise_s`
+        # no two shares differ by more than their time difference divided by `rise_s`
         n = max(1, ceil(self.rise_s * self.rate_hz * (1 - 1e-12)))
         recent = np.full(n - 1, roots[0]) if before is None else before.recent
         course = np.concatenate([recent, roots])
@@ -124,7 +124,7 @@ class FollowedTexture(Ramped):
         return shares, Way(float(y_m[-1]), float(directions[-1]))
 
     def check_motion(self, speed_m_per_s: float, positions_hz: float | None = None) -> None:
-        """Refuse a speed that carrier or position reports cannot resolve.
+        """Raise an error if the speed is too high for carrier or position rate.
 
         >>> from .texture import Grating
         >>> FollowedTexture(Grating(1e-4)).check_motion(0.2)
@@ -168,9 +168,9 @@ def share_along(texture: Texture | Velvet, path_m: FloatArray) -> FloatArray:
 def finest_period_m(texture: Texture | Velvet) -> float | None:
     """Return the shortest period (m) that positions must resolve, or None.
 
-    Of a sinusoidal or sawtooth grating, tufts or a band of noise it is the shortest one itself; else twice the
-    narrowest part: of a square grating the part that is on or off, of a region its width, of a bump its `width_m`, of
-    an image or heights a pixel. Positions closer than half of it miss no part.
+    For a sinusoidal or sawtooth grating, tufts or noise it is the shortest period. Otherwise it is twice the narrowest
+    part: the on or off part of a square grating, the width of a region, the `width_m` of a bump, or a pixel. Positions
+    closer than half of it miss no part.
 
     >>> finest_period_m(Grating(2e-3)), finest_period_m(Grating(2e-3, duty=0.25))
     (0.002, 0.001)
@@ -192,7 +192,7 @@ def finest_period_m(texture: Texture | Velvet) -> float | None:
 
 
 def _filled(x_m: FloatArray, known: NDArray[np.bool_], way: Way | None) -> FloatArray:
-    """Replace unknown places by the last known one.
+    """Replace unknown positions by the last known position.
 
     >>> _filled(np.array([np.nan, 1.0, np.nan]), np.array([False, True, False]), None).tolist()
     [0.0, 1.0, 1.0]

@@ -1,4 +1,4 @@
-"""Every texture that a study can name, by its kind: the one list of them."""
+"""Registry of the textures that a study can name, by kind."""
 
 from collections.abc import Mapping
 from typing import Final

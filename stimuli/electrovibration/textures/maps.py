@@ -30,19 +30,19 @@ class Mapped:
 
     `sha256` detects changes to the file.
 
-    Raises `InvalidParameter` if there are neither or both, the digest is missing or differs, or the file
-    holds no numbers; `InvalidFile` if it cannot be read.
+    Raises `InvalidParameter` if there are neither or both, the digest is missing or differs, or the file contains no
+    numbers, and `InvalidFile` if it cannot be read.
 
     Parameters
     ----------
     pixel_m : float
-        The distance of two values.
+        Distance between neighbouring values.
     values : tuple of float
-        Written here.
+        The values themselves.
     path : str or None
-        A CSV file of numbers, or a picture (PNG), which is made grey; its path is relative to the study file.
+        Path of a CSV file of numbers or a PNG picture (converted to grey), relative to the study file.
     sha256 : str or None
-        Its digest: a study is its numbers, and those of such a file are part of it.
+        SHA-256 digest of the file, since its numbers are part of the study.
     row : int
         The row of the file that the finger follows, from 0.
     """
@@ -56,10 +56,10 @@ class Mapped:
 
     def __post_init__(self) -> None:
         owner = type(self).__name__
-        found = "both or none of values and path"
-        require.expect(bool(self.values) != (self.path is not None), owner, found, "one of the two")
+        found = "both or neither of values and path"
+        require.expect(bool(self.values) != (self.path is not None), owner, found, "exactly one")
         rows = self._read(owner, self.path) if self.path is not None else np.array([self.values])
-        require.expect(0 <= self.row < len(rows), f"{owner}.row", self.row, "a row that it has, from 0")
+        require.expect(0 <= self.row < len(rows), f"{owner}.row", self.row, "the number of an existing row, from 0")
         line = require.finite_array(f"{owner}.values", rows[self.row])
         require.expect(line.size >= 2, f"{owner}.values", f"{line.size} values", "at least two")
         object.__setattr__(self, "_line", line)
@@ -67,7 +67,7 @@ class Mapped:
     def _read(self, owner: str, path: str) -> FloatArray:
         content = read_file(Path(path), "a picture, or numbers as CSV", LARGEST_MAP)
         digest = sha256(content)
-        is_this = f"{digest!r}, which is that of {path}; write it, if this is the texture that is meant"
+        is_this = f"{digest!r}, the digest of {path}; enter it if this is the intended file"
         require.expect(self.sha256 == digest, f"{owner}.sha256", repr(self.sha256), is_this)
         try:
             if Path(path).suffix.lower() == ".csv":
@@ -78,7 +78,7 @@ class Mapped:
 
 
 def _grey_of_picture(content: bytes) -> FloatArray:
-    from PIL import Image as Picture, UnidentifiedImageError  # slow to load
+    from PIL import Image as Picture, UnidentifiedImageError  # slow import
 
     try:
         with warnings.catch_warnings():
@@ -87,7 +87,7 @@ def _grey_of_picture(content: bytes) -> FloatArray:
                 return np.asarray(picture.convert("L"), dtype=np.float64) / 255
     except UnidentifiedImageError:
         raise ValueError("found no picture") from None
-    except SyntaxError as error:  # a part of the file that no standard knows
+    except SyntaxError as error:  # an invalid part of a PNG file
         raise ValueError(str(error)) from None
     except (Picture.DecompressionBombWarning, Picture.DecompressionBombError):
         raise ValueError(f"found more than {Picture.MAX_IMAGE_PIXELS} pixels") from None
@@ -96,7 +96,7 @@ def _grey_of_picture(content: bytes) -> FloatArray:
 @checked
 @dataclass(frozen=True)
 class GreyImage(Mapped):
-    """A row of grey levels, 0 (black, no friction) to 1, straight lines between them.
+    """A row of grey levels from 0 (black, no friction) to 1, interpolated linearly.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ class GreyImage(Mapped):
         require.expect(shares, "GreyImage.values", extremes, "numbers from 0 to 1")
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:
-        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
+        """Return the share (0..1) of the full force at `x_m` (m), in its shape."""
         at = np.asarray(x_m, dtype=np.float64) / self.pixel_m - 0.5
         return np.asarray(np.interp(at, np.arange(self._line.size), self._line))
 
@@ -130,10 +130,10 @@ class GreyImage(Mapped):
 @checked
 @dataclass(frozen=True)
 class HeightMap(Mapped):
-    """Heights (of any unit) felt by their slope, as a `Bump` is: ``1/2 + h'(x)/(2 max |h'|)``, 1/2 outside.
+    """Heights (in any unit) rendered by their slope like a `Bump`: ``1/2 + h'(x)/(2 max |h'|)``, 1/2 outside.
 
-    Between two heights the slope is that of the straight line; a finger that comes back meets the opposite one. The
-    slope rule and its scale are unverified defaults.
+    Heights are interpolated linearly. A finger that moves back feels the opposite slope. The slope rule and its scale
+    are unverified defaults.
 
     Parameters
     ----------
@@ -160,10 +160,10 @@ class HeightMap(Mapped):
         super().__post_init__()
         require.one_of("HeightMap.direction", self.direction, SIGNS)
         uneven = bool(np.diff(self._line).any())
-        require.expect(uneven, "HeightMap.values", "heights that are all the same", "some that differ")
+        require.expect(uneven, "HeightMap.values", "equal heights", "some that differ")
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:
-        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m), for a finger that moves forth."""
+        """Return the share (0..1) of the full force at `x_m` (m), in its shape."""
         steps = np.diff(self._line)
         at = np.floor(np.asarray(x_m, dtype=np.float64) / self.pixel_m).astype(int)
         slopes = np.where((at >= 0) & (at < steps.size), steps[np.clip(at, 0, steps.size - 1)], 0.0)

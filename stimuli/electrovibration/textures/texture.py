@@ -1,7 +1,7 @@
-"""Textures: how strong the friction is to be where the finger is.
+"""Textures: friction as a function of the finger's position.
 
-A texture is a map from positions to a share (0..1) of the electrostatic force; the envelope of the voltage is the
-square root of it, because the force goes with the square. `played` puts it under a moving finger.
+A texture is a map from positions to a share (0..1) of the electrostatic force; the envelope of the voltage is its
+square root, because the force is quadratic in the voltage.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,10 +25,10 @@ Shape = Literal["square", "sinusoidal", "sawtooth"]
 
 @runtime_checkable
 class Texture(Protocol):
-    """A map over position."""
+    """A map from position to a share of the force."""
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:
-        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
+        """Return the share (0..1) of the full force at `x_m` (m), in its shape."""
 
 
 @checked
@@ -41,9 +41,9 @@ class Grating:
     period_m : float
         Length of a period, above 0.
     shape : {"square", "sinusoidal", "sawtooth"}
-        How friction goes over a period.
+        Course of the friction over a period.
     duty : float
-        Share of the period that is on, for ``square``.
+        On share of a ``square`` period.
 
     >>> Grating(2e-3, "sawtooth").force_share([0.0, 0.5e-3, 2.5e-3]).round(9).tolist()
     [0.0, 0.25, 0.25]
@@ -71,7 +71,7 @@ SHAPES: Mapping[str, Callable[[FloatArray, float], NDArray[np.generic]]] = {
 @checked
 @dataclass(frozen=True)
 class Region:
-    """1 between two edges, 0 outside; each edge may be a line of `edge_m`, centred on it.
+    """A region with share 1 between two edges and 0 outside; each edge may be a linear ramp centred on it.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Region:
     right_m : float
         Right edge, along the path of the finger.
     edge_m : float
-        Length of the line that an edge is; 0 is a step.
+        Length of the ramp at each edge; 0 for a step.
 
     >>> Region(0.01, 0.03, edge_m=2e-3).force_share([0.005, 0.01, 0.02, 0.03]).round(9).tolist()
     [0.0, 0.5, 1.0, 0.5]
@@ -93,7 +93,7 @@ class Region:
     def __post_init__(self) -> None:
         apart = self.right_m - self.left_m >= self.edge_m and self.right_m > self.left_m
         found = f"{self.left_m} to {self.right_m} m with edges of {self.edge_m} m"
-        require.expect(apart, "Region", found, "a right edge behind the left one by at least edge_m")
+        require.expect(apart, "Region", found, "a right edge at least edge_m to the right of the left one")
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:
         x = np.asarray(x_m, dtype=np.float64)
@@ -106,16 +106,16 @@ class Region:
 @checked
 @dataclass(frozen=True)
 class Bump:
-    """A bump (or, with a negative height, a hole) by slope: ``1/2 + h'(x)/(2 max |h'|)`` where it lies, 1/2 outside.
+    """A bump or hole rendered by its slope: ``1/2 + h'(x)/(2 max |h'|)``, 1/2 outside.
 
-    Friction goes with the slope of a Gaussian height of standard deviation `width_m`: the lateral force that follows
-    the slope is what is felt as a bump. The slope rule itself is unverified. A finger that moves the other way meets
-    the opposite slope: `direction` is 1 or -1.
+    The friction follows the slope of a Gaussian height of standard deviation `width_m`, since a lateral force that
+    follows the slope is felt as a bump. The slope rule is unverified. A finger that moves the other way feels the
+    opposite slope: `direction` is 1 or -1.
 
     Parameters
     ----------
     centre_m : float
-        Where the bump is highest, along the path of the finger.
+        Position of the peak, along the path of the finger.
     width_m : float
         Standard deviation of the Gaussian height.
     height_sign : int
@@ -150,20 +150,20 @@ LARGEST_TABLE, MOST_LINES = 2**20, 2**28
 @checked
 @dataclass(frozen=True)
 class Noise:
-    """A random texture with power ``f^exponent`` between two spatial frequencies, drawn from a generator once.
+    """A random texture with power ``f^exponent`` between two spatial frequencies, drawn once.
 
     Parameters
     ----------
     low_per_m, high_per_m : float
         Band (cycles per metre).
     length_m : float
-        The texture repeats after this length; its lines lie at multiples of ``1/length_m``.
+        Length after which the texture repeats; its spectral lines are multiples of ``1/length_m``.
     phases_rad : tuple of float
-        A phase per line, from `drawn`.
+        One phase per spectral line, from `drawn`.
     exponent : float
-        Of the power against spatial frequency; 0 is white in the band.
+        Exponent of the power over spatial frequency; 0 for white noise in the band.
     n_rms : float
-        The force share is ``1/2`` plus the noise scaled to `n_rms` standard deviations per half, clipped to 0..1.
+        The force share is ``1/2`` plus the noise, clipped to 0..1, where `n_rms` standard deviations make ``1/2``.
     """
 
     low_per_m: float
@@ -185,7 +185,7 @@ class Noise:
     def drawn(
         cls, low_per_m: float, high_per_m: float, length_m: float, *, rng: np.random.Generator, exponent: float = 0.0
     ) -> "Noise":
-        """Return a texture with uniform random phases.
+        """Draw a texture with uniform random phases.
 
         >>> texture = Noise.drawn(100.0, 500.0, 0.1, rng=np.random.default_rng(1))
         >>> len(texture.phases_rad)
@@ -236,12 +236,11 @@ class Velvet:
     against_pile : float
         Share when the finger slides against the pile (negative speed).
     reversal_m : float
-        After a change of direction the pile lies down over this length: an exponential transient from the share
-        before the reversal to the one after it.
+        Length over which the pile lies down after a reversal: an exponential transition from the old to the new share.
     tuft_period_m : float
-        Distance of the tufts, which modulate the friction at ``v/L``.
+        Distance L between tufts, which modulate the friction at the frequency ``v/L``.
     tuft_depth : float
-        Depth of that modulation (0..1) of the share.
+        Depth of that modulation, as a part (0..1) of the share.
     """
 
     with_pile: float = 0.3
@@ -256,7 +255,7 @@ class Velvet:
         )
 
     def force_share_along(self, x_m: ArrayLike) -> FloatArray:
-        """Return shares (n_times,) along a path, which the pile remembers.
+        """Return shares (n_times,) along a path, with the memory of the pile.
 
         >>> path_m = np.r_[np.linspace(0, 0.05, 501), np.linspace(0.05, 0, 501)[1:]]
         >>> share = Velvet(tuft_depth=0.0).force_share_along(path_m)
@@ -269,7 +268,7 @@ class Velvet:
         return self.after(path, path, None)[0]
 
     def after(self, x_m: FloatArray, y_m: FloatArray, way: Way | None) -> tuple[FloatArray, Way]:
-        """Return shares at places `x_m` that follow a path, and the path then.
+        """Return shares at positions `x_m` that continue a path, and the new path.
 
         >>> velvet, path_m = Velvet(), np.r_[np.linspace(0, 0.05, 501), np.linspace(0.05, 0, 501)[1:]]
         >>> first, way = velvet.after(path_m[:700], path_m[:700], None)
@@ -277,10 +276,8 @@ class Velvet:
         >>> bool(np.allclose(np.r_[first, second], velvet.force_share_along(path_m), rtol=0, atol=1e-15))
         True
         """
-        found = f"{len(x_m)} places and {len(y_m)} of the way"
-        require.expect(
-            len(x_m) == len(y_m) > 0, "Velvet.after.y_m", found, "as many of the way as places, at least one"
-        )
+        found = f"{len(x_m)} positions and {len(y_m)} path points"
+        require.expect(len(x_m) == len(y_m) > 0, "Velvet.after.y_m", found, "equal numbers, at least one")
         pile, then = self._pile(y_m, way or Way(float(y_m[0]), 1.0, float(y_m[0]), self.with_pile, self.with_pile))
         return pile * (1 - self.tuft_depth * (1 - np.cos(2 * np.pi * x_m / self.tuft_period_m)) / 2), then
 

@@ -14,13 +14,13 @@ class Way(NamedTuple):
     Parameters
     ----------
     y_m : float
-        Where it was last, noise left out (`without_jitter`).
+        Last position of the finger, without noise (`without_jitter`).
     direction : float
-        1 or -1, in which it moved last; 1 before it moves.
+        Last direction of motion, 1 or -1; 1 before the finger moves.
     turned_m : float
-        Where it turned last, or began.
+        Position of the last turn, or of the start.
     pile, last_pile : float
-        The share of the force at that turn and now, for a pile that remembers it.
+        Share of the force at that turn and now, for a texture with a pile.
     """
 
     y_m: float
@@ -31,9 +31,10 @@ class Way(NamedTuple):
 
 
 def without_jitter(x_m: FloatArray, y_m: float, turn_m: float) -> FloatArray:
-    """Return places (n,) that follow with a backlash of `turn_m`.
+    """Return positions (n,) that follow with a backlash of `turn_m`.
 
-    Noise within `turn_m` turns no direction: the play operator of hysteresis (Krasnosel'skii and Pokrovskii 1989).
+    Noise within `turn_m` does not change the direction. This is the play operator of hysteresis (Krasnosel'skii and
+    Pokrovskii 1989).
 
     >>> without_jitter(np.array([0.0, 2.0, 1.5, 2.5, 0.0]), 0.0, 1.0).tolist()
     [0.0, 1.0, 1.0, 1.5, 1.0]
@@ -45,7 +46,7 @@ def without_jitter(x_m: FloatArray, y_m: float, turn_m: float) -> FloatArray:
 
 
 def directions_along(path_m: FloatArray, way: Way) -> FloatArray:
-    """Return the last direction of motion, 1 or -1, at each place (n,).
+    """Return the last direction of motion, 1 or -1, at each position (n,).
 
     >>> directions_along(np.array([0.0, 0.0, -1.0, -1.0, 2.0]), Way(0.0)).tolist()
     [1.0, 1.0, -1.0, -1.0, 1.0]

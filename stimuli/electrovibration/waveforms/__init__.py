@@ -1,1 +1,1 @@
-"""Voltages as families ordered by level, exactly (pieces) and sampled."""
+"""Voltage waveforms at any level, as exact pieces and as samples."""

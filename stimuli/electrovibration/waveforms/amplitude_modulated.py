@@ -1,9 +1,9 @@
 """Amplitude-modulated carriers.
 
-By the width of pulses too, for amplifiers that switch between their supply, its negative and off.
-The attraction goes with the square of the voltage, and a finger feels its course, not the carrier. In each half period
-of the carrier the supply is on for as long as gives the mean square of the voltage asked for, and the rest of a sample
-goes on to the next half period, so that the error of the slow course does not add up.
+They are also available by pulse width, for amplifiers that switch between their supply, its negative and off. The
+attraction is quadratic in the voltage, and a finger feels its envelope, not the carrier. In each half period of the
+carrier the supply is on until the mean square of the requested voltage is reached. The remaining fraction of a sample
+is carried to the next half period, so that the error of the envelope does not accumulate.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from .pieces import Pieces, ramped as ramped_pieces
 from .waveform import LevelUnit, Ramped, check_nyquist, peak_voltage_v, times_s
 
 SHORTEST: Final = 1.0
-"""Samples of the widest pulse: below it, the force is off by more than 1 dB (simulation; unverified default)."""
+"""Fewest samples of the widest pulse; with fewer, the force errs by more than 1 dB (simulation; unverified default)."""
 Modulation = Literal["square_root", "full", "suppressed_carrier"]
 FORCE_FREQUENCY_RATIO: Mapping[str, int] = {"square_root": 1, "full": 1, "suppressed_carrier": 2}
 
@@ -36,7 +36,7 @@ SIDEBANDS: Mapping[str, tuple[tuple[float, float], ...]] = {
 class AmplitudeModulated(Ramped):
     """``V0 m(t) sin(2 pi f_c t)`` with a modulation m at the programmed frequency.
 
-    With ``c = cos(2 pi f t)`` and f the programmed frequency:
+    With ``c = cos(2 pi f t)``:
 
     ======================  ======================  ============================================
     modulation              m(t)                    low-passed force in units of V0^2 (lossless)
@@ -124,7 +124,7 @@ class AmplitudeModulated(Ramped):
 
 @dataclass(frozen=True)
 class PulsedCarrier:
-    """The waveform through one supply (V, above 0), sample by sample on, reversed or off; of the same level.
+    """A waveform of the same level from one supply (V, above 0): each sample is on, reversed or off.
 
     >>> pulsed = PulsedCarrier(AmplitudeModulated(120.0, rate_hz=250e3, ramp_s=0.0), supply_v=100.0)
     >>> asked, made = pulsed.waveform.at(34.0), pulsed.at(34.0)
@@ -144,29 +144,29 @@ class PulsedCarrier:
         return self.waveform.level_unit
 
     def at(self, level: float) -> Signal:
-        """(1, n_samples) volt.
+        """Return the samples (1, n_samples) in volt.
 
-        Raises `LimitExceeded` if a half period needs more than the supply throughout, or none a whole sample.
+        Raises `LimitExceeded` if a half period needs more than the supply, or no half period needs a whole sample.
         """
         return pulses(self.waveform.at(level), self.supply_v)
 
 
 def of_supply(waveform: AmplitudeModulated, rate_hz: float, supply_v: float) -> PulsedCarrier:
-    """Return the waveform at the clock and supply of an amplifier."""
+    """Return the waveform for the clock and supply of an amplifier."""
     return PulsedCarrier(replace(waveform, rate_hz=rate_hz), supply_v)
 
 
 def pulses(signal: Signal, supply_v: float) -> Signal:
-    """Return one pulse of the supply per run of samples of one sign.
+    """Return one pulse of the supply per run of samples with equal sign.
 
     Raises `LimitExceeded` if the mean square of a run is above that of the supply, or no run needs a whole sample.
     """
     sign = np.sign(signal.samples[0])
     starts = np.concatenate([[0], np.flatnonzero(np.diff(sign)) + 1])
     lengths = np.diff(np.concatenate([starts, [sign.size]]))
-    needed = np.add.reduceat((signal.samples[0] / supply_v) ** 2, starts)  # samples at the supply
+    needed = np.add.reduceat((signal.samples[0] / supply_v) ** 2, starts)  # number of samples at the supply
     _check_reach(needed, lengths, signal.peak, supply_v)
-    whole = np.diff(np.rint(np.cumsum(needed)), prepend=0.0).astype(np.int64)  # the sum is right to half a sample
+    whole = np.diff(np.rint(np.cumsum(needed)), prepend=0.0).astype(np.int64)  # the sum is exact to half a sample
     on = np.minimum(whole, lengths)
     edges = np.zeros(sign.size + 1)
     first = starts + (lengths - on) // 2
@@ -176,7 +176,7 @@ def pulses(signal: Signal, supply_v: float) -> Signal:
 
 
 def _check_reach(needed: FloatArray, lengths: IntArray, peak_v: float, supply_v: float) -> None:
-    """Refuse a level above the supply, or without a pulse of a sample."""
+    """Raise an error for a level above the supply or too low for a pulse."""
     share = float((needed / lengths).max(initial=0.0))
     if share > 1:
         raise LimitExceeded(
@@ -188,5 +188,5 @@ def _check_reach(needed: FloatArray, lengths: IntArray, peak_v: float, supply_v:
         raise LimitExceeded(
             f"level: found {peak_v:.4g} V, expected at least {peak_v * np.sqrt(SHORTEST / longest):.4g} V, which "
             f"pulses of {SHORTEST:g} sample at the {supply_v:.4g} V of the supply make; raise the level or the rate of "
-            "the board, or lower its supply or command it (lowest_supply_v of an output)"
+            "the board, lower its supply, or let the session set the supply (lowest_supply_v of an output)"
         )

@@ -1,4 +1,4 @@
-"""Every waveform that a study can name, by its kind: the one list of them."""
+"""Registry of the waveforms that a study can name, by kind."""
 
 from collections.abc import Mapping
 from typing import Final, NamedTuple
@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 class WaveformKind(NamedTuple):
     """Import path of a waveform class, and an example of its fields.
 
-    The fields are those without a default: with them the laws of all stimuli run, and its keys are described.
+    The example sets the fields without a default. Tests of all stimuli and the key reference use it.
     """
 
     target: str

@@ -17,20 +17,20 @@ MOST_HARMONICS = 2**20
 
 
 class Periodic(Ramped):
-    """Samples, exact pieces and force frequency of a repeated polygon with raised-cosine ramps.
+    """Base class of repeated polygons with raised-cosine ramps.
 
-    A waveform says its polygon, `corners`, how often that comes in a second, and how it is played.
+    A subclass defines its polygon, `corners`, and how many times per second it repeats.
     """
 
     band_limited: bool
 
-    if TYPE_CHECKING:  # at run time a property would be taken for the default of the field
+    if TYPE_CHECKING:  # at run time the property would become the default of the field
 
         @property
         def frequency_hz(self) -> float: ...
 
     def __post_init__(self) -> None:
-        """Refuse a frequency, duration, ramp, rate or unit that cannot be played."""
+        """Check frequency, duration, ramp, rate and unit."""
         owner = type(self).__name__
         require.positive(owner, frequency_hz=self.frequency_hz)
         require.truth(owner, band_limited=self.band_limited)
@@ -54,11 +54,11 @@ class Periodic(Ramped):
 
     @property
     def force_frequency_hz(self) -> float:
-        """Frequency of the force, doubled if half periods are opposite."""
+        """Frequency of the force, doubled if half periods have opposite signs."""
         return (2 if self.corners.is_antisymmetric else 1) * self.voltage_frequency_hz
 
     def pieces(self, level: float) -> Pieces:
-        """Return the exact voltage as pieces; a slope allows no ramp."""
+        """Return the exact voltage as pieces. Raises for slopes with a ramp."""
         unit = ramped_pieces(self.corners.pieces(self.voltage_frequency_hz, self.duration_s), self.ramp_s)
         return unit.scaled(peak_voltage_v(level, self.level_unit))
 
@@ -71,7 +71,7 @@ class Periodic(Ramped):
         return self.corners.band_limited(phase, int(np.ceil(self.rate_hz / (2 * f_hz))) - 1)
 
     def _check_width(self, name: str, width_s: float) -> None:
-        """Refuse a pulse or pause shorter than a sample."""
+        """Raise an error if a pulse or pause is shorter than a sample."""
         if not self.band_limited:
             where = f"{type(self).__name__}.{name}"
             check_pulse(where, width_s, self.rate_hz, "lengthen it, raise rate_hz or set band_limited")
@@ -79,7 +79,7 @@ class Periodic(Ramped):
 
 @dataclass(frozen=True)
 class Square(Periodic):
-    """``+V0`` for `duty` of a period, then ``-V0``. At a duty of 1/2 the force has twice the frequency.
+    """A square wave: ``+V0`` for `duty` of a period, then ``-V0``. A duty of 1/2 doubles the force frequency.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Square(Periodic):
 
 @dataclass(frozen=True)
 class Triangle(Periodic):
-    """Triangle wave from ``V0`` to ``-V0``; doubles the force frequency.
+    """A triangle wave from ``V0`` to ``-V0``, which doubles the force frequency.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ class Triangle(Periodic):
 
 @dataclass(frozen=True)
 class Trapezoid(Periodic):
-    """Trapezoid wave: rise to ``V0``, hold, fall to the low value, hold.
+    """A trapezoid wave: rise to ``V0``, hold, fall to the low value, hold.
 
     Raises `InvalidParameter` if a value is outside of its domain, or the voltage stays for less than a sample above or
     below the middle of its two values, so that samples may miss it.
@@ -155,15 +155,15 @@ class Trapezoid(Periodic):
     rise_s : float
         Duration of the rising line; 0 is a jump.
     high_s : float
-        Duration of the hold at the top; 0 leaves it out.
+        Duration of the hold at the top; 0 omits it.
     fall_s : float
         Duration of the falling line; 0 is a jump.
     low_s : float
-        Duration of the hold at the bottom; 0 leaves it out.
+        Duration of the hold at the bottom; 0 omits it.
     low_ratio : float
         Low value over ``V0``, -1 to 1; 0 (unipolar) is an unverified default.
     duration_s, ramp_s, rate_hz, level_unit
-        As in `Sine`, but without ramps by default: the first rise is one.
+        As in `Sine`, but without ramps by default, since the first rise acts as one.
     band_limited : bool
         Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
 
@@ -186,7 +186,7 @@ class Trapezoid(Periodic):
     def __post_init__(self) -> None:
         times = {name: getattr(self, name) for name in ("rise_s", "high_s", "fall_s", "low_s")}
         require.not_negative("Trapezoid", **times)
-        require.expect(sum(times.values()) > 0, "Trapezoid", "four lines of 0 s", "a period above 0 s")
+        require.expect(sum(times.values()) > 0, "Trapezoid", "four durations of 0 s", "a period longer than 0 s")
         require.finite("Trapezoid", low_ratio=self.low_ratio)
         require.expect(-1 <= self.low_ratio <= 1, "Trapezoid.low_ratio", repr(self.low_ratio), "-1 to 1")
         super().__post_init__()
@@ -244,10 +244,9 @@ class PulseTrain(Periodic):
     width_s : float
         Length of one phase of a pulse; at most a period (half of one for ``biphasic``).
     polarity : {"positive", "negative", "biphasic", "alternating"}
-        ``biphasic`` is a positive and then a negative phase; ``alternating`` changes the sign from pulse to
-        pulse, so that the voltage has half the frequency of the pulses and the force that of the pulses.
-        Positive pulses are reported to be less effective than the others, by an asymmetry that a force
-        quadratic in the voltage does not have: see `Polarity`.
+        ``biphasic`` is a positive and then a negative phase; ``alternating`` changes the sign from pulse to pulse,
+        which halves the frequency of the voltage but not of the force. Positive pulses are reported to be less
+        effective than the others. A force quadratic in the voltage does not show this asymmetry: see `Polarity`.
     band_limited : bool
         Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
 

@@ -20,24 +20,23 @@ MOST_SAMPLES = 2**28
 class Pieces:
     """A voltage in pieces, each a line plus sinusoids.
 
-    ``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before the first, held
-    after the last.
+    ``v(t) = offset + slope (t - start) + sum_k Re(c_k exp(2 pi i f_k t))`` in each piece, 0 before the first piece,
+    constant after the last.
 
     Raises `InvalidParameter` if the shapes do not fit, the starts are not ascending from 0, or a value is not finite.
 
     Parameters
     ----------
     starts_s : (n_pieces,) array
-        Ascending, from 0; a piece holds until the next one starts.
+        Starts of the pieces, ascending from 0; each piece lasts until the next start.
     end_s : float
         End of the last piece.
     offsets_v, slopes_v_per_s : (n_pieces,) arrays
         The straight line of each piece.
     frequencies_hz : (n_harmonics,) array
-        Of the sinusoids, above 0.
+        Frequencies of the sinusoids, above 0.
     amplitudes_v : (n_pieces, n_harmonics) array of complex
-        ``c_k``: its modulus is the amplitude, its argument the phase of a cosine at time 0 of the whole
-        signal.
+        ``c_k``, whose modulus is the amplitude and whose argument is the phase of the cosine at time 0 of the signal.
 
     >>> saw = Pieces(np.array([0.0, 1.0]), 2.0, np.zeros(2), np.array([1.0, 3.0]))
     >>> saw.at([0.5, 1.5, 9.0]).tolist()
@@ -73,25 +72,25 @@ class Pieces:
 
     @property
     def harmonics_v(self) -> ComplexArray:
-        """(n_pieces, n_harmonics) complex amplitudes, never None."""
+        """Complex amplitudes (n_pieces, n_harmonics), never None."""
         return np.asarray(self.amplitudes_v, dtype=np.complex128)
 
     def index(self, t_s: ArrayLike) -> IndexArray:
-        """Return the piece at each time; the last one also after its end."""
+        """Return the index of the piece at each time, the last one after the end."""
         found = np.searchsorted(self.starts_s, np.asarray(t_s, dtype=np.float64), side="right") - 1
         return np.maximum(found, 0)
 
     def at(self, t_s: ArrayLike) -> FloatArray:
         """Return the voltage at times.
 
-        It has the shape of `t_s`. At a jump it is the value after the jump; before 0 it is 0, and after the end it
-        keeps its last value.
+        It has the shape of `t_s`. At a jump it is the value after the jump. It is 0 before time 0 and constant after
+        the end.
         """
         t = np.minimum(np.asarray(t_s, dtype=np.float64), self.end_s)
         return np.where(t < 0, 0.0, self.value_in(self.index(t), t))
 
     def value_in(self, piece: IndexArray, t_s: FloatArray) -> FloatArray:
-        """Return the voltage of each `piece` at each time, inside of it or not."""
+        """Return the formula of each `piece` at each time, even outside it."""
         line = self.offsets_v[piece] + self.slopes_v_per_s[piece] * (t_s - self.starts_s[piece])
         return line + self.sinusoids(t_s, self.harmonics_v[piece])
 
@@ -104,7 +103,7 @@ class Pieces:
         return np.asarray((phases * amplitudes).sum(axis=-1).real, dtype=np.float64)
 
     def jumps_v(self) -> FloatArray:
-        """Return the jump at the start of each piece, the first from 0."""
+        """Return the jump at the start of each piece, the first one from 0 V."""
         index = np.arange(len(self.starts_s))
         after = self.value_in(index, self.starts_s)
         before = np.r_[0.0, self.value_in(index[:-1], self.starts_s[1:])]
@@ -120,7 +119,7 @@ class Pieces:
         )
 
     def split_at(self, times_s: ArrayLike) -> "Pieces":
-        """Return the same voltage with additional pieces from `times_s`."""
+        """Return the same voltage, with pieces split at `times_s`."""
         times = np.asarray(times_s, dtype=np.float64)
         starts = np.unique(np.r_[self.starts_s, times[(times > 0) & (times < self.end_s)]])
         piece = self.index(starts)
@@ -136,7 +135,7 @@ class Pieces:
 
 @checked
 def straight(times_s: ArrayLike, values_v: ArrayLike) -> Pieces:
-    """Straight lines between points; a repeated time is a jump.
+    """Return straight lines between points; a repeated time makes a jump.
 
     >>> straight([0, 1, 1, 2], [0, 1, 5, 5]).at([0.5, 1.0, 2.0]).tolist()
     [0.5, 5.0, 5.0]
@@ -144,18 +143,18 @@ def straight(times_s: ArrayLike, values_v: ArrayLike) -> Pieces:
     t = np.asarray(times_s, dtype=np.float64)
     v = np.asarray(values_v, dtype=np.float64)
     row = t.ndim == 1 and t.shape == v.shape and t.size >= 2
-    require.expect(row, "straight", f"shapes {t.shape} and {v.shape}", "two of one length")
+    require.expect(row, "straight", f"shapes {t.shape} and {v.shape}", "equal lengths")
     back = int(np.argmax(np.diff(t) < 0))
     step_back = f"{t[back + 1]} after {t[back]}"
-    require.expect(t[back + 1] >= t[back], "straight.times_s", step_back, "times that do not go back")
+    require.expect(t[back + 1] >= t[back], "straight.times_s", step_back, "times in ascending order")
     long = np.diff(t) > 0
     return Pieces(t[:-1][long], float(t[-1]), v[:-1][long], (np.diff(v)[long] / np.diff(t)[long]))
 
 
 def ramped(pieces: Pieces, ramp_s: float) -> Pieces:
-    """Multiply a voltage by raised-cosine ramps on and off, exactly.
+    """Multiply a voltage by raised-cosine onset and offset ramps, exactly.
 
-    Raises `InvalidParameter` if the voltage has a slope: a line times a cosine is not a sum of lines and sinusoids.
+    Raises `InvalidParameter` if the voltage has a slope: a line times a cosine is not a sum of a line and sinusoids.
     """
     if ramp_s == 0:
         return pieces
@@ -185,7 +184,7 @@ def _modulated(pieces: Pieces, mean: FloatArray, cosine: ComplexArray, frequency
 
 
 def _merged(pieces: Pieces, blocks: list[tuple[FloatArray, ComplexArray]]) -> Pieces:
-    """Return pieces with these sinusoids alone, of positive frequencies."""
+    """Return the pieces with these sinusoids only, at positive frequencies."""
     f_hz = np.concatenate([block[0] for block in blocks])
     c = np.concatenate([block[1] for block in blocks], axis=1)
     c = np.where(f_hz < 0, np.conj(c), c)
@@ -202,7 +201,7 @@ NODES = range(-5, 7)
 @checked
 @dataclass(frozen=True)
 class Corners:
-    """Straight lines between corners (phase in 0..1, value); two corners of one phase are a jump.
+    """Straight lines between corners (phase in 0..1, value); two corners at the same phase make a jump.
 
     >>> Corners((0, 0.5, 0.5, 1), (1, 1, -1, -1)).at([0.0, 0.5, 0.75]).tolist()
     [1.0, -1.0, -1.0]
@@ -215,10 +214,10 @@ class Corners:
         ends = (self.phases[:1], self.phases[-1:]) == ((0.0,), (1.0,))
         fit = ends and len(self.phases) == len(self.values) and (np.diff(self.phases) >= 0).all()
         found = f"{self.phases!s:.60} with {len(self.values)} values"
-        require.expect(fit, "Corners.phases", found, "a tuple that ascends from 0 to 1, and as many values")
+        require.expect(fit, "Corners.phases", found, "a tuple that ascends from 0 to 1, with one value each")
 
     def at(self, phase: ArrayLike) -> FloatArray:
-        """Values at phases in periods, of any size; from the right at a jump."""
+        """Return values at phases (in periods), after a jump if there is one."""
         p = np.mod(np.asarray(phase, dtype=np.float64), 1.0)
         left = np.searchsorted(self.phases, p, side="right") - 1
         left = np.minimum(left, len(self.phases) - 2)
@@ -240,7 +239,7 @@ class Corners:
     def harmonics(self, n: ArrayLike) -> ComplexArray:
         """Return Fourier coefficients ``c_n`` for whole n other than 0.
 
-        Integrated by parts on each line: jumps over ``2 pi i n`` and kinks over ``(2 pi i n)^2``.
+        Integration by parts on each line yields jumps over ``2 pi i n`` and kinks over ``(2 pi i n)^2``.
         """
         n = np.asarray(n, dtype=np.float64)
         if (n == 0).any() or (n != np.round(n)).any():
@@ -263,18 +262,18 @@ class Corners:
 
     @property
     def is_antisymmetric(self) -> bool:
-        """True if the sign changes after half a period, which doubles the square."""
+        """True if half periods have opposite signs, so that the force frequency doubles."""
         middles = np.concatenate([self.phases, np.mod(np.add(self.phases, 0.5), 1.0), [0.0, 1.0]])
         middles = np.unique(middles)
         probe = (middles[1:] + middles[:-1]) / 2
         return bool(np.allclose(self.at(probe), -self.at(probe + 0.5), atol=1e-12))
 
     def band_limited(self, phase: FloatArray, n_highest: int) -> FloatArray:
-        """Return the Fourier series up to `n_highest`, of peak at most 1.
+        """Return the Fourier series up to `n_highest`, with a peak of at most 1.
 
-        Cut short at an edge, the series overshoots (Gibbs, 9 % of a jump): it is scaled down to peak 1
-        where it does. One FFT samples the series 16 times finer than its highest harmonic; a polynomial through the
-        12 nearest values is exact to 1e-12 there, so the cost is that of the FFT and of 12 values per sample.
+        A truncated series overshoots at a jump (Gibbs, 9 %); it is then scaled down to peak 1. One FFT samples the
+        series 16 times finer than its highest harmonic; a polynomial through the 12 nearest values is exact to 1e-12
+        there. The cost is one FFT and 12 products per sample.
         """
         require.whole("Corners.band_limited", lowest=0, n_highest=n_highest)
         coefficients = self.harmonics(np.arange(1, n_highest + 1)) if n_highest else np.zeros(0, complex)
@@ -286,7 +285,7 @@ class Corners:
 
 
 def _between(table: FloatArray, phase: FloatArray) -> FloatArray:
-    """Interpolate one period (n_table,) by Lagrange polynomials."""
+    """Interpolate a table (n_table,) of one period by Lagrange polynomials."""
     place = phase * table.size
     left = np.floor(place)
     u, first = np.maximum(place - left, 1e-300), left.astype(np.int64)
@@ -299,7 +298,7 @@ def _between(table: FloatArray, phase: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class VoltageRecord:
-    """Samples (n_samples,) of a voltage, and their rate."""
+    """Samples (n_samples,) of a voltage and their rate."""
 
     voltage_v: FloatArray
     rate_hz: float

@@ -1,4 +1,4 @@
-"""Any voltage, as samples."""
+"""A voltage of any shape, stated by its samples."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ class Sampled(Ramped):
     Parameters
     ----------
     shape : tuple of float
-        At least two finite values, not all 0; their largest modulus stands for the peak.
+        At least two finite values, not all 0; their largest magnitude corresponds to the peak.
     rate_hz, ramp_s, level_unit
         As in `Sine`; without ramps by default.
 
@@ -45,20 +45,20 @@ class Sampled(Ramped):
 
     @property
     def voltage_frequency_hz(self) -> float:
-        """Strongest line of the spectrum; 0 if there is none."""
+        """Frequency of the strongest spectral line; 0 if there is none."""
         return strongest_hz(np.asarray(self.shape), self.rate_hz)
 
     @property
     def force_frequency_hz(self) -> float:
-        """Strongest line of the squared samples' spectrum; 0 if there is none.
+        """Strongest spectral line of the squared samples; 0 if there is none.
 
-        The square is formed at twice the rate, where it does not alias.
+        The square is computed at twice the rate to avoid aliasing.
 
         >>> t_s = np.arange(20_000) / 20_000
         >>> Sampled(tuple(np.sin(2 * np.pi * 9900 * t_s)), rate_hz=20_000.0).force_frequency_hz
         19800.0
         """
-        from scipy.signal import resample  # slow to load
+        from scipy.signal import resample  # slow import
 
         finer = resample(np.asarray(self.shape, dtype=np.float64), 2 * len(self.shape))
         return strongest_hz(finer**2, 2 * self.rate_hz)

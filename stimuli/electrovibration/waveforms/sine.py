@@ -13,7 +13,7 @@ from .waveform import LevelUnit, Ramped, check_nyquist, peak_voltage_v, times_s
 
 @dataclass(frozen=True)
 class Sine(Ramped):
-    """``V0 sin(2 pi f t + phase)``; the force, which is quadratic, vibrates at ``2 f``.
+    """A sine ``V0 sin(2 pi f t + phase)``; the force is quadratic and vibrates at ``2 f``.
 
     Parameters
     ----------
@@ -22,13 +22,13 @@ class Sine(Ramped):
     duration_s : float
         Whole length, ramps included.
     ramp_s : float
-        Raised-cosine ramp on and off; 50 ms is an unverified default.
+        Length of the raised-cosine ramps at onset and offset; 50 ms is an unverified default.
     rate_hz : float
-        Samples per second; 20 kHz is a default that leaves room for the doubled bandwidth of the force.
+        Samples per second; the default of 20 kHz leaves room for the doubled bandwidth of the force.
     phase_rad : float
         Phase at time 0.
     level_unit : {"dB re 1 V", "V"}
-        What `at` takes: decibel re 1 V peak, or volt peak.
+        Unit of the level: decibel re 1 V peak, or volt peak.
 
     >>> Sine(frequency_hz=60.0).at(20.0).peak
     10.0

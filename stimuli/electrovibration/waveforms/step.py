@@ -13,7 +13,7 @@ from .waveform import LevelUnit, Ramped, check_pulse, n_samples, peak_voltage_v,
 
 @dataclass(frozen=True)
 class Step(Ramped):
-    """0 until `onset_s`, up to ``V0`` in `rise_s`, hold, and down to 0 in `fall_s` before the end.
+    """A step: 0 until `onset_s`, rise to ``V0`` in `rise_s`, hold, fall to 0 in `fall_s` before the end.
 
     Raises `InvalidParameter` if a value is outside of its domain, the parts are longer than the whole, or the voltage
     stays for less than a sample above ``V0 / 2``, so that samples may miss it.
@@ -45,19 +45,19 @@ class Step(Ramped):
         super().__post_init__()
         parts_s = self.onset_s + self.rise_s + self.fall_s
         less = f"less than duration_s ({self.duration_s} s); lengthen the signal"
-        require.expect(parts_s < self.duration_s, "Step", f"onset, rise and fall of {parts_s} s in all", less)
+        require.expect(parts_s < self.duration_s, "Step", f"onset, rise and fall of {parts_s} s in total", less)
         end_s = min(self.duration_s - self.fall_s / 2, n_samples(self.duration_s, self.rate_hz) / self.rate_hz)
         width_s = end_s - self.onset_s - self.rise_s / 2
         check_pulse("Step.duration_s", width_s, self.rate_hz, "lengthen it or raise rate_hz")
 
     @property
     def ramp_s(self) -> float:
-        """0: rise and fall are its ramps."""
+        """0, as rise and fall act as ramps."""
         return 0.0
 
     @property
     def voltage_frequency_hz(self) -> float:
-        """0: a step has no frequency."""
+        """0, as a step has no frequency."""
         return 0.0
 
     @property
@@ -65,7 +65,7 @@ class Step(Ramped):
         return 0.0
 
     def at(self, level: float) -> Signal:
-        """(1, n_samples) volt."""
+        """Return the samples (1, n_samples) in volt."""
         samples = self.pieces(level).at(np.round(times_s(self.duration_s, self.rate_hz), 12))
         return Signal(samples[None, :], self.rate_hz, "V")
 

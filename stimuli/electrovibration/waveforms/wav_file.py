@@ -20,9 +20,9 @@ from .waveform import check_timing, peak_voltage_v, ramped
 FileLevelUnit = Literal["dB re 1 V", "V", "dB re file"]
 LARGEST_WAV: Final = 2**28
 CLIPPED_RUN: Final = 3
-"""So many neighbouring samples at full scale were cut off (unverified default)."""
+"""Number of neighbouring samples at full scale that count as clipped (unverified default)."""
 _LARGEST: Final = {"u1": 127 / 128, "i2": 1 - 2.0**-15, "i4": 1 - 2.0**-23, "f4": 1.0, "f8": 1.0}
-"""The largest sample of each form, as a part of full scale; 24 bits are read as the upper ones of 32."""
+"""Largest sample of each format; 24-bit samples are read into the upper bits of 32."""
 
 
 @dataclass(frozen=True)
@@ -30,28 +30,28 @@ class WavFile:
     """The samples of a WAV file of one channel, scaled to a level.
 
     Raises `InvalidFile` if the file cannot be read; `InvalidParameter` if a value is outside of its domain, or the file
-    has another digest, rate or length, several channels, no samples but 0, one that is not finite, or samples that were
-    cut off at full scale.
+    differs in digest, rate or length, has several channels, is silent, is clipped or contains a sample that is not
+    finite.
 
     Parameters
     ----------
     path : str
-        The file: whole numbers of 8 to 32 bits, or floating point; its path is relative to the study file.
+        Path of the file, relative to the study file: integers of 8 to 32 bits, or floating point.
     sha256 : str
         Digest that detects changes to the file. Without it the file is refused, and the error states the digest
         to write.
     rate_hz : float
-        Sampling rate of the file, stated so that data can be read without it.
+        Sampling rate of the file, stated so that data can be read without the file.
     duration_s : float
-        Duration of the file, stated so that data can be read without it.
+        Duration of the file, stated so that data can be read without the file.
     level_unit : {"dB re 1 V", "V", "dB re file"}
-        What `at` takes: the peak of the largest sample, decibel re 1 V or volt, or decibel re what is in the file.
+        Unit of the level: the peak voltage in decibel re 1 V or in volt, or decibel relative to the file.
     volts_per_unit : float, optional
-        What a sample of 1 stands for, V at the load, where the level is re the file: 1 for a file in volts.
+        Voltage at the load for a sample of 1, if the level is relative to the file: 1 for a file in volts.
     ramp_s : float
-        Raised-cosine ramp on and off; none by default.
+        Length of the raised-cosine ramps at onset and offset; none by default.
     read : bool
-        Whether the file is read now; without it nothing can be played.
+        Whether to read the file now; an unread file cannot be played.
     """
 
     path: str
@@ -67,7 +67,7 @@ class WavFile:
         require.one_of("WavFile.level_unit", self.level_unit, get_args(FileLevelUnit))
         check_timing("WavFile", self.duration_s, self.ramp_s, self.rate_hz)
         is_scaled = self.volts_per_unit is not None
-        needed = "a number beside level_unit = 'dB re file', and there alone"
+        needed = "a number if level_unit = 'dB re file', else none"
         found = "none" if self.volts_per_unit is None else f"{self.volts_per_unit:g} V"
         require.expect(is_scaled == (self.level_unit == "dB re file"), "WavFile.volts_per_unit", found, needed)
         if self.volts_per_unit is not None:
@@ -76,9 +76,9 @@ class WavFile:
             _ = self._samples
 
     def at(self, level: float) -> Signal:
-        """(1, n_samples) volt.
+        """Return the samples (1, n_samples) in volt.
 
-        Raises `InvalidParameter` if the level is none, or the file was not read.
+        Raises `InvalidParameter` if the level is invalid or the file was not read.
         """
         if self.level_unit == "dB re file":
             volts = (self.volts_per_unit or 0.0) * peak_voltage_v(level)
@@ -89,10 +89,10 @@ class WavFile:
 
     @cached_property
     def _samples(self) -> FloatArray:
-        """(n_samples,) parts of full scale."""
+        """Return the samples (n_samples,) as parts of full scale."""
         content = read_file(Path(self.path), "a WAV file", LARGEST_WAV)
         digest = sha256(content)
-        is_this = f"{digest!r}, which is that of {self.path}; write it, if this is the file that is meant"
+        is_this = f"{digest!r}, the digest of {self.path}; enter it if this is the intended file"
         require.expect(self.sha256 == digest, "WavFile.sha256", repr(self.sha256), is_this)
         try:
             wav = wav_of(content)
@@ -100,26 +100,25 @@ class WavFile:
         except ValueError as damage:
             raise InvalidParameter(f"WavFile.path: {self.path}: {damage}") from None
         rate_hz = wav.rate_hz
-        resample = f"{self.rate_hz:g} Hz, as stated; state that of the file, or resample it to that of the output"
+        resample = f"{self.rate_hz:g} Hz, as stated; state the file's rate, or resample it to the output's rate"
         require.expect(rate_hz == self.rate_hz, "WavFile.rate_hz", f"a file at {rate_hz:g} Hz", resample)
         length_s = len(samples) / rate_hz
         is_as_long = abs(length_s - self.duration_s) < 1 / rate_hz
-        require.expect(is_as_long, "WavFile.duration_s", f"{self.duration_s:g} s", f"{length_s:g} s, that of the file")
+        require.expect(is_as_long, "WavFile.duration_s", f"{self.duration_s:g} s", f"{length_s:g} s, the file's length")
         return samples
 
 
 def _one_channel(wav: Wav) -> FloatArray:
     """Return the samples of a one-channel file as parts of full scale.
 
-    Raises `ValueError` if it has several channels, or samples that are not finite, are all 0 or are cut off at full
-    scale.
+    Raises `ValueError` if it has several channels, or samples that are not finite, all 0 or clipped.
     """
     n_channels = wav.frames.shape[1]
     if n_channels != 1:
-        raise ValueError(f"found {n_channels} channels, expected one; keep the one that is meant")
+        raise ValueError(f"found {n_channels} channels, expected one; keep the intended channel")
     form = wav.frames.dtype.str[1:]
     if form not in _LARGEST:
-        raise ValueError(f"found samples of form {form}, expected whole numbers of 8 to 32 bits, or floating point")
+        raise ValueError(f"found samples of format {form}, expected whole numbers of 8 to 32 bits, or floating point")
     samples = wav.parts()[:, 0]
     _refuse_unsound(samples, _LARGEST[form], floating=form[0] == "f")
     return samples
@@ -130,10 +129,10 @@ def _refuse_unsound(samples: FloatArray, largest: float, *, floating: bool) -> N
         raise ValueError(f"found {count_of(samples.size, 'sample')}, expected at least two")
     if not np.isfinite(samples).all():
         place = int(np.argmin(np.isfinite(samples)))
-        raise ValueError(f"found {samples[place]} as sample {place}, expected finite numbers alone")
+        raise ValueError(f"found {samples[place]} as sample {place}, expected finite numbers only")
     peak = float(np.abs(samples).max())
     if peak == 0:
-        raise ValueError("found silence alone, expected a sample that is not 0")
+        raise ValueError("found only zeros, expected a sample that is not 0")
     at_end = np.abs(samples) == largest if floating else np.abs(samples) >= largest
     run = np.convolve(at_end, np.ones(CLIPPED_RUN), "valid") == CLIPPED_RUN
     if run.any():

@@ -18,7 +18,7 @@ HIGHEST_V = DOMAINS["_v"][1]
 
 @runtime_checkable
 class Waveform(Protocol):
-    """A stimulus with ramps and frequencies, as the ones of this package."""
+    """Interface of a waveform: levels, samples, ramps and frequencies."""
 
     @property
     def duration_s(self) -> float: ...
@@ -41,18 +41,18 @@ class Waveform(Protocol):
 
 
 class Ramped(Waveform):
-    """A shape with raised-cosine ramps, as high as a level states: what most waveforms have in common.
+    """Base class of most waveforms: a shape with raised-cosine ramps, scaled to a level.
 
     Parameters
     ----------
     duration_s : float
         Whole length, ramps included.
     ramp_s : float
-        Raised-cosine ramp on and off; 50 ms is an unverified default.
+        Length of the raised-cosine ramps at onset and offset; 50 ms is an unverified default.
     rate_hz : float
-        Samples per second; 20 kHz is a default that leaves room for the doubled bandwidth of the force.
+        Samples per second; the default of 20 kHz leaves room for the doubled bandwidth of the force.
     level_unit : {"dB re 1 V", "V"}
-        What `at` takes: decibel re 1 V peak, or volt peak.
+        Unit of the level: decibel re 1 V peak, or volt peak.
     """
 
     rate_hz: float
@@ -63,12 +63,12 @@ class Ramped(Waveform):
         check_timing(owner, self.duration_s, self.ramp_s, self.rate_hz)
 
     def at(self, level: float) -> Signal:
-        """Return (1, n_samples) volt, at most the peak that `level` states."""
+        """Return samples (1, n_samples) in volt, at most the peak of `level`."""
         samples = peak_voltage_v(level, self.level_unit) * ramped(self._unit(), self.ramp_s, self.rate_hz)
         return Signal(samples[None, :], self.rate_hz, "V")
 
     def _unit(self) -> FloatArray:
-        """(n_samples,) of peak 1, without ramps."""
+        """Return samples (n_samples,) of peak 1, without ramps."""
         raise NotImplementedError
 
 
@@ -108,7 +108,7 @@ def n_samples(duration_s: float, rate_hz: float) -> int:
 
 
 def check_timing(owner: str, duration_s: float, ramp_s: float, rate_hz: float) -> None:
-    """Refuse a signal with too few or many samples or too long ramps.
+    """Check the number of samples and the length of the ramps.
 
     >>> check_timing("Sine", duration_s=0.1, ramp_s=0.06, rate_hz=20e3)
     Traceback (most recent call last):
@@ -126,24 +126,24 @@ expected at most half of the duration of 0.1 s; shorten the ramp
 
 
 def check_nyquist(owner: str, name: str, frequency_hz: float, rate_hz: float) -> None:
-    """Refuse a frequency at or above half of the rate."""
+    """Raise an error if a frequency is not below half of the rate."""
     below = f"less than half of rate_hz ({rate_hz / 2} Hz); lower the frequency or raise rate_hz"
     require.expect(frequency_hz < rate_hz / 2, f"{owner}.{name}", f"{frequency_hz} Hz", below)
 
 
 def check_pulse(where: str, width_s: float, rate_hz: float, mending: str) -> None:
-    """Refuse a pulse shorter than a sample: it may fall between two of them."""
+    """Raise an error if a pulse is so short that samples may miss it."""
     expected = f"at least one sample ({1 / rate_hz:.6g} s); {mending}"
     require.expect(width_s >= 1 / rate_hz * (1 - 1e-9), where, f"a pulse of {width_s:.6g} s", expected)
 
 
 def times_s(duration_s: float, rate_hz: float) -> FloatArray:
-    """(n_samples,) times of the samples from 0."""
+    """Return the times (n_samples,) of the samples, from 0."""
     return np.arange(n_samples(duration_s, rate_hz)) / rate_hz
 
 
 def ramped(shape: FloatArray, ramp_s: float, rate_hz: float) -> FloatArray:
-    """Return `shape` (n_samples,) with raised-cosine ramps on and off.
+    """Return `shape` (n_samples,) with raised-cosine onset and offset ramps.
 
     >>> ramped(np.ones(6), 2.0, 1.0).round(3).tolist()
     [0.0, 0.5, 1.0, 1.0, 0.5, 0.0]

@@ -1,6 +1,6 @@
-"""Effects of scenes by kind, with the place of their class.
+"""Registry of the effects of scenes: kind and import path.
 
-A line is all that an effect is registered by; its place among those of its surface is where the effect acts.
+One line registers an effect. The order of the lines is the order in which effects act.
 """
 
 from collections.abc import Mapping
@@ -48,7 +48,7 @@ OF_TIME_REVERSAL: Mapping[str, str] = {
     "masking": "tactometry.stimuli.scenes.effects.masking:Masking",
 }
 OF_HYBRID: Mapping[str, str] = {
-    # what both sides know acts behind all else of either
+    # effects that both sides share act after all others
     **{kind: target for kind, target in OF_TIME_REVERSAL.items() if kind not in OF_ELECTROVIBRATION},
     **OF_ELECTROVIBRATION,
     "cross_masking": "tactometry.stimuli.scenes.effects.cross_masking:CrossMasking",

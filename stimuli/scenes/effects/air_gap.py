@@ -8,7 +8,7 @@ from ...composition.effect import Alteration, Surroundings
 
 @dataclass(frozen=True)
 class AirGap(Alteration):
-    """A gap of `gap_m`, above 0.
+    """An air gap between insulator and skin.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ class AirGap(Alteration):
     slot = "gap"
     positive = ("gap_m",)
     reads, gives = ("skin",), "skin"
-    assumes = ("the gap is even under the whole contact",)
+    assumes = ("the gap is uniform under the contact",)
 
     gap_m: float
 

@@ -17,7 +17,7 @@ FEWEST_MORE = 1.1
 
 @dataclass(frozen=True)
 class AirborneSound(Effect):
-    """The A-weighted level at `distance_m`, an unverified default; a model for ranking, not a measured level.
+    """A-weighted sound level at `distance_m` (unverified default), for ranking drives, not for absolute levels.
 
     Parameters
     ----------
@@ -30,9 +30,7 @@ class AirborneSound(Effect):
     positive = ("distance_m",)
     cures = note("add the effect airborne_sound", "sound_level_dba")
     requires = ("attenuation",)
-    assumes = (
-        "sound is that of a plate in a baffle with simply supported edges, radiated as many modes do in the mean",
-    )
+    assumes = ("sound is radiated by a baffled plate with simply supported edges, averaged over many modes",)
 
     distance_m: float = DISTANCE_M
 

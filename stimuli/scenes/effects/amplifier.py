@@ -1,4 +1,4 @@
-"""An amplifier that rolls off, in learning and in emission."""
+"""An amplifier with a roll-off, in learning and in emission."""
 
 from dataclasses import dataclass
 
@@ -9,14 +9,14 @@ EMISSION = "tactometry.stimuli.scenes.stages.emission"
 
 @dataclass(frozen=True)
 class Amplifier(Effect):
-    """A Butterworth low-pass: -3 dB at `cutoff_hz`; both defaults are unverified.
+    """An amplifier with a Butterworth low-pass; both defaults are unverified.
 
     Parameters
     ----------
     cutoff_hz : float
-        Where it is 3 dB down.
+        Frequency at which the gain is -3 dB.
     order : int
-        Of the Butterworth filter.
+        Order of the Butterworth filter.
     """
 
     kind = "amplifier"

@@ -1,4 +1,4 @@
-"""The audible-band filter: what is learnt keeps what lies above it."""
+"""Audible-band filter: learnt responses keep only higher frequencies."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class AudibleFilter(Effect):
-    """Responses above `cutoff_hz` only, before they are reversed and quantised; both defaults are unverified.
+    """Filter that removes frequencies below `cutoff_hz` before reversal and quantisation; both defaults are unverified.
 
     Parameters
     ----------
     cutoff_hz : float
-        Below which nothing is emitted.
+        Frequency below which nothing is emitted.
     flank_hz : float
         Width of the filter's flank.
     """
@@ -40,11 +40,11 @@ class AudibleFilter(Effect):
         return inaudible(learnt, self.cutoff_hz, self.flank_hz)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        """Less of the band adds up."""
+        """Return the weakening by the part of the band that is removed."""
         surface = scene.surface
         if self.cutoff_hz + self.flank_hz >= surface.f_max_hz - surface.flank_hz:
             raise InvalidParameter(
-                f"audible_filter: found a flank that ends at {self.cutoff_hz + self.flank_hz} Hz, expected it below "
-                f"that of the band, {surface.f_max_hz - surface.flank_hz} Hz; lower cutoff_hz or raise f_max_hz"
+                f"audible_filter: found a flank up to {self.cutoff_hz + self.flank_hz} Hz, expected it below the "
+                f"band's flank at {surface.f_max_hz - surface.flank_hz} Hz; lower cutoff_hz or raise f_max_hz"
             )
         return PlateContent(weakening=surface.f_max_hz / (surface.f_max_hz - self.cutoff_hz))

@@ -11,7 +11,7 @@ from ..stages.circuit import circuit_stage, of_true_area
 
 @dataclass(frozen=True)
 class BodyResistance(Alteration):
-    """A resistance above 0. With it the waveform of the force depends on the contact area.
+    """A series resistance, which makes the waveform of the force depend on the contact area.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class BodyResistance(Alteration):
         return self.stage(), circuit_stage(self.kind)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return stages under the true area, which sets the charging time."""
+        """Return stages at the true area, which sets the charging time."""
         return self.stage(), of_true_area()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:

@@ -18,14 +18,14 @@ Modulation = Literal["square_root", "full", "suppressed_carrier"]
 
 @dataclass(frozen=True)
 class Carrier(Effect):
-    """A carrier of at least twice the programmed frequency; 2 kHz is an unverified default.
+    """An amplitude-modulated carrier; 2 kHz is an unverified default.
 
     Parameters
     ----------
     carrier_hz : float
-        At least twice the programmed frequency.
+        Carrier frequency, at least twice the programmed frequency.
     modulation : {"square_root", "full", "suppressed_carrier"}
-        The envelope, as in `tactometry.stimuli.electrovibration.AmplitudeModulated`.
+        Shape of the envelope, as in `tactometry.stimuli.electrovibration.AmplitudeModulated`.
     """
 
     kind = "carrier"
@@ -45,7 +45,7 @@ class Carrier(Effect):
         from ...electrovibration.waveforms.sine import Sine
 
         if not isinstance(tone, Sine):
-            raise InvalidParameter(f"carrier: found a {type(tone).__name__} to carry, expected a sine")
+            raise InvalidParameter(f"carrier: found a {type(tone).__name__} tone, expected a sine")
         return AmplitudeModulated(
             tone.frequency_hz,
             self.carrier_hz,

@@ -18,11 +18,11 @@ TARGETS: Final = ("foci", "friction")
 class CrossMasking(Effect):
     """Masking of the `target` (foci or friction) by the other stimulus.
 
-    The threshold of the target rises by `slope` times the level of the other one above its own threshold. That they
-    mask each other so is an unverified default: no source states it of a focus and friction. 0.52 is the slope of
-    `Masking`, 13 dB by a masker of the same frequency at 25 dB.
+    The threshold of the target rises by `slope` times the level of the other stimulus above its own threshold. This is
+    an unverified default: no source states it for a focus and friction. 0.52 is the slope of `Masking`: 13 dB by a
+    masker of the same frequency at 25 dB.
 
-    Raises `InvalidParameter` if the target is another.
+    Raises `InvalidParameter` for any other target.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class CrossMasking(Effect):
 
     kind = "cross_masking"
     positive = ("slope",)
-    assumes = ("foci and friction mask each other as vibrations of one frequency do",)
+    assumes = ("foci and friction mask each other like vibrations of the same frequency",)
 
     target: str
     slope: float = MASKING_SLOPE
@@ -49,7 +49,7 @@ class CrossMasking(Effect):
         return (self._stage(levels, levels[TARGETS.index(self.target)]),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """In the one finger that feels both."""
+        """Return the stages for one finger that feels both."""
         return (self._stage(("resting_sensation_db", "sliding_sensation_db"), "sensation_db"),)
 
     def _stage(self, levels: tuple[str, str], gives: str) -> Stage:
@@ -58,7 +58,7 @@ class CrossMasking(Effect):
 
 
 def masked(target_db: "float | FloatArray", masker_db: "float | FloatArray", slope: float) -> "float | FloatArray":
-    """Return the level above a threshold that an audible masker raises."""
+    """Return the level above the threshold that a perceptible masker raises."""
     import numpy as np
 
     return target_db - slope * max(float(np.max(masker_db)), 0.0)

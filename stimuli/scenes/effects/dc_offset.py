@@ -1,4 +1,4 @@
-"""A constant added to the voltage, the peak kept."""
+"""A constant added to the voltage at an unchanged peak."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     from ...electrovibration.waveforms.waveform import Waveform
 
 LARGEST: Final = 1e6
-"""A constant a million times the tone leaves nothing of it."""
+"""Largest ratio: a constant a million times the tone leaves nothing of the tone."""
 
 
 @dataclass(frozen=True)
 class DcOffset(Effect):
-    """A constant of `ratio` times the peak of the waveform, of either sign but not 0.
+    """A constant voltage of `ratio` times the peak of the waveform.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class DcOffset(Effect):
     ratio: float
 
     def __post_init__(self) -> None:
-        sized = f"a number from {-LARGEST:g} to {LARGEST:g} other than 0; without an offset leave the effect out"
+        sized = f"a number from {-LARGEST:g} to {LARGEST:g} other than 0; omit the effect if there is no offset"
         require.expect(0 < abs(self.ratio) <= LARGEST, "DcOffset.ratio", self.ratio, sized)
 
     def __call__(self, waveform: "Waveform") -> "WithOffset":
@@ -43,8 +43,8 @@ class DcOffset(Effect):
         return WithOffset(waveform, self.ratio)
 
     def size(self, demand: Demand) -> Size:
-        found = "a constant that is switched on at once (ramp_s = 0)"
-        require.expect(demand.surface.ramp_s, "dc_offset", found, "ramps; give the tone a ramp_s above 0")
+        found = "a constant without a ramp (ramp_s = 0)"
+        require.expect(demand.surface.ramp_s, "dc_offset", found, "ramps; set ramp_s of the tone above 0")
         return Size()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:

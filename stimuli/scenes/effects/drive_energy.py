@@ -17,11 +17,11 @@ STRAIN = "tactometry.stimuli.scenes.stages.motion:PlateMotion.strain_energy_j"
 
 @dataclass(frozen=True)
 class DriveEnergy(Effect):
-    """Strain energy in the band, and the power that transducers of `capacitance_f` take of each channel.
+    """Strain energy in the band, and the electrical power of transducers of `capacitance_f`.
 
-    A drive that switches (an effect of the slot ``quantiser``) loses C dV^2 / 2 in each step; one that does not, what
-    the dielectric of `loss_tangent` turns into heat. Those of a plate of PZ27 of 1 cm^2 and
-    0.3 mm, 5.31 nF and 0.017, are unverified defaults.
+    A switching drive (an effect of the slot ``quantiser``) loses C dV^2 / 2 in each step. Other drives lose the
+    dielectric heat given by `loss_tangent`. The unverified defaults, 5.31 nF and 0.017, are those of 1 cm^2 of PZ27,
+    0.3 mm thick.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def _strain_size(demand: Demand) -> Size:
     static_to_hz = ratio * surface.f_max_hz
     n = n_modes(demand, static_to_hz)
     expected = f"at most {MOST_MODES:.2g}; loosen the accuracy"
-    expect(n <= MOST_MODES, "energy_j", f"an error of {demand.error:.2g} left, which takes {n:.2g} modes", expected)
+    expect(n <= MOST_MODES, "energy_j", f"an error budget of {demand.error:.2g}, which takes {n:.2g} modes", expected)
     return Size({"static_to_hz": static_to_hz}, lost / ratio, 4.0 * n * surface.n_transducers)
 
 

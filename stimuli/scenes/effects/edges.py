@@ -1,8 +1,8 @@
 """Edges other than simply supported: modes by Rayleigh and Ritz.
 
-Polynomials of degree p miss a frequency by ``c/p^4``, where a free edge meets a clamped one by far the most. Plate and
-model of learning are the same, so that of the phase that this turns in the reversal time only a part is seen. Constants
-are fitted to Ritz modes of 25 to 40 more degrees, with a margin, and kept by tests.
+Polynomials of degree p err in a frequency by ``c/p^4``, by far the most where a free edge meets a clamped one. Learning
+and emission use the same model, so that only a part of the resulting phase error over the reversal time is visible. The
+constants are fitted to Ritz modes of 25 to 40 more degrees, with a margin, and checked by tests.
 """
 
 from dataclasses import dataclass
@@ -19,19 +19,21 @@ OF_SINGULAR_CORNER, OF_OTHER_CORNERS = 10.0, 0.05
 """Relative error of the frequencies times the fourth power of the degree."""
 MOST_RITZ_MODES = 6000
 OF_MODES = 2000.0
-"""Operations over the square of the functions of a block, measured at 1200 to 3400 of them: 1900 to 2600."""
+"""Operations divided by the squared number of functions in a block; 1900 to 2600 were measured at 1200 to 3400
+functions."""
 SEEN = 0.05
-"""Part of the turned phase that is seen in an output."""
+"""Part of the phase error that is visible in an output."""
 
 
 @dataclass(frozen=True)
 class Edges(Alteration):
-    """Four letters of S, C, F for the edges x = 0, y = 0, x = length, y = width, other than ``SSSS``.
+    """Edges of a plate that are not all simply supported.
 
     Parameters
     ----------
     boundary : str
-        Four letters of S (supported), C (clamped) and F (free), for the edges x = 0, y = 0, x = length, y = width.
+        Four letters of S (supported), C (clamped) and F (free) other than ``SSSS``, for the edges x = 0, y = 0, x =
+        length, y = width.
     """
 
     kind = "edges"
@@ -45,8 +47,7 @@ class Edges(Alteration):
         expect(len(self.boundary) == 4 and set(self.boundary) <= set("SCF"), "Edges.boundary", found, expected)
         if self.boundary == "SSSS":
             raise InvalidParameter(
-                "Edges.boundary: found 'SSSS', which a plate has without effects, expected other edges; leave "
-                "the effect out"
+                "Edges.boundary: found 'SSSS', the default of a plate, expected other edges; remove the effect"
             )
 
     def size(self, demand: Demand) -> Size:
@@ -56,11 +57,11 @@ class Edges(Alteration):
         if error > demand.error:
             raise InvalidParameter(
                 f"accuracy: found an error of {demand.error:.2g} left for modes of edges {self.boundary}, "
-                f"expected at least {error:.2g}, which their polynomials have; loosen the accuracy, shorten "
+                f"expected at least {error:.2g}, the error of their polynomials; loosen the accuracy, shorten "
                 "reversal_s, or remove 'edges'"
             )
 
-        # the modes are found in a block for each pair of parities: an axis with like edges has two
+        # modes are solved in a block per pair of parities: an axis with equal edges has two
         p_x, p_y = degrees_called_for(demand.surface.plate, demand.once(cut_of).static_to_hz)
         n_blocks: int = 2 ** sum(self.boundary[at] == self.boundary[at + 2] for at in (0, 1))
         return Size(error=error, n_operations=OF_MODES * (pi / 4 * p_x * p_y) ** 2 / n_blocks)

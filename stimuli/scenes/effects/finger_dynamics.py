@@ -1,4 +1,4 @@
-"""Dynamics of the finger pad, which grow with the speed."""
+"""Dynamics of the finger pad, proportional to the speed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 OUTPUTS: Mapping[bool, Mapping[str, str]] = {
     True: {"lateral_n": "friction_force_n", "stretch_m": "skin_displacement_m", "events_s": "slip_events_s"},
-    False: {"deflection_m": "skin_displacement_m"},  # in full slip friction knows no motion
+    False: {"deflection_m": "skin_displacement_m"},  # in full slip friction does not depend on the motion
 }
-"""Quantities by the name of their course, of a finger that sticks and of one that slides."""
+"""Quantities by the name of their time course, for a finger that sticks and one that slides."""
 
 
 @dataclass(frozen=True)
 class FingerDynamics(Effect):
-    """Mass and stiffness as published per sliding speed; the damping, of all speeds, is an unverified default.
+    """Finger pad with the mass and stiffness published per sliding speed; the damping is an unverified default.
 
     The motion of this skin is felt instead of that of `skin_mobility`, and none of it depends on the normal force. With
     `friction` the finger slides all the time, and its friction is what it is without; with `dry_friction` it sticks and
@@ -49,7 +49,7 @@ class FingerDynamics(Effect):
 
     @property
     def natural_rad_per_s(self) -> float:
-        """Natural frequency of the undamped pad, equal at all speeds.
+        """Natural frequency of the undamped pad, the same at all speeds.
 
         Mass and stiffness are both proportional to speed.
 
@@ -82,7 +82,7 @@ class FingerDynamics(Effect):
         return motion, *courses, felt
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return the stages of the course: a pad is not linear in the attraction."""
+        """Return stages of a time course, as the pad is nonlinear in the attraction."""
         *course, _ = (replace(stage, size=None) for stage in self.stages(scene))
         return *course, spectrum_of_record("skin_spectrum", "skin_displacement_m", "skin_components"), of_true_area()
 
@@ -106,6 +106,6 @@ def stick_and_slip(*drive: Any, damping_n_s_per_m: float) -> "StickSlip":
 
 
 def read(motion: "Motion | StickSlip", name: str) -> "FloatArray":
-    """One course of a motion."""
+    """Return one time course of a motion."""
     course: FloatArray = getattr(motion, name)
     return course

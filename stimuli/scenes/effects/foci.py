@@ -14,14 +14,14 @@ PLACES = "tactometry.stimuli.scenes.stages.emission:several"
 
 @dataclass(frozen=True)
 class Foci(Effect):
-    """Additional places to focus on at the same instant.
+    """Additional foci at the same instant.
 
     Parameters
     ----------
     x_m : tuple of float
-        Place of each focus along the length, in a list.
+        Places of the foci along the length.
     y_m : tuple of float
-        Place of each focus along the width, in a list.
+        Places of the foci along the width.
 
     >>> Foci(x_m=(0.2,), y_m=(0.1,)).n
     2
@@ -35,12 +35,12 @@ class Foci(Effect):
     y_m: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        found = f"{len(self.x_m)} places beside {len(self.y_m)} of y_m"
-        expect(len(self.x_m) == len(self.y_m) > 0, "Foci.x_m", found, "as many, at least one")
+        found = f"{len(self.x_m)} places but {len(self.y_m)} of y_m"
+        expect(len(self.x_m) == len(self.y_m) > 0, "Foci.x_m", found, "equal numbers, at least one")
 
     @property
     def n(self) -> int:
-        """Number of foci, with that of the surface."""
+        """Number of foci, including that of the surface."""
         return len(self.x_m) + 1
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:

@@ -29,8 +29,8 @@ class FocusDetection(Effect):
     positive = ("reference_m",)
     reads, gives = ("felt_at_1v_m", "voltage_v"), "sensation_db"
     cures = note("add the effect focus_detection", "sensation_db")
-    assumes = ("every focus is felt as one event of displacement, whatever its course; a train by its energy in 0.2 s",)
-    rests_on = "the amplitude of a single focus at threshold (calibrated: 10 um are the thesis's)"
+    assumes = ("every focus is felt as one event of displacement, at any course; a train by its energy in 0.2 s",)
+    rests_on = "the amplitude of a single focus at threshold (calibrated: 10 um is the thesis's value)"
 
     reference_m: float = FOCUS_AT_THRESHOLD_M
 
@@ -42,7 +42,7 @@ class FocusDetection(Effect):
         return Stage("events", needs, "felt_at_1v_m", target), self.stage()
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return the stages for displacements under fingers by a signal."""
+        """Return the stages for displacements under fingers by a played signal."""
         events = Stage("events", ("t_s", "displacement_m"), "felt_m", f"{__name__}:single_events_m")
         return events, replace(self.stage(), needs=("felt_m",))
 
@@ -56,7 +56,7 @@ class FocusDetection(Effect):
 
 
 def single_event_m_per_v(t_s: "FloatArray", course: "FloatArray") -> float:
-    """Return the amplitude (m/V) of a single event as strong as a course."""
+    """Return the amplitude (m/V) of the single event equivalent to a course."""
     from ...time_reversal.stimulus.sensation import events, felt_amplitude_m
 
     times_s, peaks = events(course, 1 / float(t_s[1] - t_s[0]))

@@ -19,7 +19,7 @@ BARRED = ("gap", "leakage", "body")
 
 @dataclass(frozen=True)
 class ForceLaw(Effect):
-    """A law by its name, as in `tactometry.stimuli.electrovibration.electrostatic_force_n`.
+    """Choice of the electrostatic force law.
 
     Parameters
     ----------
@@ -44,13 +44,13 @@ class ForceLaw(Effect):
         barred = [effect.kind for slot in BARRED if (effect := scene.find(slot)) is not None]
         if self.law in LAYERLESS and barred:
             raise InvalidParameter(
-                f"force_law: found {self.law!r} beside {barred[0]!r}, for which that law has no term, expected the law "
+                f"force_law: found {self.law!r} with {barred[0]!r}, which that law ignores, expected the law "
                 f"interface or sc_layer; or remove {barred[0]!r}"
             )
         return super().stages(scene)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return the stage under a unit area, of which each contact is a multiple."""
+        """Return the stage for unit area, which is then scaled to each contact."""
         (drawn,) = self.stages(scene)
         return (replace(drawn, needs=("skin", "form_area_m2")),)
 

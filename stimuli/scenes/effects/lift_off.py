@@ -1,4 +1,4 @@
-"""Fingers at rest that the plate throws off: they press, and never pull."""
+"""Resting fingers that the plate can throw off: they press, never pull."""
 
 from dataclasses import dataclass
 from itertools import count
@@ -13,23 +13,23 @@ from ..stages.truncation import at_rest, cut_of, n_frequencies, n_modes, places_
 
 OPEN_CONTACT = "tactometry.stimuli.scenes.stages.contact"
 OF_MOTION, OF_FORCE = 0.013, 0.1
-"""Errors of a step in which the top of the band turns by a radian: they fall with its power of 4/3, and its square; at
-least 1.7 times those of a small screen with a finger of 2 N."""
+"""Errors of motion and force for a step of one radian at the top of the band. They fall with the power 4/3 and 2 of the
+step, and are at least 1.7 times those measured on a small screen under a finger of 2 N."""
 FEWEST = 2
 
 
 @dataclass(frozen=True)
 class LiftOff(Effect):
-    """The fingers of `finger_load` as contacts that open where they would pull, and close where skin and plate meet.
+    """Lift-off of the fingers of `finger_load`: contacts open where they would pull and close where skin meets plate.
 
-    The finger has no mass. Each run is solved in time for its voltage, as `one_sided_contact` does; what reads the
-    plate reads it under these fingers, and is no longer in proportion to the voltage.
+    The finger has no mass. Each run is solved in time at its voltage, as in `one_sided_contact`. All outputs of the
+    plate include these fingers and are no longer proportional to the voltage.
     """
 
     kind = "lift_off"
     requires = ("load",)
     cures = note("add the effects finger_load and lift_off", "contact_lost_s")
-    assumes = ("a finger that is thrown off has no mass, sinks back by itself and meets the plate without a rebound",)
+    assumes = ("a finger that is thrown off has no mass, relaxes back by itself and meets the plate without a rebound",)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         n = len(at_rest(scene))
@@ -42,16 +42,16 @@ class LiftOff(Effect):
         )
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Refuse lift-off in sensation, where it would take minutes for a level."""
+        """Raise an error, as lift-off would take minutes for one level."""
         raise InvalidParameter(
             "effects: found 'lift_off' where signals are felt, expected the linear contact of 'finger_load'; remove "
-            "'lift_off': a dry run tells from which level on contact is lost, `tactometry scene` what that changes"
+            "'lift_off': a dry run reports the level from which contact is lost, `tactometry scene` the effect of that"
         )
 
     def _size(self, demand: Demand) -> Size:
         load: Any = demand.find("load")
         mass_kg = load.mass_kg
-        expect(mass_kg == 0, "FingerLoad.mass_kg", mass_kg, "0 beside lift_off: two masses that meet have no law here")
+        expect(mass_kg == 0, "FingerLoad.mass_kg", mass_kg, "0 with lift_off, as no law of impact is available")
         x_m, y_m = zip(*places_m(demand), strict=True)
         forces_n = tuple(touch.force_n for touch in at_rest(demand))
         finer = next(n for n in count(FEWEST) if self._error(demand, n) <= demand.error)

@@ -8,22 +8,22 @@ from ...defaults import MASKING_SLOPE
 
 @dataclass(frozen=True)
 class Masking(Effect):
-    """A masker of the same frequency, `level_db_re_threshold` above its own threshold, above 0.
+    """A masker of the same frequency at a level above its own threshold.
 
     The threshold rises by `slope` times that level. 0.52, from 13 dB at 25 dB (Sci. Rep. 2018, doi
-    10.1038/s41598-018-22865-x), is an unverified default; so is that foci are masked alike, by a vibration in the
-    channel that feels them.
+    10.1038/s41598-018-22865-x), is an unverified default. So is its use for foci, masked by a vibration in the channel
+    that feels them.
 
     Parameters
     ----------
     level_db_re_threshold : float
-        Of the masker above its own threshold, above 0.
+        Level of the masker above its own threshold, above 0.
     slope : float
-        By how much the threshold rises with that level.
+        Rise of the threshold per dB of that level.
     """
 
     kind = "masking"
-    assumes = ("the masker is felt by the channel that feels the signal, as one of its frequency",)
+    assumes = ("the same channel feels masker and signal, as if both had the same frequency",)
     positive = ("level_db_re_threshold", "slope")
 
     level_db_re_threshold: float

@@ -12,19 +12,19 @@ from ..stages.circuit import at_voltage
 MAP = "tactometry.stimuli.scenes.stages.motion"
 MOST_NUMBERS = 5e7
 FRAMES_PER_PERIOD = 8
-"""Of the top of the band: from four on a wave is seen to move the way it goes."""
+"""Frames per period of the band's top; at least four show the true direction of a wave."""
 
 
 @dataclass(frozen=True)
 class Movie(Effect):
-    """`n_frames` at equal steps over `span_s`, the focus in the middle; by default 8 to a period of the band's top.
+    """A movie of equally spaced frames over `span_s`, with the focus instant in the middle.
 
     Parameters
     ----------
     n_frames : int, optional
-        By default 8 to a period of the band's top.
+        Number of frames. Default: 8 per period of the top of the band.
     span_s : float
-        How long it shows, the focus in the middle.
+        Duration shown, with the focus instant in the middle.
     """
 
     kind = "movie"
@@ -48,7 +48,7 @@ class Movie(Effect):
 
     def _frames_size(self, demand: Demand) -> Size:
         longest_s = 2 * min(demand.surface.reversal_s, demand.surface.after_s)
-        expected = f"at most {longest_s}, twice the shorter of reversal_s and after_s; shorten it or raise those"
+        expected = f"at most {longest_s}, twice the shorter of reversal_s and after_s; shorten it or raise them"
         expect(self.span_s <= longest_s, "movie", f"a span of {self.span_s} s", expected)
         return Size({"n_frames": self._n_frames(demand.surface), "span_s": self.span_s})
 

@@ -13,14 +13,14 @@ PATCHES = "tactometry.stimuli.scenes.stages.emission:patches"
 
 @dataclass(frozen=True)
 class Patches(Effect):
-    """Square patches of `side_m` that bend the plate along their outline; both defaults are unverified.
+    """Square patches that bend the plate along their outline; both defaults are unverified.
 
     Parameters
     ----------
     side_m : float
         Side of a square patch.
     moment_n_per_v : float
-        Bending moment per length of its outline and volt.
+        Bending moment per length of the outline and volt.
     """
 
     kind = "patches"
@@ -37,8 +37,8 @@ class Patches(Effect):
 
     def _size(self, demand: Demand) -> Size:
         surface = demand.surface
-        found = f"a side of {self.side_m} m beside TimeReversal.inset_m = {surface.inset_m}"
-        expected = f"room up to the edge; raise inset_m to {self.side_m / 2} or lower side_m"
+        found = f"a side of {self.side_m} m with TimeReversal.inset_m = {surface.inset_m}"
+        expected = f"patches within the plate; raise inset_m to {self.side_m / 2} or lower side_m"
         expect(self.side_m <= 2 * surface.inset_m, "patches", found, expected)
         return Size({"n_transducers": surface.n_transducers, "inset_m": surface.inset_m, **vars(self)})
 

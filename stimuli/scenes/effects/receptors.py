@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Receptors(Effect):
-    """The channels NP III, NP I and P, `reference_m` the displacement of the skin at threshold, at 250 Hz.
+    """Levels of the channels NP III, NP I and P above their thresholds.
 
     0.1 um and the thresholds of the channels are unverified defaults.
 
@@ -30,7 +30,7 @@ class Receptors(Effect):
     requires = ("friction",)
     reads, gives = ("skin_components",), "channels_db"
     cures = note("add the effects friction and receptors", "channels_db")
-    assumes = ("nothing sums over time",)
+    assumes = ("no temporal summation",)
     rests_on = "the displacement of the skin at threshold (by default 0.1 um at 250 Hz, unverified)"
 
     reference_m: float = THRESHOLD_M
@@ -40,7 +40,7 @@ class Receptors(Effect):
         return self.stage(), strongest
 
     def __call__(self, skin_components: "Components") -> "FloatArray":
-        """(3,): the level of each channel."""
+        """Return the level (3,) of each channel."""
         from ...perception.channels import channel_levels_db
 
         return channel_levels_db(skin_components, self.reference_m)

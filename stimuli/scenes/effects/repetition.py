@@ -1,4 +1,4 @@
-"""Foci that repeat under an envelope: the thesis's patterns."""
+"""Foci repeated under an envelope: the thesis's patterns."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, get_args
@@ -19,16 +19,16 @@ Envelope = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
 
 @dataclass(frozen=True)
 class Repetition(Effect):
-    """Foci at `repetition_hz` over `duration_s` under an envelope; every default is unverified.
+    """A train of foci under an envelope; every default is unverified.
 
     Parameters
     ----------
     repetition_hz : float
         Number of foci per second.
     duration_s : float
-        How long they go on.
+        Duration of the train.
     envelope : str
-        Their weights over that time.
+        Course of the foci's weights over the train.
     """
 
     kind = "repetition"
@@ -50,7 +50,7 @@ class Repetition(Effect):
         return max(round(self.duration_s * self.repetition_hz), 1)
 
     def __call__(self, learnt: "Responses", quantiser: "Quantiser") -> "EmittedSignal":
-        """Return a train of foci; its instant is that of the largest."""
+        """Return the emission of a train; its focus instant is the largest focus."""
         from ...time_reversal.focusing import pattern as patterns
         from ..stages.emission import EmittedSignal
 
@@ -65,6 +65,6 @@ class Repetition(Effect):
         return Size(n_operations=20.0 * self.n * surface.n_transducers * surface.rate_hz * surface.reversal_s)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        """Emissions that overlap share the voltage."""
+        """Return the weakening of overlapping emissions, which share the voltage."""
         overlap = min(scene.surface.reversal_s, self.duration_s) * self.repetition_hz
         return PlateContent(weakening=max(1.0, overlap), train_s=self.duration_s)

@@ -1,4 +1,4 @@
-"""Sensation by the spectral threshold of touch."""
+"""Sensation level by the threshold of touch over frequency."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sensitivity(Effect):
-    """Threshold by frequency, `reference_m` the displacement of the skin at threshold, at 250 Hz.
+    """Sensation level above the threshold over frequency.
 
-    0.1 um is an unverified default, as are the thresholds of the channels, of which the lowest counts.
+    The threshold is the lowest of those of the channels, which are unverified defaults, as is 0.1 um.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ class Sensitivity(Effect):
     requires = ("friction",)
     reads, gives = ("skin_components",), "sensation_db"
     cures = note("add the effects friction and sensitivity, or receptors", "sensation_db")
-    excludes = note("both are thresholds by frequency; remove 'sensitivity' or 'receptors'", "receptors")
-    assumes = ("nothing sums over time or area",)
+    excludes = note("both set the threshold over frequency; remove 'sensitivity' or 'receptors'", "receptors")
+    assumes = ("no temporal or spatial summation",)
     rests_on = "the displacement of the skin at threshold (by default 0.1 um at 250 Hz, unverified)"
 
     reference_m: float = THRESHOLD_M

@@ -1,4 +1,4 @@
-"""Shear and rotary inertia, by Mindlin's instead of the thin plate."""
+"""Shear and rotary inertia: Mindlin's plate instead of the thin plate."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

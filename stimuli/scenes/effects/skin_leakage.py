@@ -21,7 +21,7 @@ class SkinLeakage(Alteration):
     slot = "leakage"
     positive = ("corneum_resistivity_ohm_m",)
     reads, gives = ("skin",), "skin"
-    assumes = ("the corneum is the same at all frequencies",)
+    assumes = ("the corneum has the same properties at all frequencies",)
 
     corneum_resistivity_ohm_m: float = 2.0e4
 
@@ -29,7 +29,7 @@ class SkinLeakage(Alteration):
         return self.stage(), circuit_stage(self.kind)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Return the alteration alone: samples are relaxed exactly."""
+        """Return only the change of the skin, as samples are solved exactly."""
         return (self.stage(),)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:

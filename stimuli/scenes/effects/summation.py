@@ -11,12 +11,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Summation(Effect):
-    """3 dB per doubling of the area over `reference_m2`, that of the contactor of the thresholds.
+    """Spatial summation: 3 dB per doubling of the contact area relative to `reference_m2`.
 
     Parameters
     ----------
     reference_m2 : float
-        Area from which the threshold falls: that of the contactor of the published thresholds.
+        Reference area: that of the contactor of the published thresholds.
     """
 
     kind = "summation"

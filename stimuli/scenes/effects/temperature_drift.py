@@ -1,4 +1,4 @@
-"""A plate that is warmer than when it learnt."""
+"""Temperature drift of a plate since its responses were learnt."""
 
 from dataclasses import dataclass
 from math import isfinite, pi
@@ -21,7 +21,7 @@ class TemperatureDrift(Effect):
     Parameters
     ----------
     kelvin : float
-        By how much the plate is warmer than it was when it was learnt.
+        Temperature of the plate minus that at learning.
     shift_per_k : float
         Relative shift of the modal frequencies.
     """
@@ -29,7 +29,7 @@ class TemperatureDrift(Effect):
     kind = "temperature_drift"
     slot = "drift"
     in_signal = True
-    assumes = ("a warmer plate is softer, and nothing else",)
+    assumes = ("a warmer plate only becomes softer",)
 
     kelvin: float
     shift_per_k: float = FREQUENCY_SHIFT_PER_K
@@ -37,7 +37,7 @@ class TemperatureDrift(Effect):
     def __post_init__(self) -> None:
         for name in ("kelvin", "shift_per_k"):
             value = getattr(self, name)
-            expected = "a finite number other than 0; without a drift leave the effect out"
+            expected = "a finite number other than 0; omit the effect if there is no drift"
             expect(isfinite(value) and value != 0, f"TemperatureDrift.{name}", value, expected)
 
         within("TemperatureDrift", -MOST_SHIFT, MOST_SHIFT, shift_of_frequencies=self.kelvin * self.shift_per_k)
@@ -48,7 +48,7 @@ class TemperatureDrift(Effect):
         return (Stage("drift", ("screen", "foci_m"), "learnt", LEARNING, settings),)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        """Modes out of tune add up to less."""
+        """Return the weakening by the detuned modes."""
         surface = scene.surface
         turned = 2 * pi * surface.f_max_hz * self.kelvin * self.shift_per_k * surface.reversal_s / 2
         return PlateContent(weakening=float(1 + turned**2))

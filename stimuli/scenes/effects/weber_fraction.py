@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class WeberFraction(Effect):
-    """The threshold is that at `reference_n`, and in proportion to the normal force at others (Weber's law).
+    """A threshold proportional to the normal force (Weber's law).
 
-    Without it the threshold is the same at any force. 1 N is an unverified default.
+    Without this effect the threshold is the same at any force. 1 N is an unverified default.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class WeberFraction(Effect):
     positive = ("reference_n",)
     requires = ("friction", "sliding contact")
     reads, gives = ("skin_components", "contact"), "skin_components"
-    assumes = ("a fixed fraction of friction is detected at any force",)
+    assumes = ("the threshold is a fixed fraction of the friction at any force",)
 
     reference_n: float = 1.0
 

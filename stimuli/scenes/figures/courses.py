@@ -49,13 +49,13 @@ def courses(result: Result, title: str) -> Figure:
 
 
 def names(values: Mapping[str, Any], time: str = "t_s") -> list[str]:
-    """Return the outputs over time, (n_samples,) or a row for each contact."""
+    """Return the names of the outputs that are time courses."""
     n = len(values[time])
     return [name for name, value in values.items() if np.ndim(value) and np.shape(value)[-1] == n and name != time]
 
 
 def draw_course(panel: Axes, t_s: Any, course: Any, name: str, colour: str) -> None:
-    """One course with its unit; of several contacts each has a line style."""
+    """Plot one course with its unit, with a line style for each contact."""
     factor, prefix = prefix_of(float(np.abs(course).max()))
     step, rows = -(-len(t_s) // MOST_POINTS), np.atleast_2d(course)
     for n, (row, style) in enumerate(zip(rows, cycle(STYLES), strict=False), 1):
@@ -75,7 +75,7 @@ def mark(panel: Axes, result: Result, name: str) -> None:
         for event_s in events_s:
             panel.axvline(event_s * 1e3, color=FAINT, linewidth=0.5, zorder=0)
         if events_s.size:
-            panel.set_title("lines: beginnings of slip and stick", fontsize="x-small", loc="right")
+            panel.set_title("lines: onsets of slip and stick", fontsize="x-small", loc="right")
     if name == FORCE:
         factor, _ = prefix_of(float(np.abs(result.values[name]).max()))
         for load_n in loads_n(result.plan):
@@ -84,7 +84,7 @@ def mark(panel: Axes, result: Result, name: str) -> None:
 
 
 def numbers(values: Mapping[str, Any]) -> list[str]:
-    """Single numbers in words."""
+    """Format the outputs that are single numbers."""
     return [f"{label(name)}: {reading(name, value)}" for name, value in values.items() if np.ndim(value) == 0]
 
 
@@ -112,7 +112,7 @@ def label(name: str) -> str:
 
 
 def prefix_of(value: float) -> tuple[float, str]:
-    """Return the prefix that leaves a number of at least 1.
+    """Return the unit prefix that makes a number at least 1.
 
     >>> prefix_of(0.02)
     (0.001, 'm')
@@ -128,7 +128,7 @@ DIVERGING = "RdBu_r"
 
 
 def focus_sheet(result: Result, title: str) -> Figure:
-    """Plot the map, its middle and all courses, with numbers in the title."""
+    """Plot the map, its centre lines and all courses, numbers in the title."""
     values = result.values
     drawn = names(values) if "t_s" in values else []
     slid = names(values, SLIDING_TIME) if SLIDING_TIME in values else []
@@ -181,7 +181,7 @@ def _courses(figure: SubFigure, result: Result, drawn: list[str]) -> None:
             draw_course(panel, values["t_s"], values[name], name, colour)
             mark(panel, result, name)
         row[1].set(ylabel="")
-        row[1].set_title("", loc="right")  # said beside it
+        row[1].set_title("", loc="right")  # printed next to it
         row[1].set_xlim(-NEAR_S * 1e3, NEAR_S * 1e3)
     for panel in panels[-1]:
         panel.set_xlabel("time from the focus (ms)")
@@ -204,11 +204,11 @@ FRAMES_PER_S = 20
 SIZE_IN = (6.4, 4.6)
 RESOLUTION_DPI = 100
 GREYS = 31
-"""For words and lines."""
+"""Colours for text and lines."""
 
 
 class MapWriter(animation.AbstractMovieWriter):
-    """A GIF whose colours are those of a map, and greys: an own choice for each frame takes white ones, and is slow."""
+    """Writer of a GIF with the colours of a map and greys. A palette per frame would be slow and lose whites."""
 
     def setup(self, fig: Figure, outfile: Any, dpi: float | None = None) -> None:
         super().setup(fig, outfile, dpi)
@@ -238,7 +238,7 @@ def _palette() -> Image.Image:
 def write_film(result: Result, title: str, path: Path) -> None:
     """Write the frames of ``movie_m`` as GIF or MP4.
 
-    Raises `InvalidParameter` if the suffix is another, or an MP4 is asked for without ffmpeg.
+    Raises `InvalidParameter` for another suffix, or for an MP4 if ffmpeg is missing.
     """
     writer = _writer(path)
     values = result.values
@@ -254,15 +254,15 @@ def write_film(result: Result, title: str, path: Path) -> None:
             image.set_data(frame.T * 1e6)
             axes.set_title(f"{time_s * 1e6:+.0f} µs from the focus", fontsize="small")
             writer.grab_frame()
-            figure.set_layout_engine("none")  # all frames are laid out as the first
+            figure.set_layout_engine("none")  # all frames use the layout of the first
 
 
 def _writer(path: Path) -> Any:
-    expect(path.suffix in FORMATS, "--movie", repr(str(path)), f"a name that ends in {' or '.join(FORMATS)}")
+    expect(path.suffix in FORMATS, "--movie", repr(str(path)), f"a file name that ends in {' or '.join(FORMATS)}")
     if path.suffix == ".gif":
         return MapWriter(fps=FRAMES_PER_S)
-    expected = "it; install it or the package imageio-ffmpeg (the extra film), or write a .gif"
-    expect(bool(_ffmpeg()), "--movie", "no ffmpeg, which writes MP4", expected)
+    expected = "ffmpeg; install it or the package imageio-ffmpeg (the extra film), or write a .gif"
+    expect(bool(_ffmpeg()), "--movie", "no ffmpeg, which MP4 needs", expected)
     return animation.FFMpegWriter(fps=FRAMES_PER_S)
 
 

@@ -20,12 +20,12 @@ NEEDS = ("t_s", "unit_voltage", "form")
 
 
 def divider_stage() -> Stage:
-    """Return the stage of a layer's share of the voltage without losses."""
+    """Return the stage for the voltage across a layer without losses."""
     return Stage("divider", NEEDS, "unit_layer_voltage_v", f"{__name__}:divider", size=per_sample(700.0))
 
 
 def circuit_stage(effect: str) -> Stage:
-    """Return the stage that solves the circuit of a lossy effect."""
+    """Return the stage that solves the circuit with losses for an effect."""
 
     def size(demand: Demand) -> Size:
         check_ramp(demand, effect)
@@ -35,7 +35,7 @@ def circuit_stage(effect: str) -> Stage:
 
 
 def of_true_area() -> Stage:
-    """Return the stage of the force law under the true contact area."""
+    """Return the stage of the force law at the true contact area."""
     return Stage("true_area", ("area_m2",), "form_area_m2", f"{__name__}:same")
 
 
@@ -45,9 +45,9 @@ def same(area_m2: float) -> float:
 
 
 def check_ramp(demand: Demand, effect: str) -> None:
-    """Refuse a tone without a ramp."""
-    expected = "a ramp; give the tone a ramp_s above 0"
-    expect(demand.surface.ramp_s, effect, "a tone that sets in at once (ramp_s = 0)", expected)
+    """Raise an error if a tone has no ramp."""
+    expected = "a ramp; set ramp_s of the tone above 0"
+    expect(demand.surface.ramp_s, effect, "a tone without a ramp (ramp_s = 0)", expected)
 
 
 def divider(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
@@ -74,7 +74,7 @@ def spectrum_of_record(name: str, course: str, gives: str) -> Stage:
 
 
 def _fine_spectrum(demand: Demand) -> Size:
-    from .record import size  # without a threshold, nothing reads components
+    from .record import size  # components are needed only for a threshold
 
     return size(demand)
 

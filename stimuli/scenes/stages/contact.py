@@ -1,4 +1,4 @@
-"""Fingers on the plate as linear contacts, or ones that open."""
+"""Fingers on the plate as linear contacts or as contacts that open."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -26,7 +26,7 @@ def loaded_motion(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numb
     places = tuple(PointForce(contact.x_m, contact.y_m) for contact in contacts)
     screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
     amplitude, forces = np.empty_like(motion.amplitude), np.empty((len(contacts), len(motion.s)), complex)
-    for start in range(0, len(motion.s), CHUNK):  # what is computed on the way takes no more memory than these
+    for start in range(0, len(motion.s), CHUNK):  # limits the memory of intermediate results
         part = slice(start, start + CHUNK)
         free = motion.among(part)
         units = [_unit_motion(replace(free, screen=replace(screen, sources=places)), n) for n in range(len(places))]
@@ -37,7 +37,7 @@ def loaded_motion(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numb
 
 
 def contact_displacement(motion: PlateMotion, oversampling: int, x_m: Numbers, y_m: Numbers) -> FloatArray:
-    """(n_contacts, n): the displacement under every finger (m/V)."""
+    """Return the displacement (m/V) under each finger, (n_contacts, n)."""
     return motion.course(motion.of_points(tuple(zip(x_m, y_m, strict=True))), oversampling)
 
 
@@ -65,12 +65,12 @@ def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
 
 @dataclass(frozen=True, eq=False)
 class OpenedMotion(PlateMotion):
-    """The motion of a plate under fingers that may come off, per volt of the one voltage that it holds for.
+    """Motion of a plate under fingers that may lift off, per volt, valid at one voltage.
 
     Parameters
     ----------
     contacts : ContactCourses
-        Of the fingers, at `finer` steps to a sample.
+        Courses of the contacts, at `finer` steps per sample.
     finer : int
     voltage_v : float
     """
@@ -83,7 +83,7 @@ class OpenedMotion(PlateMotion):
 def opened_motion(
     motion: PlateMotion, voltage_v: float, *, x_m: Numbers, y_m: Numbers, force_n: Numbers, finer: int, **pulp: float
 ) -> PlateMotion:
-    """Return the motion at a voltage under fingers that may come off."""
+    """Return the motion at a voltage under fingers that may lift off."""
     from ...time_reversal.lift_off import one_sided_contacts
 
     if voltage_v == 0:
@@ -102,7 +102,7 @@ def opened_motion(
     )
     answers = (contacts.contact_force_n - np.asarray(force_n)[:, None]) / voltage_v
 
-    # the mean of each step stands in its middle
+    # the mean of each step is at its middle
     shift, step_s = motion.s[0].real, 1 / (finer * motion.rate_hz)
     damped = answers * np.exp(-shift * step_s * np.arange(answers.shape[1]))
     spectrum = np.fft.rfft(damped, motion.n_fft * finer)[:, : len(motion.s)] / finer
@@ -112,26 +112,26 @@ def opened_motion(
 
 
 def contact_answers(motion: PlateMotion, oversampling: int, n: int) -> FloatArray:
-    """Return the fingers' force beyond what presses them, per volt."""
-    if not isinstance(motion, OpenedMotion):  # at no voltage
+    """Return the fingers' force minus their normal force, per volt."""
+    if not isinstance(motion, OpenedMotion):  # at 0 V
         return np.zeros((n, (motion.n_samples - 1) * oversampling + 1))
     pressed_n = motion.contacts.force_n[:, None]
     answers = (motion.contacts.contact_force_n - pressed_n) / motion.voltage_v
-    # the mean over a step stands in its middle
+    # the mean of each step is at its middle
     steps, times = np.arange(answers.shape[1]) - 0.5, motion.times_s(oversampling)
     at = (times - times[0]) * motion.rate_hz * motion.finer
     return np.stack([np.interp(at, steps, answer_n) for answer_n in answers])
 
 
 def lost_s(motion: PlateMotion) -> FloatArray:
-    """(n_contacts,): for how long each finger is without contact."""
+    """Return the time without contact of each finger, (n_contacts,)."""
     if not isinstance(motion, OpenedMotion):
         return np.zeros(1)
     return np.asarray(motion.contacts.apart.sum(axis=1) / (motion.finer * motion.rate_hz))
 
 
 def _under_forces(motion: PlateMotion, forces: ComplexArray) -> PlateMotion:
-    """Return the motion with other forces (N/V) (n_contacts, n_frequencies)."""
+    """Return the motion with new contact forces (N/V), (n_contacts, n_frequencies)."""
     n = len(forces)
     oscillators, at = moving_modes(motion.screen, motion.modes_to_hz, motion.static_to_hz)
     pushed, change = np.ascontiguousarray(at[:, -n:]), -forces - motion.played[-n:]
@@ -142,7 +142,7 @@ def _under_forces(motion: PlateMotion, forces: ComplexArray) -> PlateMotion:
 
 
 def _still_m_per_n(motion: PlateMotion, places: tuple[tuple[float, float], ...]) -> FloatArray:
-    """Return the static compliance of the modes that follow."""
+    """Return the static compliance (m/N) of the modes that do not move."""
     at = np.asarray(places)
     n = len(motion.amplitude)
     shapes = values(motion.modes, at[:, 0], at[:, 1])[n:]

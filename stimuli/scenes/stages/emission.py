@@ -24,7 +24,7 @@ Points = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True, eq=False)
 class EmittedSignal:
-    """Samples (n_channels, n_samples) of the transducers per volt of peak; the focus comes at sample `focus`."""
+    """Samples (n_channels, n_samples) of the transducers per volt of peak; the focus is at sample `focus`."""
 
     samples: FloatArray
     rate_hz: float
@@ -37,7 +37,7 @@ class EmittedSignal:
 
 @dataclass(frozen=True)
 class Push:
-    """A force at a point in proportion to a voltage."""
+    """A point force proportional to a voltage."""
 
     point: PointForce
     force_n_per_v: float
@@ -54,7 +54,7 @@ def glass_plate(glass: str, length_m: float, width_m: float, thickness_m: float)
 
 
 def pushes(plate: Plate, n_transducers: int, inset_m: float, force_n_per_v: float) -> tuple[ForceSource, ...]:
-    """Points along the border."""
+    """Return point forces along the border."""
     places = border(plate, n_transducers, inset_m, inset_m)
     return tuple(Push(PointForce(place.x_m, place.y_m), force_n_per_v) for place in places)
 
@@ -62,7 +62,7 @@ def pushes(plate: Plate, n_transducers: int, inset_m: float, force_n_per_v: floa
 def patches(
     plate: Plate, n_transducers: int, inset_m: float, side_m: float, moment_n_per_v: float
 ) -> tuple[ForceSource, ...]:
-    """Patches along the border."""
+    """Return patches along the border."""
     return tuple(border(plate, n_transducers, side_m, inset_m, moment_n_per_v))
 
 
@@ -71,25 +71,25 @@ def lossless(plate: Plate, sources: tuple[ForceSource, ...]) -> Screen:
 
 
 def single(x_m: float, y_m: float) -> Points:
-    """One place to focus on."""
+    """Return one focus."""
     return ((x_m, y_m),)
 
 
 def several(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> Points:
-    """Places to focus on."""
+    """Return several foci."""
     return tuple(zip(x_m, y_m, strict=True))
 
 
 def learning(
     screen: Screen, foci: Points, rate_hz: float, reversal_s: float, f_max_hz: float, flank_hz: float
 ) -> Responses:
-    """Return the responses at the foci: band modes over the reversal time."""
+    """Return responses at the foci, of the modes in the band, of length T."""
     band = Band(0.0, f_max_hz, flank_hz)
     return Emission(band, reversal_s, rate_hz, modes_to_hz=f_max_hz).responses(screen, foci)
 
 
 def learning_colder(screen: Screen, foci: Points, kelvin: float, shift_per_k: float, **learnt: float) -> Responses:
-    """Responses of the colder plate."""
+    """Return the responses learnt on the colder plate."""
     return learning(warmed(screen, -kelvin, shift_per_k), foci, **learnt)
 
 
@@ -98,7 +98,7 @@ def analogue() -> Quantiser:
 
 
 def amplified_responses(learnt: Responses, cutoff_hz: float, order: int) -> Responses:
-    """Responses of the amplifier and the plate."""
+    """Return the responses of amplifier and plate in series."""
     return responses.through(learnt, Butterworth(cutoff_hz, order))
 
 
@@ -108,13 +108,13 @@ def amplified(emission: EmittedSignal, cutoff_hz: float, order: int) -> EmittedS
 
 
 def emit(learnt: Responses, rule: Quantiser) -> EmittedSignal:
-    """Reverse the learnt responses as the amplifier can emit them."""
+    """Reverse and quantise the learnt responses for the amplifier."""
     waveform = reversed_waveform(learnt)
     return EmittedSignal(rule.quantise(waveform, learnt.rate_hz), learnt.rate_hz, waveform.shape[1] - 1)
 
 
 def in_band(emission: EmittedSignal, f_max_hz: float, flank_hz: float, margin_s: float) -> EmittedSignal:
-    """Return the zero-phase band-limited emission, `margin_s` longer."""
+    """Return the emission in the band at zero phase, `margin_s` longer."""
     wide = through(emission, Band(0.0, f_max_hz, flank_hz), margin_s)
     rise = np.sin(np.linspace(0, np.pi / 2, round(margin_s * emission.rate_hz))) ** 2
     flat = np.ones(emission.samples.shape[1])

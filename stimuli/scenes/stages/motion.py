@@ -1,8 +1,7 @@
 """Motion of a plate under an emission, on complex frequencies.
 
-An emission without content above its band moves every mode by its receptance, whatever the sampling; on the contour
-s = sigma + i w of `tactometry.stimuli.time_reversal.responses.load` this holds without attenuation, and nothing
-wraps around.
+A band-limited emission moves every mode by its receptance at any sampling rate. The contour s = sigma + i w of
+`tactometry.stimuli.time_reversal.responses.load` makes this valid without attenuation and avoids wrap-around.
 """
 
 from collections.abc import Callable
@@ -30,14 +29,14 @@ class PlateMotion:
     ----------
     screen : Screen
     modes_to_hz, static_to_hz : float
-        Modes up to the first move, those from there to the second follow, with inertia to first order.
+        Modes up to the first frequency move. Modes up to the second follow statically, with inertia to first order.
     amplitude : (n_modes, n_frequencies) array
-        Of the modes that move (m/V).
+        Amplitudes of the moving modes (m/V).
     played : (n_channels, n_frequencies) array
     s : (n_frequencies,) array
-        Complex frequencies (rad/s), of which `n_fft` are the whole circle at `rate_hz`.
+        Complex frequencies (rad/s); `n_fft` of them span the full circle at `rate_hz`.
     focus, n_samples : int
-        The sample of the focus, and how many samples there are.
+        Sample of the focus, and number of samples.
     """
 
     screen: Screen
@@ -53,22 +52,22 @@ class PlateMotion:
 
     @property
     def modes(self) -> Modes:
-        """The modes that move, followed by those that respond statically."""
+        """The moving modes, followed by those that respond statically."""
         return self.screen.modes(self.static_to_hz)
 
     def among(self, part: slice) -> "PlateMotion":
-        """Return the motion at some of the frequencies."""
+        """Return the motion at a slice of the frequencies."""
         return replace(self, amplitude=self.amplitude[:, part], played=self.played[:, part], s=self.s[part])
 
     def turning(self, t_s: FloatArray) -> ComplexArray:
         """Return the factors that bring spectra to times from the focus."""
         t_begin_s = self.focus / self.rate_hz + t_s
         turning: ComplexArray = np.exp(np.outer(self.s, t_begin_s)) * (2 / self.n_fft)
-        turning[0] /= 2  # every other frequency stands for its negative too
+        turning[0] /= 2  # every other frequency also counts for its negative
         return turning
 
     def at_times(self, t_s: FloatArray) -> FloatArray:
-        """(n_modes, n_times): every mode at times from the focus instant (m/V)."""
+        """Return every mode at times from the focus (m/V), (n_modes, n_times)."""
         turning = self.turning(t_s)
         still, pushed = self.following, _real(self.played, turning)
         hastened = _real(self.played, turning * self.s[:, None] ** 2)
@@ -76,7 +75,7 @@ class PlateMotion:
         return np.vstack([_real(self.amplitude, turning), still @ pushed - still / stiffness @ hastened])
 
     def of_points(self, points: Points) -> ComplexArray:
-        """(n_points, n_frequencies): the spectrum of the displacement of points."""
+        """Return displacement spectra of points, (n_points, n_frequencies)."""
         place = np.asarray(points, float)
         shapes = values(self.modes, place[:, 0], place[:, 1]).T
         n = len(self.amplitude)
@@ -89,12 +88,12 @@ class PlateMotion:
         """Return the course (..., n) of a spectrum, oversampled."""
         n = (self.n_samples - 1) * oversampling + 1
         damped = oversampling * np.fft.irfft(spectrum, self.n_fft * oversampling)[..., :n]
-        # the contour lies at sigma beside the axis of frequencies, which damps everything in time
+        # the contour is shifted by sigma, which damps all signals in time
         growth = np.exp(self.s[0].real / (oversampling * self.rate_hz) * np.arange(n))
         return np.asarray(damped * growth)
 
     def times_s(self, oversampling: int) -> FloatArray:
-        """(n,): the times of a course, 0 at the focus instant."""
+        """Return the times (n,) of a course, 0 at the focus instant."""
         n = (self.n_samples - 1) * oversampling + 1
         return (np.arange(n) - self.focus * oversampling) / (oversampling * self.rate_hz)
 
@@ -107,16 +106,16 @@ class PlateMotion:
 
     @cached_property
     def stiffness_n_per_m(self) -> FloatArray:
-        """(n_following,): of the modes that follow."""
+        """Modal stiffness (n_following,) of the modes that follow statically."""
         return self.screen.plate.mass_kg * self.modes.angular_frequency_rad_per_s[len(self.amplitude) :] ** 2
 
     @cached_property
     def following(self) -> FloatArray:
-        """Static displacement (m/V) of the modes that follow."""
+        """Return the static displacement (m/V) of the modes that follow."""
         return self.screen.modal_forces(self.static_to_hz)[len(self.amplitude) :] / self.stiffness_n_per_m[:, None]
 
     def _beyond(self, points: Points) -> FloatArray:
-        """Return what higher modes do at the very place of a force."""
+        """Return the contribution of higher modes at the point of a force."""
         plate = self.screen.plate
         tail_m_per_n = plate.modal_density_s / (4 * np.pi**2 * plate.mass_kg * self.static_to_hz)
         places = [
@@ -128,7 +127,7 @@ class PlateMotion:
 def moving_modes(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Oscillators, FloatArray]:
     """Return the moving oscillators and their forces (n_modes, n_channels).
 
-    By Rayleigh and Ritz the sign of a shape is another in each solution.
+    They are returned together, as the sign of a Ritz mode may differ between solutions.
     """
     every = screen.oscillators(static_to_hz)
     n = int(np.searchsorted(every.omega_rad_per_s, 2 * np.pi * modes_to_hz, side="right"))
@@ -160,9 +159,9 @@ def plate_motion(
 def answer(
     oscillators: Oscillators, mass_kg: float, s: ComplexArray, push: Callable[[slice], ComplexArray | FloatArray]
 ) -> ComplexArray:
-    """Return the modes under generalised forces, given in chunks by `push`.
+    """Return the modes under generalised forces, supplied in chunks by `push`.
 
-    What is computed on the way takes no more memory than those.
+    Intermediate results take no more memory than the modes.
     """
     amplitude = np.empty((len(oscillators.omega_rad_per_s), len(s)), complex)
     for start in range(0, len(s), CHUNK):
@@ -172,7 +171,7 @@ def answer(
 
 
 def focus_value(motion: PlateMotion, foci: Points) -> FloatArray:
-    """(n_foci,): the displacement of the foci at the focus instant (m/V)."""
+    """Return the displacement (m/V) of the foci at their instant, (n_foci,)."""
     return _real(motion.of_points(foci), motion.turning(np.zeros(1)))[:, 0]
 
 
@@ -196,17 +195,17 @@ def _real(numbers: ComplexArray, turning: ComplexArray) -> FloatArray:
 
 
 def along(side_m: float, n: int) -> FloatArray:
-    """Places along a side, from edge to edge."""
+    """Return places along a side, from edge to edge."""
     return np.linspace(0.0, side_m, n)
 
 
 def focus_field(motion: PlateMotion, x_m: FloatArray, y_m: FloatArray) -> FloatArray:
-    """(n_x, n_y): displacement at the focus instant (m/V)."""
+    """Return the displacement (m/V) at the focus instant, (n_x, n_y)."""
     return motion.modes.field(motion.at_times(np.zeros(1))[:, 0], x_m, y_m)
 
 
 def frame_times(n_frames: int, span_s: float) -> FloatArray:
-    """Return the times of a movie's frames, the focus in the middle."""
+    """Return the times of a movie's frames, with the focus in the middle."""
     return np.linspace(-span_s / 2, span_s / 2, n_frames)
 
 

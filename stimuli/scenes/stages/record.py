@@ -1,6 +1,6 @@
 """Voltage of a played signal at the electrode, and its effects.
 
-A signal is taken as it is played, straight from sample to sample, so that any waveform is felt alike.
+A signal is linear between its samples, as it is played, so that any waveform is processed alike.
 """
 
 from math import exp, log, pi, sin
@@ -31,8 +31,8 @@ def recorded(signal: Signal, share: float) -> VoltageRecord:
     """Return the voltage of a signal, resampled if its square would alias.
 
     It has `FINER` times as many samples (band-limited) if more than a share of its power lies above a quarter of the
-    rate. The force is quadratic and has twice the bandwidth: that of a carrier of 9.9 kHz at 20 kHz would seem to
-    vibrate at 200 Hz.
+    rate. The force is quadratic and has twice the bandwidth. Without resampling, the force of a carrier of 9.9 kHz at
+    20 kHz would appear at 200 Hz.
 
     Raises `InvalidParameter` if the signal is not one channel in volt.
     """
@@ -48,7 +48,7 @@ def recorded(signal: Signal, share: float) -> VoltageRecord:
 
 
 def skin(tissue: Tissue, **layers: float) -> "Skin":
-    """Return the layers of a surface, and its deeper tissue if any."""
+    """Return the skin of a surface, with its deeper tissue if any."""
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.skin.stack import Layer
 
@@ -77,7 +77,7 @@ def components_of_record(record: VoltageRecord, course: FloatArray, padding: int
 
 
 def grown(parts: Components, area_m2: float, form_area_m2: float) -> Components:
-    """Scale the force under one area to another, proportionally."""
+    """Scale the force proportionally from one area to another."""
     return parts.times(area_m2 / form_area_m2)
 
 
@@ -87,7 +87,7 @@ N_OFFSETS = 21
 
 
 def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float) -> float:
-    """Return the largest error of a component read ``1/padding`` apart.
+    """Return the largest reading error of a component for a padding.
 
     >>> peak_error(1, 1.0, steepest_db_per_hz=0.69) < 0.03, peak_error(8, 1.0, 0.69) < 1e-4
     (True, True)
@@ -109,14 +109,14 @@ def padding_for(error: float, duration_s: float, steepest_db_per_hz: float, n: i
 
 
 def size(demand: Demand) -> Size:
-    """Return how finely the components of a record are read off."""
+    """Return the padding at which the components of a record are read."""
     n = demand.once(samples)
     padding, error = _padding(demand, n)
     return Size({"padding": padding}, error, n_operations=300.0 * padding * n)
 
 
 def size_of_record(demand: Demand) -> Size:
-    """Return the same for a played voltage of unknown length."""
+    """Return the padding for a played voltage of unknown length."""
     padding, error = _padding(demand)
     return Size({"padding": padding}, error)
 
@@ -128,20 +128,20 @@ def _padding(demand: Demand, n: int = 1) -> tuple[int, float]:
 
 
 def components_of(t_s: "FloatArray", record: "FloatArray", padding: int) -> "Components":
-    """Return the components of a record (n_samples,), its mean left out."""
-    # a period of the transform ends before the sample that would begin the next
+    """Return the components of a record (n_samples,), without its mean."""
+    # the last sample belongs to the next period of the transform
     return components(record[:-1], (record.size - 1) / float(t_s[-1]), padding)
 
 
 def _read_off(offset: float, padding: int) -> tuple[float, float]:
-    """Return height and place of a parabola's peak, `offset` off a line."""
+    """Return peak height and place read by a parabola, `offset` from a line."""
     before, at, after = (log(_transform((offset + k) / padding) / WINDOW[0]) for k in (1, 0, -1))
     away = (before - after) / (2 * (before - 2 * at + after))
     return exp(at - (before - after) * away / 4), away - offset
 
 
 def _transform(lines: float) -> float:
-    """Return the window's Fourier transform `lines` off its middle."""
+    """Return the window's Fourier transform `lines` from its centre."""
 
     def sinc(x: float) -> float:
         return 1.0 if x == 0 else sin(pi * x) / (pi * x)

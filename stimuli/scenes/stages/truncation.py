@@ -1,15 +1,15 @@
-"""Number of modes that a reading needs, by a-priori errors.
+"""Number of modes for a tolerated error, from a-priori error estimates.
 
-What modes above the band do is a pulse at the arrival of each wave, against a response that rings over the reversal:
-an energy ratio of ``2 / (pi w tau_e)``, ``tau_e = tau (1 - e^{-2T/tau})/2``. Its root is the `remainder`, of one
-transducer; the focus is the sum of all, so that 1/n of it counts.
+Modes above the band add a pulse at the arrival of each wave, while the response rings over the reversal time. The ratio
+of their energies is ``2 / (pi w tau_e)`` with ``tau_e = tau (1 - e^{-2T/tau})/2``. Its root is the `remainder` of one
+transducer. The focus is the sum of n transducers, so that 1/n of it counts.
 
-The modes up to ``r`` times the band move, those up to ``q`` times the band follow with inertia to first order: what is
-lost of the former falls as r^-5. What is lost of the latter is the static shape beside a transducer without its waves
-shorter than those at q. A patch bends the plate by a step of curvature, ``1/k^3`` along its normal: at the outline
-``int dk/k^3``, which is 1/q; at the distance d it turns, ``int e^{ikd} dk/k^3``, which is q^-1.5 over ``k_band d``. A
-point falls faster, a map has an outline in it. Under a finger, a force at a point, the modes matter that no transducer
-moves.
+Modes up to ``r`` times the band move, and modes up to ``q`` times the band follow with inertia to first order. The
+error of the former falls as r^-5. The error of the latter is the static shape near a transducer, without the waves
+shorter than those at q. A patch bends the plate by a step of curvature, ``1/k^3`` along its normal. The error is ``int
+dk/k^3``, which is 1/q, at the outline, and ``int e^{ikd} dk/k^3``, which is q^-1.5 over ``k_band d``, at the distance
+d. The error of a point force falls faster; a map contains an outline. Under a finger, which is a point force, modes
+matter that no transducer moves.
 """
 
 from dataclasses import dataclass
@@ -22,19 +22,20 @@ from ...composition.content import PlateContent
 from ...composition.effect import Demand, FingerContact, Surroundings
 
 MOVING, STILL, TURNING = 2.0, 8.0, 2.0
-"""Parts of one transducer's remainder, of the modes that move and of those that follow; where the latter turn.
+"""Errors of the moving and of the following modes, as parts of one transducer's remainder, and the factor of
+`Tail.turning`.
 
-At least 1.7 times the worst of 340 random screens, most of them with the focus beside or on a transducer."""
+They are at least 1.7 times the worst of 340 random screens, most with the focus on or next to a transducer."""
 OF_LOAD = 0.15
 MOST_COUNTED = 32
-"""Transducers of which the focus is taken to be the sum: of more of them several are at a place."""
+"""Largest number of transducers counted as independent; further ones share their place with others."""
 ROUNDING = 1e-9
 HEARD = ((1e-3, 1.1), (0.0, 1.3))
-"""How far above its band an emission is followed, by the error from which on that is enough."""
+"""Pairs of the least tolerated error and the highest frequency of an emission that counts, over the band."""
 MOST_NUMBERS = 4.5e7
-"""Modes that move times frequencies: 34 bytes each at the peak of a run with fingers, measured; 1.5 GB."""
+"""Limit of moving modes times frequencies: 34 bytes each at the measured peak of a run with fingers, 1.5 GB."""
 MOST_FOLLOWING = 3e7
-"""Modes that follow times transducers."""
+"""Limit of following modes times transducers."""
 MOST_MODES = 9e5
 MAPS = frozenset(("field_m", "movie_m"))
 
@@ -64,7 +65,7 @@ class Tail:
 
 
 def remainder(scene: Surroundings) -> float:
-    """Return the root of the energy above the band over that in it."""
+    """Return the root of the energy ratio above the band to in the band."""
     content = content_of(scene)
     tau_s = scene.surface.reversal_s
     if content.tau_s != inf:
@@ -85,10 +86,10 @@ def cut_of(demand: Demand) -> Cut:
 def cut(scene: Surroundings, error: float) -> Cut:
     """Return the fewest modes for an error.
 
-    Raises `InvalidParameter` if they are more than one run can hold.
+    Raises `InvalidParameter` if there are more than fit into one run.
     """
     surface, content = scene.surface, content_of(scene)
-    # half for the modes that move, half for those that follow, and a little for the rounding of their sum
+    # half for moving modes, half for following modes, and a little for the rounding of their sum
     half = error / (2 + ROUNDING)
     one = remainder(scene) / min(surface.n_transducers, MOST_COUNTED)
     moves = MOVING * one * content.reading + OF_LOAD * content.load
@@ -108,11 +109,11 @@ def cut(scene: Surroundings, error: float) -> Cut:
 
 
 def _distance_m(scene: Surroundings) -> float:
-    """Return the least distance of a read place to a transducer's outline."""
+    """Return the least distance from a reading point to a transducer outline."""
     from ...time_reversal.screen.transducer import border
 
     surface, content = scene.surface, content_of(scene)
-    reach_m = content.reach_m  # an outline is a square, or a point
+    reach_m = content.reach_m  # the outline is a square or a point
     centres = border(surface.plate, surface.n_transducers, surface.inset_m, surface.inset_m)
     return min(
         hypot(max(abs(x_m - centre.x_m) - reach_m, 0.0), max(abs(y_m - centre.y_m) - reach_m, 0.0))
@@ -122,7 +123,7 @@ def _distance_m(scene: Surroundings) -> float:
 
 
 def n_modes(scene: Surroundings, frequency_hz: float) -> float:
-    """About how many modes there are below a frequency."""
+    """Return the approximate number of modes below a frequency."""
     return float(scene.surface.plate.area_m2 * wavenumber_rad_per_m(scene, frequency_hz) ** 2 / (4 * pi))
 
 
@@ -135,7 +136,7 @@ def wavenumber_rad_per_m(scene: Surroundings, frequency_hz: float) -> float:
 
 
 def n_frequencies(scene: Surroundings, ends: Cut) -> int:
-    """Complex frequencies of a run."""
+    """Return the number of complex frequencies of a run."""
     surface = scene.surface
     watched_s = surface.reversal_s + content_of(scene).train_s + surface.after_s + 2 * surface.margin_s
     return int(2.1 * ends.heard_to_hz * watched_s)
@@ -153,14 +154,14 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
     following = n_static * scene.surface.n_transducers
     sizes = (moving, MOST_NUMBERS), (following, MOST_FOLLOWING), (n_static, MOST_MODES)
     numbers, most = max(sizes, key=lambda size: size[0] / size[1])
-    found = f"an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers"
+    found = f"an error budget of {error:.2g} for the modes, which takes {numbers:.2g} numbers"
     expected = f"at most {most:.2g}; loosen the accuracy, lower f_max_hz or reversal_s, or use a thicker plate"
     expect(numbers <= most, "accuracy", found, expected)
     for effect in scene.effects:
         most = effect.in_plate(scene).most_ritz_modes
         if n_static > most:
             raise InvalidParameter(
-                f"accuracy: found an error of {error:.2g} left for the modes, which takes {n_static:.0f} of a plate "
+                f"accuracy: found an error budget of {error:.2g} for the modes, {n_static:.0f} modes of a plate "
                 f"whose edges are not simply supported, expected at most {most:.0f}; loosen the accuracy, lower "
                 f"f_max_hz, or remove {effect.kind!r}"
             )
@@ -181,7 +182,7 @@ def places_m(scene: Surroundings) -> list[Place]:
 
 
 def check_on_plate(scene: Surroundings) -> None:
-    """Refuse a finger that rests outside the plate."""
+    """Raise an error if a resting finger is outside the plate."""
     plate = scene.surface.plate
     for n, (x_m, y_m) in enumerate(places_m(scene)):
         expected = f"a place on the plate of {plate.length_m} x {plate.width_m} m"
@@ -201,6 +202,6 @@ def is_away(scene: Surroundings) -> bool:
 
 
 def farther(scene: Surroundings) -> float:
-    """How much larger the focus is than what the plate does elsewhere, about."""
+    """Return the approximate ratio of the focus to the motion elsewhere."""
     surface = scene.surface
     return float((surface.plate.modal_density_s * surface.f_max_hz) ** 0.5)

@@ -12,18 +12,18 @@ SURFACES: Mapping[str, str] = {
 }
 
 REFUSES: Mapping[str, str] = note(
-    "'focus_detection' in its place: a focus is felt as one event, whose spectrum in the skin no source states, and a "
-    "train of them by the Pacinian channel alone",
+    "'focus_detection': no source states the spectrum of a focus in the skin, so that a focus is felt as one event, "
+    "and a train by the Pacinian channel alone",
     "receptors",
     "sensitivity",
     "summation",
 )
-"""Thresholds by frequency, which a plate that focuses refuses."""
+"""Thresholds over frequency, which do not apply to foci."""
 
 
 @dataclass(frozen=True)
 class Side:
-    """One side of a hybrid surface: its demand, and the names of its stages and quantities."""
+    """One side of a hybrid surface: its demand and the prefix of its names."""
 
     surface: Surface
     demand: Callable[[Demand], Demand]
@@ -31,7 +31,7 @@ class Side:
     quantity_name: Callable[[str], str] = str
 
     def place(self, stages: tuple[Stage, ...]) -> tuple[Stage, ...]:
-        """Rename stages, and size each by the demand of this side."""
+        """Rename stages and size them by the demand of this side."""
         return tuple(
             replace(
                 stage,
@@ -48,10 +48,10 @@ class Side:
 
 
 class TwoSided(Surface):
-    """A surface on which an effect acts on each side that knows it, or across both."""
+    """A surface with two sides: an effect acts on each side that supports it, or on both together."""
 
     def sides(self) -> tuple[Side, ...]:
-        """Return the side of the foci and that of friction."""
+        """Return the side of the foci and the side of the friction."""
         raise NotImplementedError
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:

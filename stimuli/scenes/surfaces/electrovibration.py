@@ -23,13 +23,13 @@ ASSUMES: Mapping[str, str] = {
     "body": "no resistance of body and source",
     "leakage": "a corneum without losses",
     "gap": "no air between insulator and skin",
-    "area": "a contact area that no force changes",
-    "mobility": "a pulp of unverified stiffness, damping and mass, where finger_dynamics does not move the skin",
-    "polarity": "the same attraction at either sign of the voltage",
+    "area": "a contact area that does not depend on force",
+    "mobility": "a pulp of unverified stiffness, damping and mass, unless finger_dynamics moves the skin",
+    "polarity": "the same attraction for both signs of the voltage",
 }
 
 AREA_M2 = 1e-4
-"""Of a contact; unverified default."""
+"""Contact area; unverified default."""
 
 SKIN_MOTION = Stage(
     "skin_motion",
@@ -37,7 +37,7 @@ SKIN_MOTION = Stage(
     "skin_components",
     "tactometry.stimuli.electrovibration.motion.skin_mobility:SkinMobility",
 )
-"""The skin moves as `SkinMobility` has it by default."""
+"""Motion of the skin by the default `SkinMobility`."""
 
 WAVEFORMS = "tactometry.stimuli.electrovibration.waveforms"
 FORCE = "tactometry.stimuli.electrovibration.attraction.force:ForceForm.force_n"
@@ -58,7 +58,7 @@ class Electrovibration(Surface):
     ramp_s : float
         Duration of the tone's rise and of its fall, at least 0.
     area_m2 : float
-        Contact area, as long as no effect makes it depend on force; 1 cm^2 is an unverified default.
+        Contact area, unless an effect makes it depend on force; 1 cm^2 is an unverified default.
     insulator_thickness_m, insulator_permittivity, corneum_thickness_m, corneum_permittivity : float
         As in `tactometry.stimuli.electrovibration.Skin`.
 
@@ -110,7 +110,7 @@ class Electrovibration(Surface):
         )
 
     def played(self, scene: Surroundings | None = None) -> "PlayedElectrovibration":
-        """Return the panel for any voltage that is played."""
+        """Return the panel that plays any voltage."""
         return PlayedElectrovibration(lossless(**self._skin()), self.area_m2, self.duration_s)
 
     def _skin(self) -> dict[str, float]:
@@ -128,12 +128,12 @@ def tone(frequency_hz: float, duration_s: float, ramp_s: float) -> "Waveform":
 
 
 def of_one_volt(waveform: "Waveform") -> "Pieces":
-    """Return the exact voltage of level 0 dB re 1 V."""
+    """Return the exact voltage at 0 dB re 1 V."""
     return waveform.pieces(0.0)
 
 
 def grid(voltage: "Pieces", n_samples: int) -> "FloatArray":
-    """Equal steps from the beginning to the end of a voltage."""
+    """Return equally spaced times from start to end of a voltage."""
     import numpy as np
 
     return np.linspace(0.0, voltage.end_s, n_samples)
@@ -151,20 +151,20 @@ def constant(value: float) -> float:
 
 @dataclass(frozen=True)
 class PlayedElectrovibration(Surface):
-    """A panel that any voltage is played on, one channel of samples.
+    """A panel that plays any voltage, one channel of samples.
 
-    What depends on the voltage alone is computed for a contact of 1 m^2: area, friction and lag are factors of its
-    components. Where one is not (a body in series, a finger that sticks), its effect asks for the true area, and so
-    does one that changes the course of friction.
+    Stages that depend only on the voltage use a contact of 1 m^2: area, friction and lag are factors of the components.
+    Effects for which this does not hold (a body in series, a finger that sticks, a changed course of friction) use the
+    true area.
 
     Parameters
     ----------
     skin : Skin
-        Insulator, corneum and tissue; what leaks, gaps and resists are effects.
+        Insulator, corneum and tissue; leakage, gap and resistance are effects.
     area_m2 : float
-        Contact area, as long as no effect makes it depend on force.
+        Contact area, unless an effect makes it depend on force.
     duration_s : float
-        How long a record is felt at a time, which its spectrum is read by.
+        Duration of a record, which sets the resolution of its spectrum.
 
     >>> PlayedElectrovibration().given
     ('signal', 'contact')
@@ -202,7 +202,7 @@ class PlayedElectrovibration(Surface):
         )
 
     def reaches(self, contact: Contact) -> bool:
-        """Return True for a sliding finger: one at rest feels no friction."""
+        """Return True for a sliding finger, as only that feels friction."""
         return contact.force_n > 0 and contact.speed_m_per_s > 0
 
 

@@ -1,4 +1,4 @@
-"""A plate that focuses with an electrode on it."""
+"""A focusing plate with an electrode on it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from .played_plates import PlayedHybrid
 
 SLIDING = "sliding_"
-"""Prefix of stages and quantities of the side that slides."""
+"""Prefix of stages and quantities of the sliding finger's side."""
 RENAMED = ("t_s", "motion", "sensation_db")
 """Quantities that both sides have."""
 
 
 @dataclass(frozen=True)
 class HybridScreen(TwoSided):
-    """A plate that focuses, with an electrode on it.
+    """A focusing plate with an electrode on it.
 
-    Fingers at rest feel the focus, the first finger that slides feels friction. For the plate all fingers are loads at
-    their places, those at rest first: while a focus lasts, a finger slides less than a tenth of a wavelength. The
-    model leaves out that the attraction bends the plate and that the focus changes friction.
+    Fingers at rest feel the focus, and the first sliding finger feels friction. All fingers load the plate at their
+    places, those at rest first, since a finger slides less than a tenth of a wavelength during a focus. The model
+    ignores that the attraction bends the plate and that the focus changes friction.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class HybridScreen(TwoSided):
     assumes: ClassVar[Mapping[str, str]] = {
         **TimeReversal.assumes,
         **Electrovibration.assumes,
-        "hybrid": "the attraction does not bend the plate, and its vibration does not lubricate the finger that slides",
+        "hybrid": "the attraction does not bend the plate, and its vibration does not lubricate the sliding finger",
     }
 
     electrovibration: Electrovibration
@@ -58,7 +58,7 @@ class HybridScreen(TwoSided):
         return plate, Side(self.electrovibration, self._sliding, lambda name: f"{SLIDING}{name}", _on_electrode)
 
     def played(self, scene: Surroundings) -> "PlayedHybrid":
-        """Return both sides as they are played."""
+        """Return the surface with both sides as played surfaces."""
         from .played_plates import PlayedHybrid
 
         return PlayedHybrid(self.electrovibration.played(), self.time_reversal.played(scene))

@@ -23,17 +23,16 @@ BOTH = "tactometry.stimuli.scenes.stages.record"
 RESTING, SLIDING = "resting_", "sliding_"
 """Prefixes of stages and quantities of one side."""
 COMMON = ("contact", "contact_force_n")
-"""Quantities of the one finger on a surface that is played; only foci move it."""
+"""Quantities that both sides share for the one finger on a played surface."""
 PLATE = "tactometry.stimuli.scenes.stages.plate"
 PRESSED = ("signal", "setup", "places_m", "contact")
 
 
 class PlayedPlate(Surface):
-    """The screen of a stimulus: plate, transducers and losses are those that its drives were made for.
+    """The screen of a stimulus, with the plate, transducers and losses that its drives were made for.
 
-    One finger rests on it, or several that share the force of a touch evenly (an unverified simplification); what is
-    computed has a row for each. `finger` is the one whose contact force is reported if no effect loads the
-    plate.
+    One finger rests on it, or several that share the force of a touch evenly (an unverified simplification), with a row
+    of results for each. Without a load effect, the contact force is that of `finger`.
     """
 
     kind = "time_reversal"
@@ -41,9 +40,9 @@ class PlayedPlate(Surface):
     effects = OF_TIME_REVERSAL
     refuses = REFUSES
     assumes: ClassVar[Mapping[str, str]] = {
-        "plate": "plate, patches and losses as the stimulus states them, at the temperature at which it learnt",
+        "plate": "plate, patches and losses as the stimulus states them, at the temperature of learning",
         "amplifier": "amplifiers without a roll-off",
-        "deflection": "a plate that moves by far less than its thickness",
+        "deflection": "a plate that moves by much less than its thickness",
     }
     touches = (FingerContact(1.0),)
 
@@ -105,7 +104,7 @@ class PlayedTimeReversal(PlayedPlate):
 class PlayedFingers(PlayedPlate):
     """A played plate under several fingers.
 
-    The finger that feels most decides a detection, and all of them a localisation.
+    A detection depends on the finger that feels most, a localisation on all fingers.
 
     Raises `InvalidParameter` if a finger rests on no place, or two are nearer to each other than a fingertip is wide.
 
@@ -113,9 +112,9 @@ class PlayedFingers(PlayedPlate):
     ----------
     setup : Setup
     places : mapping of str to Place
-        Those of the stimulus.
+        Places of the stimulus.
     fingers : tuple of str
-        The places where a finger rests, a fingertip or more from each other; by default on every one.
+        Names of the places with a finger, at least a fingertip apart. Default: all places.
     finger : Fingertip
         Finger whose contact force is reported if no effect loads the plate.
 
@@ -125,7 +124,7 @@ class PlayedFingers(PlayedPlate):
 
     assumes: ClassVar[Mapping[str, str]] = {
         **PlayedPlate.assumes,
-        "load": "fingers that do not damp what others feel",
+        "load": "fingers that do not damp the motion under other fingers",
         "fingers": "fingers that share the force of a touch evenly",
     }
 
@@ -139,7 +138,7 @@ class PlayedFingers(PlayedPlate):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The places where a finger rests."""
+        """Names of the places where a finger rests."""
         return self.fingers or tuple(self.places)
 
     @property
@@ -149,10 +148,10 @@ class PlayedFingers(PlayedPlate):
 
 @dataclass(frozen=True)
 class PlayedHybrid(TwoSided):
-    """A plate with an electrode on it, whose last channel is that of the electrode.
+    """A played plate with an electrode, which is the last channel.
 
-    Foci are felt as if the finger rested at the focus, friction while it slides, and the level is that of the stronger
-    one. Neither masks the other (an unverified simplification, which the effect `cross_masking` removes).
+    Foci are felt as if the finger rested at the focus, and friction while it slides. The level is that of the stronger
+    stimulus. Neither masks the other (an unverified simplification, which the effect `cross_masking` removes).
 
     >>> PlayedHybrid().given
     ('signal', 'contact')
@@ -165,7 +164,7 @@ class PlayedHybrid(TwoSided):
         **PlayedTimeReversal.assumes,
         **PlayedElectrovibration.assumes,
         "cross_masking": "neither foci nor friction mask the other",
-        "hybrid": "foci are felt as by a finger that rests",
+        "hybrid": "foci are felt as by a resting finger",
     }
     touches = (*PlayedTimeReversal.touches, *PlayedElectrovibration.touches)
 

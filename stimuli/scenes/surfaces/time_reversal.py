@@ -22,21 +22,21 @@ if TYPE_CHECKING:
     from .played_plates import PlayedTimeReversal
 
 OF_EVERY_STIMULUS: Final = {"tau_s", "side_m"}
-"""Fields of a `Setup` that a plate has by effects alone, and every stimulus by default."""
+"""Fields of a `Setup` that only effects set on this plate, but that every stimulus has by default."""
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
 MOST_POINTS = 4e7
 PRODUCT, DIVISION = 0.15, 15.0
-"""Operations per number in a product of matrices, and where it is divided."""
+"""Operations per number in a matrix product, alone and with division."""
 MARGIN_FLANKS = 5.0
-"""Margin around an emission, in periods of the flank: where what the flank rings is gone."""
+"""Margin around an emission, in periods of the flank, after which the ringing of the flank has decayed."""
 
 
 @dataclass(frozen=True)
 class TimeReversal(GlassPanel, Surface):
-    """A simply supported thin plate of glass without losses, pushed at points along its border by linear amplifiers.
+    """A lossless, simply supported thin glass plate, driven at points along its border by linear amplifiers.
 
-    Every default is unverified. Displacements are those below `f_max_hz`, whatever a quantiser adds above.
+    Every default is unverified. Displacements only include frequencies below `f_max_hz`.
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ class TimeReversal(GlassPanel, Surface):
     thickness_m : float
         Thickness of the plate.
     n_transducers : int
-        Their centres `inset_m` from the edges.
+        Number of transducers, with centres `inset_m` from the edges.
     force_n_per_v : float
-        Of each, as long as no effect makes it a patch.
+        Force of each transducer, unless an effect makes it a patch.
     focus_x_m : float
         Place of the focus along the length.
     focus_y_m : float
@@ -67,7 +67,7 @@ class TimeReversal(GlassPanel, Surface):
     after_s : float
         Time for which the plate is observed after the focus.
     inset_m : float
-        Of the transducers' centres, from the edges.
+        Distance of the transducers' centres from the edges.
 
     >>> from tactometry.stimuli.scenes.scene import Scene
     >>> screen = TimeReversal(n_transducers=4, f_max_hz=10e3, flank_hz=1e3, rate_hz=50e3, reversal_s=2e-3)
@@ -84,10 +84,10 @@ class TimeReversal(GlassPanel, Surface):
         "edges": "edges simply supported all around",
         "shear": "a thin plate, without shear and rotary inertia",
         "attenuation": "a plate without losses",
-        "patches": "transducers that push at points and weigh nothing",
-        "drift": "the temperature at which it learnt",
+        "patches": "transducers that are point forces without mass",
+        "drift": "the temperature of learning",
         "amplifier": "amplifiers without a roll-off",
-        "deflection": "a plate that moves by far less than its thickness",
+        "deflection": "a plate that moves by much less than its thickness",
     }
 
     force_n_per_v: float = 1e-3
@@ -118,12 +118,12 @@ class TimeReversal(GlassPanel, Surface):
 
     @property
     def plate(self) -> Plate:
-        """The plate as it is without effects."""
+        """The plate without effects."""
         return GLASSES[self.glass].plate(self.length_m, self.width_m, self.thickness_m, "SSSS")
 
     @property
     def margin_s(self) -> float:
-        """Time before and after an emission that the band limit adds."""
+        """Time that the band limit adds before and after an emission."""
         return MARGIN_FLANKS / self.flank_hz
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:
@@ -131,19 +131,19 @@ class TimeReversal(GlassPanel, Surface):
             if touch.slides:
                 raise InvalidParameter(
                     f"contacts[{n}]: found a finger that slides ({touch.speed_m_per_s} m/s) on a plate that focuses, "
-                    "expected one at rest; leave speed_m_per_s out, or take the surface 'hybrid'"
+                    "expected one at rest; remove speed_m_per_s, or use the surface 'hybrid'"
                 )
         return (*self._emission(), *self._motion(scene), *self._map())
 
     def played(self, scene: Surroundings) -> "PlayedTimeReversal":
-        """Return the plate of a stimulus with the effects that make it."""
+        """Return the plate of a stimulus, with the effects that define it."""
         from ...time_reversal.stimulus.setup import Setup
         from .played_plates import PlayedTimeReversal
 
         made = {name: value for effect in scene.effects for name, value in effect.in_setup().items()}
         stated = set(made) >= OF_EVERY_STIMULUS
-        lacking = "a plate without losses or patches where a signal is felt"
-        require.expect(stated, "effects", lacking, "both, as a stimulus has them; add 'attenuation' and 'patches'")
+        lacking = "a plate without losses or patches for a played signal"
+        require.expect(stated, "effects", lacking, "both, as in a stimulus; add 'attenuation' and 'patches'")
         panel = {field.name: getattr(self, field.name) for field in fields(GlassPanel)}
         modes_to_hz = min(self.f_max_hz + self.flank_hz, self.rate_hz / 2)
         setup = Setup(**panel, **made, modes_to_hz=modes_to_hz, learnt_s=self.reversal_s)
@@ -196,7 +196,7 @@ class TimeReversal(GlassPanel, Surface):
 
     @property
     def step_rad(self) -> float:
-        """Phase (rad) that the top of the band advances in a sample."""
+        """Phase (rad) per sample at the top of the band."""
         return 2 * pi * self.f_max_hz / self.rate_hz
 
     def _map(self) -> tuple[Stage, ...]:
@@ -222,14 +222,14 @@ class TimeReversal(GlassPanel, Surface):
         return Size(error=self.grid_error(demand), n_operations=drawn)
 
     def grid(self, demand: Demand) -> tuple[int, int]:
-        """Points along both sides, for an error of straight lines between them.
+        """Return the grid points along both sides for an interpolation error.
 
-        Raises `InvalidParameter` if they are too many.
+        Raises `InvalidParameter` if there are too many.
         """
         step_m = sqrt(8 * demand.error) / wavenumber_rad_per_m(demand, self.f_max_hz)
         n_x, n_y = ceil(self.length_m / step_m) + 1, ceil(self.width_m / step_m) + 1
-        found = f"an error of {demand.error:.2g} left for a grid, which takes {n_x} x {n_y} points"
-        expected = f"at most {MOST_POINTS:.2g} in all; loosen the accuracy or ask for focus_displacement_m"
+        found = f"an error budget of {demand.error:.2g} for a grid, which takes {n_x} x {n_y} points"
+        expected = f"at most {MOST_POINTS:.2g} in all; loosen the accuracy or request focus_displacement_m"
         require.expect(n_x * n_y <= MOST_POINTS, "field_m", found, expected)
         return n_x, n_y
 
@@ -241,7 +241,7 @@ class TimeReversal(GlassPanel, Surface):
 
 
 def _n_moved(demand: Demand) -> float:
-    """Numbers of the motion: modes that move, at every frequency."""
+    """Return the number of moving modes times frequencies."""
     ends = demand.once(cut_of)
     return n_modes(demand, ends.modes_to_hz) * n_frequencies(demand, ends)
 
@@ -266,7 +266,7 @@ def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
 
 
 def _under_finger(demand: Demand) -> Size:
-    """Return the per-volt course under a finger, which must be on the plate."""
+    """Return the per-volt course under a finger. Raises if it is off the plate."""
     check_on_plate(demand)
     return _per_sample(100.0)(demand)
 

@@ -1,1 +1,1 @@
-"""Closed forms, the design guide, which sheet of glass."""
+"""Design of screens: closed forms, the guide and the choice of glass."""

@@ -1,9 +1,9 @@
 """Closed-form theory of a focus, without simulation.
 
-Sources: diffuse wave fields (J0 correlation, Aki 1957) and a statistical theory of reverberating plates
-with equal mode weights, exponential decay and many modes; the latter is derived, not the thesis's, and
-`tactometry.stimuli.time_reversal.design.guide.OFF` says how far the simulation is from it. Symbols as in the thesis: Q
-transducers, T reversal time, tau attenuation constant, B bandwidth, T_c = modal density.
+Sources: diffuse wave fields (J0 correlation, Aki 1957) and a statistical theory of reverberating plates with equal mode
+weights, exponential decay and many modes; the latter is our derivation, not the thesis's.
+`tactometry.stimuli.time_reversal.design.guide.OFF` states how far the simulation deviates from it. Symbols as in the
+thesis: Q transducers, T reversal time, tau attenuation constant, B bandwidth, T_c = modal density.
 """
 
 import math
@@ -23,13 +23,13 @@ from ..plate.dispersion import wavenumber_rad_per_m
 from ..plate.plate import Plate
 
 CHAOTIC_KURTOSIS: Final = 2.0
-"""<phi^4> / <phi^2>^2 - 1 of Gaussian shapes."""
+"""Kurtosis <phi^4> / <phi^2>^2 - 1 of Gaussian mode shapes."""
 
 RECTANGLE_KURTOSIS: Final = 1.25
-"""The same for products of sines."""
+"""Kurtosis of products of sines."""
 
 SILENT_TAUS: Final = 40.0
-"""What is left after so many tau is less than rounding."""
+"""Number of tau after which the remainder is below rounding."""
 
 MAX_OVERLAPS: Final = 1000
 
@@ -58,7 +58,7 @@ def analogue_amplitude_ratio(reversal_s: UnboundedArray, tau_s: Positive) -> Flo
 @checked
 @dataclass(frozen=True)
 class Reverberation:
-    """The quantities that determine the contrast of a focus.
+    """Quantities that determine the contrast of a focus.
 
     Parameters
     ----------
@@ -79,12 +79,12 @@ class Reverberation:
 
     @property
     def n_modes(self) -> float:
-        """N = n_f B."""
+        """Number of modes in the band, N = n_f B."""
         return self.modal_density_s * self.bandwidth_hz
 
     @property
     def absorption(self) -> float:
-        """G = (T_c / 2 tau) coth(T / tau)."""
+        """Absorption term G = (T_c / 2 tau) coth(T / tau)."""
         return self.modal_density_s / (2 * self.tau_s) / math.tanh(self.reversal_s / self.tau_s)
 
 
@@ -101,7 +101,7 @@ def contrast_whole(room: Reverberation) -> float:
 
 @checked
 def contrast_limit(room: Reverberation) -> float:
-    """sqrt(N): what no number of transducers and no reversal time exceeds."""
+    """Return sqrt(N), the limit for any number of transducers and any T."""
     return math.sqrt(room.n_modes)
 
 
@@ -116,9 +116,9 @@ def repetition_noise_ratio(repetition_s: UnboundedArray, tau_s: Positive) -> Flo
 def repetition_amplitude_ratio(reversal_s: Positive, repetition_s: Positive, tau_s: Positive) -> float:
     """Return A / A_single in a long 1-bit train of overlapping drives.
 
-    At each instant the reversed responses of several foci add up as Gaussian signals of standard deviations
-    exp(-(s + j T_r) / tau), 0 <= s + j T_r <= T; Bussgang's gain of the sum gives the share of each:
-    the mean over s, weighted by exp(-s / tau), of (sum_j exp(-2 j T_r / tau))^(-1/2). Derived.
+    At each instant the reversed responses of several foci add up as Gaussian signals of standard deviations exp(-(s + j
+    T_r) / tau), 0 <= s + j T_r <= T. The share of each follows from Bussgang's gain of the sum: the mean over s,
+    weighted by exp(-s / tau), of (sum_j exp(-2 j T_r / tau))^(-1/2). Our derivation.
 
     >>> repetition_amplitude_ratio(6e-3, 10e-3, 3e-3)
     1.0
@@ -137,9 +137,10 @@ def repetition_amplitude_ratio(reversal_s: Positive, repetition_s: Positive, tau
 
 @checked
 def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
-    """u(r) / u(0) of a flat band in a diffuse field: 2 [k2 J1(k2 r) - k1 J1(k1 r)] / (r (k2^2 - k1^2)).
+    """Return u(r) / u(0) of a flat band in a diffuse field: 2 [k2 J1(k2 r) - k1 J1(k1 r)] / (r (k2^2 - k1^2)).
 
-    Written as the weighted mean of the Airy functions 2 J1(x) / x of both ends, which is regular at r = 0.
+    It is computed as the weighted mean of the Airy functions 2 J1(x) / x of both band limits, which is regular at r =
+    0.
     """
     r = np.asarray(radius_m, float)
     k1, k2 = wavenumber_rad_per_m(plate, [band.f_min_hz, band.f_max_hz])
@@ -171,7 +172,7 @@ def half_wavelength_m(plate: Plate, f_mean_hz: PositiveArray, alpha: Positive = 
 
 
 def _airy(x: FloatArray) -> FloatArray:
-    """2 J1(x) / x, 1 at 0."""
+    """Return 2 J1(x) / x, 1 at 0."""
     from scipy.special import j1
 
     safe = np.where(np.abs(x) < 1e-4, 1.0, x)
@@ -180,12 +181,12 @@ def _airy(x: FloatArray) -> FloatArray:
 
 @checked
 def patch_response(plate: Plate, side_m: Positive, band: Band) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return frequencies, and W^2 and W^4 of a patch averaged over angles.
+    """Return frequencies and a patch's W^2 and W^4 averaged over angles.
 
     A patch with a moment along its outline moves a mode by the mean of its curvature over the patch: a wave along the
-    angle theta by W = sinc(k s cos(theta) / 2) sinc(k s sin(theta) / 2), s the side. Derived. A patch as long as the
-    wave passes some directions and not others, and all patches pass the same: the square of the mean of W^2 in place of
-    the mean of W^4 would count the modes of those others.
+    angle theta by W = sinc(k s cos(theta) / 2) sinc(k s sin(theta) / 2), s the side. Our derivation. A patch as long as
+    the wave passes some directions and blocks others, the same for all patches. The square of the mean of W^2 instead
+    of the mean of W^4 would count the blocked modes too.
     """
     f = np.linspace(max(band.f_min_hz, 1.0), band.f_max_hz, 200)
     half = wavenumber_rad_per_m(plate, f) * side_m / 2
@@ -209,7 +210,7 @@ def passed_hz(plate: Plate, side_m: float, band: Band) -> float:
 
 @checked
 def effective_hz(plate: Plate, side_m: float, band: Band) -> float:
-    """Bandwidth of as many equal modes: (integral of W^2)^2 / integral of W^4."""
+    """Bandwidth of equally many equal modes, (int W^2)^2 / int W^4."""
     f, squared, fourth = patch_response(plate, side_m, band)
     return float(np.trapezoid(squared, f) ** 2 / np.trapezoid(fourth, f))
 

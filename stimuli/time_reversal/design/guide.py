@@ -1,8 +1,8 @@
 """The design guide for screens (thesis 3.5).
 
-It answers with what closed forms predict for the recommendation (`OFF` says how far the simulation is from them), and
-says of each target that cannot be reached why not and what would have to change. Its rule for time constants is T = 2
-tau <= T_r (86 % of the 1-bit amplitude), an own rule: the thesis's recommendation was not found.
+It returns the predictions of closed forms for the recommended design (`OFF` states how far the simulation deviates).
+For each target out of reach it states the reason and the necessary change. The rule T = 2 tau <= T_r (86 % of the 1-bit
+amplitude) is our own, as we did not find the thesis's recommendation.
 """
 
 import math
@@ -40,18 +40,19 @@ OFF: Final[Mapping[str, tuple[float, float]]] = {
     "contrast": (-0.25, 0.15),
     "amplitude": (-0.25, 0.15),
 }
-"""Simulation over law, less 1: the least and the most, of the mean of four foci in the middle of the plate.
+"""Least and largest relative deviation of the simulation from the law, averaged over four foci in the middle of the
+plate.
 
 Measured on 520 screens: glass of 297 x 210 and 210 x 148 mm, 0.3 to 4 mm thick, edges supported, 8 to 64 patches of 2
-to 10 mm in a row 12 mm from the edge, tau of 1 to 8 ms, T of 0.5 to 4 tau, bands from 1-10 to 36-108 kHz; in so far as
-the field is diffuse (`Design.is_diffuse`). Nine of ten lie within -8 to 4 %, -13 to 4 % and -14 to 5 %.
+to 10 mm in a row 12 mm from the edge, tau of 1 to 8 ms, T of 0.5 to 4 tau, bands from 1-10 to 36-108 kHz, if the field
+is diffuse (`Design.is_diffuse`). Nine of ten screens are within -8 to 4 %, -13 to 4 % and -14 to 5 %.
 """
 
 FEWEST_CROSSINGS: Final = 3.0
 FEWEST_MODES: Final = 40.0
 MAX_TRANSDUCERS: Final = 256
 STRESS_MAX_PA: Final = 20e6
-"""Bending stress that annealed glass bears for long under a finger; unverified default."""
+"""Long-term limit of the bending stress of annealed glass under a finger; unverified default."""
 
 FINGER_FORCE_N: Final = 2.0
 FINGER_DIAMETER_M: Final = 10e-3
@@ -74,7 +75,7 @@ class Transducers:
 @checked
 @dataclass(frozen=True)
 class Target:
-    """Design targets; None for a quantity without a target.
+    """Design targets, None for a quantity without a target.
 
     Parameters
     ----------
@@ -85,7 +86,7 @@ class Target:
     amplitude_m : float, optional
         Smallest displacement at the focus without a finger.
     repetition_hz : float, optional
-        Rate at which foci follow one another.
+        Number of foci per second.
     """
 
     resolution_m: Positive | None = None
@@ -97,7 +98,7 @@ class Target:
 @checked
 @dataclass(frozen=True)
 class Design:
-    """A screen in numbers, enough for the closed forms."""
+    """The parameters of a screen that the closed forms need."""
 
     plate: Plate
     transducers: Transducers
@@ -109,7 +110,7 @@ class Design:
     def __post_init__(self) -> None:
         held = n_held(self.plate, self.transducers.side_m)
         found = f"{self.transducers.n} patches of {self.transducers.side_m * 1e3:.3g} mm"
-        expected = f"at most {held} along the edges of the plate; take fewer or smaller ones"
+        expected = f"at most {held} along the edges of the plate; use fewer or smaller ones"
         expect(self.transducers.n <= held, "Transducers", found, expected)
 
     @property
@@ -119,14 +120,14 @@ class Design:
 
     @property
     def overlap_ratio(self) -> float:
-        """Share of the amplitude left by overlapping drives."""
+        """Part of the amplitude that remains if drives overlap."""
         if self.repetition_s is None or self.repetition_s >= self.reversal_s:
             return 1.0
         return repetition_amplitude_ratio(self.reversal_s, self.repetition_s, self.tau_s)
 
     @property
     def reverberation(self) -> Reverberation:
-        """N_eff = n_f (integral of W^2)^2 / integral of W^4, of weighted modes."""
+        """Reverberation with N_eff = n_f (int W^2)^2 / int W^4 weighted modes."""
         return Reverberation(
             self.transducers.n, effective_hz(*self._weighting), self.tau_s, self.reversal_s, self.plate.modal_density_s
         )
@@ -164,8 +165,8 @@ class Design:
         """Expected focus amplitude of the 1-bit drive in a diffuse field.
 
         A = V Q sqrt(2/pi) tau (1 - exp(-T/tau)) sigma with sigma^2 = n_f / 2 (m A_p / (M c))^2 times the integral of
-        W^2 over the band; W is the low-pass of the patch, averaged over directions. Derived; see `OFF`. Drives that
-        overlap, T above T_r, take `closed_forms.repetition_amplitude_ratio` of it.
+        W^2 over the band; W is the low-pass of the patch, averaged over directions. Our derivation; see `OFF`. If
+        drives overlap (T above T_r), `closed_forms.repetition_amplitude_ratio` scales it.
         """
         plate, patches = self.plate, self.transducers
         push = patches.moment_n_per_v * patches.side_m**2 / (plate.mass_kg * plate.wave_constant_m2_per_s)
@@ -177,7 +178,7 @@ class Design:
 @checked
 @dataclass(frozen=True)
 class Guide:
-    """The answer: a design, and the wishes that it cannot meet, with why."""
+    """The recommended design, and the targets out of reach with reasons."""
 
     design: Design
     unreachable: tuple[str, ...]
@@ -186,13 +187,13 @@ class Guide:
 
 @checked
 def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: Positive, target: Target) -> Guide:
-    """Choose T, T_r, Q and band for a target with the least changes.
+    """Choose T, T_r, Q and band for a target, with the least changes.
 
     Parameters
     ----------
     plate, transducers, band, tau_s
-        What is there. Q is raised to what contrast and amplitude need; the band is moved up where resolution needs
-        it; the thickness is kept: `thickness.sheets` and `best_sheet` choose that.
+        The available screen. Q is raised as contrast and amplitude require, and the band is moved up as resolution
+        requires. The thickness is kept: `thickness.sheets` and `best_sheet` choose it.
     target : Target
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
@@ -215,7 +216,7 @@ def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: Positiv
 
 @checked
 def amplitudes_m(design: Design, reversal_s: Vector) -> FloatArray:
-    """Amplitude (m) for reversal times."""
+    """Return the amplitude (m) for reversal times."""
     return np.array([replace(design, reversal_s=float(t)).amplitude_m for t in reversal_s])
 
 
@@ -245,7 +246,7 @@ def n_held(plate: Plate, side_m: Positive) -> int:
 
 @checked
 def thickness_for_m(plate: Plate, band: Band, wanted_resolution_m: float) -> float:
-    """Return the thickness for a resolution with small patches."""
+    """Return the thickness (m) that a resolution needs with small patches."""
     return plate.thickness_m * (wanted_resolution_m / resolution_m(plate, band)) ** 2
 
 
@@ -255,19 +256,19 @@ def _for_resolution(design: Design, wanted_m: float | None) -> tuple[Design, tup
     factor = (resolution_m(design.plate, design.band) / wanted_m) ** 2
     thin_m = thickness_for_m(design.plate, design.band, wanted_m)
     advice = (
-        f"resolution: {wanted_m * 1e3:.3g} mm instead of {design.resolution_m * 1e3:.3g} mm needs, with patches far "
-        f"smaller than the wave, a mean frequency of {design.band.mean_hz * factor / 1e3:.3g} kHz or a plate of "
+        f"resolution: {wanted_m * 1e3:.3g} mm instead of {design.resolution_m * 1e3:.3g} mm needs (with patches "
+        f"far smaller than the wave) a mean frequency of {design.band.mean_hz * factor / 1e3:.3g} kHz or a plate of "
         f"{thin_m * 1e3:.2g} mm"
     )
     higher = _moved_up(design, wanted_m)
     if higher is not None:
         return higher, (), (f"{advice}; the band is moved up to {higher.band.mean_hz / 1e3:.3g} kHz",)
-    reason = f"; higher up the wave is shorter than a patch of {design.transducers.side_m * 1e3:.3g} mm"
+    reason = f"; in a higher band the wave is shorter than a patch of {design.transducers.side_m * 1e3:.3g} mm"
     return design, (advice + reason,), ()
 
 
 def _moved_up(design: Design, wanted_m: float) -> Design | None:
-    """Scale the band until it resolves, if waves stay longer than a patch."""
+    """Move the band up to the wanted resolution, if patches permit it."""
     from scipy.optimize import brentq
 
     def scaled(factor: float) -> Design:
@@ -282,7 +283,7 @@ def _moved_up(design: Design, wanted_m: float) -> Design | None:
 
 @checked
 def wavelength_to_patch(plate: Plate, frequency_hz: Positive, side_m: Positive) -> float:
-    """Return the wavelength over the side of a patch."""
+    """Return the ratio of wavelength to patch side."""
     return float(2 * math.pi / wavenumber_rad_per_m(plate, frequency_hz) / side_m)
 
 
@@ -296,7 +297,7 @@ def _for_contrast(design: Design, wanted: float | None) -> tuple[Design, tuple[s
         return design, (
             f"contrast: {wanted:.3g} is above sqrt(N) = {limit:.3g}, the limit for {room.n_modes:.0f} modes that the "
             "patches excite in the band at this repetition, whatever Q and T; widen the band beyond "
-            f"{needed_hz / 1e3:.3g} kHz or take smaller patches or a larger or thinner plate",
+            f"{needed_hz / 1e3:.3g} kHz or use smaller patches or a larger or thinner plate",
         )
     needed = math.ceil((room.kurtosis + room.absorption) / ((limit / wanted) ** 2 - 1))
     refusal = (
@@ -312,7 +313,7 @@ def _for_amplitude(design: Design, wanted_m: float | None) -> tuple[Design, tupl
     needed = math.ceil(design.transducers.n * wanted_m / design.amplitude_m)
     volts = design.transducers.voltage_v * wanted_m / design.amplitude_m
     refusal = (
-        f"amplitude: {wanted_m * 1e6:.3g} um needs {needed} transducers, more than the plate's edges hold; "
+        f"amplitude: {wanted_m * 1e6:.3g} um needs {needed} transducers, more than fit along the edges; "
         f"{design.transducers.n} of them reach it at {volts:.3g} V"
     )
     return _with_transducers(design, needed, refusal)
@@ -352,7 +353,7 @@ def _about_stress(plate: Plate) -> str:
     verdict = "more than" if stress_pa > STRESS_MAX_PA else "within"
     return (
         f"stress: {FINGER_FORCE_N:.0f} N bend the plate (edges supported) with {stress_pa / 1e6:.2g} MPa, "
-        f"{verdict} the {STRESS_MAX_PA / 1e6:.0f} MPa that glass bears for long"
+        f"{verdict} the {STRESS_MAX_PA / 1e6:.0f} MPa that glass bears permanently"
     )
 
 
@@ -360,7 +361,7 @@ def _about_laws(design: Design) -> tuple[str, ...]:
     if design.is_diffuse:
         return ()
     return (
-        f"laws: in T and tau the waves cross the plate {design.n_crossings:.2g} times, and the band holds "
-        f"{design.reverberation.n_modes:.0f} modes; below {FEWEST_CROSSINGS:.0f} or {FEWEST_MODES:.0f} the field is "
-        "not diffuse, and the laws may be off by half",
+        f"laws: in T and tau the waves cross the plate {design.n_crossings:.2g} times, and the band has "
+        f"{design.reverberation.n_modes:.0f} modes; with fewer than {FEWEST_CROSSINGS:.0f} or {FEWEST_MODES:.0f} "
+        "the field is not diffuse, and the laws may be off by half",
     )

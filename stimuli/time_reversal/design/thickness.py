@@ -1,11 +1,11 @@
-"""Choice of the glass sheet: the nearest thickness that meets a target.
+"""Choice of the glass thickness: the nearest one that meets a target.
 
-Thinner glass sharpens a focus (width ~ h^(1/2)), holds more modes (~ 1/h) and moves more for the same moment, and bends
-and breaks sooner: stress under a finger ~ 1/h^2, deflection ~ 1/h^3.
+Thinner glass sharpens a focus (width ~ h^(1/2)), has more modes (~ 1/h) and moves more for the same moment. It also
+bends and breaks more easily: stress under a finger ~ 1/h^2, deflection ~ 1/h^3.
 
-The moment of a patch per volt is that of the given plate on every sheet: an unverified choice. A bonded ceramic pushes
-with an arm of half its own and half the sheet's thickness, and stiffens a thin sheet, so that amplitudes of sheets much
-thinner than the given one are upper bounds.
+The moment of a patch per volt is that of the given plate for every thickness, an unverified choice. The lever arm of a
+bonded ceramic is half its own plus half the sheet's thickness, and it stiffens a thin sheet. Amplitudes of sheets much
+thinner than the given one are therefore upper bounds.
 """
 
 import math
@@ -27,16 +27,16 @@ SHEETS_M: Final = (0.3e-3, 0.4e-3, 0.5e-3, 0.55e-3, 0.7e-3, 0.9e-3, 1.1e-3, 1.3e
 
 
 SMALL: Final = 0.5
-"""Deflection over thickness up to which the theory of small deflections is used; unverified default."""
+"""Largest ratio of deflection to thickness for small-deflection theory; unverified default."""
 
 
 @checked
 @dataclass(frozen=True)
 class Sheet:
-    """One thickness: the guide for it, and what 2 N of a finger do at the centre, the edges simply supported.
+    """A sheet of glass: its design guide, and its stress and deflection under 2 N at the centre (supported edges).
 
-    Both are those of small deflections: a plate that bends by more than half of its thickness stretches, and bends
-    less (`bends_linearly`).
+    Both assume small deflections. A plate that bends by more than half of its thickness stretches and bends less
+    (`bends_linearly`).
     """
 
     guide: Guide
@@ -60,7 +60,7 @@ class Sheet:
         return (
             *self.guide.unreachable,
             f"stress: {FINGER_FORCE_N:.0f} N bend {self.thickness_m * 1e3:.3g} mm with {self.stress_pa / 1e6:.3g} MPa, "
-            f"more than the {STRESS_MAX_PA / 1e6:.0f} MPa that glass bears for long; take a thicker or smaller plate",
+            f"more than the {STRESS_MAX_PA / 1e6:.0f} MPa that glass bears permanently; use a thicker or smaller plate",
         )
 
 
@@ -73,7 +73,7 @@ def sheets(
     target: Target,
     thicknesses_m: Sequence[float] = SHEETS_M,
 ) -> list[Sheet]:
-    """Return the guide of each thickness, ascending, with that of `plate`."""
+    """Return the guide of each thickness, ascending, including `plate`'s."""
     some("sheets.thicknesses_m", thicknesses_m)
     positive_array("sheets.thicknesses_m", thicknesses_m)
     held = replace(plate, boundary="SSSS")
@@ -90,7 +90,7 @@ def sheets(
 
 @checked
 def best_sheet(among: Sequence[Sheet], thickness_m: Positive) -> Sheet:
-    """Return the sheet that misses least; of equals the nearest by ratio.
+    """Return the sheet with the fewest missed targets, nearest in thickness.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> found = sheets(A4_SCREEN, Transducers(side_m=5e-3), Band(20e3, 60e3), 3.5e-3, Target(contrast=28.0))

@@ -14,7 +14,7 @@ COLOURS: Final = (BLUE, ORANGE, GREEN, PINK, SKY, GOLD, BLACK)
 DIVERGING: Final = "RdBu_r"
 RESOLUTION_DPI: Final = 150
 ABOVE: Final[Mapping[str, Any]] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
-"""Where a legend stands over its axes."""
+"""Position of a legend above its axes."""
 
 
 def sheet(
@@ -29,7 +29,7 @@ def label(axes: Axes, x: str, y: str, title: str = "", *, from_zero: bool = Fals
     """Label the axes with units, and draw a light grid and a legend."""
     axes.set(xlabel=x, ylabel=y)
     if from_zero:
-        axes.set_ylim(0, 1.05 * axes.dataLim.y1)  # else values far above 0 stand on the upper edge
+        axes.set_ylim(0, 1.05 * axes.dataLim.y1)  # else values far above 0 touch the upper edge
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, **legend)
     axes.set_title(title, fontsize="medium")
@@ -38,7 +38,7 @@ def label(axes: Axes, x: str, y: str, title: str = "", *, from_zero: bool = Fals
 
 
 def colours() -> Iterator[str]:
-    """Repeat the palette without end."""
+    """Repeat the palette endlessly."""
     return cycle(COLOURS)
 
 

@@ -56,17 +56,17 @@ def over_thickness(among: Sequence[Sheet], best: Sheet) -> Figure:
         one.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         one.minorticks_off()
         label(one, "Thickness (mm)", name, from_zero=True)
-    axes[-1].axhline(STRESS_MAX_PA / 1e6, color=BLACK, linestyle=":", label="what glass bears for long")
+    axes[-1].axhline(STRESS_MAX_PA / 1e6, color=BLACK, linestyle=":", label="permanent limit of glass")
     axes[-1].legend(frameon=False)
     title = (
-        "Filled: all wishes met; hollow: not; ringed: recommended; numbers: transducers Q, raised where a wish needs it"
+        "Filled: all targets met; hollow: not; ringed: recommended; numbers: transducers Q, raised if a target needs it"
     )
     figure.suptitle(title, fontsize="medium")
     return figure
 
 
 _BY_NUMBER: Final = ("Contrast, A / rms of the plate", "Amplitude (µm)")
-"""What more transducers raise."""
+"""Quantities that more transducers increase."""
 
 _QUANTITIES: Final[Mapping[str, Callable[[Sheet], float]]] = {
     "Resolution at −6 dB (mm)": lambda choice: choice.guide.design.resolution_m * 1e3,

@@ -1,8 +1,8 @@
 """Foci whose level is set by the length of their bursts.
 
-A drive that is off until shortly before its focus makes a smaller one: the sum over what is on of the supply times the
-response. Channels are switched on one by one, so that a step is one sample of one channel. The foci of a train are made
-one after another, each beside what the ones before it leave at its place, so that each has the amplitude asked for.
+A drive that starts shortly before its focus makes a smaller focus: the sum of supply times response over the samples
+that are on. Channels are switched on one by one, so that one step is one sample of one channel. The foci of a train are
+computed in order, and each accounts for the motion left by earlier ones at its place.
 """
 
 from collections.abc import Sequence
@@ -20,27 +20,27 @@ from ..responses.responses import Responses
 from .quantiser import Analogue, Quantiser
 
 RESOLVED: Final = 0.02
-"""How far a focus may be off, in parts of the largest one: 0.17 dB (unverified default)."""
+"""Largest error of a focus, as a part of the largest one: 0.17 dB (unverified default)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bursts:
     """Trains of bursts at one supply.
 
-    Raises `InvalidParameter` if one emission begins before the one before it is over.
+    Raises `InvalidParameter` if an emission begins before the previous one has ended.
 
     Parameters
     ----------
     bits : sequence of (n_channels, n_reversal) array
-        Of each focus, -1 and +1: its whole emission.
+        The whole emission of each focus, as -1 and +1.
     starts : (n_foci,) array of int
-        The sample where each emission begins; none begins before the one before it is over.
+        First sample of each emission; emissions must not overlap.
     heard : Responses
         Displacement at the focus points, m per V.
     rows : sequence of int
-        The point of each focus.
+        Row of `heard` for each focus.
     supply_v : float
-        Above 0.
+        Supply voltage, above 0.
 
     >>> h = Responses(np.array([[[1.0, 2.0, 4.0]]]), 1e3)
     >>> Bursts([np.ones((1, 3))], np.array([0]), h, [0], 30.0).drive(np.array([90.0])).samples
@@ -57,25 +57,25 @@ class Bursts:
         n_reversal = self.bits[0].shape[1]
         apart = int(np.diff(self.starts).min(initial=n_reversal))
         apart_s, reversal_s = apart / self.heard.rate_hz, n_reversal / self.heard.rate_hz
-        longest = f"at most the {apart_s:g} s from focus to focus, as supply_v makes one after another; shorten it"
+        longest = f"at most the {apart_s:g} s between foci, as supply_v makes one after another; shorten it"
         expect(n_reversal <= apart, "TimeReversalStimulus.reversal_s", f"{reversal_s:g} s", longest)
 
     @property
     def reach_m(self) -> float:
-        """The largest first focus."""
+        """Amplitude of the largest possible first focus."""
         return float(self._made_m(self.bits[0], self.heard.samples[self.rows[0]]).max())
 
     def drive(self, amplitudes_m: FloatArray) -> Signal:
         """Return the drive (V: the supply, its negative or 0) with these foci.
 
-        Raises `LimitExceeded` if no burst makes a focus to `RESOLVED`.
+        Raises `LimitExceeded` if no burst makes a focus within `RESOLVED`.
         """
         n_channels, n = self.bits[0].shape
         nearest_m = RESOLVED * float(np.abs(amplitudes_m).max())
         on = np.zeros((n_channels, int(self.starts[-1]) + n))
         for bits, start, row, wanted_m in zip(self.bits, self.starts, self.rows, amplitudes_m, strict=True):
             response = self.heard.samples[row]
-            # what the emission before a focus still does at its place and instant
+            # motion left by earlier emissions at the place and instant of a focus
             instant = int(start) + n - 1
             first = max(0, instant - response.shape[1] + 1)
             lags = instant - np.arange(first, start)
@@ -86,7 +86,7 @@ class Bursts:
         return Signal(self.supply_v * on + 0.0, self.heard.rate_hz, "V")
 
     def _burst(self, bits: FloatArray, response: FloatArray, missing_m: float, nearest_m: float) -> FloatArray:
-        """Return the bits that make `missing_m`, from the focus backwards, else 0."""
+        """Return the bits that add `missing_m`, latest first, and 0 elsewhere."""
         made_m = self._made_m(bits, response)
         n_on = int(np.argmin(np.abs(made_m - missing_m)))
         if abs(made_m[n_on] - missing_m) > nearest_m:
@@ -98,13 +98,13 @@ class Bursts:
         return np.asarray(bits * is_on.reshape(bits.T.shape).T[:, ::-1])
 
     def _made_m(self, bits: FloatArray, response: FloatArray) -> FloatArray:
-        """Return the focus of 0, 1, ... samples, added backwards by channel."""
+        """Return the focus made by the last 0, 1, ... samples that are on."""
         latest_first = (bits[:, ::-1] * response[:, : bits.shape[1]]).T.ravel()
         return self.supply_v * np.concatenate([[0.0], np.cumsum(latest_first)])
 
 
 def check_supply(owner: str, supply_v: float | None, quantiser: Quantiser | None) -> None:
-    """Refuse a supply that is not positive or has an analogue drive."""
+    """Raise an error if a supply is not positive or the drive is analogue."""
     if supply_v is None:
         return
     positive(owner, supply_v=supply_v)

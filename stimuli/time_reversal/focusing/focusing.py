@@ -1,8 +1,8 @@
 """Time-reversal focusing: learn, reverse, emit.
 
-Learn h[n], n = 0..K-1, of each channel at the wanted focus; emit V Q{ w h[L-1-n] } with L samples of
-reversal; at sample L - 1 all channels add up at the focus. 1 bit: u = V sum |h|; analogue with gain g: u =
-V g sum h^2; both identities hold to rounding.
+Learn h[n], n = 0..K-1, of each channel at the wanted focus; emit V Q{ w h[L-1-n] } with L samples of reversal; at
+sample L - 1 all channels add up at the focus. 1 bit: u = V sum |h|; analogue with gain g: u = V g sum h^2; both
+identities are exact to rounding.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ def reversed_waveform(
 ) -> FloatArray:
     """Sum the reversed responses of the foci with weights.
 
-    Raises `InvalidParameter` if T is longer than the responses, a number of weights or samples does not fit, or all
+    Raises `InvalidParameter` if T is longer than the responses, the number of weights or samples does not match, or all
     responses are zero.
 
     Parameters
@@ -43,11 +43,11 @@ def reversed_waveform(
     foci : Responses
         One row per focus.
     reversal_s : float, optional
-        T, at least 0 and no longer than the responses; by default all of them.
+        T, at least 0 and at most the length of the responses (the default).
     weights : sequence of float, optional
-        One per focus, by default 1; the sign is kept.
+        Weight of each focus, 1 by default; the sign is kept.
     window : (n_samples,) array, optional
-        Multiplies the learnt responses, from their start.
+        Factors for the learnt responses, from their start.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def reversed_waveform(
     if n and not learnt.any():
         raise InvalidParameter(
             "foci: found responses that are zero everywhere, expected a focus that some transducer can move "
-            "(not on a held edge, nor on the node line of every mode)"
+            "(not on a supported edge or on the node lines of all modes)"
         )
     return np.asarray(learnt[:, ::-1])
 
@@ -90,7 +90,7 @@ def drive(
     voltage_v : float
         Peak voltage, above 0.
     quantiser : Quantiser, optional
-        By default one bit.
+        Quantiser of the reversed responses; default one bit.
 
     >>> h = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)
     >>> drive(h, 30.0).samples
@@ -129,7 +129,7 @@ def focus_amplitudes(signal: Signal, responses: Responses) -> FloatArray:
 
 @checked
 def focus_amplitude(signal: Signal, responses: Responses, point: int = 0) -> float:
-    """One point at the focus instant."""
+    """Return the value of one point at the focus instant."""
     return float(focus_amplitudes(signal, responses.at_point(point))[0])
 
 
@@ -144,9 +144,9 @@ def _same_channels(signal: Signal, responses: Responses) -> None:
 @checked
 @dataclass(frozen=True)
 class Emission:
-    """How a focus is made: band, T, sampling and voltage, each above 0, quantiser, and the highest frequency of a mode.
+    """Settings of an emission: band, T, rate and voltage, each above 0, quantiser, and highest frequency of a mode.
 
-    By default that is a tenth above the band, within the Nyquist frequency.
+    The default of that frequency is a tenth above the band, limited by the Nyquist frequency.
     """
 
     band: Band
@@ -173,7 +173,7 @@ class Emission:
         return self.modes_to_hz or min(1.1 * self.band.f_max_hz, self.rate_hz / 2)
 
     def responses(self, screen: Screen, points: Sequence[Point], loads: Sequence[Attached] = ()) -> Responses:
-        """Responses of the screen over T, within the band."""
+        """Return the responses of the screen over T, within the band."""
         raw = loaded_responses(
             screen, points, loads, rate_hz=self.rate_hz, duration_s=self.reversal_s, f_max_hz=self.f_max_hz
         )

@@ -25,12 +25,12 @@ from .focusing import Emission
 Grid = tuple[Vector, Vector]
 
 HALF: float = 0.5
-"""-6 dB of amplitude."""
+"""Half of the amplitude, -6 dB."""
 
 
 @checked
 def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
-    """Return |A| over the rms field of the plate at the focus instant."""
+    """Return the ratio of |A| to the plate's rms field at the focus instant."""
     return _ratio(amplitude_m, field_m)
 
 
@@ -38,7 +38,7 @@ def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
 def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
     """Return the full width of a focus at `level`, along a line.
 
-    `HALF` gives the width at -6 dB, 0.7071 at -3 dB; crossings are found by linear interpolation.
+    `HALF` gives the width at -6 dB, 0.7071 at -3 dB; crossings are interpolated linearly.
 
     >>> x = np.linspace(-1.0, 1.0, 201)
     >>> round(width_m(x, 1 - np.abs(x)), 12)
@@ -46,10 +46,10 @@ def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
     """
     ascending("width_m.at_m", at_m)
     between("width_m", 0, 1, level=level)
-    expected = f"{np.shape(at_m)} as at_m has, not all zero"
+    expected = f"{np.shape(at_m)}, like at_m, and not all zero"
     expect(np.shape(profile) == np.shape(at_m) and np.any(profile), "profile", f"shape {np.shape(profile)}", expected)
     peak = int(np.argmax(np.abs(profile)))
-    relative = profile / profile[peak]  # 1 at the peak, whichever its sign
+    relative = profile / profile[peak]  # 1 at the peak, for either sign
     right = _crossing(at_m[peak:], relative[peak:], level)
     left = _crossing(at_m[peak::-1], relative[peak::-1], level)
     return right - left
@@ -63,7 +63,7 @@ def area_m2(field_m: Matrix, grid_m: Grid, level: float = HALF) -> float:
     between("area_m2", 0, 1, level=level)
     for axis_m in grid_m:
         ascending("area_m2.grid_m", axis_m)
-    expected = f"{tuple(map(len, grid_m))} as the grid has, not all zero"
+    expected = f"{tuple(map(len, grid_m))}, like the grid, and not all zero"
     expect(field_m.shape == tuple(map(len, grid_m)) and field_m.any(), "field_m", f"shape {field_m.shape}", expected)
     peak = np.unravel_index(np.argmax(np.abs(field_m)), field_m.shape)
     islands, _ = label(field_m / field_m[peak] >= level)
@@ -73,7 +73,7 @@ def area_m2(field_m: Matrix, grid_m: Grid, level: float = HALF) -> float:
 
 @checked
 def envelope(signal: FloatArray) -> FloatArray:
-    """Magnitude of the analytic signal along the last axis."""
+    """Return the magnitude of the analytic signal along the last axis."""
     from scipy.signal import hilbert
 
     whole("envelope", lowest=1, signal=np.size(signal))
@@ -97,7 +97,7 @@ def uniformity(amplitudes_m: Vector) -> float:
 
 def _ratio(amplitude: float, field: FloatArray) -> float:
     rms = math.sqrt(float(np.mean(np.square(field)))) if np.size(field) else 0.0
-    expect(rms > 0.0, "field", "zero everywhere", "a field to compare the focus with")
+    expect(rms > 0.0, "field", "zero everywhere", "a field that is not zero")
     return abs(amplitude) / rms
 
 
@@ -114,8 +114,8 @@ def _crossing(at: FloatArray, relative: FloatArray, level: float) -> float:
 def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
     """Return the mean power of a drive that switches between levels.
 
-    Every change by dV of a capacitance that is charged from a stiff supply dissipates C dV^2 / 2: a +-V
-    bridge loses 2 C V^2 per transition, Q C 2 V^2 r_t in all. A waveform without steps takes `dielectric_power_w`.
+    Each step dV of a capacitance at a stiff supply dissipates C dV^2 / 2. A +-V bridge loses 2 C V^2 per transition, or
+    Q C 2 V^2 r_t in total. Use `dielectric_power_w` for a waveform without steps.
     """
     _drive("switched_power_w", signal, channel_capacitance_f)
     lost_j = 0.5 * channel_capacitance_f * np.sum(np.diff(signal.samples, axis=1) ** 2)
@@ -129,8 +129,7 @@ def dielectric_power_w(
     """Return the mean dielectric loss of a drive that repeats.
 
     P = w C tan(delta) V^2 / 2 for a component of amplitude V (the definition of the loss tangent), summed over the
-    components of all channels. What a linear amplifier itself turns into heat depends on its class and supply, and is
-    not in it.
+    components of all channels. The heat of a linear amplifier depends on its class and supply and is not included.
 
     >>> sine = Signal(30 * np.sin(np.pi / 10 * np.arange(1000))[None], 100e3, "V")
     >>> round(dielectric_power_w(sine, 5e-9, 0.017) * 1e6)
@@ -150,7 +149,7 @@ def _drive(owner: str, signal: Signal, channel_capacitance_f: float) -> None:
 
 @checked
 def contributions_m(responses: Responses, voltage_v: float) -> FloatArray:
-    """Return what each transducer adds to a one-bit focus at each point."""
+    """Return the contribution of each transducer to a one-bit focus."""
     return np.asarray(voltage_v * np.abs(responses.samples).sum(axis=2))
 
 
@@ -164,9 +163,9 @@ def amplitude_over_count_m(contributions: Matrix, rng: np.random.Generator, n_dr
 
 @checked
 def amplitude_by_subset_m(contributions: Matrix, subsets: Mapping[str, Sequence[int]]) -> dict[str, FloatArray]:
-    """Focus amplitudes (n_points,) of named subsets of transducers.
+    """Return focus amplitudes (n_points,) of named subsets of transducers.
 
-    Raises `InvalidParameter` if a subset is empty or names a channel that is not there.
+    Raises `InvalidParameter` if a subset is empty or names a missing channel.
     """
     n_channels = contributions.shape[1]
     for name, channels in subsets.items():
@@ -179,7 +178,7 @@ def amplitude_by_subset_m(contributions: Matrix, subsets: Mapping[str, Sequence[
 def resolution_per_focus_m(
     screen: Screen, foci: Sequence[Point], emission: Emission, level: float = HALF
 ) -> FloatArray:
-    """(n_foci, 2): widths along x and y of each simulated focus."""
+    """Return the widths (n_foci, 2) along x and y of each simulated focus."""
     return np.array([_widths(screen, focus, emission, level) for focus in foci])
 
 
@@ -187,7 +186,7 @@ def _widths(screen: Screen, focus: Point, emission: Emission, level: float) -> t
     signal = emission.drive(emission.responses(screen, [focus]))
     last = signal.samples.shape[1] - 1
     amplitudes = modal_amplitudes(screen, signal, last, emission.f_max_hz)
-    # a wavelength at the mean frequency of the band, to each side
+    # one wavelength at the mean frequency to each side
     reach = 2 * np.sqrt(np.pi * screen.plate.wave_constant_m2_per_s / emission.band.mean_hz / 2)
     sides = screen.plate.length_m, screen.plate.width_m
     around = ((max(at - reach, 0.0), min(at + reach, side)) for at, side in zip(focus, sides, strict=True))
@@ -211,14 +210,14 @@ def modal_amplitudes(
     Parameters
     ----------
     sample : int
-        At least 0; ``n_samples - 1`` is the focus instant.
+        Index of the sample, at least 0; ``n_samples - 1`` is the focus instant.
     """
     one_of("modal_amplitudes.quantity", quantity, QUANTITIES)
     forces = screen.modal_forces(f_max_hz)
-    expected = f"{forces.shape[1]} as the screen has"
+    expected = f"{forces.shape[1]} as in the screen"
     expect(signal.samples.shape[0] == forces.shape[1], "signal", f"{signal.samples.shape[0]} channels", expected)
     whole("modal_amplitudes", lowest=0, sample=sample)
-    # by age: what was played last comes first, and `first` samples ago if the drive is over
+    # by age: the latest sample first, `first` samples ago after the end of the drive
     first = max(sample + 1 - signal.samples.shape[1], 0)
     past = signal.samples[:, : sample + 1][:, ::-1]
     oscillators = screen.oscillators(f_max_hz)
@@ -231,7 +230,7 @@ def modal_amplitudes(
 
 @checked
 def grid(screen: Screen, n_x: int, n_y: int) -> Grid:
-    """Equally spaced coordinates from edge to edge."""
+    """Return equally spaced coordinates from edge to edge."""
     whole("grid", lowest=1, highest=MAX_GRID, n_x=n_x, n_y=n_y)
     return np.linspace(0, screen.plate.length_m, n_x), np.linspace(0, screen.plate.width_m, n_y)
 

@@ -1,8 +1,7 @@
 """Sigma-delta modulators of first and second order, all channels at once.
 
-Error feedback with two levels: y = u - e1 (first), y = u - 2 e1 + e2 (second), v = sign(y), e = v - y, so
-that V = U + (1 - z^-1)^L E. Time is the outer loop and channels the inner one: no channel waits for
-another, and the compiler fills its vectors.
+Error feedback with two levels: y = u - e1 (first), y = u - 2 e1 + e2 (second), v = sign(y), e = v - y, so that V = U +
+(1 - z^-1)^L E. Time is the outer loop and channels are the inner one, so that the compiler can vectorise over channels.
 """
 
 from dataclasses import dataclass
@@ -17,8 +16,8 @@ from tactometry.arguments.require import expect, finite_array
 from ...arrays import FloatArray
 
 STATE_LIMIT: Final = {1: 2.0, 2: 10.0}
-"""Largest |y| of a sound modulator of each order: 2 is exact for |u| <= 1; of the second order it stays below 6 at
-|u| = 0.7 and goes above 10 at 0.9 (simulation, no theorem)."""
+"""Largest |y| of a stable modulator of each order. For the first, 2 is exact for |u| <= 1. For the second, |y| stays
+below 6 at |u| = 0.7 and exceeds 10 at 0.9 (simulation, no theorem)."""
 FEEDBACK: Final = {1: (1.0, 0.0), 2: (2.0, -1.0)}
 
 
@@ -26,9 +25,8 @@ FEEDBACK: Final = {1: (1.0, 0.0), 2: (2.0, -1.0)}
 class BitStream:
     """The bits of a modulator and its largest state.
 
-    `bits` (n_channels, n_samples) are -1 or +1, one byte each; `peak_state` is the largest |y|, and `limit` what a
-    sound modulator of this order keeps to: 2 exactly for the first order with |u| <= 1, 10 by simulation for the
-    second.
+    `bits` (n_channels, n_samples) are -1 or +1, one byte each; `peak_state` is the largest |y|, and `limit` the largest
+    |y| of a stable modulator: 2 for the first order with |u| <= 1, 10 by simulation for the second.
     """
 
     bits: NDArray[np.int8]
@@ -46,8 +44,8 @@ def modulate(signal: FloatArray, order: int) -> BitStream:
     Parameters
     ----------
     signal : (n_channels, n_samples) array
-        Finite; |u| <= 1 for the first order and about 0.7 for the second keep the modulator sound. Memory in order of
-        time (the transpose of a contiguous (n_samples, n_channels) array) saves a copy.
+        Finite values; the modulator is stable for |u| <= 1 (first order) or about 0.7 (second). The transpose of a
+        contiguous (n_samples, n_channels) array saves a copy.
     order : int
         1 or 2.
 
@@ -58,14 +56,14 @@ def modulate(signal: FloatArray, order: int) -> BitStream:
     by_time = np.ascontiguousarray(signal.T)
     bits = np.empty(by_time.shape, np.int8)
     peak, error = _modulate(by_time, bits, *FEEDBACK[order])
-    if not np.isfinite(error).all():  # nothing that is not finite ever leaves the feedback
+    if not np.isfinite(error).all():  # a value that is not finite never leaves the feedback
         finite_array("modulate.signal", signal)
     return BitStream(bits.T, float(peak.max(initial=0.0)), STATE_LIMIT[order])
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _modulate(signal: FloatArray, bits: NDArray[np.int8], b1: float, b2: float) -> tuple[FloatArray, FloatArray]:
-    """Y = u - b1 e1 - b2 e2; the largest |y| and the last e1 of each channel."""
+    """Run y = u - b1 e1 - b2 e2; return the largest |y| and each last e1."""
     n_samples, n_channels = signal.shape
     e1, e2, peak = np.zeros(n_channels), np.zeros(n_channels), np.zeros(n_channels)
     for t in range(n_samples):

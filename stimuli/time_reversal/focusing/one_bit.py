@@ -14,7 +14,7 @@ from ...composition.effect import Quantity
 @checked
 @dataclass(frozen=True)
 class OneBit(Quantity):
-    """The sign, with +1 for 0: the largest focus that a peak voltage allows."""
+    """One-bit quantiser, sign with +1 for 0: the largest focus at a peak voltage."""
 
     kind, slot, gives = "one_bit", "quantiser", "quantiser"
     in_signal = True

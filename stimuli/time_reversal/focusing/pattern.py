@@ -1,8 +1,8 @@
 """Trains of foci under an envelope, such as patterns P0 to P6.
 
-P0 is one focus. P1-P3 repeat it at a low frequency under three envelopes, P4-P6 at a high one under the
-same three. The thesis's frequencies, envelopes and durations are not known: 200 and 500 Hz, rectangular,
-exponential and sinc, 50 ms are documented choices (unverified defaults).
+P0 is one focus. P1-P3 repeat it at a low frequency under three envelopes, P4-P6 at a high frequency under the same
+envelopes. The thesis's frequencies, envelopes and durations are not known: 200 and 500 Hz, rectangular, exponential and
+sinc, 50 ms are documented choices (unverified defaults).
 """
 
 import math
@@ -32,16 +32,16 @@ MODULATIONS: Final = ("voltage", "burst")
 
 @runtime_checkable
 class Envelope(Protocol):
-    """Weights over a pattern."""
+    """Interface of an envelope: weights over a pattern."""
 
     def at(self, position: FloatArray) -> FloatArray:
-        """Weights at positions from 0 (start) to 1 (end) of the pattern."""
+        """Return weights at positions from 0 (start) to 1 (end)."""
 
 
 @checked
 @dataclass(frozen=True)
 class Rectangular:
-    """1 throughout."""
+    """A constant weight of 1."""
 
     def at(self, position: FloatArray) -> FloatArray:
         return np.ones_like(position)
@@ -50,7 +50,7 @@ class Rectangular:
 @checked
 @dataclass(frozen=True)
 class RaisedCosine:
-    """(1 - cos 2 pi x) / 2."""
+    """The weight (1 - cos 2 pi x) / 2."""
 
     def at(self, position: FloatArray) -> FloatArray:
         return np.asarray((1 - np.cos(2 * math.pi * position)) / 2)
@@ -59,7 +59,7 @@ class RaisedCosine:
 @checked
 @dataclass(frozen=True)
 class Exponential:
-    """exp(-x / decay): `decay` as a share of the duration, above 0."""
+    """The weight exp(-x / decay), with `decay` above 0 as a share of the duration."""
 
     decay: Positive = 0.25
 
@@ -70,7 +70,7 @@ class Exponential:
 @checked
 @dataclass(frozen=True)
 class Sinc:
-    """sin(pi x) / (pi x) with `n_zeros` zeros on each side of the middle; `signed` keeps the sign of the lobes."""
+    """The weight sin(pi x) / (pi x) with `n_zeros` zeros on each side; `signed` keeps the sign of the lobes."""
 
     n_zeros: int = 3
     signed: bool = True
@@ -83,7 +83,7 @@ class Sinc:
 @checked
 @dataclass(frozen=True)
 class Table:
-    """Weights at equal steps from start to end, linear between."""
+    """Weights at equal steps from start to end, interpolated linearly."""
 
     values: tuple[float, ...]
 
@@ -102,7 +102,7 @@ ENVELOPES: Final[Mapping[str, Envelope]] = {
     "exponential": Exponential(),
     "sinc": Sinc(),
 }
-"""By the name that study and scene files use."""
+"""Envelopes by their name in study and scene files."""
 
 
 @checked
@@ -113,9 +113,9 @@ class Pattern:
     Parameters
     ----------
     repetition_hz, duration_s : float
-        Above 0; their product, rounded, is the number of foci (at least one).
+        Repetition frequency and duration, above 0; their rounded product is the number of foci (at least 1).
     envelope : Envelope
-        Scaled so that the largest weight is 1.
+        Weights of the foci, scaled to a largest weight of 1.
 
     >>> Pattern(200.0, 50e-3).n_foci
     10
@@ -134,7 +134,7 @@ class Pattern:
 
     @property
     def times_s(self) -> FloatArray:
-        """Times of the foci, from the first."""
+        """Times of the foci after the first."""
         return np.arange(self.n_foci) / self.repetition_hz
 
     @property
@@ -174,19 +174,19 @@ def pattern_drive(
 ) -> Signal:
     """Return the drive of a pattern; focus k is at ``focus_samples(...)[k]``.
 
-    Raises `InvalidParameter` if the path does not fit, or burst modulation has no tau.
+    Raises `InvalidParameter` if the path does not match, or burst modulation lacks tau.
 
     Parameters
     ----------
     foci : Responses
         One row per place.
     path : sequence of int, optional
-        The row of each focus, for a moving one; by default row 0.
+        Row of each focus, for a moving focus. Default: row 0.
     modulation : str
-        ``voltage`` scales the emitted values of each focus; ``burst`` keeps the voltage and shortens the
-        emission to reach the weight by 1 - exp(-T / tau), which needs `tau_s`. Where drives overlap (T
-        above the repetition time) the sum is quantised anew, so that the voltage is kept (that of the largest
-        weight under way), and the foci lose the repetition penalty.
+        ``voltage`` scales the emitted values of each focus; ``burst`` keeps the voltage and shortens the emission to
+        reach the weight by 1 - exp(-T / tau), which needs `tau_s`. Where drives overlap (T above the repetition time),
+        the sum is quantised again at the voltage of the largest active weight, and the foci lose amplitude as in
+        `closed_forms.repetition_amplitude_ratio`.
     """
     one_of("pattern_drive.modulation", modulation, MODULATIONS)
     rows = [0] * pattern.n_foci if path is None else list(path)
@@ -239,7 +239,7 @@ def burst_s(weight: float, reversal_s: NotNegative, tau_s: Positive) -> float:
 
 @checked
 def focus_starts(pattern: Pattern, rate_hz: Positive) -> IntArray:
-    """(n_foci,): the sample where the drive of each focus begins."""
+    """Return the first sample of the drive of each focus, (n_foci,)."""
     at_most("samples of the pattern", pattern.times_s[-1] * rate_hz, MAX_SAMPLES)
     return np.round(pattern.times_s * rate_hz).astype(np.int64)
 
@@ -250,12 +250,12 @@ def _modulate(piece: FloatArray, weight: float, modulation: str, tau_s: float | 
     if tau_s is None:
         raise InvalidParameter("tau_s: found None, expected the attenuation constant for burst modulation")
     n_kept = round(burst_s(abs(weight), piece.shape[1] / rate_hz, tau_s) * rate_hz)
-    kept = np.arange(piece.shape[1]) >= piece.shape[1] - n_kept  # the end, which comes just before the focus
+    kept = np.arange(piece.shape[1]) >= piece.shape[1] - n_kept  # the end of the emission, just before the focus
     return np.asarray(math.copysign(1.0, weight) * piece * kept)
 
 
 def _supply(weights: FloatArray, starts: IntArray, n: int) -> FloatArray:
-    """Return the largest weight whose drive is under way, (n_samples,)."""
+    """Return the largest weight of the active drives, (n_samples,)."""
     supply = np.zeros(int(starts[-1]) + n)
     for weight, start in zip(np.abs(weights), starts, strict=True):
         supply[start : start + n] = np.maximum(supply[start : start + n], weight)

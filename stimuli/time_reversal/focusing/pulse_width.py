@@ -20,9 +20,9 @@ class PulseWidth(Quantity):
     Parameters
     ----------
     carrier_hz : float
-        Of the triangle that the waveform is compared with.
+        Frequency of the triangle that the waveform is compared with.
     scale : float
-        Largest value of the waveform over that of the triangle, above 0, at most 1.
+        Peak of the waveform divided by that of the triangle, above 0, at most 1.
     """
 
     kind, slot, gives = "pulse_width", "quantiser", "quantiser"
@@ -43,7 +43,7 @@ class PulseWidth(Quantity):
         return np.where(self.scale * normalised(waveform) >= carrier, 1.0, -1.0)
 
     def size(self, demand: Demand) -> Size:
-        """Refuse a carrier that the clock of the surface is too slow for."""
+        """Raise an error if the clock of the surface is too slow."""
         self._check_rate(demand.surface.rate_hz)
         return Size()
 

@@ -1,4 +1,4 @@
-"""How a waveform becomes what the amplifier can emit, between -1 and +1.
+"""Quantisers from a waveform to values that an amplifier can emit.
 
 The order is fixed: filter the responses, reverse them, then quantise.
 """
@@ -16,16 +16,16 @@ from ...arrays import FloatArray
 
 @runtime_checkable
 class Quantiser(Protocol):
-    """A rule from a waveform to the emitted values."""
+    """Interface of a quantiser: a rule from a waveform to emitted values."""
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
-        """(n_channels, n_samples) to values in [-1, 1] of the same shape."""
+        """Map a waveform (n_channels, n_samples) to values in [-1, 1]."""
 
 
 @checked
 @dataclass(frozen=True)
 class Analogue:
-    """The waveform itself, scaled to a peak of 1: by one gain for all channels, or `per_channel`."""
+    """Analogue drive: the waveform scaled to a peak of 1, by one common gain or `per_channel`."""
 
     per_channel: bool = False
 

@@ -16,16 +16,16 @@ from ...composition.effect import Quantity
 class SigmaDelta(Quantity):
     """One bit per sample whose quantisation noise is pushed to high frequencies.
 
-    Raises `InvalidParameter` from the constructor, if the order or scale is not as stated; `LimitExceeded` from
-    `quantise`, if the modulator overloads: nothing is emitted.
+    Raises `InvalidParameter` if the order or scale is invalid. `quantise` raises `LimitExceeded` if the modulator
+    overloads.
 
     Parameters
     ----------
     order : int
         Order of the modulator's loop filter: 1 or 2.
     scale : float
-        Peak of the modulator's input, above 0; 0.7 keeps the second order stable up to a 20th of
-        the rate, and up to 1 the first.
+        Peak of the modulator's input, above 0; the first order is stable up to 1, the second at 0.7 up to a 20th of the
+        rate.
     """
 
     kind, slot, gives = "sigma_delta", "quantiser", "quantiser"
@@ -47,6 +47,6 @@ class SigmaDelta(Quantity):
             raise LimitExceeded(
                 f"SigmaDelta(order={self.order}, scale={self.scale}): found a state of "
                 f"{stream.peak_state:.3g}, the limit is {stream.limit:.3g}: the modulator overloads; "
-                "lower scale (0.7 bears a sine up to a 20th of the rate), or raise the rate; nothing is emitted"
+                "lower scale (0.7 is stable for a sine up to a 20th of the rate), or raise the rate"
             )
         return stream.bits.astype(float)

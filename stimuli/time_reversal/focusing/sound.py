@@ -1,6 +1,6 @@
 """Airborne sound of a driven plate.
 
-A model for ranking drives. Absolute levels need the distance and the room of a measurement.
+The model is for ranking drives. Absolute levels depend on the distance and the room.
 """
 
 import math
@@ -27,7 +27,8 @@ AIR_DENSITY_KG_PER_M3: Final = 1.204
 REFERENCE_PRESSURE_PA: Final = 20e-6
 FREQUENCIES_AT_ONCE: Final = 1024
 NEAR: Final = 1e-9
-"""How near to coincidence, relatively, the laws below and above it are taken: there the plate's size limits both."""
+"""Smallest relative distance from coincidence at which the laws below and above it are evaluated; closer to it the
+plate's size limits both."""
 
 _POLES_HZ: Final = (20.598997, 107.65265, 737.86223, 12194.217)
 
@@ -62,10 +63,10 @@ def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: Positive = SOUND
 def radiation_efficiency(plate: Plate, frequency_hz: NotNegativeArray) -> FloatArray:
     """Return the radiation efficiency of a plate in a baffle.
 
-    Above coincidence (1 - f_c / f)^(-1/2); below it the edges radiate (Maidanik 1962; Leppington, Broadbent and Heron
-    1982); near it the size of the plate limits both, sqrt(k l) (0.5 - 0.15 l / L) with l the shorter side
-    (Leppington et al.). The laws are of simply supported edges and of many modes: clamped edges radiate up to twice
-    as much below coincidence, an edge without a baffle less, and single modes lie to both sides.
+    Above coincidence it is (1 - f_c / f)^(-1/2). Below it the edges radiate (Maidanik 1962; Leppington, Broadbent and
+    Heron 1982). Near it the size of the plate limits both, sqrt(k l) (0.5 - 0.15 l / L) with l the shorter side
+    (Leppington et al.). The laws are averages over many modes of simply supported edges. Below coincidence, clamped
+    edges radiate up to twice as much, and edges without a baffle less.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> [round(float(sigma), 3) for sigma in radiation_efficiency(A4_SCREEN, [5e3, 10.8e3, 20e3])]
@@ -81,7 +82,7 @@ def radiation_efficiency(plate: Plate, frequency_hz: NotNegativeArray) -> FloatA
 
 
 def _of_edges(plate: Plate, f_over_f_c: FloatArray) -> FloatArray:
-    """P c / (4 pi^2 S f_c) [(1 - x^2) ln((1 + x) / (1 - x)) + 2 x] / (1 - x^2)^1.5, with x^2 = f / f_c below 1."""
+    """Return P c / (4 pi^2 S f_c) [(1 - x^2) ln((1 + x) / (1 - x)) + 2 x] / (1 - x^2)^1.5, x^2 = f / f_c."""
     x = np.sqrt(f_over_f_c)
     across = (
         SOUND_SPEED_M_PER_S / coincidence_frequency_hz(plate) * plate.perimeter_m / (4 * math.pi**2 * plate.area_m2)
@@ -92,7 +93,7 @@ def _of_edges(plate: Plate, f_over_f_c: FloatArray) -> FloatArray:
 @checked
 @dataclass(frozen=True, eq=False)
 class NoiseSpectrum:
-    """Mean-square pressure per hertz (Pa^2/Hz) over frequency, at a distance over a hemisphere."""
+    """Mean-square sound pressure per hertz (Pa^2/Hz) over frequency, at a distance, on a hemisphere."""
 
     frequency_hz: Vector
     pressure_pa2_per_hz: Vector
@@ -109,12 +110,12 @@ class NoiseSpectrum:
 
     @property
     def level_db_re_20upa(self) -> FloatArray:
-        """Spectral level in 1 Hz, floored at -60 dB."""
+        """Spectral level per 1 Hz, at least -60 dB."""
         return np.asarray(10 * np.log10(np.maximum(self.pressure_pa2_per_hz / REFERENCE_PRESSURE_PA**2, 1e-6)))
 
     @property
     def a_weighted_db(self) -> float:
-        """A-weighted level up to 20 kHz, or minus infinity for silence."""
+        """A-weighted level up to 20 kHz; minus infinity for silence."""
         weight = 10 ** (a_weighting_db(self.frequency_hz) / 10)
         total = float(np.sum(self.pressure_pa2_per_hz * weight) * (self.frequency_hz[1] - self.frequency_hz[0]))
         return 10 * math.log10(total / REFERENCE_PRESSURE_PA**2) if total > 0 else -math.inf
@@ -129,9 +130,9 @@ def noise(
     distance_m: Positive = DISTANCE_M,
     duration_s: float | None = None,
 ) -> NoiseSpectrum:
-    """Return the sound of a drive, by default over it and 5 tau.
+    """Return the sound of a drive, by default until 5 tau after its end.
 
-    W = rho_0 c S sigma <v^2>, spread over a hemisphere; <v^2> from the modes in the frequency domain.
+    W = rho_0 c S sigma <v^2>, spread over a hemisphere; <v^2> is computed from the modes in the frequency domain.
     """
     frequency_hz, power = velocity_spectrum(screen, signal, f_max_hz)
     span_s = signal.duration_s + 5 * screen.attenuation.tau_s if duration_s is None else duration_s
@@ -151,7 +152,7 @@ def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[
     """
     positive("Screen.attenuation", tau_s=screen.attenuation.tau_s)
     oscillators = screen.oscillators(f_max_hz)
-    n_ringing = round(6 * screen.attenuation.tau_s * signal.rate_hz)  # until e^-12 of the energy is left
+    n_ringing = round(6 * screen.attenuation.tau_s * signal.rate_hz)  # until the energy has decayed to e^-12
     n_fft = fast_length(2 * signal.samples.shape[1] + n_ringing, COMPLEX)
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / signal.rate_hz)
     played = np.fft.rfft(signal.samples, n_fft) / signal.rate_hz
@@ -165,9 +166,9 @@ def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[
 
 
 def _mobility(oscillators: Oscillators, w: FloatArray) -> FloatArray:
-    """(n_modes, n_frequencies): |i w / (w_n^2 - w^2 + 2 i w / tau)|^2."""
+    """Return |i w / (w_n^2 - w^2 + 2 i w / tau)|^2 (n_modes, n_frequencies)."""
     omega2, decay = oscillators.omega_rad_per_s[:, None] ** 2, oscillators.decay_per_s[:, None]
-    # tiny: rigid modes would divide 0 by 0 at 0 Hz
+    # `tiny` avoids 0/0 of rigid modes at 0 Hz
     return np.asarray(w**2 / ((omega2 - w**2) ** 2 + (2 * decay * w) ** 2 + np.finfo(float).tiny))
 
 

@@ -21,13 +21,13 @@ MINDLIN_SHEAR_FACTOR: Final = 5 / 6
 
 @checked
 def wavenumber_rad_per_m(plate: Plate, frequency_hz: NotNegativeArray) -> FloatArray:
-    """Kirchhoff: k = sqrt(omega) (rho_s / D)^(1/4)."""
+    """Return the Kirchhoff wavenumber k = sqrt(omega) (rho_s / D)^(1/4)."""
     return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) / plate.wave_constant_m2_per_s)
 
 
 @checked
 def wavelength_m(plate: Plate, frequency_hz: PositiveArray) -> FloatArray:
-    """Kirchhoff wavelength 2 pi / k.
+    """Return the Kirchhoff wavelength 2 pi / k.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(float(wavelength_m(A4_SCREEN, 25e3)) * 1e3, 1)
@@ -38,13 +38,13 @@ def wavelength_m(plate: Plate, frequency_hz: PositiveArray) -> FloatArray:
 
 @checked
 def phase_velocity_m_per_s(plate: Plate, frequency_hz: NotNegativeArray) -> FloatArray:
-    """Kirchhoff: omega / k."""
+    """Return the Kirchhoff phase velocity omega / k."""
     return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) * plate.wave_constant_m2_per_s)
 
 
 @checked
 def group_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
-    """Kirchhoff: d omega / d k = 2 omega / k."""
+    """Return the Kirchhoff group velocity d omega / d k = 2 omega / k."""
     return 2 * phase_velocity_m_per_s(plate, frequency_hz)
 
 
@@ -52,10 +52,10 @@ def group_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
 def mindlin_angular_frequency_rad_per_s(
     plate: Plate, wavenumber_rad_per_m: NotNegativeArray, shear_factor: Positive = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
-    """Flexural branch of Mindlin's plate at a wavenumber.
+    """Return the flexural branch of Mindlin's plate at a wavenumber.
 
     With kappa G h = A, rho h = m, rho h^3 / 12 = J, the smaller root W = omega^2 of (A k^2 - m W)(D k^2 + A - J W) =
-    A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near equals.
+    A^2 k^2, computed as 2c / (b + sqrt(b^2 - 4ac)) to avoid cancellation.
     """
     k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
@@ -86,7 +86,7 @@ def shear_stiffness_n_per_m(plate: Plate, shear_factor: float) -> float:
 
 
 BATCH: Final = 64
-"""Modes whose tables of coefficients are held at a time."""
+"""Number of modes per chunk of coefficient tables."""
 
 
 def frequencies_rad_per_s(plate: Plate, block: "ParityBlock", shear_factor: float) -> FloatArray:
@@ -98,7 +98,7 @@ def frequencies_rad_per_s(plate: Plate, block: "ParityBlock", shear_factor: floa
 
 
 class _Shapes:
-    """Mean squares over the plate of derivatives of some modes of a block, whose own mean square is 1."""
+    """Mean squares over the plate of the derivatives of modes with mean square 1."""
 
     def __init__(self, plate: Plate, block: "ParityBlock", chosen: slice) -> None:
         vectors = block.vectors[chosen]
@@ -115,7 +115,7 @@ class _Shapes:
         return _mean_square(along_x) + _mean_square(along_y)
 
     def edge_twist2_m(self) -> FloatArray:
-        """Integral of w_xy^2 along the free edges over the area, per unit mean square."""
+        """Return the integral of w_xy^2 along free edges, divided by the area."""
         twist, (a, b) = self._of(1, 1), (self.plate.length_m, self.plate.width_m)
         ends_x, ends_y = (orthonormal_legendre(np.array([-1.0, 1.0]), twist.shape[axis] - 1) for axis in (1, 2))
         on_x = np.square(np.einsum("pe,npq->neq", ends_x, twist)).sum(axis=2) / 2
@@ -124,7 +124,7 @@ class _Shapes:
         return np.asarray((on_x @ free[::2]) / a + (on_y @ free[1::2]) / b)
 
     def _of(self, n_x: int, n_y: int) -> FloatArray:
-        """(n_modes, p, q): Legendre coefficients of a derivative."""
+        """Return Legendre coefficients of a derivative, (n_modes, p, q)."""
         return np.asarray(_derivative(self.x, n_x).T @ self.table @ _derivative(self.y, n_y))
 
 
@@ -133,25 +133,25 @@ def _thick(plate: Plate, wavenumber2_per_m2: FloatArray, shapes: _Shapes, shear_
     shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
     k4 = wavenumber2_per_m2**2
     bent = k4 > 0
-    safe = np.where(bent, k4, 1.0)  # a rigid motion bends nothing and is set to 0 below
+    safe = np.where(bent, k4, 1.0)  # a rigid motion has no bending and is set to 0 below
     layer_m = plate.thickness_m / math.sqrt(12 * shear_factor)
     given_back = 2 * (1 - plate.poisson_ratio) * layer_m * shapes.edge_twist2_m() / safe
     b = m * (shear + rigidity * shapes.shear2() / safe) + shear * inertia * shapes.gradient2()
     c = shear * rigidity * safe / (1 + given_back)
-    # the smaller root, as in `dispersion`: no subtraction of near equals
+    # the smaller root without cancellation, as in `dispersion`
     omega = np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * m * inertia * c)))
     return np.where(bent, omega, 0.0)
 
 
 def _derivative(axis: LegendreAxis, n: int) -> FloatArray:
-    """(n_functions, degree + 1): coefficients of a derivative with respect to metres."""
+    """Return coefficients (n_functions, degree + 1) of a derivative over metres."""
     parts = (axis.function, axis.slope, axis.curvature_in_s)
     in_s = parts[n] if n < 3 else parts[2] @ _slope_of_legendre(axis.function.shape[1] - 1)
     return np.asarray((2 / axis.length_m) ** n * in_s)
 
 
 def _slope_of_legendre(degree: int) -> FloatArray:
-    """P_k' on P_j, all orthonormal: 2 ((k + 1/2) (j + 1/2))^(1/2) for j = k - 1, k - 3, ..."""
+    """Return P_k' on orthonormal P_j: 2 ((k + 1/2) (j + 1/2))^(1/2) for j = k - 1, k - 3, ..."""
     root = np.sqrt(np.arange(degree + 1) + 0.5)
     k, j = np.indices((degree + 1, degree + 1))
     return np.where((j < k) & ((k - j) % 2 == 1), 2 * np.outer(root, root), 0.0)

@@ -16,7 +16,7 @@ from .plate import Plate
 @checked
 @dataclass(frozen=True)
 class Glass:
-    """Young's modulus (Pa), Poisson's ratio, density (kg/m^3) and where they come from."""
+    """Young's modulus (Pa), Poisson's ratio, density (kg/m^3) and their source."""
 
     name: str
     youngs_modulus_pa: float
@@ -44,21 +44,21 @@ D263T = Glass("D263T", 72.9e9, 0.208, 2510.0, "unverified default")
 GLASSES = {glass.name: glass for glass in (BOROFLOAT_33, DURAN, SODA_LIME, GORILLA_4, D263T)}
 
 A4_SCREEN = BOROFLOAT_33.plate(0.297, 0.210, 1.1e-3, "SSSS")
-"""The thesis's prototype: A4, 1.1 mm. The glass and the edges are an unverified default."""
+"""The thesis's prototype: A4, 1.1 mm. Glass and edges are unverified defaults."""
 
 
 FREQUENCY_SHIFT_PER_K: Final = -5e-5
 """Relative shift of the modal frequencies of borosilicate glass per kelvin; unverified default."""
 
 MOST_SHIFT: Final = 0.1
-"""Of the frequencies by temperature: further no glass goes on in proportion."""
+"""Largest relative shift of the frequencies for which a proportional law is used."""
 
 MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")
 
 
 @dataclass(frozen=True)
 class NamedGlass:
-    """A glass by name, which replaces the keys of its material.
+    """A glass by its name, which replaces the material keys.
 
     Parameters
     ----------

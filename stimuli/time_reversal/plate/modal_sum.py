@@ -1,14 +1,12 @@
 """Fast sums over modes for many pairs at once.
 
 A sum of damped sinusoids at n equal steps of time is a non-uniform discrete Fourier transform (type 1). Each mode is
-spread over a few bins around its frequency by a Kaiser-Bessel kernel; one inverse FFT per pair makes the time signal;
+spread over a few bins around its frequency by a Kaiser-Bessel kernel; one inverse FFT per pair yields the time signal;
 the kernel's own transform, known in closed form, is divided out (Fessler and Sutton, IEEE Trans. Signal Process. 51,
-560, 2003). With a kernel of 16 bins on a grid twice as long as the signal the error is 1e-14 of the largest value
-at any frequency. It costs 32 products per mode and pair, and a transform, where a matrix product costs n per mode
-and pair.
+560, 2003). With a kernel of 16 bins on a grid twice as long as the signal the error is 1e-14 of the largest value at
+any frequency. It costs a transform and 32 products per mode and pair, while a matrix product costs n per mode and pair.
 
-Modes that do not oscillate, few modes, short signals and decays that differ much from the rest are summed by the
-matrix product.
+The matrix product sums few modes, short signals, and modes that do not oscillate or decay unlike the rest.
 """
 
 import math
@@ -22,20 +20,20 @@ from ...arrays import ComplexArray, FloatArray, IndexArray, IntArray, fast_lengt
 from .oscillators import Oscillators, turns
 
 WIDTH: Final = 16
-"""Bins of the kernel."""
+"""Width of the kernel in bins."""
 
 LONGER: Final = 2.0
-"""The grid over the signal."""
+"""Length of the grid divided by that of the signal."""
 
 LARGEST_SPREAD: Final = 0.5
-"""Of the decay rates times the duration: beyond, the kernel's continuation to complex frequencies costs digits."""
+"""Largest deviation of decay rate times duration; beyond it, the kernel at complex frequencies loses digits."""
 
 FEWEST_MODES: Final = 64
 SHORTEST: Final = 128
 TILE: Final = 32
-"""Pairs that are transformed together: their grids stay in cache."""
+"""Number of pairs transformed together; their grids fit into the cache."""
 BLOCK: Final = 64
-"""Bins that are filled by one matrix product."""
+"""Number of bins filled by one matrix product."""
 BESSEL: Final = 1 / np.cumprod(np.r_[1.0, np.arange(1.0, 57.0)]) ** 2
 """1 / k!^2: ``I_0(2 w^(1/2)) = sum_k w^k / k!^2`` (Abramowitz and Stegun, 9.6.10), to the last digit up to w = 400."""
 
@@ -51,7 +49,7 @@ def modal_sums(
 ) -> FloatArray:
     """Return weights (n_rows, n_modes) times the modes' impulse responses.
 
-    The result (n_rows, stop - start) is of samples start to stop - 1, and written to `out` if that is given.
+    The result (n_rows, stop - start) contains samples start to stop - 1 and is written to `out` if given.
 
     Examples
     --------
@@ -105,14 +103,14 @@ class _Grid:
         )
 
     def transform(self) -> FloatArray:
-        """(n,): the kernel's Fourier transform at the samples, width sinh(r) / r."""
+        """Return the kernel's Fourier transform (n,), width sinh(r) / r."""
         time = np.arange(self.n) - self.middle
         r = np.sqrt(self.beta**2 - (math.pi * WIDTH * time / self.n_fft) ** 2)
         return np.asarray(WIDTH * np.sinh(r) / r)
 
 
 def _alike(oscillators: Oscillators, duration_s: float) -> NDArray[np.bool_]:
-    """Modes that swing, and decay nearly as the median does."""
+    """Return a mask of oscillating modes that decay nearly as the median."""
     swings = oscillators.oscillates
     if not swings.any():
         return swings
@@ -130,10 +128,10 @@ def _transform(
     """Write the sums over modes in ascending order to `out`."""
     grid = _Grid.of(out.shape[1])
     kernels, modes = _in_blocks(grid, *_spread_kernel(oscillators, grid, rate_hz, start, quantity))
-    # the decay that the modes share is no part of the transform: from the middle, where their phases are taken
+    # the shared decay is applied after the transform, relative to the middle
     decay = np.exp(-_common_decay(oscillators) / rate_hz * (np.arange(grid.n) - grid.middle))
     scale = decay * (grid.n_fft / 2) / grid.transform()
-    # time before the middle lies at the end of a periodic signal
+    # times before the middle are at the end of the periodic signal
     late, early = slice(grid.middle, None), slice(None, grid.middle)
     for row in range(0, len(weights), TILE):
         rows = out[row : row + TILE]
@@ -141,26 +139,26 @@ def _transform(
         np.multiply(signal[:, : grid.n - grid.middle], scale[late], out=rows[:, late])
         np.multiply(signal[:, grid.n_fft - grid.middle :], scale[early], out=rows[:, early])
     if start == 0 and quantity == "displacement":
-        out[:, 0] = 0.0  # every mode starts at rest; what rounding leaves has a sign, which one bit would emit
+        out[:, 0] = 0.0  # modes start at rest; set rounding errors to 0, as one-bit drives emit their sign
 
 
 def _spread_kernel(
     oscillators: Oscillators, grid: _Grid, rate_hz: float, start: int, quantity: str
 ) -> tuple[IntArray, ComplexArray]:
-    """(n,) first bins and (n, width) values of each mode, its phase at the middle of the signal included."""
+    """Return first bins (n,) and kernel values (n, width) of each mode, with its phase at the middle of the signal."""
     apart = oscillators.decay_per_s - _common_decay(oscillators)
     bins, rounded = turns(oscillators.split_rad_per_s, grid.n_fft, rate_hz)
     first = np.ceil(bins - WIDTH / 2).astype(np.int64)
-    # a mode that decays otherwise than the rest lies beside the real axis of frequencies
+    # a mode that decays unlike the rest has a complex frequency
     away = (bins - first) + rounded + 1j * (apart * (grid.n_fft / (2 * math.pi * rate_hz)))
     values = grid.kernel(np.arange(WIDTH).astype(complex) - away[:, None])
     return first, -1j * oscillators.analytic(rate_hz, start + grid.middle, quantity)[:, None] * values
 
 
 def _in_blocks(grid: _Grid, first: IntArray, kernel: ComplexArray) -> tuple[FloatArray, IndexArray]:
-    """(n, 2 (BLOCK + width)): kernels among the bins of the block in which they begin, as pairs of real numbers.
+    """Return kernels within the bins of their block as real pairs, (n, 2 (BLOCK + width)).
 
-    And (n_blocks + 1,): the modes of each block, in order. The first bins are ascending, from -width.
+    The second result (n_blocks + 1,) delimits the modes of each block. The first bins ascend from -width.
     """
     blocks, place = np.divmod(first + WIDTH, BLOCK)
     kernels = np.zeros((len(first), BLOCK + WIDTH), complex)
@@ -170,7 +168,7 @@ def _in_blocks(grid: _Grid, first: IntArray, kernel: ComplexArray) -> tuple[Floa
 
 
 def _tile(weights: FloatArray, kernels: FloatArray, modes: IndexArray, grid: _Grid) -> FloatArray:
-    """Return the time signals of spread bins, folded at 0 and Nyquist."""
+    """Return time signals of the bins, folded at 0 and the Nyquist frequency."""
     bins = np.zeros((len(weights), (len(modes) - 1) * BLOCK + WIDTH), complex)
     wide = bins.view(float)
     for block in np.flatnonzero(np.diff(modes)).tolist():

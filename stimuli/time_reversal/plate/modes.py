@@ -1,4 +1,4 @@
-"""Modes of a plate: frequencies and shapes.
+"""Modes of a plate: natural frequencies and mode shapes.
 
 Every shape has mean square 1 over the plate, so that every modal mass is the mass of the plate.
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .ritz import ParityBlock
 
 ROUNDING: Final = 1e-12
-"""Of shapes with a mean square of 1: polynomials that vanish at a held edge leave up to 3e-14 there."""
+"""Largest shape value that counts as 0: polynomials that vanish at an edge leave up to 3e-14 there."""
 
 OnAxis = Callable[[Axis], FloatArray]
 
@@ -43,17 +43,17 @@ class Modes(Protocol):
         return self.angular_frequency_rad_per_s / (2 * math.pi)
 
     def products(self, on_x: OnAxis, on_y: OnAxis) -> FloatArray:
-        """Apply `on_x` and `on_y` to each mode's functions of x and y."""
+        """Return products of `on_x` and `on_y` of each mode's axis functions."""
         raise NotImplementedError
 
     def frame(self, x_m: Vector, y_m: Vector) -> Callable[[FloatArray], FloatArray]:
-        """Return `field` on a fixed grid, its functions evaluated once."""
+        """Return `field` as a function of amplitudes on a fixed grid."""
         raise NotImplementedError
 
     def field(self, amplitude: FloatArray, x_m: Vector, y_m: Vector) -> FloatArray:
         """Return amplitudes times shapes on a grid by X^T A Y.
 
-        That is 1/20 of the operations of a sum over modes, and in cache.
+        This takes 1/20 of the operations of a sum over modes, and stays in cache.
         """
         return self.frame(x_m, y_m)(amplitude)
 
@@ -78,9 +78,9 @@ def laplacians(modes: Modes, x_m: ArrayLike, y_m: ArrayLike) -> FloatArray:
 @checked
 @dataclass(frozen=True, eq=False)
 class SeparableModes(Modes):
-    """Simply supported edges: phi_mn = 2 sin(m pi x / a) sin(n pi y / b), exact.
+    """Exact modes of simply supported edges: phi_mn = 2 sin(m pi x / a) sin(n pi y / b).
 
-    `m` and `n` (from 1) belong to `angular_frequency_rad_per_s`, in ascending order.
+    `m` and `n` (from 1) are in the ascending order of `angular_frequency_rad_per_s`.
     """
 
     plate: Plate
@@ -150,13 +150,12 @@ def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = N
     ----------
     plate : Plate
     f_max_hz : float
-        Above 0.
+        Highest frequency of a mode, above 0.
     shear_factor : float, optional
-        With a number (5/6), Mindlin's dispersion replaces Kirchhoff's. This is exact for simply supported
-        edges, whose shapes stay. For other edges the shapes stay those of the thin plate and the frequencies are
-        corrected mode by mode (`mindlin`), edges included: within 0.2 % up to k h = 0.4 where the
-        thickness is 0.02 of the shorter side, and 2.7 % up to k h = 2 where it is 0.1, k the
-        wavenumber and h the thickness, where the thin plate is 4 % and 60 % off.
+        If given (5/6), Mindlin's dispersion replaces Kirchhoff's, which is exact for simply supported edges. For other
+        edges the shapes remain those of the thin plate, and the frequencies are corrected mode by mode (`mindlin`).
+        With k the wavenumber and h the thickness, the error is at most 0.2 % up to k h = 0.4 if h is 0.02 of the
+        shorter side, and 2.7 % up to k h = 2 if h is 0.1 of it. The errors of the thin plate are 4 % and 60 %.
     """
     return _modes_of(plate, f_max_hz, shear_factor)
 
@@ -165,7 +164,7 @@ def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = N
 def _modes_of(plate: Plate, f_max_hz: float, shear_factor: float | None) -> SeparableModes | RitzModes:
     solve = _separable if plate.boundary == "SSSS" else _ritz
     modes = solve(plate, f_max_hz, shear_factor)
-    modes.angular_frequency_rad_per_s.setflags(write=False)  # all callers share it through the cache
+    modes.angular_frequency_rad_per_s.setflags(write=False)  # callers share the result through the cache
     return modes
 
 
@@ -197,7 +196,7 @@ def _ritz(plate: Plate, f_max_hz: float, shear_factor: float | None) -> RitzMode
     from .dispersion import frequencies_rad_per_s
 
     thin_hz = _thin_hz(plate, f_max_hz, shear_factor)
-    # some modes are slower than the plane wave of their thin mode: what lies above is solved too, then cut
+    # some modes are slower than their plane wave: solve higher modes too, then cut
     slower = 1.05 + 0.2 * thin_hz * plate.thickness_m**2 * 2 * math.pi / plate.wave_constant_m2_per_s
     blocks = ritz(plate, slower * thin_hz)
     omega = np.concatenate([frequencies_rad_per_s(plate, block, shear_factor) for block in blocks])
@@ -212,7 +211,7 @@ def _draw(block: "ParityBlock", amplitude: FloatArray, x_functions: FloatArray, 
 
 
 def _field_of(amplitude: FloatArray, place: IntArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
-    """Return X A Y, the shorter product first."""
+    """Return X A Y, with the cheaper product first."""
     (n_x, n_m), (n_n, n_y) = x_functions.shape, y_functions.shape
     table = np.zeros((*amplitude.shape[:-1], n_m * n_n))
     table[..., place] = amplitude

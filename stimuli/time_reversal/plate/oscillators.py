@@ -1,8 +1,8 @@
 """The response of damped oscillators to an impulse, exact at every sample.
 
-g'' + (2 / tau) g' + omega^2 g = delta(t). Under-damped modes use e^{-t/tau} sin(w t) / w with the phase of each block
-of samples computed anew in double-double precision, so that no error grows with time; over-damped modes use the slow
-rate omega^2 / (1/tau + w), which is not a difference; critical and rigid-body modes are the limits of the same formula.
+g'' + (2 / tau) g' + omega^2 g = delta(t). Under-damped modes use e^{-t/tau} sin(w t) / w. The phase of each block of
+samples is computed in double-double precision, so that errors do not grow with time. Over-damped modes use the slow
+rate omega^2 / (1/tau + w), which avoids cancellation. Critical and rigid-body modes are limits of the same formula.
 """
 
 from dataclasses import dataclass
@@ -47,9 +47,9 @@ class Oscillators:
 
     @property
     def split_rad_per_s(self) -> FloatArray:
-        """|omega^2 - 1/tau^2|^(1/2) as a product: the damped frequency, or half the distance of the two rates."""
+        """Damped frequency, or half the distance between the two rates: |omega^2 - 1/tau^2|^(1/2)."""
         omega, decay = self.omega_rad_per_s, self.decay_per_s
-        # over the larger one: the square of a rate may leave the range of a double
+        # divided by the larger one: the square of a rate may overflow
         larger = np.maximum(np.maximum(omega, decay), np.finfo(float).tiny)
         apart, together = np.abs(omega - decay) / larger, (omega + decay) / larger
         return np.asarray(larger * np.sqrt(apart * together))
@@ -57,7 +57,7 @@ class Oscillators:
     def impulse(self, rate_hz: float, start: int, stop: int, quantity: str = "displacement") -> FloatArray:
         """Return the impulse response at samples start to stop - 1.
 
-        Acceleration is that of t > 0: the impulse itself is not in it.
+        The acceleration does not include the impulse itself.
         """
         one_of("Oscillators.impulse.quantity", quantity, QUANTITIES)
         out = np.empty((self.n, stop - start))
@@ -70,7 +70,7 @@ class Oscillators:
         return out
 
     def impulse_at(self, time_s: ArrayLike, quantity: str = "displacement") -> FloatArray:
-        """(n, n_times): the response at any times, at least 0."""
+        """Return the response (n, n_times) at any times, at least 0."""
         one_of("Oscillators.impulse_at.quantity", quantity, QUANTITIES)
         time = np.atleast_1d(np.asarray(time_s, float))
         out = np.empty((self.n, len(time)))
@@ -81,7 +81,7 @@ class Oscillators:
         return out
 
     def step(self, step_s: float) -> tuple[FloatArray, FloatArray]:
-        """Return displacement and velocity (n,) after one time, at least 0."""
+        """Return displacement and velocity (n,) at one time after the impulse."""
         if not self.oscillates.all():
             return self.impulse_at(step_s)[:, 0], self.impulse_at(step_s, "velocity")[:, 0]
         turned = self._phasor(np.array([step_s]), 1.0)[:, 0]
@@ -89,7 +89,7 @@ class Oscillators:
         return np.asarray(moved.imag), np.asarray(moving.imag)
 
     def analytic(self, rate_hz: float, sample: int, quantity: str = "displacement") -> ComplexArray:
-        """(n,): at one sample, what the response of each mode, all swinging, is the imaginary part of."""
+        """Return the analytic signal (n,) of all modes, which must oscillate, at one sample."""
         return self._phasor(np.array([float(sample)]), rate_hz)[:, 0] * self._weight(quantity)
 
     def compliance(self, mass_kg: float, s: ComplexArray) -> ComplexArray:
@@ -102,7 +102,7 @@ class Oscillators:
         return np.divide(1, stiffness, out=stiffness)
 
     def of(self, which: NDArray[np.bool_] | IndexArray) -> "Oscillators":
-        """Return some of the modes."""
+        """Return the oscillators selected by a mask or by indices."""
         return Oscillators(self.omega_rad_per_s[which], self.decay_per_s[which])
 
     def _swinging(self, rate_hz: float, start: int, stop: int, quantity: str) -> FloatArray:
@@ -128,11 +128,11 @@ class Oscillators:
 def unit_phasor(omega_rad_per_s: FloatArray, sample: NDArray[np.floating], rate_hz: float) -> ComplexArray:
     """Return exp(i omega sample / rate), accurate at any phase.
 
-    The product and the quotient are carried as a pair of doubles; the sine reduces the first one exactly.
+    Product and quotient are pairs of doubles; the sine reduces the first exactly.
     """
     product, product_low = _two_product(omega_rad_per_s, sample)
     phase = product / rate_hz
-    # what the quotient was rounded by: the remainder of multiplying it back
+    # rounding error of the quotient, from multiplying it back
     back, back_low = _two_product(phase, np.float64(rate_hz))
     phase_low = ((product - back) - back_low + product_low) / rate_hz
     return np.asarray(np.exp(1j * phase) * (1 + 1j * phase_low - phase_low**2 / 2))
@@ -149,7 +149,7 @@ def turns(omega_rad_per_s: FloatArray, sample: float, rate_hz: float) -> tuple[F
 
 
 def _two_product(a: FloatArray, b: NDArray[np.floating] | np.float64) -> tuple[FloatArray, FloatArray]:
-    """Dekker's exact product: a b = high + low."""
+    """Return Dekker's exact product: a b = high + low."""
     high = np.asarray(a * b)
     a_high, b_high = _upper_half(np.asarray(a)), _upper_half(np.asarray(b))
     a_low, b_low = a - a_high, b - b_high
@@ -163,7 +163,7 @@ def _upper_half(a: NDArray[np.floating]) -> FloatArray:
 
 
 def _creeping(modes: Oscillators, time_s: FloatArray, quantity: str) -> FloatArray:
-    """(n, n_times): the response of modes that do not oscillate."""
+    """Return the response (n, n_times) of modes that do not oscillate."""
     # the slow rate, and its distance to the fast one
     split = modes.split_rad_per_s
     fast = modes.decay_per_s + split
@@ -182,6 +182,6 @@ def _creeping(modes: Oscillators, time_s: FloatArray, quantity: str) -> FloatArr
 
 
 def check_sampling(rate_hz: float, n_samples: int) -> None:
-    """Refuse a rate that is not above 0 or a negative length."""
+    """Raise an error unless the rate is above 0 and the length at least 0."""
     positive("sampling", rate_hz=rate_hz)
     expect(n_samples >= 0, "n_samples", n_samples, "at least 0")

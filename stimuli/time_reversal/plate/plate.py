@@ -21,15 +21,16 @@ if TYPE_CHECKING:
 
 MAX_MODES: Final = 1_000_000
 MARGIN_DEGREES: Final = 20
-"""Beyond the shortest wave: 1e-8 of every frequency (`tests/stimuli/time_reversal/test_ritz.py`)."""
+"""Degrees beyond the shortest wave, for an error of 1e-8 in every frequency
+(`tests/stimuli/time_reversal/test_ritz.py`)."""
 MAX_FUNCTIONS: Final = 16_000
-"""Whose dense matrices take up to 2 GB each."""
+"""Largest number of functions; their dense matrices take up to 2 GB each."""
 
 
 @checked
 @dataclass(frozen=True)
 class Plate:
-    """An isotropic Kirchhoff-Love plate that covers 0..length in x and 0..width in y.
+    """An isotropic Kirchhoff-Love plate from 0 to length in x and 0 to width in y.
 
     Parameters
     ----------
@@ -85,17 +86,17 @@ class Plate:
 
     @property
     def rotary_inertia_kg(self) -> float:
-        """Rho h^3 / 12: what the turning of a section resists, per area."""
+        """Rotary inertia per area, rho h^3 / 12."""
         return self.area_density_kg_per_m2 * self.thickness_m**2 / 12
 
     @property
     def bending_rigidity_n_m(self) -> float:
-        """D = Y h^3 / (12 (1 - nu^2))."""
+        """Bending rigidity D = Y h^3 / (12 (1 - nu^2))."""
         return self.youngs_modulus_pa * self.thickness_m**3 / (12 * (1 - self.poisson_ratio**2))
 
     @property
     def wave_constant_m2_per_s(self) -> float:
-        """Constant sqrt(D / rho_s): omega over the squared wavenumber."""
+        """Ratio of omega to the squared wavenumber, sqrt(D / rho_s)."""
         return math.sqrt(self.bending_rigidity_n_m / self.area_density_kg_per_m2)
 
     @property
@@ -113,7 +114,7 @@ class Plate:
         return 0 <= x_m <= self.length_m and 0 <= y_m <= self.width_m
 
     def check_holds(self, name: str, at_m: tuple[float, float]) -> None:
-        """Refuse a point outside of the plate, naming the argument."""
+        """Raise an error that names the argument if a point is off the plate."""
         if not self.contains(*at_m):
             x_m, y_m = map(float, at_m)
             raise InvalidParameter(
@@ -122,13 +123,13 @@ class Plate:
 
     @property
     def rectangle(self) -> Rectangle:
-        """The parameters that determine the mode shapes."""
+        """The rectangle, whose parameters determine the mode shapes."""
         return Rectangle(self.length_m, self.width_m, self.boundary, self.poisson_ratio)
 
     def frequencies_hz(self, f_max_hz: float) -> FloatArray:
         """Return sorted natural frequencies up to `f_max_hz`, rigid ones 0 Hz.
 
-        Raises `InvalidParameter` if `f_max_hz` is not above 0 or asks for more modes than one solution can hold.
+        Raises `InvalidParameter` if `f_max_hz` is not above 0 or needs more modes than one solution can contain.
         """
         if self.boundary == "SSSS":
             return self.wave_constant_m2_per_s * navier(self, f_max_hz).wavenumber2_per_m2 / (2 * math.pi)
@@ -150,7 +151,7 @@ def navier(plate: Plate, f_max_hz: float) -> Sines:
 @checked
 def ritz(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> Sequence["ParityBlock"]:
     """Return the thin plate's Ritz modes with any edges up to a frequency."""
-    # polynomials are not loaded where edges are simply supported
+    # not imported for simply supported edges
     from .ritz import solve
 
     return solve(plate.rectangle, _wavenumber2_per_m2(plate, f_max_hz), degree or degrees(plate, f_max_hz))
@@ -158,19 +159,19 @@ def ritz(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -
 
 @checked
 def ritz_frequencies_hz(plate: Plate, f_max_hz: float, degree: tuple[int, int] | None = None) -> FloatArray:
-    """Frequencies of `ritz`, sorted."""
+    """Return the frequencies of `ritz`, sorted."""
     wavenumber2_per_m2 = np.concatenate([block.wavenumber2_per_m2 for block in ritz(plate, f_max_hz, degree)])
     return plate.wave_constant_m2_per_s * np.sort(wavenumber2_per_m2) / (2 * math.pi)
 
 
 @checked
 def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
-    """Return the degrees of x and y that hold frequencies to `f_max_hz`.
+    """Return the degrees in x and y needed for modes up to `f_max_hz`.
 
-    Raises `InvalidParameter` if that is too much to be held.
+    Raises `InvalidParameter` if there are too many functions for the memory.
     """
     p_x, p_y = degrees_called_for(plate, f_max_hz)
-    # products inside of an ellipse: `ritz.ellipse`
+    # products within an ellipse, see `ritz.ellipse`
     if math.pi / 4 * p_x * p_y > MAX_FUNCTIONS:
         raise InvalidParameter(
             f"f_max_hz: found {f_max_hz}, which needs {p_x} x {p_y} functions, more than can be held; "
@@ -181,7 +182,7 @@ def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
 
 @checked
 def degrees_called_for(plate: Plate, f_max_hz: float) -> tuple[int, int]:
-    """Return the degrees without their limit, for a cost estimate."""
+    """Return the needed degrees without a limit, for a cost estimate."""
     half_k = math.sqrt(_wavenumber2_per_m2(plate, f_max_hz)) / 2
     p_x, p_y = (math.ceil(half_k * side) + MARGIN_DEGREES for side in (plate.length_m, plate.width_m))
     return p_x, p_y

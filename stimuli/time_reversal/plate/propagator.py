@@ -18,17 +18,17 @@ NEAR_CRITICAL: Final = 0.05
 
 
 def transition(oscillators: Oscillators, step_s: float) -> FloatArray:
-    """(n, 2, 2): the free motion over one step."""
+    """Return the map (n, 2, 2) of the free motion over one step."""
     g, slope = oscillators.step(step_s)
     omega2, a = oscillators.omega_rad_per_s**2, oscillators.decay_per_s
     return np.stack([np.stack([slope + 2 * a * g, g], -1), np.stack([-omega2 * g, slope], -1)], -2)
 
 
 def linear_input(oscillators: Oscillators, step_s: float) -> FloatArray:
-    """Return weights (n, 2, 2) of a linear force at both ends of a step.
+    """Return weights (n, 2, 2) of the forces at start and end of a step.
 
-    phi_1 = (e^z - 1)/z, phi_2 = (phi_1 - 1)/z at the poles; near the critical damping and for slow modes,
-    where the poles meet, the matrix exponential.
+    phi_1 = (e^z - 1)/z, phi_2 = (phi_1 - 1)/z at the poles; near critical damping and for slow modes, where the poles
+    coincide, a matrix exponential is used.
     """
     omega, a = oscillators.omega_rad_per_s, oscillators.decay_per_s
     split = oscillators.split_rad_per_s
@@ -65,7 +65,7 @@ def _phi(z: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     small = np.abs(z) < SERIES_BELOW
     safe = np.where(small, 1.0, z)
     one = np.expm1(safe) / safe
-    two = (one - 1) / safe  # near 0 a difference of near equals: there the series, from which `one` follows
+    two = (one - 1) / safe  # near 0 a series avoids cancellation; `one` follows from it
     series = np.ones(np.count_nonzero(small), np.complex128)  # 1/2! + z/3! + z^2/4! + ...
     for k in range(17, 2, -1):
         series = 1.0 + z[small] / k * series
@@ -75,7 +75,7 @@ def _phi(z: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
 
 
 def _pole_weights(pole: ComplexArray, step_s: float) -> ComplexArray:
-    """(n, 2): weights of start and end on y' = pole y + f."""
+    """Return weights (n, 2) of start and end force in y' = pole y + f."""
     one, two = _phi(pole * step_s)
     weights: ComplexArray = np.stack([one - two, two], -1)
     return np.multiply(step_s, weights)
@@ -98,7 +98,7 @@ def _creeping_input(omega: FloatArray, a: FloatArray, split: FloatArray, step_s:
 
 
 def _exponential_input(omega: float, a: float, step_s: float) -> FloatArray:
-    """Return a step's force weights from a matrix exponential with the force."""
+    """Return a step's force weights from an augmented matrix exponential."""
     from scipy.linalg import expm
 
     w, d = omega * step_s, a * step_s
@@ -109,11 +109,11 @@ def _exponential_input(omega: float, a: float, step_s: float) -> FloatArray:
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _impulses(step: FloatArray, impulses: FloatArray, keep: IntArray) -> FloatArray:
-    """Time outside, modes inside: no mode waits for another."""
+    """Run the impulses with time as the outer and modes as the inner loop."""
     n_samples, n = impulses.shape
     out = np.zeros((len(keep), n))
     q, v = np.zeros(n), np.zeros(n)
-    # copies, so that the inner loop goes through memory in order
+    # copies, so that the inner loop reads memory in order
     a, b, c, d = step[:, 0, 0].copy(), step[:, 0, 1].copy(), step[:, 1, 0].copy(), step[:, 1, 1].copy()
     kept = 0
     for k in range(n_samples):

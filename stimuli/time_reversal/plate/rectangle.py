@@ -1,9 +1,10 @@
-"""Sines and integrated Legendre functions that modes are products of.
+"""Axis functions of modes: sines and integrated Legendre functions.
 
-Nothing here is a difference of hyperbolic functions: every evaluation is a sine or a three-term Legendre
-recurrence, which hold 14 digits at any order. With P_k orthonormal on [-1, 1], the functions B_k with B_k'' = P_k have
-the unit matrix as bending stiffness and a pentadiagonal mass: well conditioned at any degree, where monomials fail from
-degree 20 on. B_k vanishes with its slope at both ends for k >= 2; the cubics 1, s, B_0, B_1 carry the edges.
+Every evaluation is a sine or a three-term Legendre recurrence, which keep 14 digits at any order. There are no
+differences of hyperbolic functions. With P_k orthonormal on [-1, 1], the functions B_k with B_k'' = P_k have the unit
+matrix as bending stiffness and a pentadiagonal mass matrix. They are well conditioned at any degree, while monomials
+fail from degree 20 on. For k >= 2, B_k and its slope vanish at both ends; the cubics 1, s, B_0, B_1 satisfy the edge
+conditions.
 """
 
 import math
@@ -22,18 +23,18 @@ class Axis(Protocol):
     def value(self, at_m: ArrayLike) -> FloatArray: ...
 
     def curvature(self, at_m: ArrayLike) -> FloatArray:
-        """Second derivatives."""
+        """Return second derivatives."""
 
     def integral(self, start_m: ArrayLike, stop_m: ArrayLike) -> FloatArray:
-        """Integrals from start to stop."""
+        """Return integrals from start to stop."""
 
     def curvature_integral(self, start_m: ArrayLike, stop_m: ArrayLike) -> FloatArray:
-        """Integrals of the second derivatives from start to stop."""
+        """Return integrals of the second derivatives from start to stop."""
 
 
 @dataclass(frozen=True)
 class SineAxis:
-    """sqrt(2) sin(i pi x / length), i = 1..n: simply supported at both ends, mean square 1."""
+    """Functions sqrt(2) sin(i pi x / length), i = 1..n, for two simply supported ends; mean square 1."""
 
     length_m: float
     n: int
@@ -43,7 +44,7 @@ class SineAxis:
         return np.asarray(np.arange(1, self.n + 1) * (math.pi / self.length_m), float)
 
     def value(self, at_m: ArrayLike) -> FloatArray:
-        """Measured from the nearer end, so that both ends are exact zeros and mirror images are equal."""
+        """Evaluate from the nearer end: both ends are exact zeros, mirror images are equal."""
         at = np.atleast_1d(np.asarray(at_m, float)) / self.length_m
         order = np.arange(1, self.n + 1)[:, None]
         far = at > 0.5
@@ -55,7 +56,7 @@ class SineAxis:
         return -(self.wavenumber_rad_per_m[:, None] ** 2) * self.value(at_m)
 
     def integral(self, start_m: ArrayLike, stop_m: ArrayLike) -> FloatArray:
-        """(b - a) times the value at the middle times sinc: a product, where cos - cos would cancel."""
+        """Return (b - a) times the middle value times sinc, which avoids the cancellation of cos - cos."""
         start, stop = np.atleast_1d(start_m), np.atleast_1d(stop_m)
         half = self.wavenumber_rad_per_m[:, None] * (stop - start) / 2
         return np.asarray(self.value((start + stop) / 2) * (stop - start) * np.sinc(half / math.pi))
@@ -93,12 +94,12 @@ class LegendreAxis:
         return (2 / self.length_m) ** 2 * self._quadrature(self.curvature_in_s, start_m, stop_m)
 
     def _legendre(self, at_m: ArrayLike) -> FloatArray:
-        # a point on an edge may be rounded to beyond it, where polynomials of a high degree are large
+        # rounding may move a point beyond its edge, where polynomials of high degree are large
         s = np.clip(2 * np.atleast_1d(np.asarray(at_m, float)) / self.length_m - 1, -1.0, 1.0)
         return orthonormal_legendre(s, self.function.shape[1] - 1)
 
     def _quadrature(self, coefficients: FloatArray, start_m: ArrayLike, stop_m: ArrayLike) -> FloatArray:
-        """Gauss's rule, exact for this degree however short the interval."""
+        """Integrate by Gauss's rule, exact for this degree at any interval."""
         start, stop = np.atleast_1d(start_m), np.atleast_1d(stop_m)
         # n nodes are exact up to degree 2 n - 1
         nodes, weights = np.polynomial.legendre.leggauss(coefficients.shape[1] // 2 + 1)
@@ -109,7 +110,7 @@ class LegendreAxis:
 
 
 def orthonormal_legendre(s: FloatArray, degree: int) -> FloatArray:
-    """sqrt(k + 1/2) P_k(s) for k = 0..degree, by the three-term recurrence; (degree + 1, n_points)."""
+    """Return sqrt(k + 1/2) P_k(s) for k = 0..degree by the three-term recurrence, (degree + 1, n_points)."""
     scale = np.sqrt(np.arange(degree + 1) + 0.5)
     return np.ascontiguousarray((np.polynomial.legendre.legvander(s, degree) * scale).T)
 
@@ -119,7 +120,7 @@ N_CUBICS = 4
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """Functions of one parity (or of none, `parity` = -1) with the degree order used to truncate products."""
+    """Functions of one parity (-1: no parity), with the degrees used to truncate products."""
 
     axis: LegendreAxis
     order: IntArray
@@ -129,14 +130,14 @@ class Family:
         return len(self.order)
 
     def gram(self, left: str, right: str) -> FloatArray:
-        """Return the exact integral of two of ``function``, ``slope`` and so on."""
+        """Return exact integrals of products of ``function``, ``slope`` etc."""
         first: FloatArray = getattr(self.axis, left)
         second: FloatArray = getattr(self.axis, right)
         return first @ second.T
 
 
 def families(length_m: float, edges: str, degree: int) -> list[Family]:
-    """Return functions up to `degree`, split by parity if the edges are alike.
+    """Return functions up to `degree`, split by parity if both edges are equal.
 
     Parameters
     ----------
@@ -156,15 +157,15 @@ def _family(length_m: float, edges: str, degree: int, parity: int) -> Family:
     inner = [i for i in range(N_CUBICS, degree + 1) if parity < 0 or i % 2 == parity]
     mixing = _admissible(function[cubics], slope[cubics], curvature[cubics], edges)
     rows = [np.vstack([mixing @ table[cubics], table[inner]]) for table in (function, slope, curvature)]
-    # each condition takes one cubic away; what is left counts with the highest degrees
+    # each condition removes one cubic; the remaining ones count as the highest degrees
     order = np.array([*cubics[len(cubics) - len(mixing) :], *inner])
     return Family(LegendreAxis(length_m, *rows), order)
 
 
 def _integrals(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Coefficients of 1, s and B_0.. with their first and second derivatives; row i has degree i."""
+    """Return coefficients of 1, s and B_0.. and of their first two derivatives; row i has degree i."""
     k = np.arange(1, degree + 1)
-    # the integral of P_(k-1) is a part of P_k minus a part of P_(k-2)
+    # the integral of P_(k-1) combines P_k and P_(k-2)
     integrate = np.zeros((degree + 1, degree + 1))
     integrate[k - 1, k] = 1 / np.sqrt(4.0 * k**2 - 1)
     integrate[k, k - 1] = -1 / np.sqrt(4.0 * k**2 - 1)
@@ -177,7 +178,7 @@ def _integrals(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _admissible(function: FloatArray, slope: FloatArray, curvature: FloatArray, edges: str) -> FloatArray:
-    """Rows that mix the cubics into functions that meet the conditions, with orthonormal second derivatives."""
+    """Return rows that combine cubics to meet the edge conditions, with orthonormal curvature."""
     ends = orthonormal_legendre(np.array([-1.0, 1.0]), function.shape[1] - 1)
     value_at, slope_at = function @ ends, slope @ ends
     conditions = [value_at[:, i] for i in (0, 1) if edges[i] in "SC"]
@@ -188,23 +189,23 @@ def _admissible(function: FloatArray, slope: FloatArray, curvature: FloatArray, 
         free = rows[int(np.sum(singular > 1e-9 * singular.max())) :]
     bent = free @ curvature
     stiffness, turn = np.linalg.eigh(bent @ bent.T)
-    # straight functions have no bending stiffness to be scaled by
+    # linear functions have no bending stiffness to scale with
     scale = np.where(stiffness > 1e-9, 1 / np.sqrt(np.maximum(stiffness, 1e-9)), 1.0)
     return scale[:, None] * (turn.T @ free)
 
 
 @dataclass(frozen=True)
 class Rectangle:
-    """0..length in x and 0..width in y.
+    """A rectangle from 0 to length in x and 0 to width in y, with its edges.
 
     Parameters
     ----------
     length_m, width_m : float
-        Above 0.
+        Side lengths, above 0.
     boundary : str
         Four letters, S (simply supported), C (clamped) or F (free), for x = 0, y = 0, x = length, y = width.
     poisson_ratio : float
-        The one constant of a material that enters a shape, through free edges.
+        Poisson ratio, which affects the mode shapes at free edges only.
     """
 
     length_m: float
@@ -214,7 +215,7 @@ class Rectangle:
 
     @property
     def edges_x(self) -> str:
-        """The edges that the functions of x meet: at x = 0 and at x = length."""
+        """Edge conditions at x = 0 and x = length."""
         return self.boundary[::2]
 
     @property
@@ -223,7 +224,7 @@ class Rectangle:
 
     @property
     def n_rigid(self) -> int:
-        """Number of rigid-body motions under the edges' conditions.
+        """Number of rigid-body motions that the edges permit.
 
         >>> [Rectangle(0.3, 0.2, boundary, 0.3).n_rigid for boundary in ("FFFF", "SFFF", "SFSF", "CFFF")]
         [3, 1, 0, 0]
@@ -235,7 +236,7 @@ class Rectangle:
 
 
 class Sines(NamedTuple):
-    """Half-waves `m` along x and `n` along y, each from 1, by ascending `wavenumber2_per_m2`."""
+    """Modes with `m` half-waves along x and `n` along y, each from 1, by ascending `wavenumber2_per_m2`."""
 
     m: IntArray
     n: IntArray
@@ -243,7 +244,7 @@ class Sines(NamedTuple):
 
 
 def sines(rectangle: Rectangle, wavenumber2_max_per_m2: float) -> Sines:
-    """All modes up to a squared wavenumber: k^2 = (m pi / a)^2 + (n pi / b)^2.
+    """Return modes up to a squared wavenumber (m pi / a)^2 + (n pi / b)^2.
 
     >>> sines(Rectangle(2.0, 1.0, "SSSS", 0.3), 5 * np.pi**2).m
     array([1, 2, 3, 1, 2, 4])
@@ -251,7 +252,7 @@ def sines(rectangle: Rectangle, wavenumber2_max_per_m2: float) -> Sines:
     sides = (rectangle.length_m, rectangle.width_m)
     along_x, along_y = (np.arange(1, int(side * math.sqrt(wavenumber2_max_per_m2) / math.pi) + 2) for side in sides)
     k2 = (math.pi * along_x[:, None] / sides[0]) ** 2 + (math.pi * along_y[None, :] / sides[1]) ** 2
-    # a mode that lies at the limit belongs to it, whichever way its wavenumber was rounded
+    # include a mode at the limit despite rounding
     m, n = np.nonzero(k2 <= wavenumber2_max_per_m2 * (1 + 1e-12))
     order = np.argsort(k2[m, n], kind="stable")
     return Sines(along_x[m[order]], along_y[n[order]], k2[m, n][order])

@@ -1,9 +1,9 @@
 """Ritz modes of a rectangle with any edges, in parity blocks.
 
-K v = lambda M v is turned round, M v = theta (K + s M) v with theta = 1 / (lambda + s): the wanted low
-modes are then the largest eigenvalues and keep all their digits, where `eigh(K, M)` loses them to eps *
-lambda_max / lambda_1. Basis: `axis`. Products i, j are kept where (i / p_x)^2 + (j / p_y)^2 <= 1.
-Checked against converged values of the literature in `tests/stimuli/time_reversal/test_ritz.py`.
+K v = lambda M v is inverted to M v = theta (K + s M) v with theta = 1 / (lambda + s). The wanted low modes are then the
+largest eigenvalues and keep all digits, while `eigh(K, M)` has errors of eps * lambda_max / lambda_1. Basis: `axis`.
+Products i, j are kept where (i / p_x)^2 + (j / p_y)^2 <= 1. Checked against converged values of the literature in
+`tests/stimuli/time_reversal/test_ritz.py`.
 """
 
 from collections.abc import Sequence
@@ -18,15 +18,15 @@ from ...arrays import FloatArray, IntArray
 from .rectangle import Family, Rectangle, families
 
 SHIFT: Final = 1.0
-"""Of the eigenvalues, whose unit is (2 / length)^4: rigid motions have a finite theta then."""
+"""Shift of the eigenvalues, in units of (2 / length)^4, which makes theta of rigid motions finite."""
 
 
 @dataclass(frozen=True, eq=False)
 class ParityBlock:
     """The modes of one pair of parities.
 
-    `vectors` (n_modes, n_products) hold the coefficients of the products of function `i` of x and `j` of y;
-    the mean square of every mode over the plate is 1.
+    `vectors` (n_modes, n_products) are the coefficients of the products of function `i` of x and `j` of y. Every mode
+    has mean square 1 over the plate.
     """
 
     on_x: Family
@@ -39,7 +39,7 @@ class ParityBlock:
 
 @lru_cache(maxsize=16)
 def solve(rectangle: Rectangle, wavenumber2_max_per_m2: float, degrees: tuple[int, int]) -> Sequence[ParityBlock]:
-    """Return the Ritz modes up to a squared wavenumber; the last are cached."""
+    """Return the Ritz modes up to a squared wavenumber; caches the last call."""
     blocks = [
         _block(rectangle, wavenumber2_max_per_m2, on_x, on_y, degrees) for on_x, on_y in pairs(rectangle, degrees)
     ]
@@ -47,7 +47,7 @@ def solve(rectangle: Rectangle, wavenumber2_max_per_m2: float, degrees: tuple[in
 
 
 def pairs(rectangle: Rectangle, degrees: tuple[int, int]) -> list[tuple[Family, Family]]:
-    """Yield the functions of x and of y of each pair of parities."""
+    """Yield the functions of x and y for each pair of parities."""
     p_x, p_y = degrees
     on_x = families(rectangle.length_m, rectangle.edges_x, p_x)
     on_y = families(rectangle.width_m, rectangle.edges_y, p_y)
@@ -62,13 +62,13 @@ def _block(
     unit_per_m2 = 4 / rectangle.length_m**2
     highest = (wavenumber2_max_per_m2 / unit_per_m2) ** 2
     theta, vectors = _largest(mass, stiffness + SHIFT * mass, 1 / (highest + SHIFT))
-    eigenvalue = np.maximum(1 / theta - SHIFT, 0.0)  # rounding may leave a rigid motion below 0
-    # a mean square of 1 over the plate is one of 1 / 4 over both s, each of which runs from -1 to 1
+    eigenvalue = np.maximum(1 / theta - SHIFT, 0.0)  # rounding may make a rigid motion negative
+    # a mean square of 1 over the plate is 1 / 4 in s, which runs from -1 to 1 on both axes
     return ParityBlock(on_x, on_y, i, j, unit_per_m2 * np.sqrt(eigenvalue), 2 * _orthonormal(vectors, mass))
 
 
 def ellipse(on_x: Family, on_y: Family, p_x: int, p_y: int) -> tuple[IntArray, IntArray]:
-    """Return the products kept: (i / p_x)^2 + (j / p_y)^2 <= 1 in degrees."""
+    """Return a mask of the kept products, (i / p_x)^2 + (j / p_y)^2 <= 1."""
     inside = (on_x.order[:, None] / p_x) ** 2 + (on_y.order[None, :] / p_y) ** 2 <= 1
     i, j = np.nonzero(inside)
     return i, j
@@ -78,14 +78,14 @@ def pencil(rectangle: Rectangle, on_x: Family, on_y: Family, i: IntArray, j: Int
     """Return stiffness and mass in units of (length / 2)^4 k^4."""
     from scipy.sparse import csr_array, kron
 
-    r2 = (rectangle.length_m / rectangle.width_m) ** 2  # of two derivatives along y, in units of half the length
+    r2 = (rectangle.length_m / rectangle.width_m) ** 2  # factor of two derivatives along y, in units of half the length
     nu = rectangle.poisson_ratio
     x = {name: csr_array(matrix) for name, matrix in _integrals(on_x).items()}
     y = {name: csr_array(matrix) for name, matrix in _integrals(on_y).items()}
     twist = kron(x["cross"], y["cross"].T) + kron(x["cross"].T, y["cross"])
     stiffness = kron(x["stiffness"], y["mass"]) + r2**2 * kron(x["mass"], y["stiffness"])
     stiffness = stiffness + r2 * (nu * twist + 2 * (1 - nu) * kron(x["slope"], y["slope"]))
-    chosen = i * on_y.n + j  # the place of a product among the rows of `kron`
+    chosen = i * on_y.n + j  # row of a product in `kron`
     cut = [csr_array(whole)[chosen][:, chosen].toarray() for whole in (stiffness, kron(x["mass"], y["mass"]))]
     return cut[0], cut[1]
 
@@ -108,7 +108,7 @@ def _largest(mass: FloatArray, shifted: FloatArray, theta_min: float) -> tuple[F
     reduced = solve_triangular(lower, half.T, lower=True, check_finite=False)
     theta, turned = eigh(
         reduced,
-        subset_by_value=(theta_min * (1 - 1e-9), np.inf),  # a mode that lies at the limit belongs to it
+        subset_by_value=(theta_min * (1 - 1e-9), np.inf),  # include a mode at the limit
         driver="evr",
         overwrite_a=True,
         check_finite=False,
@@ -129,7 +129,7 @@ def _orthonormal(vectors: FloatArray, mass: FloatArray) -> FloatArray:
 
 
 def _without_rigid_noise(blocks: list[ParityBlock], n_zero: int) -> list[ParityBlock]:
-    """Set the known number of rigid-body modes to a wavenumber of 0."""
+    """Set the wavenumbers of the known rigid-body modes to 0."""
     if n_zero == 0:
         return blocks
     ascending = np.sort(np.concatenate([block.wavenumber2_per_m2 for block in blocks]))

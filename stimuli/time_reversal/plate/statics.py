@@ -13,7 +13,7 @@ from ...arrays import FloatArray
 from .plate import Plate
 from .rectangle import SineAxis
 
-# of Levy's sum, and of Navier's under a patch, along each side
+# terms of Levy's sum, and of Navier's sum along each side
 N_TERMS: Final = 20_000
 N_TERMS_PATCH: Final = 1_200
 RITZ_DEGREE: Final = 50
@@ -29,7 +29,7 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     Parameters
     ----------
     plate : Plate
-        Held well enough not to move as a rigid body.
+        Plate whose edges prevent rigid-body motion.
     force_n : float
     at_m : (float, float)
         Where the force acts.
@@ -37,15 +37,15 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
 
     Returns
     -------
-    (n_points,) array. Simply supported: Levy's sum, relative error 1e-9. Other edges: Ritz, within
-    0.2 % at the force and 1e-5 away from it.
+    (n_points,) array. Levy's sum for simply supported edges, with a relative error of 1e-9. Ritz for other edges,
+    within 0.2 % at the force and 1e-5 away from it.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(float(deflection_m(A4_SCREEN, 2.0, (0.1485, 0.105), 0.1485, 0.105)[0]) * 1e6)
     178
     """
     plate.check_holds("at_m", at_m)
-    expect(not plate.rectangle.n_rigid, "Plate.boundary", repr(plate.boundary), "edges that hold it under a force")
+    expect(not plate.rectangle.n_rigid, "Plate.boundary", repr(plate.boundary), "edges that prevent rigid-body motion")
     whole("deflection_m", lowest=1, n_x=np.size(x_m), n_y=np.size(y_m))
     x, y = np.broadcast_arrays(np.atleast_1d(x_m), np.atleast_1d(y_m))
     for i, place in enumerate(zip(x.ravel(), y.ravel(), strict=True)):
@@ -58,7 +58,7 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
 def bending_stress_pa(plate: Plate, force_n: float, contact_m: Positive) -> float:
     """Return the largest stress under a square load at the centre.
 
-    The edges count as simply supported whatever `plate.boundary` says. The square's side `contact_m` is above 0
+    The edges are taken as simply supported, regardless of `plate.boundary`. The square's side `contact_m` is above 0
     and at most the plate's shorter side, else `InvalidParameter`.
 
     sigma = 6 M_y / h^2 with M_y = -D (u_yy + nu u_xx), or M_x if that is larger, by Navier's sum. A point
@@ -79,7 +79,7 @@ def bending_stress_pa(plate: Plate, force_n: float, contact_m: Positive) -> floa
 
 
 def _side_terms(side_m: float, contact_m: float) -> tuple[FloatArray, FloatArray]:
-    """Return each sine's value times mean over the contact, and its k^2."""
+    """Return each sine's value times its contact mean, and its k^2."""
     axis, middle = SineAxis(side_m, N_TERMS_PATCH), side_m / 2
     load = axis.integral(middle - contact_m / 2, middle + contact_m / 2)[:, 0] / contact_m
     return axis.value(middle)[:, 0] * load, axis.wavenumber_rad_per_m**2
@@ -95,9 +95,9 @@ def _levy(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray)
 
 
 def _across(mu: FloatArray, width_m: float, y0: float, y: float) -> FloatArray:
-    """-(1 / 2 mu) d/dmu of N / d with N the four images of exp(-mu distance) and d = 2 mu (1 - exp(-2 mu b))."""
+    """Return -(1 / 2 mu) d/dmu of N / d; N: four images of exp(-mu distance), d = 2 mu (1 - exp(-2 mu b))."""
     apart = abs(y - y0)
-    # images in the edges y = 0 and y = width change the sign, in both they do not
+    # an image in one edge changes the sign, an image in both does not
     distance = np.array([apart, y + y0, 2 * width_m - y - y0, 2 * width_m - apart])[:, None]
     images = np.array([1.0, -1.0, -1.0, 1.0])[:, None] * np.exp(-mu * distance)
     total, slope = images.sum(axis=0), -(distance * images).sum(axis=0)

@@ -1,10 +1,9 @@
 """Learning of impulse responses by regularised deconvolution.
 
 With p the excitation, r the recording and P, R their spectra, h = IFFT(R P* / (abs(P)^2 + epsilon)): Tikhonov's
-regularisation, which keeps what the excitation holds little of from being raised to noise. Both are padded with zeros,
-so that the convolution is linear. A sweep after Farina (Audio Engineering Society Convention 108, 2000, preprint 5093)
-puts products of distortion before the response; a maximum-length sequence is white and has the lowest peak for its
-energy.
+regularisation, which avoids amplifying noise where the excitation is weak. Zero-padding makes the convolution linear.
+With a sweep (Farina, Audio Engineering Society Convention 108, 2000, preprint 5093), distortion products precede the
+response. A maximum-length sequence is white and has the lowest peak for its energy.
 """
 
 import json
@@ -28,15 +27,15 @@ from ..plate.oscillators import QUANTITIES
 from .responses import Responses, samples_in
 
 REGULARISATION: Final = 1e-6
-"""Of the mean power of the excitation's spectrum in its band (unverified default)."""
+"""Regularisation as a part of the mean power of the excitation's spectrum in its band (unverified default)."""
 FADE_PART: Final = 0.05
-"""Part of a sweep over which it rises, and falls (unverified default)."""
+"""Part of a sweep over which it rises and falls (unverified default)."""
 
 
 @checked
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """A signal for one channel, from -1 to 1, and the band that it fills.
+    """A signal for one channel, from -1 to 1, and its frequency band.
 
     >>> sweep(20e3, 60e3, rate_hz=250e3, duration_s=0.01).samples.shape, sequence(10, rate_hz=250e3).samples.shape
     ((2500,), (1023,))
@@ -53,14 +52,14 @@ class Excitation:
 def sweep(f_min_hz: Positive, f_max_hz: float, *, rate_hz: float, duration_s: float) -> Excitation:
     """Return an exponential sweep with raised-cosine ends.
 
-    Raises `InvalidParameter` if the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has
-    no samples.
+    Raises `InvalidParameter` if the band is not ascending, starts at 0 or exceeds the Nyquist frequency, or the sweep
+    is too short.
     """
-    within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)  # above `f_min_hz`, never at it
+    within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)  # above `f_min_hz`, not equal to it
     n = samples_in("sweep.duration_s", duration_s, rate_hz)
     expect(n >= 2, "sweep.duration_s", duration_s, "at least two samples")
     time_s = np.arange(n) / rate_hz
-    growth_s = n / rate_hz / np.log(f_max_hz / f_min_hz)  # in which the frequency grows by e
+    growth_s = n / rate_hz / np.log(f_max_hz / f_min_hz)  # time in which the frequency grows by a factor of e
     phase_rad = 2 * np.pi * f_min_hz * growth_s * np.expm1(time_s / growth_s)
     from_nearer_end = np.minimum(np.arange(n), np.arange(n)[::-1])
     edge = np.clip(from_nearer_end / max(FADE_PART * n, 1.0), 0.0, 1.0)
@@ -88,19 +87,20 @@ def deconvolve(
 ) -> FloatArray:
     """Return the response that turns `played` into `recorded`.
 
-    Raises `InvalidParameter` if a value is not as stated or the excitation is zero.
+    Raises `InvalidParameter` if a value is out of range or the excitation is zero.
 
     Parameters
     ----------
     played : (n_played,) array
-        The excitation, or the recording of it on a reference channel, which takes the latency away.
+        The excitation, or its recording on a reference channel, which removes the latency.
     recorded : (..., n_recorded) array
-        From the same instant on; what comes later than `n_recorded` counts as zero, so record the tail.
+        Recording from the same instant on. Later samples count as zero, so record the decay too.
     n_samples : int
-        Of the response, at least 1, at most `n_recorded`.
+        Length of the response, from 1 to `n_recorded`.
     regularisation : float
-        Of the mean power of the played spectrum, at least 0. The response is scaled by P^2 / (P^2 + epsilon): within
-        this part of the truth where the excitation has its mean power, and small where it has none.
+        Epsilon as a part of the mean power of the played spectrum, at least 0. The response is scaled by P^2 / (P^2 +
+        epsilon): its relative error is about this value at mean power, and the response is small where the excitation
+        is weak.
 
     Returns
     -------
@@ -123,9 +123,9 @@ def deconvolve(
 
 @checked
 def delay_s(played: Vector, recorded: Vector, rate_hz: Positive) -> float:
-    """Return the delay (s) of `recorded` by the correlation peak.
+    """Return the delay (s) of `recorded` from the correlation peak.
 
-    A parabola resolves fractions of a sample.
+    A parabola interpolates fractions of a sample.
 
     >>> pulse = sequence(8, rate_hz=1e3).samples
     >>> delay_s(pulse, np.concatenate([np.zeros(7), pulse]), 1e3)
@@ -135,7 +135,7 @@ def delay_s(played: Vector, recorded: Vector, rate_hz: Positive) -> float:
 
     matched = np.abs(correlate(recorded, played, method="fft"))
     lags = correlation_lags(len(recorded), len(played))
-    peak = int(np.argmax(np.where(lags >= 0, matched, -1.0)))  # nothing is recorded before it is played
+    peak = int(np.argmax(np.where(lags >= 0, matched, -1.0)))  # only delays of at least 0 are possible
     before, at, after = (matched[min(max(peak + k, 0), len(matched) - 1)] for k in (-1, 0, 1))
     bend = before - 2 * at + after
     shift = 0.5 * (before - after) / bend if bend < 0 else 0.0
@@ -154,17 +154,17 @@ def learn(
 ) -> Responses:
     """Learn the responses of one point to every channel.
 
-    Raises `InvalidParameter` if the shapes do not fit, or a value is not as stated.
+    Raises `InvalidParameter` if the shapes do not match or a value is out of range.
 
     Parameters
     ----------
     played : (n_played,) or (n_channels, n_recorded) array
-        The excitation in the unit of the drive (V), the same for all; or what a reference channel recorded of each.
+        The common excitation in the unit of the drive (V), or a reference recording for each channel.
     recorded : (n_channels, n_recorded) array
-        What the point did, in the unit of `quantity`, while each channel was played alone.
+        Motion of the point in the unit of `quantity`, with one channel played at a time.
     rate_hz : float
     duration_s : float
-        How long a response is kept.
+        Length of the returned responses.
     """
     recorded = np.asarray(recorded, float)
     played = np.asarray(played, float)
@@ -183,11 +183,11 @@ def learn(
 def as_displacement(responses: Responses, f_min_hz: Positive, f_max_hz: float) -> Responses:
     """Integrate velocity or acceleration responses to displacement.
 
-    Divides by (i omega)^k within a band and sets the rest to 0.
+    The spectrum is divided by (i omega)^k within a band and set to 0 elsewhere.
 
     The band's edges rise and fall over a tenth of `f_min_hz`, so that the response stays short.
 
-    Raises `InvalidParameter` if the band does not rise, begins at 0 or passes the Nyquist frequency.
+    Raises `InvalidParameter` if the band is not ascending, starts at 0 or exceeds the Nyquist frequency.
 
     >>> velocity = Responses(np.eye(1, 64, 9)[None], 1e3, "velocity")
     >>> as_displacement(velocity, 100.0, 400.0).quantity

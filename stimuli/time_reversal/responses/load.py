@@ -1,8 +1,8 @@
 """Local loads on the plate as a low-rank update in the frequency domain.
 
 With H the receptances and Z the dynamic stiffness of k contacts, H_rs' = H_rs - H_rc Z (I + H_cc Z)^-1 H_cs. It is
-written as H_rc a (b + H_cc a)^-1 H_cs with a = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h), h the size of H_cc, which is
-exact for Z = 0 and, with b = 0, for a rigid support: nowhere an inverse of Z, nowhere an overflow.
+written as H_rc a (b + H_cc a)^-1 H_cs with a = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h), h the magnitude of H_cc. This
+is exact for Z = 0 and, with b = 0, for a rigid support, and needs no inverse of Z that could overflow.
 """
 
 import math
@@ -23,43 +23,43 @@ from ..screen.screen import Screen
 from .responses import Point, Responses, impulse_responses, values_at
 
 WRAP_AROUND: Final = 1e-8
-"""What is left of the response after one period of the discrete transform."""
+"""Remainder of the response after one period of the discrete transform."""
 
 CHUNK: Final = 256
-"""Frequencies at a time: the motion of some hundred modes stays in cache."""
+"""Frequencies per chunk: the motion of some hundred modes fits into the cache."""
 
 RECEPTANCES_AT_ONCE: Final = 2**20
-"""Pairs of contacts times frequencies, 16 MB: a thousand contacts are taken one frequency at a time."""
+"""Pairs of contacts times frequencies per chunk, 16 MB: one frequency for a thousand contacts."""
 
 WEIGHTS_AT_ONCE: Final = 2**14
-"""Pairs of contacts whose modal weights are multiplied at a time."""
+"""Pairs of contacts per product of modal weights."""
 
 COINCIDENT_PINS: Final = "loads: found pinned contacts that coincide, expected one per point"
 
 
 @runtime_checkable
 class Attached(Protocol):
-    """Something on the plate that answers one motion of it with one generalised force."""
+    """Interface of a load: one motion of the plate causes one generalised force."""
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
-        """Return that motion in each mode, (n_modes,)."""
+        """Return the motion of the contact in each mode, (n_modes,)."""
 
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
-        """(n_frequencies,): force per motion at complex frequencies s (rad/s)."""
+        """Return force per motion (n_frequencies,) at complex s (rad/s)."""
 
 
 @checked
 @dataclass(frozen=True)
 class PlateLoad:
-    """A mass, a damper and a spring to ground at a point of the plate.
+    """A mass, a damper and a spring to ground at one point of the plate.
 
     Parameters
     ----------
     x_m, y_m : float
     resistance_n_s_per_m, mass_kg : float
-        At least 0.
+        Damper and mass, at least 0.
     stiffness_n_per_m : float
-        At least 0; ``math.inf`` pins the point.
+        Spring, at least 0; ``math.inf`` pins the point.
     """
 
     x_m: float
@@ -73,7 +73,7 @@ class PlateLoad:
         expect(self.stiffness_n_per_m >= 0, "PlateLoad.stiffness_n_per_m", self.stiffness_n_per_m, expected)
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
-        """(n_modes,): the shapes at the contact."""
+        """Return the mode shapes at the contact, (n_modes,)."""
         screen.plate.check_holds("PlateLoad", (self.x_m, self.y_m))
         return values_at(screen, [(self.x_m, self.y_m)], f_max_hz)[:, 0]
 
@@ -85,13 +85,13 @@ class PlateLoad:
 @checked
 @dataclass(frozen=True)
 class SprungMass:
-    """A free mass behind a spring on a point of the plate: near it below its resonance, far above it the spring alone.
+    """A free mass on a spring at a point: rigidly coupled far below its resonance, a spring far above it.
 
     Parameters
     ----------
     x_m, y_m : float
     mass_kg, stiffness_n_per_m : float
-        Above 0.
+        Mass and spring, above 0.
     """
 
     x_m: float
@@ -100,12 +100,12 @@ class SprungMass:
     stiffness_n_per_m: Positive
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
-        """(n_modes,): the shapes at the contact."""
+        """Return the mode shapes at the contact, (n_modes,)."""
         screen.plate.check_holds("SprungMass", (self.x_m, self.y_m))
         return values_at(screen, [(self.x_m, self.y_m)], f_max_hz)[:, 0]
 
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
-        """Return 1 / (1 / k + 1 / (m s^2)) (N/m), the two in series."""
+        """Return 1 / (1 / k + 1 / (m s^2)) (N/m), spring and mass in series."""
         inertia = self.mass_kg * s**2
         return self.stiffness_n_per_m * inertia / (self.stiffness_n_per_m + inertia)
 
@@ -115,14 +115,14 @@ class SprungMass:
 class Receptances:
     """Displacement per force between sets of modal weights, on a grid of complex frequencies.
 
-    The reciprocal denominators 1 / (M (s^2 + 2 a s + w^2)) are formed once and shared by every pair.
+    The reciprocal denominators 1 / (M (s^2 + 2 a s + w^2)) are computed once for all pairs.
     """
 
     compliance: ComplexArray
 
     @classmethod
     def of(cls, oscillators: Oscillators, mass_kg: Positive, s: ComplexArray) -> "Receptances":
-        """`compliance` (n_modes, n_frequencies)."""
+        """Compute `compliance` (n_modes, n_frequencies) of oscillators."""
         return cls(oscillators.compliance(mass_kg, s))
 
     def between(self, to: FloatArray, of: FloatArray) -> ComplexArray:
@@ -131,10 +131,10 @@ class Receptances:
         return self._pairs(to[:, :, None] * of[:, None, :])
 
     def correction(self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex) -> ComplexArray:
-        """Return what contacts take away from `between(to, of)`.
+        """Return the reduction of `between(to, of)` by contacts.
 
         With T = H_rc a (b + H_cc a)^-1 it is the sum over modes of of_n (sum_k at_nk T_k) / (M (s^2 + 2 a s + w^2)):
-        n_to n_of pairs, where H_cs alone would take k n_of. The fewer of `to` and `of` is carried.
+        n_to n_of pairs, while H_cs alone needs k n_of. The smaller of `to` and `of` is carried along.
 
         Raises `InvalidParameter` if pinned contacts coincide.
 
@@ -166,7 +166,7 @@ class Receptances:
                 taken[:, part] = real_product(of.T, real_product(at, toward[:, part]) * self.compliance[:, part])
 
     def among(self, at: FloatArray) -> ComplexArray:
-        """(n_frequencies, k, k): `between(at, at)`, each pair once by reciprocity."""
+        """Return `between(at, at)` (n_frequencies, k, k), each pair computed once."""
         self._check(at=at)
         k = at.shape[1]
         among = np.empty((self.compliance.shape[1], k, k), complex)
@@ -181,7 +181,7 @@ class Receptances:
             shape(name, of_modes, (len(self.compliance), None))
 
     def _pairs(self, weights: FloatArray) -> ComplexArray:
-        """(..., n_frequencies) from weights (n_modes, ...) of pairs."""
+        """Return (..., n_frequencies) from weights (n_modes, ...) of pairs."""
         flat = weights.reshape(len(weights), math.prod(weights.shape[1:]))
         return real_product(flat.T, self.compliance).reshape(*weights.shape[1:], self.compliance.shape[1])
 
@@ -207,9 +207,9 @@ def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: 
     shape("contact_transfer.stiffness", stiffness, (n_frequencies, n_contacts))
     a, b = _balance(stiffness, np.abs(np.einsum("fkk->fk", among)))
     system = among * a[:, None, :]
-    np.einsum("fkk->fk", system)[...] += b  # a view of the diagonals
+    np.einsum("fkk->fk", system)[...] += b  # a view on the diagonals
     try:
-        # X (b + H a) = T a has its unknown on the left: solved as the transpose
+        # X (b + H a) = T a is solved in transposed form
         turned = np.linalg.solve(system.transpose(0, 2, 1), (to_contacts * a.T).transpose(2, 1, 0))
     except np.linalg.LinAlgError as error:
         raise InvalidParameter(COINCIDENT_PINS) from error
@@ -226,12 +226,12 @@ def loaded_responses(
     duration_s: float,
     f_max_hz: float,
 ) -> Responses:
-    """Displacement responses with loads on the plate.
+    """Return displacement responses with loads on the plate.
 
-    The unloaded part is the exact sum over modes; only the correction goes through a discrete transform, on the contour
-    s = sigma + i w: regular without attenuation, no wrap-around. The correction of a damper falls with the third power
-    of frequency, that of a pin with the second: what the Nyquist frequency cuts off is then up to 3 % and lies near
-    that frequency, so limit the band afterwards.
+    The unloaded part is the exact sum over modes. Only the correction uses a discrete transform, on the contour s =
+    sigma + i w, which is regular without attenuation and has no wrap-around. The correction of a damper falls with the
+    third power of frequency, that of a pin with the second. The part above the Nyquist frequency is up to 3 % and close
+    to that frequency, so limit the band afterwards.
 
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> sampling = {"rate_hz": 50e3, "duration_s": 1e-3, "f_max_hz": 10e3}
@@ -260,10 +260,10 @@ def loaded_responses(
 
 @checked
 def contour(n_samples: int, rate_hz: Positive) -> tuple[ComplexArray, FloatArray, int]:
-    """Return complex frequencies, the growth of their shift, and n_fft."""
+    """Return complex frequencies, the growth factor of their shift and n_fft."""
     whole("contour", lowest=1, n_samples=n_samples)
     n_fft = fast_length(2 * n_samples)
-    shift = -math.log(WRAP_AROUND) * rate_hz / n_fft  # sigma, by which exp(-sigma t) falls to that in one period
+    shift = -math.log(WRAP_AROUND) * rate_hz / n_fft  # sigma: exp(-sigma t) decays to this part in one period
     s = np.asarray(shift + 2j * np.pi * np.fft.rfftfreq(n_fft, 1 / rate_hz), complex)
     return s, np.asarray(np.exp(shift * np.arange(n_samples) / rate_hz), float), n_fft
 

@@ -1,10 +1,9 @@
-"""Impulse responses that were measured: read, align, trim, check.
+"""Measured impulse responses: read, align, trim and check.
 
 Files
 -----
-WAV : one file per point, one channel per transducer; the rate from the header, full scale in m (m/s, m/s^2)
-per unit of
-    the drive from the caller. 8-bit samples are unsigned around 128, as the format has it.
+WAV : one file per point, one channel per transducer. The rate is in the header; the caller states full scale in m (m/s,
+m/s^2) per unit of the drive. 8-bit samples are unsigned around 128.
 NPZ, HDF5 : ``samples`` (n_points, n_channels, n_samples), ``rate_hz``, and optionally ``quantity``.
 CSV : first line ``# rate_hz=100000 quantity=displacement unit=um``, then a header row with one name per
     transducer and one column each; one file per point. ``scale`` is a factor on top of the unit.
@@ -33,7 +32,7 @@ from .plate_constants import LEAST_FALL_DB, N_BLOCKS, decay_of
 from .responses import Responses
 
 CLIPPED_RUN: Final = 3
-"""Equal samples at the extreme of a channel that betray clipping."""
+"""Number of equal samples at the extreme of a channel that indicate clipping."""
 
 _PREFIXES: Final = {"": 1.0, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
 _UNITS: Final = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
@@ -41,23 +40,23 @@ _CSV_WORDS: Final = ("rate_hz", "quantity", "unit", "scale")
 
 
 FLUCTUATION: Final = 20.0
-"""Factor by which the power of a tenth of one pair may exceed the decay that the pairs share; unverified default."""
+"""Factor by which a tenth of one pair may exceed the common decay in power; unverified default."""
 
 
 @checked
 def read(paths: Sequence[Path], *, full_scale: Positive = 1.0, quantity: str = "displacement") -> Responses:
-    """Responses from files, one point after the other.
+    """Read responses from files, one point per file or several in one.
 
-    Raises `InvalidFile` if a file cannot be read as what it claims to be, or the files do not match.
+    Raises `InvalidFile` if a file cannot be read in its format or the files do not match.
 
     Parameters
     ----------
     paths : sequence of Path
         ``.wav``, ``.npz``, ``.h5``, ``.hdf5`` or ``.csv``, all with the same rate, channels and length.
     full_scale : float
-        What a WAV sample of 1.0 stands for, in the unit of `quantity` per unit of the drive.
+        Value of a WAV sample of 1.0, in the unit of `quantity` per unit of the drive.
     quantity : str
-        Of files that do not say it themselves.
+        Quantity of files that do not state it.
     """
     some("read.paths", paths)
     parts = [_read_one(Path(path), full_scale, quantity) for path in paths]
@@ -80,12 +79,12 @@ def trimmed(responses: Responses, start_s: float, duration_s: float) -> Response
 
 @checked
 def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
-    """Move every channel earlier by its delay, to fractions of a sample.
+    """Shift channels earlier by their delays, to fractions of a sample.
 
     Parameters
     ----------
     delay_s : sequence of float
-        One per channel: latency of the output and the trigger; what moves before time 0 is cut off.
+        Delay of each channel: latency of output and trigger. Samples before time 0 are cut off.
     """
     expect(len(delay_s) == responses.n_channels, "delay_s", len(delay_s), f"{responses.n_channels}, one per channel")
     n_fft = 2 * responses.n_samples
@@ -98,9 +97,10 @@ def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
 @checked
 @dataclass(frozen=True)
 class Findings:
-    """Defects of measured responses by (point, channel), or empty tuples.
+    """Defects of measured responses as tuples of (point, channel).
 
-    `clipped` repeat their largest value, `silent` are zero, `noisy` end less than `snr_db` below their start.
+    `clipped` responses repeat their largest value, `silent` ones are zero, and `noisy` ones end less than `snr_db`
+    below their start.
     """
 
     clipped: tuple[tuple[int, int], ...]
@@ -114,10 +114,10 @@ class Findings:
 
 @checked
 def inspect(responses: Responses, snr_db: float = 20.0) -> Findings:
-    """Look for clipping, silent channels and a high noise floor.
+    """Check for clipping, silent channels and a high noise floor.
 
-    The floor is the mean power of the last tenth, compared with that of the loudest tenth. The end of a short record is
-    allowed to be as loud as the decay that the pairs share leaves it.
+    The floor is the mean power of the last tenth, compared with that of the loudest tenth. In a short record, the end
+    may be as loud as the common decay of the pairs predicts.
     """
     within("inspect", -300.0, 300.0, snr_db=snr_db)
     h = responses.samples
@@ -136,7 +136,7 @@ def _pairs(bad: NDArray[np.bool_] | np.bool_) -> tuple[tuple[int, int], ...]:
 
 
 def _left_of_decay(pairs: FloatArray) -> float:
-    """Return the share of its loudest tenth at which a pair may end, or 0."""
+    """Return the part of its loudest tenth at which a pair may end, or 0."""
     size = pairs.shape[1] // N_BLOCKS if len(pairs) else 0
     if size == 0:
         return 0.0
@@ -196,7 +196,7 @@ def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
 
 def _read_wav(content: bytes, full_scale: float, quantity: str) -> Responses:
     wav = wav_of(content)
-    with np.errstate(all="ignore"):  # what is no number is refused below
+    with np.errstate(all="ignore"):  # values that are not numbers raise an error below
         samples = wav.parts() * full_scale
     return Responses(samples.T[None], wav.rate_hz, quantity)
 
@@ -226,20 +226,20 @@ def _read_csv(content: bytes, full_scale: float, quantity: str) -> Responses:
 
 
 def _first_line(line: str) -> dict[str, str]:
-    """Parse the first line of a CSV file into known, unique keys."""
+    """Parse the first line of a CSV file into its keys and values."""
     words = [word.partition("=")[::2] for word in line.lstrip("#").split()]
     said = dict(words)
     for word in said:
         one_of("first line", word, _CSV_WORDS)
     if len(said) < len(words):
-        raise ValueError(f"first line: found {line.strip()!r}, expected each word once")
+        raise ValueError(f"first line: found {line.strip()!r}, expected each key once")
     if "rate_hz" not in said:
         raise ValueError("'rate_hz' is not in the first line, expected '# rate_hz=100000' for instance")
     return said
 
 
 def _header(line: str) -> list[str]:
-    """Return the names in the second line; refuse numbers there."""
+    """Return the names in the second line. Raises if they are numbers."""
     names = line.split(",")
     if all(_is_number(cell) for cell in names):
         raise ValueError(f"line 2: found {line.strip()!r}, expected a header row with one name per transducer")
@@ -255,7 +255,7 @@ def _is_number(cell: str) -> bool:
 
 
 def _unit_scale(unit: str, quantity: str) -> float:
-    """SI units in one of `unit`."""
+    """Return the factor from `unit` to SI units."""
     si = _UNITS.get(quantity, "")
     one_of("unit", unit, [prefix + si for prefix in _PREFIXES])
     return _PREFIXES[unit.removesuffix(si)]

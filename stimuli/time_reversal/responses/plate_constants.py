@@ -1,8 +1,8 @@
 """Attenuation constant of a plate from measured responses (thesis 3.4.2).
 
-It comes from impulse responses: a decay above a floor, fitted to the log energy of blocks.
-The backward integral of Schroeder bends down at the end of a record and flattens on its noise, which biases a slope
-read from it; the model E(t) = A (exp(-2 t / tau) + N) holds in a cut record and above a floor.
+A decay above a noise floor is fitted to the log energy of blocks. Schroeder's backward integral bends down at the end
+of a record and flattens in the noise, which biases its slope. The model E(t) = A (exp(-2 t / tau) + N) is valid for
+truncated and noisy records.
 """
 
 import math
@@ -21,14 +21,14 @@ from ...arrays import FloatArray, IndexArray
 N_BLOCKS: Final = 32
 LEAST_FALL_DB: Final = 10.0
 FAINTEST: Final = 1e-7
-"""A record ends with its last sample above this part of its peak (140 dB below)."""
+"""A record ends at its last sample above this part of its peak (-140 dB)."""
 LOWEST_LOG_FLOOR: Final = -69.0
-"""Energies below this part (its logarithm) of the loudest block are taken as a floor: 300 dB."""
+"""Logarithm of the lowest energy re the loudest block, -300 dB; lower energies count as this floor."""
 
 
 @checked
 def schroeder_db(response: FloatArray) -> FloatArray:
-    """Return the energy still to come at each sample, in dB."""
+    """Return the remaining energy at each sample in dB (Schroeder)."""
     expect(np.any(response), "response", "zero everywhere", "an impulse response")
     to_come = np.cumsum(np.square(response)[..., ::-1], axis=-1)[..., ::-1]
     with np.errstate(divide="ignore"):
@@ -38,7 +38,7 @@ def schroeder_db(response: FloatArray) -> FloatArray:
 @checked
 @dataclass(frozen=True)
 class Decay:
-    """Energy over a record as A (exp(-2 n_taus t) + floor), t from 0 to 1; `fall_db` from the loudest to the end."""
+    """Fitted energy A (exp(-2 n_taus t) + floor), t from 0 to 1; `fall_db` is from the loudest block to the end."""
 
     n_taus: float
     floor: float
@@ -47,10 +47,9 @@ class Decay:
 
 @checked
 def tau_s(response: Vector, rate_hz: Positive) -> float:
-    """Time constant of the amplitude of one response.
+    """Return the time constant of the amplitude of one response.
 
-    Raises `InvalidParameter` if the response is silent, or falls by less than 10 dB until it ends or drowns in its
-    floor.
+    Raises `InvalidParameter` if the response is silent, or falls by less than 10 dB before its end or noise floor.
 
     Parameters
     ----------
@@ -73,7 +72,7 @@ def decay_of(energy: Vector, kept: IndexArray | None = None) -> Decay:
     kept = np.arange(first, N_BLOCKS) if kept is None else kept
     time = (kept + 0.5) / N_BLOCKS
     level = np.log(np.maximum(energy[kept], energy.max() * math.exp(LOWEST_LOG_FLOOR)))
-    # from a floor far below the record, in it, and near its beginning: the closest fit counts
+    # start from a very low, a middle and a high floor, and keep the closest fit
     fits = [_fit(time, level, log_floor) for log_floor in (-60.0, -25.0, -3.0)]
     _, n_taus, log_floor = min(fits)[1]
     ends = np.exp(-2 * n_taus * np.array([first / N_BLOCKS, 1.0])) + math.exp(log_floor)
@@ -81,14 +80,14 @@ def decay_of(energy: Vector, kept: IndexArray | None = None) -> Decay:
 
 
 def _fit(time: FloatArray, level: FloatArray, log_floor: float) -> tuple[float, tuple[float, ...]]:
-    """Return cost and (ln A, n_taus, ln floor) of a fit from a floor."""
+    """Return cost and (ln A, n_taus, ln floor) of a fit, given a first floor."""
     from scipy.optimize import least_squares
 
     def misfit(x: FloatArray) -> FloatArray:
         return np.asarray(x[0] + np.logaddexp(-2 * x[1] * time, x[2]) - level)
 
     def slopes(x: FloatArray) -> FloatArray:
-        # of the decay in the energy; the floor has the rest
+        # share of the decay in the energy; the floor is the rest
         share = np.exp(-2 * x[1] * time - np.logaddexp(-2 * x[1] * time, x[2]))
         return np.stack([np.ones_like(time), -2 * time * share, 1 - share], axis=1)
 
@@ -117,7 +116,7 @@ def _first(energy: FloatArray) -> int:
 def _clear_decay(energy: FloatArray) -> Decay:
     expect(_first(energy) <= N_BLOCKS // 2, "response", "its loudest part in the second half", "a decay; learn longer")
     decay = decay_of(energy)
-    found = f"a fall by {decay.fall_db:.1f} dB until it ends or drowns in its floor"
+    found = f"a fall by {decay.fall_db:.1f} dB before its end or noise floor"
     expected = f"at least {LEAST_FALL_DB:.0f} dB; learn longer responses, or average more of them"
     expect(decay.fall_db >= LEAST_FALL_DB, "response", found, expected)
     return decay

@@ -31,9 +31,9 @@ class Responses:
     Parameters
     ----------
     samples : (n_points, n_channels, n_samples) array
-        Finite; m, m/s or m/s^2 per unit of the channel. The array is made read-only.
+        Finite values in m, m/s or m/s^2 per unit of the channel. The array is made read-only.
     rate_hz : float
-        Above 0.
+        Sampling rate, above 0.
     quantity : str
         ``displacement``, ``velocity`` or ``acceleration``.
     """
@@ -43,7 +43,7 @@ class Responses:
     quantity: str = "displacement"
 
     def __post_init__(self) -> None:
-        samples = np.asarray(self.samples, float).view()  # made read-only below; the caller's own array is not
+        samples = np.asarray(self.samples, float).view()  # copied, as it is made read-only below
         if samples.ndim != 3 or 0 in samples.shape[:2]:
             raise InvalidParameter(
                 f"Responses.samples: found shape {samples.shape}, expected (n_points, n_channels, n_samples) "
@@ -75,7 +75,7 @@ class Responses:
         return replace(self, samples=self.samples[index : index + 1])
 
     def mean_of(self, points: Sequence[int]) -> "Responses":
-        """Return the mean over points, at least one, as simultaneous foci have it."""
+        """Return the mean over at least one point, as for simultaneous foci."""
         some("Responses.mean_of.points", points)
         return replace(self, samples=self.samples[list(points)].mean(axis=0, keepdims=True))
 
@@ -95,25 +95,25 @@ def impulse_responses(
     quantity: str = "displacement",
     static_to_hz: float | None = None,
 ) -> Responses:
-    """Responses of the model, the exact sum over the modes below `f_max_hz`.
+    """Return the model's responses, exact sums over modes to `f_max_hz`.
 
     A unit sample is an impulse of area 1 / rate. All pairs of point and channel are summed at once, chunk by
     chunk of time; see `modal_sum`.
 
-    Raises `InvalidParameter` if a point or a transducer is outside, there is none, `f_max_hz` is above the Nyquist
-    frequency, or `static_to_hz` does not fit.
+    Raises `InvalidParameter` if a point or transducer is missing or outside the plate, `f_max_hz` is above the Nyquist
+    frequency, or `static_to_hz` is invalid.
 
     Parameters
     ----------
     screen : Screen
     points : sequence of (x_m, y_m)
     rate_hz : float
-        At least twice `f_max_hz`.
+        Sampling rate, at least twice `f_max_hz`.
     duration_s : float
-        At least 0; rounded to whole samples.
+        Duration, at least 0, rounded to whole samples.
     static_to_hz : float, optional
-        Above `f_max_hz`: the modes between the two follow at once, without inertia, which puts their static compliance
-        on sample 0 (displacement only). Up to half of `f_max_hz` they do better than three times as many modes.
+        Frequency above `f_max_hz`. Modes between the two respond without inertia, which adds their static compliance to
+        sample 0 (displacement only). Up to half of `f_max_hz` this is more accurate than three times as many modes.
 
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> h = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], rate_hz=50e3, duration_s=1e-3, f_max_hz=10e3)
@@ -141,7 +141,7 @@ def impulse_responses(
 
 @checked
 def samples_in(name: str, duration_s: float, rate_hz: float) -> int:
-    """Whole samples of a duration, at least 0."""
+    """Return the whole samples of a duration, at least 0."""
     check_sampling(rate_hz, 0)
     expect(np.isfinite(duration_s) and duration_s >= 0, name, duration_s, "a finite time, at least 0")
     expected = f"at most {MAX_SAMPLES:.0e} samples"
@@ -151,7 +151,7 @@ def samples_in(name: str, duration_s: float, rate_hz: float) -> int:
 
 @checked
 def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
-    """Start and stop of pieces of at most `size` samples."""
+    """Return start and stop of chunks of at most `size` samples."""
     whole("chunks", lowest=1, size=size)
     for start in range(0, n_samples, size):
         yield start, min(start + size, n_samples)
@@ -160,7 +160,7 @@ def chunks(n_samples: int, size: int = CHUNK) -> Iterator[tuple[int, int]]:
 def _static_residual(
     screen: Screen, points: Sequence[Point], f_max_hz: float, static_to_hz: float, quantity: str
 ) -> FloatArray:
-    """Return the static displacement by the modes from `f_max_hz` on."""
+    """Return the static displacement by the modes above `f_max_hz`."""
     found, expected = f"{static_to_hz} for {quantity}", f"a frequency above f_max_hz = {f_max_hz} and displacement"
     expect(f_max_hz < static_to_hz < np.inf and quantity == "displacement", "static_to_hz", found, expected)
     omega = screen.modes(static_to_hz).angular_frequency_rad_per_s
@@ -172,7 +172,7 @@ def _static_residual(
 
 @checked
 def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> FloatArray:
-    """(n_modes, n_points): the shapes at points of the plate.
+    """Return the mode shapes at points of the plate, (n_modes, n_points).
 
     Raises `InvalidParameter` if there is no point, or one is outside of the plate.
     """
@@ -214,5 +214,5 @@ def band_limited(responses: Responses, band: Band) -> Responses:
 
 @checked
 def inaudible(responses: Responses, cutoff_hz: float = AUDIBLE_MAX_HZ, flank_hz: float = 0.0) -> Responses:
-    """Filter responses to frequencies above `cutoff_hz`; filter, then reverse."""
+    """Filter responses to frequencies above `cutoff_hz`, before reversal."""
     return band_limited(responses, Band(cutoff_hz, responses.rate_hz / 2, flank_hz))

@@ -1,4 +1,4 @@
-"""How fast free vibration decays: every mode as exp(-t / tau)."""
+"""Attenuation of free vibration: every mode decays as exp(-t / tau)."""
 
 import math
 from dataclasses import dataclass, replace
@@ -18,23 +18,23 @@ if TYPE_CHECKING:
     from ...composition.effect import Surroundings
 
 TAU_S: Final = 3.5e-3
-"""Attenuation constant that goes with the finger of `tactometry.stimuli.defaults`; unverified default."""
+"""Attenuation constant that matches the finger of `tactometry.stimuli.defaults`; unverified default."""
 
 MOST_DECADES: Final = 12.0
-"""By which a time constant may change up to the end of the band: no glass comes near."""
+"""Largest change of the time constant up to the end of the band, far above that of any glass."""
 
 
 @checked
 @dataclass(frozen=True)
 class Attenuation(Effect):
-    """tau(f) = tau (f / f_ref)^-exponent; in a scene the losses of its plate, which has none without.
+    """Losses of a plate, tau(f) = tau (f / f_ref)^-exponent; without this effect a plate has none.
 
     Parameters
     ----------
     tau_s : float
-        Time constant of the amplitude (s) at `reference_hz`, above 0; ``math.inf`` for no loss.
+        Time constant of the amplitude at `reference_hz`, above 0; ``math.inf`` for no loss.
     exponent : float
-        At least 0; 0 is a constant tau. The power law is an unverified option.
+        Exponent of the power law (an unverified option), at least 0; 0 for a constant tau.
     reference_hz : float
         Frequency at which the attenuation is stated, above 0.
 
@@ -61,7 +61,7 @@ class Attenuation(Effect):
         return math.log(1000) * self.tau_s
 
     def rate_per_s(self, frequency_hz: NotNegativeArray) -> FloatArray:
-        """1 / tau at frequencies (the decay rate of the amplitude)."""
+        """Return 1 / tau, the decay rate of the amplitude, at frequencies."""
         relative = np.asarray(frequency_hz, float) / self.reference_hz
         return np.asarray(relative**self.exponent / self.tau_s)
 
@@ -69,17 +69,17 @@ class Attenuation(Effect):
         return replace(screen, attenuation=self)
 
     def in_plate(self, scene: "Surroundings") -> PlateContent:
-        """Return the ringing time, three time constants, and the loss of the band."""
+        """Return tau at the end of the band and the ringing time of three tau."""
         f_max_hz: float = scene.surface.f_max_hz
         decades = abs(self.exponent * math.log10(f_max_hz / self.reference_hz))
         found = f"{self.exponent:g}, by which tau changes {decades:.3g} decades up to f_max_hz"
         expect(decades <= MOST_DECADES, "attenuation.exponent", found, f"at most {MOST_DECADES:g}; lower it")
-        lossless = "a finite time; without losses leave the effect out"
+        lossless = "a finite time; omit the effect if there are no losses"
         expect(math.isfinite(self.tau_s), "attenuation.tau_s", self.tau_s, lossless)
         return PlateContent(tau_s=float(1 / self.rate_per_s(f_max_hz)), ringing_s=3 * self.tau_s)
 
     def in_setup(self) -> dict[str, float]:
         """Return the one time constant of a stimulus's plate."""
-        found = f"{self.exponent:g} where a signal is felt"
+        found = f"{self.exponent:g} for a played signal"
         expect(self.exponent == 0, "attenuation.exponent", found, "0: the plate of a stimulus has one tau_s")
         return {"tau_s": self.tau_s}

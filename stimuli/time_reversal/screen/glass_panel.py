@@ -18,7 +18,7 @@ LEARNT_S: Final = 7e-3
 class GlassPanel:
     """Screen fields shared by a study's setup and a scene's surface.
 
-    Their documentation describes the fields. Every default is unverified: the thesis's prototype as far as it is known.
+    The subclasses describe the fields. All defaults are unverified: the thesis's prototype as far as known.
     """
 
     glass: str = BOROFLOAT_33.name
@@ -36,7 +36,7 @@ class GlassPanel:
         return self.focus_x_m, self.focus_y_m
 
     def _check_panel(self, *, highest_hz: str) -> None:
-        """Refuse invalid panels; `highest_hz` names the field for the clock."""
+        """Raise an error for an invalid panel, with the field `highest_hz`."""
         owner = type(self).__name__
         one_of(f"{owner}.glass", self.glass, tuple(GLASSES))
         whole(owner, lowest=1, highest=MAX_TRANSDUCERS, n_transducers=self.n_transducers)

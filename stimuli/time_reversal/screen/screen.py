@@ -1,4 +1,4 @@
-"""A haptic screen: a plate, its transducers and how it loses energy."""
+"""A haptic screen: a plate, its transducers and its losses."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,10 +26,10 @@ class Screen:
     ----------
     plate : Plate
     sources : sequence of ForceSource
-        One channel each, at least one; kept as a tuple.
+        Transducers, at least one, with one channel each; stored as a tuple.
     attenuation : Attenuation
     shear_factor : float, optional
-        Mindlin's shear factor (5/6); None is Kirchhoff's thin plate.
+        Mindlin's shear factor (5/6). Default: None, Kirchhoff's thin plate.
     """
 
     plate: Plate
@@ -57,7 +57,7 @@ class Screen:
         return Oscillators(modes.angular_frequency_rad_per_s, self.attenuation.rate_per_s(modes.frequency_hz))
 
     def modal_forces(self, f_max_hz: float) -> FloatArray:
-        """(n_modes, n_channels): generalised force per unit of each channel."""
+        """Return generalised forces per unit of channel, (n_modes, n_channels)."""
         return _modal_forces(self, f_max_hz)
 
 
@@ -76,9 +76,9 @@ defaults.
 
 @checked
 def warmed(screen: Screen, kelvin: float, shift_per_k: float = FREQUENCY_SHIFT_PER_K) -> Screen:
-    """Return the screen some kelvin warmer, with another Young's modulus.
+    """Return the screen at a higher temperature, with lower Young's modulus.
 
-    Raises `InvalidParameter` if the frequencies shift by more than a tenth, where no glass goes on in proportion.
+    Raises `InvalidParameter` if the frequencies shift by more than a tenth, where the law is not valid.
 
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> warm = warmed(A4_PROTOTYPE, 20.0)

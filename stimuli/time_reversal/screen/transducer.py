@@ -22,13 +22,14 @@ the one-bit drive of 0.2-60 kHz at 30 V makes a focus of 10 um on the A4 prototy
 
 SIDE_M: Final = 10e-3
 INSET_M: Final = 12e-3
-"""Side of a square patch, and how far from the edges its centre lies; unverified defaults."""
+"""Side of a square patch, and distance of its centre from the edges; unverified defaults."""
 
 VOLTAGE_V: Final = 30.0
-"""Peak of a drive, for which the moment is set; unverified default."""
+"""Peak of a drive, at which the default moment applies; unverified default."""
 
 VOLTAGE_MAX_V: Final = 200.0
-"""What an amplifier can emit: more than one drive takes, so that thresholds can be looked for; unverified default."""
+"""Largest voltage of an amplifier, above that of a default drive so that thresholds can be searched; unverified
+default."""
 
 PZ27_RELATIVE_PERMITTIVITY: Final = 1800.0
 """eps33T / eps0 of PZ27; unverified default."""
@@ -37,7 +38,7 @@ PZ27_LOSS_TANGENT: Final = 0.017
 """tan(delta) of PZ27 at small fields; unverified default."""
 
 PATCH_THICKNESS_M: Final = 0.3e-3
-"""Unverified default."""
+"""Thickness of a patch; unverified default."""
 
 MAX_TRANSDUCERS: Final = 10_000
 EDGE_TOLERANCE: Final = 1e-9
@@ -47,7 +48,7 @@ EDGE_TOLERANCE: Final = 1e-9
 def capacitance_f(
     area_m2: Positive, thickness_m: Positive, relative_permittivity: Positive = PZ27_RELATIVE_PERMITTIVITY
 ) -> float:
-    """C = eps A / t of a piezoelectric plate.
+    """Return the capacitance eps A / t of a piezoelectric plate.
 
     >>> round(capacitance_f(1e-4, 0.3e-3) * 1e9, 2)
     5.31
@@ -56,18 +57,18 @@ def capacitance_f(
 
 
 PATCH_CAPACITANCE_F: Final = capacitance_f(SIDE_M**2, PATCH_THICKNESS_M)
-"""Of a patch of PZ27 as above."""
+"""Capacitance of a patch with these defaults."""
 
 
 @runtime_checkable
 class ForceSource(Protocol):
-    """Something that drives the plate with one channel."""
+    """Interface of a transducer that drives the plate with one channel."""
 
     def modal_force(self, modes: Modes) -> FloatArray:
         """Return the generalised force on each mode per unit of the channel."""
 
     def check(self, plate: Plate, name: str) -> None:
-        """Refuse a place outside of the plate."""
+        """Raise an error for a place outside the plate."""
 
 
 @checked
@@ -90,13 +91,13 @@ class PointForce:
 class Patch:
     """A rectangular patch that bends the plate by a moment along its outline; the channel's unit is V.
 
-    The generalised force is -m V times the integral of the Laplacian of the shape over the patch, exact for
-    both kinds of modes.
+    The generalised force is -m V times the integral of the shape's Laplacian over the patch, exact for both kinds of
+    modes.
 
     Parameters
     ----------
     x_m, y_m : float
-        Centre.
+        Centre of the patch.
     length_m, width_m : float
         Sides along x and y, above 0.
     moment_n_per_v : float
@@ -127,14 +128,14 @@ class Patch:
 @checked
 @dataclass(frozen=True)
 class DiscPatch:
-    """A circular patch, as `Patch`; integrated with Gauss's rule along the radius and equal angles.
+    """A circular `Patch`, integrated with Gauss's rule along the radius and at equal angles.
 
     Parameters
     ----------
     x_m, y_m : float
-        Centre.
+        Centre of the patch.
     diameter_m : float
-        Above 0.
+        Diameter of the patch, above 0.
     moment_n_per_v : float
         Bending moment per length and volt (N m / m / V).
     """
@@ -156,7 +157,7 @@ class DiscPatch:
         _inside(plate, name, (self.x_m, self.y_m), (self.diameter_m / 2, self.diameter_m / 2))
 
     def _rule(self, modes: Modes) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return points and weights that resolve the shortest wave."""
+        """Return integration points and weights that resolve the shortest wave."""
         radius = self.diameter_m / 2
         k_max = math.sqrt(modes.angular_frequency_rad_per_s.max(initial=0) / modes.plate.wave_constant_m2_per_s)
         n_radii = 12 + math.ceil(k_max * radius)
@@ -189,7 +190,7 @@ def border(
     inset_m: float = INSET_M,
     moment_n_per_v: float = MOMENT_N_PER_V,
 ) -> list[Patch]:
-    """Place square patches in equal steps on a rectangle (unverified).
+    """Place square patches at equal steps along a rectangle (unverified).
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> len(border(A4_SCREEN, 32))
@@ -210,5 +211,5 @@ def _inside(plate: Plate, name: str, centre: tuple[float, float], half: tuple[fl
     room = EDGE_TOLERANCE * max(plate.length_m, plate.width_m)
     for at, reach, side in zip(centre, half, (plate.length_m, plate.width_m), strict=True):
         found = f"a transducer of {2 * half[0]} x {2 * half[1]} m at {centre} m"
-        expected = f"it inside of the plate of {plate.length_m} x {plate.width_m} m"
+        expected = f"one within the plate of {plate.length_m} x {plate.width_m} m"
         expect(reach - room <= at <= side - reach + room, name, found, expected)

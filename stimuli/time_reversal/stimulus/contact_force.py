@@ -1,4 +1,4 @@
-"""Force of contacts on a driven plate, while the contact holds."""
+"""Force of contacts on a driven plate, as long as they do not lift off."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -16,11 +16,11 @@ from ..responses.responses import Point, values_at
 from .setup import Setup
 
 FINER: Final = 8
-"""Samples of the force for one of the drive: straight lines between them miss 0.4 % of a peak at 60 kHz and 250 kHz."""
+"""Samples of the force per sample of the drive; linear interpolation errs by 0.4 % of a 60 kHz peak at 250 kHz."""
 RINGING_S: Final = 1e-3
-"""For how long a plate is followed behind its drive."""
+"""Time for which a plate is computed after its drive."""
 AT_ONCE: Final = 2048
-"""Frequencies for which receptances are held at a time."""
+"""Number of frequencies per chunk of receptances."""
 
 Loads = tuple[PlateLoad | SprungMass, ...]
 Places = tuple[Point, ...]
@@ -28,11 +28,11 @@ Places = tuple[Point, ...]
 
 @checked
 def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | SprungMass]) -> FloatArray:
-    """Return the sum of the loads' forces, `FINER` to a sample.
+    """Return the sum of the loads' forces, `FINER` values per sample.
 
-    Exact for linear contacts, which pull as well as they press: the sum of Z (1 + H Z)^-1 U with the displacements U of
-    the free plate under them, until 1 ms behind the drive. U is known until it has fallen by 60 dB, so that a period of
-    the transform holds it.
+    The result is exact for linear contacts, which pull as well as press. It is the sum of Z (1 + H Z)^-1 U until 1 ms
+    after the drive, with the displacements U of the free plate under the contacts. U is computed until it has decayed
+    by 60 dB, so that it fits into a period of the transform.
     """
     return np.asarray(_forces_n(setup, signal, tuple(loads), np.ones((1, len(loads))))[0])
 
@@ -44,7 +44,7 @@ def contact_forces_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | S
 
 
 def _forces_n(setup: Setup, signal: Signal, loads: Loads, of_loads: FloatArray) -> FloatArray:
-    """Return sums of the loads' forces by weights (n, n_loads)."""
+    """Return sums of the loads' forces with weights (n, n_loads)."""
     played = np.flatnonzero(signal.samples.any(axis=0))
     if not played.size or not loads:
         return np.zeros((len(of_loads), 0))
@@ -61,7 +61,7 @@ def _places(loads: Sequence[PlateLoad | SprungMass]) -> Places:
 
 @lru_cache(maxsize=4)
 def _free(setup: Setup, signal: Signal, places: Places) -> tuple[ComplexArray, int]:
-    """Return spectra of the free plate, and their number of samples."""
+    """Return spectra of the free plate under the loads, and n_samples."""
     n_played = int(np.flatnonzero(signal.samples.any(axis=0))[-1]) + 1
     driven = Signal(signal.samples[:, :n_played], signal.rate_hz, signal.unit)
     free_m = emitted(driven, setup.responses_at_each(places))
@@ -73,7 +73,7 @@ def _free(setup: Setup, signal: Signal, places: Places) -> tuple[ComplexArray, i
 def _stiffness(setup: Setup, loads: Loads, n_samples: int, of_loads: tuple[tuple[float, ...], ...]) -> ComplexArray:
     """Return sums of load forces per free displacement under each load.
 
-    W Z (1 + H Z)^-1 with the weights W of `of_loads`, of the shape (n, n_loads, n_frequencies).
+    It is W Z (1 + H Z)^-1 with the weights W of `of_loads`, in the shape (n, n_loads, n_frequencies).
     """
     s = _frequencies(setup, n_samples)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
@@ -83,7 +83,7 @@ def _stiffness(setup: Setup, loads: Loads, n_samples: int, of_loads: tuple[tuple
 
 @lru_cache(maxsize=16)
 def _among(setup: Setup, places: Places, n_samples: int) -> ComplexArray:
-    """(n_frequencies, k, k): receptances among places of the free plate."""
+    """Return receptances among places of the free plate, (n_frequencies, k, k)."""
     at = values_at(setup.screen, places, setup.modes_to_hz)
     starts = range(0, len(_frequencies(setup, n_samples)), AT_ONCE)
     return np.concatenate([_receptances(setup, n_samples, start).among(at) for start in starts])
@@ -96,5 +96,5 @@ def _receptances(setup: Setup, n_samples: int, start: int) -> Receptances:
 
 
 def _frequencies(setup: Setup, n_samples: int) -> ComplexArray:
-    """(n_frequencies,): those of a discrete transform, i w (rad/s)."""
+    """Return the frequencies i w (rad/s) of a discrete transform."""
     return np.asarray(2j * np.pi * np.fft.rfftfreq(n_samples, 1 / setup.rate_hz), complex)

@@ -1,4 +1,4 @@
-"""Foci and trains of foci by unloaded amplitude."""
+"""Foci and trains of foci, with the unloaded amplitude as the level."""
 
 import math
 from collections.abc import Sequence
@@ -53,31 +53,31 @@ DRIVES: Final[dict[str, Quantiser]] = {
 @checked
 @dataclass(frozen=True, eq=False)
 class TimeReversalStimulus:
-    """Samples for every channel from the amplitude at the focus without a finger.
+    """A stimulus whose level is the amplitude at the focus without a finger.
 
     Parameters
     ----------
     focus : Responses
-        Of the model or measured, filtered; displacement. One point, or those that `path` visits.
+        Filtered displacement responses of the model or from a measurement, at one point or the points of `path`.
     pattern : Pattern
-        By default P0, one focus. The level is the largest focus of the pattern, overlaps included.
+        Pattern of foci; default P0, one focus. The level is its largest focus, including overlaps.
     quantiser : Quantiser, optional
-        By default one bit.
+        Quantiser of the reversed responses; default one bit.
     reversal_s : float, optional
-        T, above 0; by default the whole of the responses.
+        T, above 0; by default the length of the responses.
     voltage_max_v : float
-        What the amplifier can emit, above 0.
+        Largest voltage of the amplifier, above 0.
     level_unit : str
         ``m`` or ``dB re 1 um``.
     heard : Responses, optional
-        What the focus points really do, unfiltered: the level is the amplitude there; by default `focus`.
+        Unfiltered responses at the foci, whose amplitude is the level; by default `focus`.
     path : sequence of int, optional
-        The row of each focus of the pattern, for a moving one, as in `pattern_drive`.
+        Row of each focus of the pattern for a moving focus, as in `pattern_drive`.
     modulation : str
         ``voltage`` or ``burst``, which needs `tau_s` (above 0).
     supply_v : float, optional
-        Above 0: an amplifier that switches between this voltage, its negative and off. The level and the weights of the
-        pattern are made by the length of the bursts, each focus to 2 %; `voltage_max_v` and `modulation` have no part.
+        Voltage of an amplifier that switches between this voltage, its negative and off. The burst lengths set the
+        level and the weights of the pattern, each focus to 2 %; `voltage_max_v` and `modulation` are not used.
 
     >>> h = Responses(1e-9 * np.array([[[3.0, -2.0, 1.0]]]), 1e3)
     >>> stimulus = TimeReversalStimulus(h, level_unit="dB re 1 um")
@@ -113,8 +113,8 @@ class TimeReversalStimulus:
     def at(self, level: float) -> Signal:
         """Return the drive (V) whose largest focus has this amplitude.
 
-        Raises `InvalidParameter` if the amplitude is not above 0; `LimitExceeded` if it needs more than
-        `voltage_max_v`, or no burst at `supply_v` makes it.
+        Raises `InvalidParameter` if the amplitude is not above 0, and `LimitExceeded` if it needs more than
+        `voltage_max_v` or no burst at `supply_v` makes it.
         """
         if self.supply_v is not None:
             return self._at_supply(level)
@@ -136,7 +136,7 @@ class TimeReversalStimulus:
             ) from None
 
     def voltage_v(self, level: float) -> float:
-        """Peak voltage of a level, before anything is played."""
+        """Return the peak voltage of a level without computing the drive."""
         return self.supply_v or self._amplitude_m(level) / self.metres_per_volt
 
     @cached_property
@@ -195,38 +195,39 @@ class TimeReversalStimulus:
 @checked
 @dataclass(frozen=True)
 class FocusTrain:
-    """One focus (P0, the default) or a train of foci; the level is the unloaded amplitude of the largest one.
+    """One focus (P0, the default) or a train; the level is the unloaded amplitude of the largest focus.
 
     Parameters
     ----------
     setup : Setup
         The screen and the place of the focus.
     pattern : str
-        P0, one focus, to P6.
+        P0 (one focus) to P6.
     drive : {"one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"}
-        How the reversed responses are quantised; sigma-delta wants a `setup.rate_hz` of about 1 MHz.
+        Quantisation of the reversed responses; sigma-delta needs a `setup.rate_hz` of about 1 MHz.
     f_min_hz : float
         Low end of the band of the learnt responses: 20 kHz is filtered, 0.2 kHz unfiltered (unverified defaults).
     f_max_hz : float
         High end of the band of the learnt responses: 60 kHz (unverified default).
     reversal_s : float, optional
-        T, at most `setup.learnt_s`; by default that, or the repetition time, so that no drives overlap.
+        T, at most `setup.learnt_s`. Default: the smaller of that and the repetition time, so that drives do not
+        overlap.
     voltage_max_v : float
-        What the amplifier can emit (unverified default).
+        Largest voltage of the amplifier (unverified default).
     duration_s : float
-        The interval in which the drive is played, from its beginning.
+        Duration of the interval, at whose start the drive begins.
     level_unit : {"dB re 1 um", "m"}
-        What `at` takes: decibel re 1 um, or metre.
+        Unit of the level: decibel re 1 um, or metre.
     modulation : {"voltage", "burst"}
-        Whether the voltage or the length of the burst makes a focus weaker.
+        Whether a lower voltage or a shorter burst makes a focus weaker.
     supply_v : float, optional
-        Voltage of an amplifier that switches, above 0: the lengths of bursts set the level (a `packed` output sets it).
+        Voltage of a switching amplifier, above 0 (set by a `packed` output). The burst lengths then set the level.
     repetition_hz : float, optional
         Number of foci per second; overrides the pattern.
     train_s : float, optional
         Duration of a train; overrides the pattern.
     envelope : optional
-        Name of the weights of the foci; overrides the pattern.
+        Name of the foci's envelope; overrides the pattern.
     envelope_table : optional
         Weights of the foci at equal steps over the train; overrides the pattern.
 
@@ -267,7 +268,7 @@ class FocusTrain:
 
     @property
     def foci(self) -> Pattern:
-        """The pattern after replacement."""
+        """The pattern with the overridden values."""
         named = PATTERNS[self.pattern]
         envelope = named.envelope if self.envelope is None else ENVELOPES[self.envelope]
         if self.envelope_table is not None:
@@ -280,7 +281,7 @@ class FocusTrain:
 
     @property
     def emission_s(self) -> float:
-        """T: `reversal_s`, or its default."""
+        """The reversal time T: `reversal_s` or its default."""
         if self.reversal_s is not None:
             return self.reversal_s
         longest_s = self.setup.learnt_s
@@ -289,13 +290,13 @@ class FocusTrain:
     def at(self, level: float) -> Signal:
         """Return the drive (V) whose largest unloaded focus has this amplitude.
 
-        Raises `InvalidParameter` if the level is not finite or not above 0 m; `LimitExceeded` if it needs more than
-        `voltage_max_v`, or no burst at `supply_v` makes it.
+        Raises `InvalidParameter` if the level is not finite or not above 0 m, and `LimitExceeded` if it needs more than
+        `voltage_max_v` or no burst at `supply_v` makes it.
         """
         return _family(self).at(level)
 
     def voltage_v(self, level: float) -> float:
-        """Peak voltage of a level, before anything is played."""
+        """Return the peak voltage of a level without computing the drive."""
         return _family(self).voltage_v(level)
 
     @property
@@ -308,15 +309,15 @@ class FocusTrain:
 def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
     """Return the same foci from responses measured on a bench.
 
-    Raises `InvalidParameter` if the responses are of more points, no displacements, too short, or sampled too slowly
-    for the band.
+    Raises `InvalidParameter` if the responses have too many points, are not displacements, are too short or have too
+    low a rate for the band.
 
     Parameters
     ----------
     train : FocusTrain
-        Its pattern, drive, band, reversal time and voltage hold; its setup does not.
+        Foci whose pattern, drive, band, reversal time and voltage apply; the setup does not.
     heard : Responses
-        Displacement at the point that is touched (or at the places of `PlacedFoci`), at least `train.emission_s` long.
+        Displacement at the touched point (or at the places of `PlacedFoci`), at least `train.emission_s` long.
 
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> train = FocusTrain(setup, f_max_hz=20e3)
@@ -330,7 +331,7 @@ def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
     if n_points != 1 or n_samples < n_learnt:
         raise InvalidParameter(
             f"responses: found {n_points} points of {n_samples} samples, expected 1 point of at least {n_learnt} (the "
-            f"{train.emission_s:g} s that are reversed); learn them longer, or shorten reversal_s"
+            f"{train.emission_s:g} s that are reversed); learn longer responses, or shorten reversal_s"
         )
     return _stimulus_of(train, at_focus)
 

@@ -1,4 +1,4 @@
-"""Foci at named places, and fingers that rest on such places."""
+"""Foci at named places, and fingers that rest on these places."""
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
@@ -20,13 +20,13 @@ from .focus_train import FocusTrain
 from .setup import Setup
 
 AT_ONCE: Final = " + "
-"""Between the names of places where foci are made at once."""
+"""Separator between the names of places with simultaneous foci."""
 
 
 @checked
 @dataclass(frozen=True)
 class Place:
-    """A point of the plate; what is not said of it is that of the setup's focus.
+    """A point of the plate; missing coordinates are those of the setup's focus.
 
     Parameters
     ----------
@@ -40,26 +40,26 @@ class Place:
     y_m: float | None = None
 
     def on(self, setup: Setup) -> Point:
-        """Its coordinates (m)."""
+        """Return the coordinates (m) of the place on a setup's plate."""
         return setup.focus_x_m if self.x_m is None else self.x_m, setup.focus_y_m if self.y_m is None else self.y_m
 
 
 @checked
 @dataclass(frozen=True)
 class PlacedFoci(FocusTrain):
-    """Foci at named places instead of the setup's focus, else as `FocusTrain`; the level is their mean amplitude.
+    """A `FocusTrain` with foci at named places; the level is their mean amplitude.
 
-    Foci at once come from one drive, whose waveform is the sum of the reversed responses of their places: each is
-    heard at the others (crosstalk), by the physics of the plate.
+    Simultaneous foci come from one drive, the sum of the reversed responses of their places. Each focus therefore also
+    moves the other places (crosstalk).
 
-    Raises `InvalidParameter` if a place is not on the plate, two are at one point, or `place` names what is none.
+    Raises `InvalidParameter` if a place is not on the plate, two places coincide, or `place` contains an unknown name.
 
     Parameters
     ----------
     places : mapping of str to Place
-        At least two, no two of them at one point.
+        At least two places, no two at the same point.
     place : str
-        Where the focus is: a name, or several joined by `` + `` for foci at once.
+        Place of the focus: a name, or several joined by `` + `` for simultaneous foci.
     setup, pattern, drive, f_min_hz, f_max_hz, reversal_s, voltage_max_v, duration_s, level_unit, repetition_hz
         As in `FocusTrain`.
     envelope, train_s, envelope_table, modulation, supply_v
@@ -109,7 +109,7 @@ class PlacedFoci(FocusTrain):
 
         Responses must be learnt at all places, in their order.
 
-        Raises `InvalidParameter` if responses were learnt at another number of places.
+        Raises `InvalidParameter` if responses were learnt at a different number of places.
         """
         if learnt is None:
             return _mean_of_model(self.setup, self.places_made_m)
@@ -120,7 +120,7 @@ class PlacedFoci(FocusTrain):
 
 def _check_places(foci: PlacedFoci) -> None:
     expect(isinstance(foci.places, Mapping), "PlacedFoci.places", foci.places, "a table of places by their names")
-    expect(len(foci.places) > 1, "PlacedFoci.places", f"{len(foci.places)} of them", "at least two to tell apart")
+    expect(len(foci.places) > 1, "PlacedFoci.places", f"{len(foci.places)} of them", "at least two")
     of_kind("PlacedFoci.places", Place, **foci.places)
     for name, place in foci.places.items():
         is_name = bool(name.strip()) and name.isprintable() and AT_ONCE.strip() not in name
@@ -129,7 +129,7 @@ def _check_places(foci: PlacedFoci) -> None:
     for (name, place), (other, its) in combinations(foci.places.items(), 2):
         at_m = place.on(foci.setup)
         is_apart = at_m != its.on(foci.setup)
-        expect(is_apart, f"PlacedFoci.places.{other}", f"the point of {name}, {at_m} m", "a point of its own")
+        expect(is_apart, f"PlacedFoci.places.{other}", f"the point of {name}, {at_m} m", "a different point")
 
 
 @lru_cache(maxsize=16)
@@ -146,17 +146,17 @@ class FingersSensation:
 
     `tactometry.stimuli.scenes.default_scenes.default_scene` builds the scene.
 
-    Each finger feels the field of all foci under it, by the amplitude of the free plate: that fingers do not damp what
-    others feel is an unverified simplification, which the effect `finger_load` of a scene does without.
+    Each finger feels the field of all foci at its place, with the amplitude of the free plate. That fingers do not damp
+    each other's motion is an unverified simplification, which the effect `finger_load` of a scene removes.
 
-    Raises `InvalidParameter` if a finger rests on no place, or two are nearer to each other than a fingertip is wide.
+    Raises `InvalidParameter` if a finger is not on a place, or two fingers are closer than the width of a fingertip.
 
     Parameters
     ----------
     setup, places
-        The screen and the places, the same as the stimulus has.
+        Screen and places of the stimulus.
     fingers : tuple of str
-        The places where a finger rests, `FINGER_DIAMETER_M` or more from each other; by default on every one.
+        Names of the places with a finger, at least `FINGER_DIAMETER_M` apart. Default: all places.
     reference_m : float
         Amplitude of a single focus at the detection threshold; unverified default.
 
@@ -175,8 +175,8 @@ class FingersSensation:
 
 @checked
 def check_fingers(where: str, setup: Setup, places: Mapping[str, Place], fingers: tuple[str, ...]) -> None:
-    """Refuse fingers without a place or closer than a fingertip's width."""
-    distinct(where, fingers, "each place once: two fingers do not fit on one")
+    """Raise an error for fingers without a place or less than a fingertip apart."""
+    distinct(where, fingers, "each place once, as two fingers do not fit there")
     at_m = {name: lookup(where, name, places).on(setup) for name in fingers or places}
     for name, other in combinations(at_m, 2):
         apart_m = dist(at_m[name], at_m[other])

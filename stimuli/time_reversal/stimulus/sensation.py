@@ -30,16 +30,16 @@ Places = tuple[Point, ...]
 
 N_CACHED: Final = 32
 APART_S: Final = 1e-3
-"""Foci closer than this are one event to the skin; unverified default."""
+"""Foci closer in time than this are felt as one event; unverified default."""
 
 STEADY_S: Final = 5e-3
-"""Reverberation is taken for steady over this time, about its time constant; unverified default."""
+"""Time over which reverberation counts as steady, about its time constant; unverified default."""
 
 NORMAL_MEDIAN: Final = 0.6745
-"""Median of the magnitude of normal noise over its standard deviation."""
+"""Median magnitude of normal noise, divided by its standard deviation."""
 
 FAINT: Final = 1e-9
-"""Of the largest magnitude: what is smaller is rounding."""
+"""Part of the largest magnitude below which values are rounding errors."""
 
 READING_M: Final = 1e-9
 """One nanometre, the unit of a vibrometer's reading."""
@@ -50,24 +50,24 @@ READING_M: Final = 1e-9
 class TimeReversalSensation:
     """Settings of a scene of foci under a finger.
 
-    Each is an effect of the scene or of its surface (`tactometry.stimuli.scenes.default_scenes.default_scene`).
+    `tactometry.stimuli.scenes.default_scenes.default_scene` builds the scene.
 
-    The plate's displacement under the finger is in the ultrasonic range, where touch feels nothing: each focus is felt
-    as one event that throws the skin off. Of a train the Pacinian channel sums the energy over 0.2 s
-    (`tactometry.stimuli.perception.temporal_summation`): the level is 20 log10 of the amplitude of the single focus
-    that is felt as strongly, re `reference_m`.
+    The displacement under the finger is ultrasonic, which touch does not feel. Each focus is felt as one event that
+    throws the skin off. The Pacinian channel sums the energy of a train over 0.2 s
+    (`tactometry.stimuli.perception.temporal_summation`). The level is 20 log10 of the equivalent single focus re
+    `reference_m`.
 
     Parameters
     ----------
     setup : Setup
-        The screen and focus, the same as the stimulus has.
+        Screen and focus of the stimulus.
     reference_m : float
         Amplitude of a single focus at the detection threshold (the thesis: about 10 um); unverified default.
     criterion : {"loaded", "unloaded"}
-        Whether the amplitude of the free plate counts, so that the threshold does not depend on the pressing force,
-        as the thesis found, or that under the finger's load, exact for a linear contact. That a finger can be thrown
-        off does not decide between them: `one_sided_contact` loses as much at the focus. Of vibrations of some hundred
-        hertz others find an effect of force, so that either may be asked for.
+        ``unloaded``: the amplitude of the free plate counts, so that the threshold does not depend on force, as the
+        thesis found. ``loaded``: the amplitude under the finger's load counts, exact for a linear contact. Lift-off
+        does not decide between them, as `one_sided_contact` loses as much at the focus. Other authors find an effect of
+        force on vibrations of some hundred hertz.
     resistance_n_s_per_m
         As in `Fingertip`, of the finger of ``loaded``; unverified default.
     mass_kg
@@ -75,7 +75,7 @@ class TimeReversalSensation:
     stiffness_n_per_m
         As in `Fingertip`, of the finger of ``loaded``; unverified default.
     exponent
-        Growth of these three with force; the defaults lose 31 % at 2 N.
+        Growth of these three with force; the default finger takes 31 % of the amplitude at 2 N.
     finger_x_m : float, optional
         Place of the finger along the length. Default: at the focus.
     finger_y_m : float, optional
@@ -101,23 +101,23 @@ class TimeReversalSensation:
 
     @property
     def finger(self) -> Fingertip:
-        """The finger that presses on the plate, and its load if it counts."""
+        """The pressing finger, and its load if the criterion is ``loaded``."""
         return Fingertip(self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m, self.exponent)
 
 
 @checked
 @dataclass(frozen=True)
 class FocusReading:
-    """The largest displacement at the focus, in dB re 1 nm, with a contactor on the plate: `sensation_db` for a rig.
+    """Largest displacement at the focus in dB re 1 nm with a contactor on the plate, as the `sensation_db` of a rig.
 
     Parameters
     ----------
     setup : Setup
-        The screen and focus, the same as the stimulus has.
+        Screen and focus of the stimulus.
     contactor : {"finger", "soft", "rigid"}
-        What presses: a finger, a soft tip or a rigid one, as `Contactor` has them; unverified defaults.
+        The pressing contactor: a finger, a soft or a rigid tip, as in `Contactor`; unverified defaults.
     diameter_m : float
-        Of a soft or rigid contactor, above 0.
+        Diameter of a soft or rigid contactor, above 0.
     x_m : float, optional
         Place of the finger along the length. Default: at the focus.
     y_m : float, optional
@@ -148,22 +148,22 @@ class FocusReading:
         return place_on(self.setup, self.x_m, self.y_m)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
-        """Return the reading in dB re 1 nm; ``-inf`` for none."""
+        """Return the reading in dB re 1 nm; ``-inf`` for no displacement."""
         displacement_m = displacement_at_focus_m(self.setup, signal, self._loads(contact))
         amplitude_m = float(np.abs(displacement_m).max(initial=0.0))
         return -inf if amplitude_m == 0 else float(20 * np.log10(amplitude_m / READING_M))
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """Return a linear contact's force beyond the pressing one, (n_samples,).
+        """Return a linear contact's force minus the normal force, (n_samples,).
 
-        Of a tip on a disc it is the sum over the disc: where that pulls by more than presses the tip, no part of it can
-        be held; a part may open before.
+        For a disc it is the sum over the disc. Where this pulls by more than the normal force, the whole tip lifts off;
+        a part may lift off earlier.
         """
         return contact_force_n(self.setup, signal, self._loads(contact))
 
     @property
     def pressers(self) -> tuple[str, ...]:
-        """Descriptions of the contacts that press."""
+        """Descriptions of the pressing contacts."""
         return (self._presses.words,)
 
     @property
@@ -200,8 +200,8 @@ def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
 def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[PlateLoad]) -> FloatArray:
     """Return U' = (1 + H Z)^-1 U at contacts, (n_loads, n_samples).
 
-    Exact for linear contacts, of which each moves the plate under the others; solved on the contour of `load.contour`,
-    as in `load.loaded_responses`.
+    The result is exact for linear contacts, which move the plate under each other. It is solved on the contour of
+    `load.contour`, as in `load.loaded_responses`.
     """
     shape("loaded_displacements.free_m", free_m, (len(loads), None))
     if all(load == PlateLoad(load.x_m, load.y_m) for load in loads):
@@ -219,7 +219,7 @@ def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[Plate
 def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad | SprungMass]) -> FloatArray:
     """Return U_f - H_fc Z (1 + H_cc Z)^-1 U_c at the focus, (n_samples,).
 
-    U_f and U_c are the free plate's displacements at the focus and at the contacts; solved on the contour of
+    U_f and U_c are the free plate's displacements at the focus and at the contacts. It is solved on the contour of
     `load.contour`, as in `load.loaded_responses`.
     """
     n = signal.samples.shape[1]
@@ -238,9 +238,9 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad 
 def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, FloatArray]:
     """Return times (s) and magnitudes (m) of foci, at least 1 ms apart.
 
-    The largest always counts; however small beside it, a focus does if normal noise as strong as the reverberation
-    about it would reach that high less than once in the course. The sign of a focus is not felt: it shifts what the
-    plate does by half a period of some 10 kHz, and either throws the skin off.
+    The largest focus always counts. A smaller one counts if normal noise as strong as the surrounding reverberation
+    would reach its height less than once in the course. The sign of a focus is not felt: it shifts the motion by half a
+    period at some 10 kHz, and both signs throw the skin off.
 
     >>> events(np.array([0, 1.0, 0, 0, -3.0, 0, 0, 2.0, 0]), 1000.0)
     (array([0.001, 0.004, 0.007]), array([1., 3., 2.]))
@@ -257,11 +257,11 @@ def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, Float
 def peaks(x: Vector, height: FloatArray | float, apart: int) -> IntArray:
     """Return the maxima of `x` of at least `height`.
 
-    The middle of a flat maximum counts. Of maxima closer than `apart` the highest counts.
+    A flat maximum is placed at its middle. Of maxima closer than `apart`, the highest counts.
 
-    `height` is one for all places, or of each.
+    `height` is a number, or an array with one value per sample.
 
-    ``scipy.signal.find_peaks`` finds the same ones, and takes longer to load than a scene to compute.
+    ``scipy.signal.find_peaks`` returns the same maxima, but its import takes longer than computing a scene.
 
     >>> peaks(np.array([0, 1.0, 0, 2, 2, 2, 0, 1.5, 0]), 1.0, 4).tolist()
     [4]
@@ -271,7 +271,7 @@ def peaks(x: Vector, height: FloatArray | float, apart: int) -> IntArray:
     high = np.flatnonzero((x >= height)[1:-1]) + 1
     rises, ends = high[x[high - 1] < x[high]], high[x[high + 1] != x[high]]
     next_end = np.searchsorted(ends, rises)
-    rises, next_end = rises[next_end < len(ends)], next_end[next_end < len(ends)]  # the last may stay up to the end
+    rises, next_end = rises[next_end < len(ends)], next_end[next_end < len(ends)]  # a flat maximum may last to the end
     last = ends[next_end]
     falls = x[last + 1] < x[last]
     places = (rises[falls] + last[falls]) // 2
@@ -291,10 +291,10 @@ def _highest(places: IntArray, heights: FloatArray, apart: int) -> list[bool]:
 
 
 def _reverberation_m(magnitude_m: FloatArray, rate_hz: float) -> FloatArray:
-    """Return what normal reverberation reaches once in the course, (n,).
+    """Return the height that normal reverberation exceeds once, (n,).
 
-    Of n peaks of a narrow band the share ``exp(-u^2/(2 sigma^2))`` is higher than u (Rice 1945). Its standard deviation
-    goes by the median of the magnitude, to which foci, which are short, add little.
+    In narrow-band noise a share ``exp(-u^2/(2 sigma^2))`` of the peaks is higher than u (Rice 1945). The standard
+    deviation is estimated from the median magnitude, which short foci hardly change.
     """
     parts = np.array_split(magnitude_m, max(round(magnitude_m.size / (STEADY_S * rate_hz)), 1))
     sizes = np.array([part.size for part in parts])
@@ -319,13 +319,13 @@ def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
 
 @lru_cache(maxsize=N_CACHED)
 def _among(setup: Setup, places: Places, n_samples: int) -> ComplexArray:
-    """(n_frequencies, n_places, n_places): receptances among places."""
+    """Return receptances among places, (n_frequencies, n_places, n_places)."""
     return _receptances_of(setup, n_samples).among(values_at(setup.screen, list(places), setup.modes_to_hz))
 
 
 @lru_cache(maxsize=N_CACHED)
 def _free(setup: Setup, signal: Signal, places: Places) -> FloatArray:
-    """(n_places, n_samples): the free plate while the drive lasts."""
+    """Return the free plate during the drive, (n_places, n_samples)."""
     n = signal.samples.shape[1]
     if not places:
         return np.zeros((0, n))
@@ -337,7 +337,7 @@ def _free(setup: Setup, signal: Signal, places: Places) -> FloatArray:
 
 @lru_cache(maxsize=N_CACHED)
 def _between(setup: Setup, places: Places, n_samples: int) -> tuple[ComplexArray, ComplexArray]:
-    """Receptances from the contacts to the focus, and among the contacts."""
+    """Return receptances from contacts to focus, and among the contacts."""
     receptances, at = _receptances(setup, n_samples), values_at(setup.screen, list(places), setup.modes_to_hz)
     at_focus = values_at(setup.screen, [setup.focus_m], setup.modes_to_hz)
     return receptances.between(at_focus, at), receptances.among(at)

@@ -21,7 +21,7 @@ from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, border
 class Setup(GlassPanel):
     """A screen with its losses, sampling and focus (unverified defaults).
 
-    The defaults are the thesis's prototype as far as it is known.
+    The defaults are the thesis's prototype as far as known.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Setup(GlassPanel):
     boundary : str
         Four letters, as in `Plate`.
     n_transducers : int
-        Square patches of `side_m`, their centres `inset_m` from the edges, with `moment_n_per_v`.
+        Number of square patches, with centres `inset_m` from the edges.
     tau_s : float
         Time constant of the amplitude of every mode, above 0.
     focus_x_m : float
@@ -50,7 +50,7 @@ class Setup(GlassPanel):
     learnt_s : float
         Length of the learnt responses: the longest reversal time.
     shear_factor : float, optional
-        Mindlin's (5/6); by default a thin plate.
+        Mindlin's shear factor (5/6). Default: None, a thin plate.
     inset_m : float
         Distance of the patches' centres from the edges.
     side_m : float
@@ -86,7 +86,7 @@ class Setup(GlassPanel):
 
     @property
     def heard_s(self) -> float:
-        """Duration of a response: until 60 dB of decay, at least `learnt_s`."""
+        """Duration of a response: at least `learnt_s`, until it has decayed by 60 dB."""
         return max(self.learnt_s, self.screen.attenuation.t60_s)
 
     def responses_at(self, x_m: float, y_m: float) -> Responses:

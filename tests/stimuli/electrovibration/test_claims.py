@@ -203,7 +203,9 @@ def test_accepted_friction_lag_is_exact(corner_hz: float) -> None:
 
 @pytest.mark.parametrize("corner_hz", [1.1e10, 1e15])
 def test_a_lag_too_short_to_be_resolved_is_refused(corner_hz: float) -> None:
-    with pytest.raises(InvalidParameter, match=r"lagged_friction_n.lag: found a corner of .* expected a product of at"):
+    with pytest.raises(
+        InvalidParameter, match=r"lagged_friction_n.lag: found a cut-off of .* expected a product of at"
+    ):
         lagged_n(FrictionLag(0.0, 0.0, corner_hz), CoulombFriction(), 0.0, t_s=np.linspace(0, 0.1, 101))
 
 
@@ -212,7 +214,7 @@ def test_the_first_time_is_resolved_too() -> None:
         lagged_n(FrictionLag(0.0, 0.0, 1e9), CoulombFriction(), 0.0, t_s=[0.09, 0.091])
 
 
-@pytest.mark.parametrize(("speed_m_per_s", "sentence"), [(1e8, "lag: found a corner of"), (1e200, "found 1e\\+200")])
+@pytest.mark.parametrize(("speed_m_per_s", "sentence"), [(1e8, "lag: found a cut-off of"), (1e200, "found 1e\\+200")])
 def test_a_speed_beyond_all_is_refused(speed_m_per_s: float, sentence: str) -> None:
     with pytest.raises(InvalidParameter, match=sentence):
         lagged_n(FrictionLag(), CoulombFriction(), 0.5, speed_m_per_s=speed_m_per_s)

@@ -122,7 +122,7 @@ def test_maps_load_from_files_with_stated_digest(tmp_path):
         text = no_variants[0].replace('["period_m"]', "[]") + "[stimulus]" + no_variants[1].split("[stimulus]")[1]
         stimulus = next(iter(wired(changed(text, {TABLE: image})).bank.values()))
         assert float(stimulus.texture.force_share(2.5e-3)) == pytest.approx(at)
-    with pytest.raises(InvalidParameter, match=f"GreyImage.sha256: found None, expected '{digest}', which is that of"):
+    with pytest.raises(InvalidParameter, match=f"GreyImage.sha256: found None, expected '{digest}', the digest of"):
         GreyImage(1e-3, path=str(path))
 
 

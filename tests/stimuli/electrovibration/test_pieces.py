@@ -139,7 +139,7 @@ def test_leaky_skin_blocks_offset_with_remark() -> None:
     tone = WithOffset(Sine(frequency_hz=60.0), ratio=0.5)
     assert lowest_force_hz(tone, Skin()) == pytest.approx(120.0)
     assert tone.remark(Skin(), "sc_layer") == (
-        "WithOffset.ratio: sc_layer blocks a constant: below 1 % of its force 5 tau (1.58 ms) after its last change"
+        "WithOffset.ratio: sc_layer leaves less than 1 % of the offset's force 5 tau (1.58 ms) after its last change"
     )
     assert tone.remark(Skin(corneum_resistivity_ohm_m=np.inf), "sc_layer") is None
     assert WithOffset(Sine(frequency_hz=60.0), ratio=0.0).remark(Skin(), "sc_layer") is None
@@ -207,11 +207,11 @@ def test_zero_length_line_is_jump_and_pieces_split() -> None:
          "PulseTrain.width_s: found 0.01 s, expected at most 0.00833333 s for biphasic pulses at 60.0 Hz; shorten "
          "them or lower the frequency"),
         (lambda: Trapezoid(rise_s=0, high_s=0, fall_s=0, low_s=0),
-         "Trapezoid: found four lines of 0 s, expected a period above 0 s"),
+         "Trapezoid: found four durations of 0 s, expected a period longer than 0 s"),
         (lambda: Trapezoid(rise_s=-1e-3, high_s=0, fall_s=0, low_s=1),
          "Trapezoid.rise_s: found -0.001, expected a finite number, at least 0"),
         (lambda: Step(onset_s=0.5, duration_s=0.5),
-         "Step: found onset, rise and fall of 0.5 s in all, expected less than duration_s (0.5 s); lengthen the "
+         "Step: found onset, rise and fall of 0.5 s in total, expected less than duration_s (0.5 s); lengthen the "
          "signal"),
         (lambda: Sampled((0.0, 0.0), rate_hz=10.0),
          "Sampled.shape: found shape (2,), expected at least two samples, not all 0"),
@@ -221,9 +221,9 @@ def test_zero_length_line_is_jump_and_pieces_split() -> None:
          "Pieces.frequencies_hz: found [0.], expected numbers above 0"),
         (lambda: Pieces(np.array([0.0, 1.0]), 1.0, np.zeros(2), np.zeros(2)),
          "Pieces.starts_s: found [0. 1.] and an end of 1.0, expected ascending times from 0"),
-        (lambda: straight([0, 1], [0, 1, 2]), "straight: found shapes (2,) and (3,), expected two of one length"),
+        (lambda: straight([0, 1], [0, 1, 2]), "straight: found shapes (2,) and (3,), expected equal lengths"),
         (lambda: straight([0, 2, 1], [0, 1, 2]),
-         "straight.times_s: found 1.0 after 2.0, expected times that do not go back"),
+         "straight.times_s: found 1.0 after 2.0, expected times in ascending order"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_clear_sentence(call, message: str) -> None:

@@ -81,7 +81,7 @@ def slid(finger):
         (lambda: Region(0.0, 1.0, 1e-320), "Region.edge_m: found 1e-320"),
         (lambda: Bump(0.0, 1e-200), "Bump.width_m: found 1e-200"),
         (lambda: Finger(mass_kg=1e-320), "Finger.mass_kg: found 1e-320"),
-        (lambda: slid(Finger(1e-20, 1e15, 0.0)), "finger: found one that moves at up to 5.03e\\+16 Hz"),
+        (lambda: slid(Finger(1e-20, 1e15, 0.0)), "finger: found a frequency of up to 5.03e\\+16 Hz"),
         (lambda: WithOffset(SINE, 1e307), "WithOffset.ratio: found 1e\\+307"),
         (lambda: CoulombFriction(1e30, 10.0).modulation_n(1e50, 1e29), "found a result beyond the range of a double"),
         (lambda: Noise.drawn(1.0, 1e20, 1e9, rng=np.random.default_rng(0)), "expected at most 268435456 lines"),

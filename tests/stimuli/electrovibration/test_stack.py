@@ -182,11 +182,12 @@ def test_step_pieces_reach_the_closed_form() -> None:
          "Layer.resistivity_ohm_m: found -1.0, expected 0 (a conductor) or a number from 1e-30 to 1e+30 (inf: "
          "lossless)"),
         (lambda: Stack((Layer(0.0),)),
-         "Stack.layers: found none that can hold a voltage, expected a layer of thickness and resistivity above 0"),
+         "Stack.layers: found no layer that can carry a voltage, expected a layer of thickness and "
+         "resistivity above 0"),
         (lambda: DispersiveLayer(1e-4, (1.0, 1.0), (1.0, 1.0), (1.0, 1.0)),
          "DispersiveLayer.frequencies_hz: found (1.0, 1.0), expected ascending numbers"),
         (lambda: DispersiveLayer(1e-4, (1.0, 2.0), (1.0,), (1.0, 1.0)),
-         "DispersiveLayer.permittivities: found [1.0], expected 2 numbers above 0"),
+         "DispersiveLayer.permittivities: found [1.0], expected 2 numbers above 0, one per frequency"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_clear_sentence(call, message: str) -> None:

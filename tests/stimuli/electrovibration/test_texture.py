@@ -159,8 +159,8 @@ def test_a_power_law_scales(force_n: float, factor: float) -> None:
          "Grating.shape: found 'sinusoid', expected one of square, sinusoidal, sawtooth; did you mean 'sinusoidal'?"),
         (lambda: Grating(1e-3, duty=1.5), "Grating.duty: found 1.5, expected a number from 0 to 1"),
         (lambda: Region(0.03, 0.01),
-         "Region: found 0.03 to 0.01 m with edges of 0.0 m, expected a right edge behind the left one by at least "
-         "edge_m"),
+         "Region: found 0.03 to 0.01 m with edges of 0.0 m, expected a right edge at least edge_m to the "
+         "right of the left one"),
         (lambda: Noise(100.0, 1000.0, 0.1, (0.0,)),
          "Noise.phases_rad: found 1, expected one for each of the 91 lines between 100.0 and 1000.0 per m "
          "(multiples of 1/length_m), at least one; use Noise.drawn"),
@@ -171,9 +171,9 @@ def test_a_power_law_scales(force_n: float, factor: float) -> None:
          "use a PowerLawArea"),
         (lambda: TableArea((2.0, 1.0), (1.0, 1.0)), "TableArea.forces_n: found (2.0, 1.0), expected ascending forces"),
         (lambda: TableArea((1.0,), ()),
-         "TableArea: found 1 forces and 0 areas, expected as many of each, at least one"),
+         "TableArea: found 1 forces and 0 areas, expected equal numbers, at least one"),
         (lambda: power_law_of_prints([Print(1.0, 0.01, 0.01)]),
-         "power_law_of_prints: found 1 prints, expected prints at two forces at least"),
+         "power_law_of_prints: found 1 prints, expected prints at two or more forces"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_clear_sentence(call, message: str) -> None:

@@ -62,7 +62,7 @@ def test_masker_lowers_level_by_its_threshold_rise():
 
 
 def test_two_frequency_thresholds_are_refused_with_fix():
-    with pytest.raises(InvalidParameter, match=r"'sensitivity' beside 'receptors', .*remove 'sensitivity' or 'recep"):
+    with pytest.raises(InvalidParameter, match=r"'sensitivity' with 'receptors', .*remove 'sensitivity' or 'recep"):
         panel(effect("friction"), effect("sensitivity"), effect("receptors"))
-    with pytest.raises(InvalidParameter, match=r"'summation' without an effect of receptors"):
+    with pytest.raises(InvalidParameter, match=r"'summation' without an effect in slot receptors"):
         panel(effect("friction"), effect("sensitivity"), effect("summation"))

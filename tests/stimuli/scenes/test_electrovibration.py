@@ -206,7 +206,7 @@ def test_random_scenes_keep_their_accuracy(case):
 def test_accuracy_is_refused_when_it_needs_many_samples():
     fine = panel(default("carrier"), default("skin_leakage"), accuracy=1e-8)
     with pytest.raises(
-        InvalidParameter, match=r"accuracy: .* left for 'sampling', .*\(n_samples = 4000000\); loosen the accuracy"
+        InvalidParameter, match=r"accuracy: .* for 'sampling', .*\(n_samples = 4000000\); loosen the accuracy"
     ):
         fine.resolve()
 
@@ -260,14 +260,14 @@ def test_the_order_of_the_tuple_does_not_matter():
     ("effects", "message"),
     [
         (lambda: [default("friction"), default("dry_friction")],
-         r"effects\[2\]: found 'dry_friction' beside 'friction', expected one of them, .*; remove the other"),
+         r"effects\[2\]: found 'dry_friction' with 'friction', expected only one of them .*; remove the other"),
         (lambda: [default("friction"), default("polarity"), default("friction_lag")],
-         r"found 'polarity' beside 'friction_lag', expected one of them: .*; remove 'polarity' or the other"),
+         r"found 'polarity' with 'friction_lag', expected only one of them: .*; remove one of the two"),
         (lambda: [default("friction_lag")],
-         r"found 'friction_lag' without an effect of friction, .*; add it or remove 'friction_lag'"),
-        (lambda: [default("dry_friction")], r"found 'dry_friction' without an effect of dynamics"),
+         r"found 'friction_lag' without an effect in slot friction, .*; add it or remove 'friction_lag'"),
+        (lambda: [default("dry_friction")], r"found 'dry_friction' without an effect in slot dynamics"),
         (lambda: [effect("force_law", law="interface")],
-         r"effects\[1\]: found 'force_law' beside 'force_law', expected one of them"),
+         r"effects\[1\]: found 'force_law' with 'force_law', expected only one of them"),
     ],
 )  # fmt: skip
 def test_contradictory_effects_are_refused_with_fix(effects, message):
@@ -284,29 +284,29 @@ def test_a_finger_at_rest_has_no_friction():
 def test_law_without_required_term_is_refused():
     surface = Electrovibration(60.0)
     lossy = (effect("force_law", law="total_thickness"), default("skin_leakage"))
-    with pytest.raises(InvalidParameter, match=r"'total_thickness' beside 'skin_leakage', .* interface or sc_layer"):
+    with pytest.raises(InvalidParameter, match=r"'total_thickness' with 'skin_leakage', .* interface or sc_layer"):
         Scene(surface, lossy, ("peak_force_n",)).resolve()
 
 
 @pytest.mark.parametrize("kind", ["dc_offset", "skin_leakage", "body_resistance"])
 def test_sudden_onset_is_refused_when_effect_relaxes(kind):
     scene = replace(panel(default(kind)), surface=Electrovibration(60.0, duration_s=0.05, ramp_s=0.0))
-    with pytest.raises(InvalidParameter, match=rf"{kind}: .*give the tone a ramp_s above 0"):
+    with pytest.raises(InvalidParameter, match=rf"{kind}: .*set ramp_s of the tone above 0"):
         scene.resolve()
 
 
 def test_an_output_without_its_effect_names_the_effect():
-    with pytest.raises(InvalidParameter, match=r"nothing that gives 'friction_force_n'.*; add the effect friction"):
+    with pytest.raises(InvalidParameter, match=r"no stage or effect for 'friction_force_n'.*; add the effect friction"):
         panel(outputs=("friction_force_n",)).resolve()
     with pytest.raises(
-        InvalidParameter, match=r"nothing that gives 'form', which .* needs.* name one of the four laws"
+        InvalidParameter, match=r"no stage or effect for 'form', which .* needs.* name one of the four laws"
     ):
         Scene(Electrovibration(60.0), (), ("peak_force_n",)).resolve()
 
 
 @pytest.mark.parametrize("accuracy", [0.0, -1.0, 1.5, float("nan")])
 def test_an_accuracy_outside_of_its_range_is_refused(accuracy):
-    with pytest.raises(InvalidParameter, match=r"Scene\.accuracy: found .*, expected above 0 and at most 1"):
+    with pytest.raises(InvalidParameter, match=r"Scene\.accuracy: found .*, expected a number above 0 and at most 1"):
         panel(accuracy=accuracy)
 
 

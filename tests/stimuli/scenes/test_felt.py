@@ -173,15 +173,15 @@ def test_signal_is_refused_when_not_single_channel_voltage():
 
 def test_a_scene_without_a_threshold_names_the_cure():
     scene = replace(felt(), effects=(default("force_law"), default("friction")), outputs=("peak_force_n",))
-    with pytest.raises(InvalidParameter, match=r"nothing that gives 'sensation_db'.*sensitivity, or receptors"):
+    with pytest.raises(InvalidParameter, match=r"no stage or effect for 'sensation_db'.*sensitivity, or receptors"):
         scene.sensation(Sine(60.0, 0.5).at(30.0), TOUCH)
 
 
 NO_STIMULUS = {
-    "no losses, no patches": ((), r"^effects: found a plate without losses or patches where .* add 'attenuation' and"),
+    "no losses, no patches": ((), r"^effects: found a plate without losses or patches for .* add 'attenuation' and"),
     "losses by frequency": (
         (effect("attenuation", exponent=0.5),),
-        r"^attenuation\.exponent: found 0\.5 where a signal",
+        r"^attenuation\.exponent: found 0\.5 for a played signal",
     ),
 }
 
@@ -291,7 +291,7 @@ MADE_WRONGLY = {
     "effects": (("friction",), r"^Scene\.effects\[0\]: found 'friction', expected "),
     "contacts": ((1.0,), r"^Scene\.contacts\[0\]: found 1\.0, expected a FingerContact$"),
     "surface": (None, r"^Scene\.surface: found None, expected a Surface$"),
-    "accuracy": ("fine", r"^Scene\.accuracy: found fine, expected above 0 and at most 1$"),
+    "accuracy": ("fine", r"^Scene\.accuracy: found fine, expected a number above 0 and at most 1$"),
 }
 
 

@@ -194,7 +194,7 @@ def test_mp4_film_requires_ffmpeg(tmp_path, monkeypatch):
 
 
 def test_overlong_film_is_refused_with_fix():
-    with pytest.raises(InvalidParameter, match=r"movie: found a span of 0\.01 s, .*shorten it or raise those"):
+    with pytest.raises(InvalidParameter, match=r"movie: found a span of 0\.01 s, .*shorten it or raise them"):
         screen(effect("movie", span_s=0.01), outputs=("movie_m",)).resolve()
 
 

@@ -83,8 +83,8 @@ def test_no_voltage_throws_nothing_off():
 
 
 def test_lift_off_is_refused_without_suitable_load():
-    with pytest.raises(InvalidParameter, match=r"'lift_off' without an effect of load, which it acts on"):
+    with pytest.raises(InvalidParameter, match=r"'lift_off' without an effect in slot load"):
         Scene(small_screen(), (effect("lift_off"),), ("peak_m",), contacts=LIGHT)
     heavy = screen(*DRIVE, effect("finger_load", mass_kg=1e-4), effect("lift_off"))
-    with pytest.raises(InvalidParameter, match=r"FingerLoad.mass_kg: found 0.0001, expected 0 beside lift_off"):
+    with pytest.raises(InvalidParameter, match=r"FingerLoad.mass_kg: found 0.0001, expected 0 with lift_off"):
         heavy.resolve()

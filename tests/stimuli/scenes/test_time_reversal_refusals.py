@@ -28,12 +28,12 @@ def test_too_costly_accuracy_is_refused_with_reason():
     ("effects", "message"),
     [
         (lambda: [effect("one_bit"), effect("sigma_delta")],
-         r"'sigma_delta' beside 'one_bit', .*both are the quantiser; remove"),
-        (lambda: [LOSSY, LOSSY], r"'attenuation' beside 'attenuation', expected one of them"),
-        (lambda: [effect("airborne_sound")], r"'airborne_sound' without an effect of attenuation, .*add it or remove"),
+         r"'sigma_delta' with 'one_bit', .*in the slot quantiser; remove"),
+        (lambda: [LOSSY, LOSSY], r"'attenuation' with 'attenuation', expected only one of them"),
+        (lambda: [effect("airborne_sound")], r"'airborne_sound' without an effect in slot attenuation, .*add it or"),
         (lambda: [effect("shear"), effect("finger_load")],
-         r"'finger_load' beside 'shear', expected one of them: .*remove 'shear' or 'finger_load'"),
-        (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not know"),
+         r"'finger_load' with 'shear', expected only one of them: .*remove 'shear' or 'finger_load'"),
+        (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not support"),
     ],
 )  # fmt: skip
 def test_contradictory_effects_are_refused_with_fix(effects, message):
@@ -68,15 +68,15 @@ def test_a_screen_outside_of_its_domain_is_refused(changes, message):
 @pytest.mark.parametrize(
     ("kind", "values", "message"),
     [
-        ("edges", {"boundary": "SSSS"}, r"leave the effect out"),
+        ("edges", {"boundary": "SSSS"}, r"remove the effect"),
         ("edges", {"boundary": "SSXF"}, r"expected four letters of S, C, F"),
         (
             "temperature_drift",
             {"kelvin": 3e4},
             r"shift_of_frequencies: found -1\.5, expected a number from -0\.1 to 0\.1",
         ),
-        ("temperature_drift", {"kelvin": 0.0}, r"without a drift leave the effect out"),
-        ("foci", {"x_m": (0.1,), "y_m": ()}, r"expected as many"),
+        ("temperature_drift", {"kelvin": 0.0}, r"omit the effect if there is no drift"),
+        ("foci", {"x_m": (0.1,), "y_m": ()}, r"expected equal numbers"),
         ("sigma_delta", {"order": 3}, r"expected 1 or 2"),
         ("repetition", {"envelope": "sync"}, r"did you mean 'sinc'"),
         ("finger_load", {"resistance_n_s_per_m": 0.0}, r"expected a finite number above 0"),
@@ -92,7 +92,7 @@ def test_an_effect_outside_of_its_domain_is_refused(kind, values, message):
     ("kind", "values", "message"),
     [
         ("patches", {"side_m": 0.03}, r"patches: .*raise inset_m to 0\.015 or lower side_m"),
-        ("attenuation", {"tau_s": float("inf")}, r"attenuation\.tau_s: found inf, .* leave the effect out"),
+        ("attenuation", {"tau_s": float("inf")}, r"attenuation\.tau_s: found inf, .* omit the effect if"),
         ("audible_filter", {}, r"audible_filter: .*lower cutoff_hz or raise f_max_hz"),
         ("pulse_width", {"carrier_hz": 20e3}, r"PulseWidth\.carrier_hz: .*lower it or raise rate_hz"),
     ],

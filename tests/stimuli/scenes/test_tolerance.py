@@ -78,5 +78,5 @@ def test_quantised_spectrum_meets_accuracy_or_is_refused(scene):
 @pytest.mark.parametrize("quantiser", QUANTISERS, ids=lambda each: each.kind)
 def test_quantised_drive_is_refused_at_unreachable_accuracy(quantiser):
     scene = screen(LOSSY, quantiser, outputs=COURSE, accuracy=1e-12)
-    assert "left for the modes" in refusal(scene)
+    assert "error budget of" in refusal(scene)
     assert "loosen the accuracy" in refusal(scene)

@@ -92,7 +92,7 @@ def test_level_above_burst_range_is_refused_with_fix():
         (lambda: TimeReversalStimulus(HEARD, quantiser=Analogue(), supply_v=30.0), "TimeReversalStimulus.supply_v"),
         (lambda: FocusTrain(supply_v=0.0), "FocusTrain.supply_v: found 0.0, expected"),
         (lambda: TimeReversalStimulus(HEARD, Pattern(20.0, 0.1), reversal_s=0.06, supply_v=30.0).at(1.0),
-         "reversal_s: found 0.06 s, expected at most the 0.05 s from focus to focus, .*; shorten it"),
+         "reversal_s: found 0.06 s, expected at most the 0.05 s between foci, .*; shorten it"),
     ],
 )  # fmt: skip
 def test_supply_voltage_is_refused_when_drive_cannot_switch(make, message):

@@ -107,7 +107,7 @@ def test_guide_notes_when_field_is_not_diffuse():
     slow = recommend(BOROFLOAT_33.plate(0.297, 0.21, 0.47e-3, "SSSS"), Transducers(), Band(1e3, 10e3), 0.3e-3, Target())
     assert slow.notes[-1].startswith("laws: in T and tau the waves cross the plate 0.38 times")
     few = recommend(BOROFLOAT_33.plate(0.1, 0.1, 4e-3, "SSSS"), Transducers(8), Band(1e3, 10e3), TAU_S, Target())
-    assert "the band holds 7 modes" in few.notes[-1]
+    assert "the band has 7 modes" in few.notes[-1]
     assert recommend(A4_SCREEN, Transducers(), BAND, TAU_S, Target()).design.is_diffuse
 
 
@@ -204,7 +204,7 @@ def test_command_prints_the_design_as_json():
 def test_command_reports_law_errors_and_omissions():
     shown = CliRunner().invoke(command, [])
     assert shown.exit_code == 0, shown.output
-    for said in ("simulation over these laws: resolution -15% to +10%, contrast -25%", "moment per volt", "> 150 um"):
+    for said in ("simulation to these laws: resolution -15% to +10%, contrast -25%", "moment per volt", "> 150 um"):
         assert said in shown.output
     record = json.loads(CliRunner().invoke(command, ["--json"]).output)
     assert record["simulation_over_law"] == {name: list(ends) for name, ends in OFF.items()}

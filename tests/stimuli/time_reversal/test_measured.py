@@ -179,7 +179,7 @@ def test_tau_is_refused_when_the_record_does_not_decay():
     screen = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 32)), Attenuation(math.inf))
     h = impulse_responses(screen, [(0.12, 0.09)], rate_hz=RATE_HZ, duration_s=10e-3, f_max_hz=25e3)
     with pytest.raises(
-        InvalidParameter, match="response: found (a fall by .* dB until it ends|its loudest part in the second half)"
+        InvalidParameter, match="response: found (a fall by .* dB before its end|its loudest part in the second half)"
     ):
         tau_s(h.samples[0, 0], RATE_HZ)
 

@@ -125,9 +125,9 @@ def test_switched_supply_makes_simultaneous_foci():
         ({"places": {**PLACES, "far": Place(0.5)}},
          r"PlacedFoci.places.far: found \(0.5, 0.093\) m, expected a point of the plate of 0.297 x 0.21 m"),
         ({"places": {**PLACES, "same": Place(0.12, 0.093)}},
-         r"PlacedFoci.places.same: found the point of middle, \(0.12, 0.093\) m, expected a point of its own"),
+         r"PlacedFoci.places.same: found the point of middle, \(0.12, 0.093\) m, expected a different point"),
         ({"places": {**PLACES, "far": 0.2}}, "PlacedFoci.places.far: found 0.2, expected a Place"),
-        ({"places": {"index": Place()}}, "PlacedFoci.places: found 1 of them, expected at least two to tell apart"),
+        ({"places": {"index": Place()}}, "PlacedFoci.places: found 1 of them, expected at least two"),
         ({"places": {**PLACES, "a+b": Place(0.2)}}, r"PlacedFoci.places: found 'a\+b', expected a name on one line"),
     ],
 )  # fmt: skip
@@ -139,7 +139,7 @@ def test_invalid_places_are_refused(keys, said):
 @pytest.mark.parametrize(
     ("fingers", "said"),
     [
-        (("index", "index"), "found 'index' twice, expected each place once: two fingers do not fit on one"),
+        (("index", "index"), "found 'index' twice, expected each place once, as two fingers do not fit there"),
         (("ring",), "found 'ring', expected one of index, middle, near"),
         (("index", "near"), "found index and near 5 mm apart, expected at least the 10 mm of a fingertip"),
     ],
