@@ -26,9 +26,9 @@ class DryFriction(Quantity):
     kinetic : float
         Coefficient of friction of a finger that slides.
     gated : bool
-        The voltage adds to the friction in full slip alone, as Sirin et al. (2019) found: a stuck finger bears its
-        normal force's static friction (or the slipping one, if that is more). Without, it holds a stuck finger too, as
-        in an independent event-driven integration, which agrees with this alone.
+        True: the voltage adds to the friction only in full slip, as Sirin et al. (2019) found. A stuck finger then
+        bears the static friction of its normal force, or the sliding friction if that is larger. False: the voltage
+        also holds a stuck finger. An independent event-driven integration agrees with this setting only.
     """
 
     kind = "dry_friction"

@@ -22,8 +22,8 @@ Pool and Vardar (2025), which states no damping."""
 class Finger:
     """A finger pad, ``m x'' + c x' + k x = f``, with deflection x (m) of the skin under a lateral force f.
 
-    The defaults are unverified: a speed of 50 mm/s in `at_speed`. No normal force changes them: for a pad under a force
-    take stiffness and damping of `SkinMobility.under`, as `sliding` and `stick_slip` do not.
+    The unverified defaults are the values of `at_speed` at 50 mm/s. They do not depend on the normal force. For a pad
+    under a force, use stiffness and damping of `SkinMobility.under`; `sliding` and `stick_slip` do not do so.
     """
 
     mass_kg: Positive = 1.615e-3

@@ -26,9 +26,9 @@ OUTPUTS: Mapping[bool, Mapping[str, str]] = {
 class FingerDynamics(Effect):
     """Finger pad with the mass and stiffness published per sliding speed; the damping is an unverified default.
 
-    The motion of this skin is felt instead of that of `skin_mobility`, and none of it depends on the normal force. With
-    `friction` the finger slides all the time, and its friction is what it is without; with `dry_friction` it sticks and
-    slips.
+    The motion of this pad is felt instead of that of `skin_mobility`, and the pad does not depend on the normal force.
+    With `friction` the finger always slides, and the effect does not change its friction. With `dry_friction` it sticks
+    and slips.
 
     Parameters
     ----------
