@@ -51,7 +51,8 @@ $ tactometry reproduce all --page docs/explanation/reproduced.md  # this page
 The thesis is H. Zophoniasson's (2017). Our sources contain its front matter, lists of figures and tables, abstract and
 pages 17 to 39, but few values of its tables: most numbers here cannot be compared. Each number is
 
-- **derived** (d): a result of the physics, given the assumed input,
+- **derived** (d): a result of the physics, given the assumed input; in brackets its band, the 5 % and 95 % quantiles
+  over the spread of the sources,
 - **calibrated** (c): set to the statement, or proportional to a constant that was,
 - **assumed** (a): a result of the input alone.
 
@@ -121,13 +122,24 @@ def show(value: float) -> str:
     return digits.removeprefix("-") if float(digits) == 0 else digits
 
 
+def show_number(number: Number) -> str:
+    """Format a number with its band, if it has one.
+
+    >>> show_number(Number("loss", "2 N", 12.0, "%", "derived", low=6.5, high=24.0))
+    '12 (6.5 to 24)'
+    """
+    if number.low is None or number.high is None:
+        return show(number.value)
+    return f"{show(number.value)} ({show(number.low)} to {show(number.high)})"
+
+
 def _score(made: Sequence[Reproduced]) -> Iterator[str]:
     yield "## Statements of the thesis and results\n"
     yield f"{', '.join(f'{words}: {n}' for words, n in sorted(count_verdicts(made).items()))}.\n"
     rows = []
     for reproduced in made:
         for number in reproduced.compared:
-            value = f"{show(number.value)} {number.unit}".strip()
+            value = f"{show_number(number)} {number.unit}".strip()
             quantity = f"{number.quantity}, {number.condition}"
             rows.append((reproduced.item.name, quantity, value, number.stated, number.verdict))
     yield table(("item", "quantity", "found", "stated", "verdict"), rows)
@@ -176,7 +188,7 @@ def _table(numbers: Sequence[Number]) -> str:
     quantities = {number.quantity: number.unit for number in numbers}
     marks = {None: "", True: " ✓", False: " ✗"}
     cells = {
-        (number.condition, number.quantity): f"{show(number.value)} {number.origin[0]}{marks[number.holds]}"
+        (number.condition, number.quantity): f"{show_number(number)} {number.origin[0]}{marks[number.holds]}"
         for number in numbers
     }
     rows: dict[tuple[str, ...], list[str]] = {}

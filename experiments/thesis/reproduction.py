@@ -27,6 +27,8 @@ class Number:
         Whether the number agrees with the statement, or None without one.
     is_variant : bool
         The input was changed to see its effect: shown, but not counted.
+    low, high : float, optional
+        The 5 % and 95 % quantiles of the value over the spread of its sources.
     """
 
     quantity: str
@@ -37,6 +39,8 @@ class Number:
     stated: str = ""
     holds: bool | None = None
     is_variant: bool = False
+    low: float | None = None
+    high: float | None = None
 
     def __post_init__(self) -> None:
         one_of("Number.origin", self.origin, ORIGINS)

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from tactometry.experiments.thesis import REPRODUCTIONS, reproduction_of
-from tactometry.experiments.thesis.page import count_verdicts, item_of, page as page_of, reason_for, show
+from tactometry.experiments.thesis.page import count_verdicts, item_of, page as page_of, reason_for, show_number
 from tactometry.experiments.thesis.reproduction import Number, Reproduced, reproduce
 
 from ..arguments.require import expect, one_of
@@ -60,7 +60,7 @@ def _text(made: list[Reproduced]) -> str:
         lines += [f"{reproduced.item.name}: {reproduced.item.title}"] if numbers else []
         for number in numbers:
             said = f"; stated: {number.stated}: {number.verdict.strip('*')}" if number.stated else ""
-            value = f"{show(number.value)} {number.unit}".strip()
+            value = f"{show_number(number)} {number.unit}".strip()
             lines.append(f"  {number.quantity}, {number.condition}: {value} ({number.origin}{said})")
     counts = ", ".join(f"{words.strip('*')}: {n}" for words, n in sorted(count_verdicts(made).items()))
     return "\n".join([*lines, counts or "the numbers of the thesis are not available for comparison"])

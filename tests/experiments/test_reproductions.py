@@ -105,7 +105,7 @@ def words_of(text, name):
     """Return the words of an item's section and of its table rows."""
     section = text.partition(f"\n## {name}\n")[2].partition("\n## ")[0]
     rows = [line for line in text.splitlines() if line.startswith(f"| {name} |")]
-    return " ".join([*rows, section]).split()
+    return " ".join([*rows, section]).replace("(", "( ").replace(")", " )").split()
 
 
 def is_number(word):
