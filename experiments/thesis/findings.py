@@ -21,8 +21,10 @@ from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation, free_displacement
 
 from ..study.felt_scene import felt
+from .predicted_loss import PRESSED_N, predicted_loss
+from .predicted_threshold import focus_course, predicted_threshold
 from .reproduction import Number, Origin, Reproduction
-from .setups import FOCUS, P1, RIG_BAND
+from .setups import ELSEWHERE, FOCUS, RIG_BAND
 from .studies import cells_of, contact_of, sensation_db, threshold_db
 
 FOCUS_STUDY = "time-reversal-threshold"
@@ -60,6 +62,10 @@ def threshold_of_focus() -> Iterator[Number]:
     lifted_n = ejection_force_n(FOCUS_M, MEAN_HZ)
     yield Number("force that a focus lifts", "10 um at 12.5 kHz under 0.1 g", lifted_n, "N", "derived")
 
+    setup = _focus().setup
+    free_m = free_displacement(_focus().at(FOCUS_DB), setup, setup.focus_m)
+    yield from predicted_threshold(focus_course(free_m, setup.rate_hz))
+
 
 def opened_contact(force_n: float) -> ContactCourse:
     """Simulate a focus of 10 um under a finger that cannot pull."""
@@ -93,8 +99,6 @@ def _change(model: str, levels: Levels, origin: Origin) -> Number:
     return Number(quantity, model, change_db, "dB", origin, "force has no influence", is_constant)
 
 
-PRESSED_N = 2.0
-ELSEWHERE_M = (P1, (0.06, 0.05), (0.24, 0.06), (0.07, 0.15), (0.18, 0.11))
 DEFAULT = (RESISTANCE_N_S_PER_M, TAU_S)
 FINGERS = (DEFAULT, (5.0, TAU_S), (20.0, TAU_S), (RESISTANCE_N_S_PER_M, 2e-3), (RESISTANCE_N_S_PER_M, 5e-3))
 """Resistance (N s/m) and tau (s)."""
@@ -105,7 +109,7 @@ def loss_under_finger() -> Iterator[Number]:
     for resistance, tau_s in FINGERS:
         condition = f"R = {resistance:g} N s/m, tau = {tau_s * 1e3:g} ms"
         screen = Screen(A4_PROTOTYPE.plate, A4_PROTOTYPE.sources, Attenuation(tau_s))
-        for place, at_m in {"at the focus": (FOCUS,), "elsewhere": ELSEWHERE_M}.items():
+        for place, at_m in {"at the focus": (FOCUS,), "elsewhere": ELSEWHERE}.items():
             loss = _loss(screen, at_m, resistance)
             if (resistance, tau_s) == DEFAULT:
                 said, low, high = STATED[place]
@@ -115,6 +119,7 @@ def loss_under_finger() -> Iterator[Number]:
         if (resistance, tau_s) == DEFAULT:
             relearnt = _loss(screen, (FOCUS,), resistance, relearn=True)
             yield Number("at the focus, learnt again", condition, 100 * relearnt, "%", "calibrated")
+    yield from predicted_loss()
 
 
 def _loss(screen: Screen, places: Sequence[tuple[float, float]], resistance: float, *, relearn: bool = False) -> float:
@@ -125,6 +130,8 @@ def _loss(screen: Screen, places: Sequence[tuple[float, float]], resistance: flo
 PATTERN_STUDY = "time-reversal-patterns"
 SAME_DB = 1.0
 """Smaller differences are no order."""
+FUSED_S = 10e-3
+"""Foci closer than this are one onset; no source, of the order of a gap that touch detects."""
 LEAST = "P0"
 BEST = ("200 Hz", "sinc")
 """Frequency and envelope that please most, stated separately."""
@@ -139,9 +146,20 @@ def pleasant_patterns() -> Iterator[Number]:
         compared = ("last: pleases least", is_order and order[-1] == name) if name == LEAST else ()
         yield Number("sensation level", pattern_name(name), level_db, "dB", "calibrated")
         yield Number("over the single focus", pattern_name(name), level_db - felt_db[LEAST], "dB", "derived")
+        yield from _physics_of(name, felt_db[LEAST])
         yield Number("pleasantness", pattern_name(name), liked[name], "of 1", "assumed")
         yield Number("place", pattern_name(name), order.index(name) + 1.0, "", "assumed", *compared)
     yield from _by_factor(liked, is_order=is_order)
+
+
+def _physics_of(name: str, largest_db: float) -> Iterator[Number]:
+    """Yield what a pattern is without a model of answers; its largest focus has `largest_db`."""
+    pattern, condition = PATTERNS[name], pattern_name(name)
+    yield Number("energy of the foci", condition, 10 * math.log10(np.sum(pattern.weights**2)), "dB", "derived")
+    felt_s = pattern.times_s[np.abs(pattern.weights) > 10 ** (-largest_db / 20)]
+    yield Number("foci above threshold", condition, len(felt_s), "", "calibrated")
+    onsets = 1 + np.count_nonzero(np.diff(felt_s) > FUSED_S)
+    yield Number("onsets", condition, float(onsets), "", "calibrated")
 
 
 def _by_factor(liked: Mapping[str, float], *, is_order: bool) -> Iterator[Number]:
