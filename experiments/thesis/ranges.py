@@ -34,17 +34,24 @@ class Range:
         return rng.uniform(self.low, self.high, n)
 
 
-TEXTBOOK: Final = "soft tissue, textbook"
-RANGES: Final[Mapping[str, Range]] = {
-    "area_at_1n_m2": Range(0.8e-4, 1.2e-4, "no source: from memory"),
-    "area_exponent": Range(0.2, 0.5, "no source: from memory; a sphere of Hertz has 2/3"),
-    "density_kg_per_m3": Range(1000, 1100, TEXTBOOK),
-    "sound_speed_m_per_s": Range(1500, 1700, TEXTBOOK),
-    "shear_modulus_pa": Range(2e3, 5e4, "about a third of 15 and 40 kPa (Li et al. 2022, abstract), widened", True),
-    "shear_viscosity_pa_s": Range(0.3, 15, "15: von Gierke and Oestreicher, from memory; 0.3: no source", True),
-    "threshold_m": Range(0.03e-6, 0.3e-6, "no source: 0.1 um of the sensitivity curve by 10 dB either way", True),
-    "summation_s": Range(0.1, 0.4, "no source: 0.2 s by a factor of 2 either way", True),
+TEXTBOOK: Final = "textbook"
+PULP: Final[Mapping[str, Range]] = {
+    "contact area at 1 N, mm2": Range(80, 120, "no source: from memory"),
+    "its exponent of force": Range(0.2, 0.5, "no source: from memory"),
+    "density, kg/m3": Range(1000, 1100, TEXTBOOK),
+    "sound speed, m/s": Range(1500, 1700, TEXTBOOK),
+    "shear modulus, Pa": Range(2e3, 5e4, "a third of 15 and 40 kPa of Li et al. 2022 (abstract), widened", True),
+    "shear viscosity, Pa s": Range(0.3, 15, "15 of Oestreicher 1951 from memory; 0.3: no source", True),
 }
+RANGES: Final[Mapping[str, Range]] = PULP | {
+    "threshold at 250 Hz, um": Range(0.03, 0.3, "no source: 0.1 of the sensitivity curve, 10 dB either way", True),
+    "time of summation, s": Range(0.1, 0.4, "no source: 0.2 by a factor of 2 either way", True),
+}
+
+
+def of_ranges(ranges: Mapping[str, Range]) -> str:
+    """List ranges with their sources."""
+    return "; ".join(f"{name} {each.low:g} to {each.high:g} ({each.source})" for name, each in ranges.items())
 
 
 @dataclass(frozen=True)
@@ -69,11 +76,9 @@ class Drawn:
 def draws(n: int = N_DRAWS, seed: int = SEED) -> Iterator[Drawn]:
     """Yield draws from all ranges."""
     rng = np.random.default_rng(seed)
-    columns = {name: each.draw(rng, n).tolist() for name, each in RANGES.items()}
-    for row in zip(*columns.values(), strict=True):
-        drawn = dict(zip(columns, row, strict=True))
-        tissue = Tissue(*(drawn.pop(name) for name in list(drawn)[2:6]))
-        yield Drawn(tissue=tissue, **drawn)
+    columns = [each.draw(rng, n).tolist() for each in RANGES.values()]
+    for area_mm2, exponent, *of_tissue, threshold_um, summation_s in zip(*columns, strict=True):
+        yield Drawn(1e-6 * area_mm2, exponent, Tissue(*of_tissue), 1e-6 * threshold_um, summation_s)
 
 
 @dataclass(frozen=True)
