@@ -43,7 +43,8 @@ PULP: Final[Mapping[str, Range]] = {
     "shear modulus, Pa": Range(2e3, 5e4, "a third of 15 and 40 kPa of Li et al. 2022 (abstract), widened", True),
     "shear viscosity, Pa s": Range(0.3, 15, "15 of Oestreicher 1951 from memory; 0.3: no source", True),
 }
-RANGES: Final[Mapping[str, Range]] = PULP | {
+RANGES: Final[Mapping[str, Range]] = {
+    **PULP,
     "threshold at 250 Hz, um": Range(0.03, 0.3, "no source: 0.1 of the sensitivity curve, 10 dB either way", True),
     "time of summation, s": Range(0.1, 0.4, "no source: 0.2 by a factor of 2 either way", True),
 }
@@ -66,7 +67,7 @@ class Drawn:
 
     def area_m2(self, force_n: float) -> float:
         """Return the contact area under a force above 0."""
-        return self.area_at_1n_m2 * force_n**self.area_exponent
+        return float(self.area_at_1n_m2 * force_n**self.area_exponent)
 
     def load(self, force_n: float) -> PulpLoad:
         """Return the pulp at the focus under a force above 0."""

@@ -27,7 +27,10 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect
 
 from ..arrays import ComplexArray, FloatArray
-from .responses.responses import Point, values_at
+from ..defaults import SHEAR_VISCOSITY_PA_S
+from .plate.modes import Modes, values
+from .plate.plate import Plate
+from .responses.responses import Point
 from .screen.screen import Screen
 
 N_PRESSURES: Final = 6
@@ -66,7 +69,7 @@ class Tissue:
     density_kg_per_m3: Positive = 1050.0
     sound_speed_m_per_s: Positive = 1600.0
     shear_modulus_pa: NotNegative = 1e4
-    shear_viscosity_pa_s: NotNegative = 2.0
+    shear_viscosity_pa_s: NotNegative = SHEAR_VISCOSITY_PA_S
 
     def __post_init__(self) -> None:
         found = f"{self.shear_modulus_pa} Pa and {self.shear_viscosity_pa_s} Pa s"
@@ -87,7 +90,7 @@ class PulpLoad:
     Parameters
     ----------
     x_m, y_m : float
-        Centre; parts beyond an edge do not move.
+        Centre; all of the disc is on the plate.
     radius_m : float
         Above 0.
     tissue : Tissue
@@ -100,15 +103,30 @@ class PulpLoad:
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the means of the shapes over the disc."""
-        screen.plate.check_holds("PulpLoad", (self.x_m, self.y_m))
-        points = [point for point in self.points if screen.plate.contains(*point)]
-        return np.asarray(values_at(screen, points, f_max_hz).sum(axis=1) / len(self.points))
+        self.check(screen.plate, "PulpLoad")
+        return self.modal_force(screen.modes(f_max_hz))
+
+    def modal_force(self, modes: Modes) -> FloatArray:
+        """Return the generalised force of 1 N over the disc on each mode."""
+        return np.asarray(values(modes, *np.transpose(self.points)).mean(axis=1))
+
+    def check(self, plate: Plate, name: str) -> None:
+        """Refuse a disc that is not all on the plate."""
+        for point in self.points:
+            plate.check_holds(name, point)
+
+    def spread(self, s: ComplexArray, plate: Plate) -> FloatArray:
+        """Return the mean over the disc of waves of 1 at its centre, (n,)."""
+        from scipy.special import j0
+
+        turned = self.radius_m * np.sqrt(np.abs(s.imag) / plate.wave_constant_m2_per_s)
+        return np.asarray((j0(RINGS[0] * turned) + j0(RINGS[1] * turned)) / 2)
 
     @property
-    def points(self) -> list[Point]:
+    def points(self) -> tuple[Point, ...]:
         """Places whose mean is that over the disc."""
         turns = [(self.radius_m * RINGS[n % 2], n * pi / 6) for n in range(12)]
-        return [(self.x_m + far_m * cos(turn), self.y_m + far_m * sin(turn)) for far_m, turn in turns]
+        return tuple((self.x_m + far_m * cos(turn), self.y_m + far_m * sin(turn)) for far_m, turn in turns)
 
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
         """Return the stiffness of the pulp (N/m) at complex s."""
@@ -123,7 +141,7 @@ class PulpLoad:
             return disc_stiffness(at, self.radius_m, self.tissue) / (at + slow) ** 2
 
         place = 2 * np.log((s.imag + slow) / (first + slow)) / span - 1
-        return np.asarray(chebval(place, chebinterpolate(scaled, DEGREE)) * (s + slow) ** 2)
+        return np.asarray(chebval(place, chebinterpolate(scaled, DEGREE)) * (s + slow) ** 2)  # type: ignore[arg-type]
 
 
 @checked
@@ -149,7 +167,7 @@ def disc_stiffness(s: ComplexArray, radius_m: Positive, tissue: Tissue) -> Compl
     for end in np.unique(ends).tolist():
         part = ends == end
         total[part] = _total(p[part], q[part], e[part], end)
-    return 2 * pi * radius_m * shear * total
+    return np.asarray(2 * pi * radius_m * shear * total)
 
 
 def _total(p: ComplexArray, q: ComplexArray, e: ComplexArray, end: float) -> ComplexArray:

@@ -72,6 +72,11 @@ class PlateLoad:
         expected = "at least 0, or inf for a pin"
         expect(self.stiffness_n_per_m >= 0, "PlateLoad.stiffness_n_per_m", self.stiffness_n_per_m, expected)
 
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """The place."""
+        return ((self.x_m, self.y_m),)
+
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the shapes at the contact."""
         screen.plate.check_holds("PlateLoad", (self.x_m, self.y_m))
@@ -98,6 +103,11 @@ class SprungMass:
     y_m: float
     mass_kg: Positive
     stiffness_n_per_m: Positive
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """The place."""
+        return ((self.x_m, self.y_m),)
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the shapes at the contact."""

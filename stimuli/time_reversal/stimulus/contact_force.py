@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Final
+from typing import TYPE_CHECKING, Final, Union
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfe
 from ..responses.responses import Point, values_at
 from .setup import Setup
 
+if TYPE_CHECKING:
+    from ..pulp import PulpLoad
+
 FINER: Final = 8
 """Samples of the force for one of the drive: straight lines between them miss 0.4 % of a peak at 60 kHz and 250 kHz."""
 RINGING_S: Final = 1e-3
@@ -22,12 +25,13 @@ RINGING_S: Final = 1e-3
 AT_ONCE: Final = 2048
 """Frequencies for which receptances are held at a time."""
 
-Loads = tuple[PlateLoad | SprungMass, ...]
+Load = Union[PlateLoad, SprungMass, "PulpLoad"]
+Loads = tuple[Load, ...]
 Places = tuple[Point, ...]
 
 
 @checked
-def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | SprungMass]) -> FloatArray:
+def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[Load]) -> FloatArray:
     """Return the sum of the loads' forces, `FINER` to a sample.
 
     Exact for linear contacts, which pull as well as they press: the sum of Z (1 + H Z)^-1 U with the displacements U of
@@ -38,7 +42,7 @@ def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | Sp
 
 
 @checked
-def contact_forces_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | SprungMass]) -> FloatArray:
+def contact_forces_n(setup: Setup, signal: Signal, loads: Sequence[Load]) -> FloatArray:
     """Return the force of each load, (n_loads, n_samples)."""
     return _forces_n(setup, signal, tuple(loads), np.eye(len(loads)))
 
@@ -55,7 +59,7 @@ def _forces_n(setup: Setup, signal: Signal, loads: Loads, of_loads: FloatArray) 
     return np.asarray(FINER * forces[:, : n_followed * FINER])
 
 
-def _places(loads: Sequence[PlateLoad | SprungMass]) -> Places:
+def _places(loads: Sequence[Load]) -> Places:
     return tuple((load.x_m, load.y_m) for load in loads)
 
 
@@ -78,13 +82,25 @@ def _stiffness(setup: Setup, loads: Loads, n_samples: int, of_loads: tuple[tuple
     s = _frequencies(setup, n_samples)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
     weights = np.repeat(np.array(of_loads, complex)[:, :, None], len(s), axis=2)
-    return contact_transfer(weights, _among(setup, _places(loads), n_samples), stiffness)
+    spots = tuple(load.points for load in loads)
+    return contact_transfer(weights, _among(setup, spots, n_samples), stiffness) * spread(setup, loads, s)
+
+
+@checked
+def spread(setup: Setup, loads: "Sequence[Load]", s: ComplexArray) -> FloatArray:
+    """Return the mean motion under each load per motion of its centre, (n_loads, n_frequencies)."""
+    parts = np.ones((len(loads), len(s)))
+    for part, load in zip(parts, loads, strict=True):
+        if not isinstance(load, PlateLoad | SprungMass):
+            part[:] = load.spread(s, setup.plate)
+    return parts
 
 
 @lru_cache(maxsize=16)
-def _among(setup: Setup, places: Places, n_samples: int) -> ComplexArray:
-    """(n_frequencies, k, k): receptances among places of the free plate."""
-    at = values_at(setup.screen, places, setup.modes_to_hz)
+def _among(setup: Setup, spots: tuple[Places, ...], n_samples: int) -> ComplexArray:
+    """(n_frequencies, k, k): receptances among means over places of the free plate."""
+    shapes = [values_at(setup.screen, places, setup.modes_to_hz).mean(axis=1) for places in spots]
+    at = np.stack(shapes, axis=1)
     starts = range(0, len(_frequencies(setup, n_samples)), AT_ONCE)
     return np.concatenate([_receptances(setup, n_samples, start).among(at) for start in starts])
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import inf
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -23,8 +23,11 @@ from ..fingertip import Fingertip
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer, contour
 from ..responses.responses import Point, impulse_responses, values_at
-from .contact_force import contact_force_n
+from .contact_force import contact_force_n, spread
 from .setup import Setup
+
+if TYPE_CHECKING:
+    from ..pulp import PulpLoad
 
 Places = tuple[Point, ...]
 
@@ -197,15 +200,18 @@ def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
 
 
 @checked
-def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[PlateLoad]) -> FloatArray:
+def loaded_displacements(free_m: FloatArray, setup: Setup, loads: "Sequence[PlateLoad | PulpLoad]") -> FloatArray:
     """Return U' = (1 + H Z)^-1 U at contacts, (n_loads, n_samples).
 
     Exact for linear contacts, of which each moves the plate under the others; solved on the contour of `load.contour`,
-    as in `load.loaded_responses`.
+    as in `load.loaded_responses`. A disc answers the mean of the free motion over it, which is taken from that at its
+    centre as for waves of the plate.
     """
     shape("loaded_displacements.free_m", free_m, (len(loads), None))
     if all(load == PlateLoad(load.x_m, load.y_m) for load in loads):
         return free_m
+    if any(len(load.points) > 1 for load in loads):
+        return _under_discs(free_m, setup, tuple(loads))
     n = free_m.shape[1]
     s, growth, n_fft = contour(n, setup.rate_hz)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
@@ -213,6 +219,25 @@ def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[Plate
     held = 1 / system if len(loads) == 1 else np.linalg.inv(system)
     spectrum = np.einsum("fij,jf->if", held, np.fft.rfft(free_m / growth, n_fft))
     return np.asarray(np.fft.irfft(spectrum, n_fft)[:, :n] * growth)
+
+
+def _under_discs(free_m: FloatArray, setup: Setup, loads: "tuple[PlateLoad | PulpLoad, ...]") -> FloatArray:
+    n = free_m.shape[1]
+    _, growth, n_fft = contour(n, setup.rate_hz)
+    taken = np.einsum("akf,kf->af", _taken_by_discs(setup, loads, n), np.fft.rfft(free_m / growth, n_fft))
+    return np.asarray(free_m - np.fft.irfft(taken, n_fft)[:, :n] * growth)
+
+
+@lru_cache(maxsize=N_CACHED)
+def _taken_by_discs(setup: Setup, loads: "tuple[PlateLoad | PulpLoad, ...]", n_samples: int) -> ComplexArray:
+    """Return what loads take at the centres per free motion at each, (k, k, n_frequencies)."""
+    s, _, _ = contour(n_samples, setup.rate_hz)
+    receptances = _receptances_of(setup, n_samples)
+    centres = values_at(setup.screen, [(load.x_m, load.y_m) for load in loads], setup.modes_to_hz)
+    at = np.stack([load.weights(setup.screen, setup.modes_to_hz) for load in loads], axis=1)
+    stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
+    toward = contact_transfer(receptances.between(centres, at), receptances.among(at), stiffness)
+    return toward * spread(setup, loads, s)
 
 
 @checked
