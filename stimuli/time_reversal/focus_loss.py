@@ -13,6 +13,7 @@ from .responses.responses import Point, Responses, band_limited, values_at
 from .screen.screen import Screen
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class FocusLoss:
     """`amplitude_loss` of one contact as a sum over frequencies, exact for a linear contact.

@@ -77,7 +77,7 @@ class Tissue:
 
     def shear_pa(self, s: ComplexArray) -> ComplexArray:
         """Return the shear modulus at complex frequencies (rad/s)."""
-        return self.shear_modulus_pa + self.shear_viscosity_pa_s * s
+        return np.asarray(self.shear_modulus_pa + self.shear_viscosity_pa_s * s)
 
 
 @checked
@@ -141,7 +141,7 @@ class PulpLoad:
             return disc_stiffness(at, self.radius_m, self.tissue) / (at + slow) ** 2
 
         place = 2 * np.log((s.imag + slow) / (first + slow)) / span - 1
-        return np.asarray(chebval(place, chebinterpolate(scaled, DEGREE)) * (s + slow) ** 2)  # type: ignore[arg-type]
+        return np.asarray(chebval(place, chebinterpolate(scaled, DEGREE)) * (s + slow) ** 2)  # type: ignore[type-var]
 
 
 @checked
@@ -159,8 +159,9 @@ def disc_stiffness(s: ComplexArray, radius_m: Positive, tissue: Tissue) -> Compl
     """
     shear = tissue.shear_pa(s)
     e = shear / (tissue.density_kg_per_m3 * tissue.sound_speed_m_per_s**2)
-    p = (s * radius_m / tissue.sound_speed_m_per_s) ** 2  # squares of the p and q above
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
+        p = (s * radius_m / tissue.sound_speed_m_per_s) ** 2  # squares of the p and q above
+    with np.errstate(all="ignore"):  # what is no number is refused as too short a wave
         q = np.where(s == 0, 0.0, p / e)
     ends = _ends(np.sqrt(np.abs(q)))
     total = np.empty(len(s), complex)
@@ -192,8 +193,8 @@ def _total(p: ComplexArray, q: ComplexArray, e: ComplexArray, end: float) -> Com
 def _ends(shear_waves: FloatArray) -> FloatArray:
     """Return ends of the path, powers of two, from which on the static compliance holds."""
     most = float(shear_waves.max(initial=0.0))
-    expected = f"at most {MOST_SHEAR:g}; raise the shear viscosity or lower the frequency"
-    expect(most <= MOST_SHEAR, "Tissue", f"{most:.3g} radii of the disc in shear waves", expected)
+    expected = f"at most {MOST_SHEAR:g} radii in shear waves; raise the shear viscosity or lower the frequency"
+    expect(most <= MOST_SHEAR, "disc_stiffness: s, radius_m", f"{most:.3g}", expected)
     return np.asarray(2 ** np.ceil(np.log2(np.maximum(SHEAR_WAVES * shear_waves, SHORTEST_PATH))))
 
 

@@ -9,13 +9,12 @@ import numpy as np
 from ...arrays import ComplexArray, FloatArray, real_product
 from ...time_reversal.fingertip import Fingertip
 from ...time_reversal.plate.modes import values
-from ...time_reversal.responses.load import CHUNK, PlateLoad, contact_transfer
+from ...time_reversal.responses.load import CHUNK, Placed, PlateLoad, contact_transfer
 from ...time_reversal.screen.transducer import PointForce
 from .motion import PlateMotion, answer, moving_modes
 
 if TYPE_CHECKING:
     from ...time_reversal.lift_off import ContactCourses
-    from ...time_reversal.pulp import PulpLoad
 
 Numbers = tuple[float, ...]
 
@@ -24,7 +23,9 @@ def loaded_motion(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numb
     """Return the motion under linear contacts, with their forces as channels."""
     finger = Fingertip(**pulp)
     contacts = [finger.contact((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)]
-    places = tuple(map(_pushed, contacts))
+    places = tuple(
+        PointForce(x, y) if isinstance(one, PlateLoad) else one for x, y, one in zip(x_m, y_m, contacts, strict=True)
+    )
     screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
     amplitude, forces = np.empty_like(motion.amplitude), np.empty((len(contacts), len(motion.s)), complex)
     for start in range(0, len(motion.s), CHUNK):  # what is computed on the way takes no more memory than these
@@ -47,9 +48,7 @@ def contact_force(motion: PlateMotion, oversampling: int, n: int) -> FloatArray:
     return motion.course(-motion.played[-n:], oversampling)
 
 
-def _forces(
-    motion: PlateMotion, units: Sequence[PlateMotion], contacts: "Sequence[PlateLoad | PulpLoad]"
-) -> ComplexArray:
+def _forces(motion: PlateMotion, units: Sequence[PlateMotion], contacts: Sequence[Placed]) -> ComplexArray:
     """Return the forces Z (1 + H Z)^-1 U on the fingers."""
     among = np.stack([_under(unit, contacts) for unit in units], axis=1)
     stiffness = np.stack([contact.dynamic_stiffness(motion.s) for contact in contacts], axis=1)
@@ -57,11 +56,7 @@ def _forces(
     return np.asarray(contact_transfer(free, among.transpose(2, 0, 1), stiffness)[0])
 
 
-def _pushed(contact: "PlateLoad | PulpLoad") -> "PointForce | PulpLoad":
-    return PointForce(contact.x_m, contact.y_m) if isinstance(contact, PlateLoad) else contact
-
-
-def _under(motion: PlateMotion, contacts: "Sequence[PlateLoad | PulpLoad]") -> ComplexArray:
+def _under(motion: PlateMotion, contacts: Sequence[Placed]) -> ComplexArray:
     """Return the spectra of the mean displacement under each contact."""
     spectra = motion.of_points(tuple(point for contact in contacts for point in contact.points))
     ends = np.cumsum([len(contact.points) for contact in contacts])[:-1]

@@ -12,8 +12,7 @@ from ...arrays import FloatArray
 if TYPE_CHECKING:
     from tactometry.signal import Signal
 
-    from ...time_reversal.pulp import PulpLoad
-    from ...time_reversal.responses.load import PlateLoad
+    from ...time_reversal.responses.load import Placed
     from ...time_reversal.stimulus.contact_force import Places
     from ...time_reversal.stimulus.setup import Setup
 
@@ -55,7 +54,7 @@ def contact_force(signal: "Signal", setup: "Setup", places_m: "Places", contact:
     return contact_forces_n(setup, signal, _loads(places_m, contact, pulp))
 
 
-def _loads(places_m: "Places", contact: Contact, pulp: Mapping[str, Any]) -> "list[PlateLoad | PulpLoad]":
+def _loads(places_m: "Places", contact: Contact, pulp: Mapping[str, Any]) -> "list[Placed]":
     from ...time_reversal.fingertip import Fingertip
 
     finger, force_n = Fingertip(**pulp), contact.force_n / len(places_m)

@@ -19,6 +19,7 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray, fast_length, real_product
 from ..plate.oscillators import Oscillators
+from ..plate.plate import Plate
 from ..screen.screen import Screen
 from .responses import Point, Responses, impulse_responses, values_at
 
@@ -46,6 +47,24 @@ class Attached(Protocol):
 
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
         """(n_frequencies,): force per motion at complex frequencies s (rad/s)."""
+
+
+@runtime_checkable
+class Placed(Attached, Protocol):
+    """Something attached around a place, which answers the mean motion of points."""
+
+    @property
+    def x_m(self) -> float: ...
+
+    @property
+    def y_m(self) -> float: ...
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """Points whose mean motion is answered."""
+
+    def spread(self, s: ComplexArray, plate: Plate) -> FloatArray:
+        """Return the mean over the points of waves of 1 at the place, (n,)."""
 
 
 @checked
@@ -76,6 +95,10 @@ class PlateLoad:
     def points(self) -> tuple[Point, ...]:
         """The place."""
         return ((self.x_m, self.y_m),)
+
+    def spread(self, s: ComplexArray, plate: Plate) -> FloatArray:
+        """Return 1: the motion is that of the place."""
+        return np.ones(len(s))
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the shapes at the contact."""
@@ -108,6 +131,10 @@ class SprungMass:
     def points(self) -> tuple[Point, ...]:
         """The place."""
         return ((self.x_m, self.y_m),)
+
+    def spread(self, s: ComplexArray, plate: Plate) -> FloatArray:
+        """Return 1: the motion is that of the place."""
+        return np.ones(len(s))
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the shapes at the contact."""

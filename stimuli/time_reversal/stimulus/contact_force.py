@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final, Union
+from typing import Final
 
 import numpy as np
 
@@ -11,12 +11,9 @@ from tactometry.signal import Signal
 
 from ...arrays import ComplexArray, FloatArray, fast_length
 from ..focusing.focusing import emitted
-from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer
+from ..responses.load import Placed, Receptances, contact_transfer
 from ..responses.responses import Point, values_at
 from .setup import Setup
-
-if TYPE_CHECKING:
-    from ..pulp import PulpLoad
 
 FINER: Final = 8
 """Samples of the force for one of the drive: straight lines between them miss 0.4 % of a peak at 60 kHz and 250 kHz."""
@@ -25,13 +22,12 @@ RINGING_S: Final = 1e-3
 AT_ONCE: Final = 2048
 """Frequencies for which receptances are held at a time."""
 
-Load = Union[PlateLoad, SprungMass, "PulpLoad"]
-Loads = tuple[Load, ...]
+Loads = tuple[Placed, ...]
 Places = tuple[Point, ...]
 
 
 @checked
-def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[Load]) -> FloatArray:
+def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[Placed]) -> FloatArray:
     """Return the sum of the loads' forces, `FINER` to a sample.
 
     Exact for linear contacts, which pull as well as they press: the sum of Z (1 + H Z)^-1 U with the displacements U of
@@ -42,7 +38,7 @@ def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[Load]) -> Floa
 
 
 @checked
-def contact_forces_n(setup: Setup, signal: Signal, loads: Sequence[Load]) -> FloatArray:
+def contact_forces_n(setup: Setup, signal: Signal, loads: Sequence[Placed]) -> FloatArray:
     """Return the force of each load, (n_loads, n_samples)."""
     return _forces_n(setup, signal, tuple(loads), np.eye(len(loads)))
 
@@ -59,7 +55,7 @@ def _forces_n(setup: Setup, signal: Signal, loads: Loads, of_loads: FloatArray) 
     return np.asarray(FINER * forces[:, : n_followed * FINER])
 
 
-def _places(loads: Sequence[Load]) -> Places:
+def _places(loads: Sequence[Placed]) -> Places:
     return tuple((load.x_m, load.y_m) for load in loads)
 
 
@@ -82,18 +78,9 @@ def _stiffness(setup: Setup, loads: Loads, n_samples: int, of_loads: tuple[tuple
     s = _frequencies(setup, n_samples)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
     weights = np.repeat(np.array(of_loads, complex)[:, :, None], len(s), axis=2)
+    spread = np.stack([load.spread(s, setup.plate) for load in loads])
     spots = tuple(load.points for load in loads)
-    return contact_transfer(weights, _among(setup, spots, n_samples), stiffness) * spread(setup, loads, s)
-
-
-@checked
-def spread(setup: Setup, loads: "Sequence[Load]", s: ComplexArray) -> FloatArray:
-    """Return the mean motion under each load per motion of its centre, (n_loads, n_frequencies)."""
-    parts = np.ones((len(loads), len(s)))
-    for part, load in zip(parts, loads, strict=True):
-        if not isinstance(load, PlateLoad | SprungMass):
-            part[:] = load.spread(s, setup.plate)
-    return parts
+    return contact_transfer(weights, _among(setup, spots, n_samples), stiffness) * spread
 
 
 @lru_cache(maxsize=16)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import inf
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -21,13 +21,10 @@ from ...perception.temporal_summation import summed_amplitude
 from ..finger import FINGER_DIAMETER_M, Contactor
 from ..fingertip import Fingertip
 from ..focusing.focusing import emitted
-from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer, contour
+from ..responses.load import Placed, PlateLoad, Receptances, SprungMass, contact_transfer, contour
 from ..responses.responses import Point, impulse_responses, values_at
-from .contact_force import contact_force_n, spread
+from .contact_force import contact_force_n
 from .setup import Setup
-
-if TYPE_CHECKING:
-    from ..pulp import PulpLoad
 
 Places = tuple[Point, ...]
 
@@ -200,7 +197,7 @@ def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
 
 
 @checked
-def loaded_displacements(free_m: FloatArray, setup: Setup, loads: "Sequence[PlateLoad | PulpLoad]") -> FloatArray:
+def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[Placed]) -> FloatArray:
     """Return U' = (1 + H Z)^-1 U at contacts, (n_loads, n_samples).
 
     Exact for linear contacts, of which each moves the plate under the others; solved on the contour of `load.contour`,
@@ -208,7 +205,7 @@ def loaded_displacements(free_m: FloatArray, setup: Setup, loads: "Sequence[Plat
     centre as for waves of the plate.
     """
     shape("loaded_displacements.free_m", free_m, (len(loads), None))
-    if all(load == PlateLoad(load.x_m, load.y_m) for load in loads):
+    if all(isinstance(load, PlateLoad) and load == PlateLoad(load.x_m, load.y_m) for load in loads):
         return free_m
     if any(len(load.points) > 1 for load in loads):
         return _under_discs(free_m, setup, tuple(loads))
@@ -221,7 +218,7 @@ def loaded_displacements(free_m: FloatArray, setup: Setup, loads: "Sequence[Plat
     return np.asarray(np.fft.irfft(spectrum, n_fft)[:, :n] * growth)
 
 
-def _under_discs(free_m: FloatArray, setup: Setup, loads: "tuple[PlateLoad | PulpLoad, ...]") -> FloatArray:
+def _under_discs(free_m: FloatArray, setup: Setup, loads: tuple[Placed, ...]) -> FloatArray:
     n = free_m.shape[1]
     _, growth, n_fft = contour(n, setup.rate_hz)
     taken = np.einsum("akf,kf->af", _taken_by_discs(setup, loads, n), np.fft.rfft(free_m / growth, n_fft))
@@ -229,7 +226,7 @@ def _under_discs(free_m: FloatArray, setup: Setup, loads: "tuple[PlateLoad | Pul
 
 
 @lru_cache(maxsize=N_CACHED)
-def _taken_by_discs(setup: Setup, loads: "tuple[PlateLoad | PulpLoad, ...]", n_samples: int) -> ComplexArray:
+def _taken_by_discs(setup: Setup, loads: tuple[Placed, ...], n_samples: int) -> ComplexArray:
     """Return what loads take at the centres per free motion at each, (k, k, n_frequencies)."""
     s, _, _ = contour(n_samples, setup.rate_hz)
     receptances = _receptances_of(setup, n_samples)
@@ -237,7 +234,7 @@ def _taken_by_discs(setup: Setup, loads: "tuple[PlateLoad | PulpLoad, ...]", n_s
     at = np.stack([load.weights(setup.screen, setup.modes_to_hz) for load in loads], axis=1)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
     toward = contact_transfer(receptances.between(centres, at), receptances.among(at), stiffness)
-    return toward * spread(setup, loads, s)
+    return np.asarray(toward * np.stack([load.spread(s, setup.plate) for load in loads]))
 
 
 @checked
