@@ -215,7 +215,9 @@ ITEMS = {
         "um, some 40 dB below threshold, as the plate hardly moves below 800 Hz, and they would have to pull at each "
         "other; a thrown pulp flies for a fraction of a millisecond, which is felt. Its threshold has the size of "
         "the thesis's at 1.5 and 3 N, and a little less at 0.5 N, but rises with force, and its band excludes no "
-        "influence: less force brings the pulp back later. The size is derived, the lack of influence is not. A "
+        "influence: less force brings the pulp back later. The size is derived, the lack of influence is not. That "
+        "the plate throws the skin off is Hudin et al.'s (2015) explanation (abstract); that it is modelled as a free "
+        "mass was chosen here, after the finding was known, and half of the ranges have no source. A "
         "vibrometer on the skin beside the plate, which shows whether and how long the pulp is off at two forces, "
         "would decide.",
     ),
@@ -224,14 +226,14 @@ ITEMS = {
         stated="6 % for 2 N elsewhere than at the focus, up to 30 % for the same force at it (pages 3 and 4).",
         assumes="The prototype with supported edges, 0.2-25 kHz, one bit, T = 7 ms; the finger at 2 N is a damper; "
         "elsewhere is the mean over five places. 4 to 8 % counts as about 6 %, 25 to 33 % as up to 30 %. The *pulp "
-        "from published ranges* uses no constant set to a loss: a disc of the contact's area on a viscoelastic "
+        "of soft tissue* uses no constant set to a loss: a disc of the contact's area on a viscoelastic "
         "half-space (elastic, viscous, inertial and radiating), which answers the mean motion over the disc, on "
         "plates of tau = 2, 3.5 and 5 ms by turns; it agrees if its band holds 30 % or 6 %. Band: "
         f"{BAND_ASSUMES}, {of_ranges(PULP)}.",
         numbers=loss_under_finger,
         outcome="Both numbers of the default row are calibrated: resistance (10 N s/m) and tau were chosen to meet "
         "them, so that their agreement is no evidence. Their relation is derived: one resistance fixes the loss at "
-        "the focus for almost any tau, and tau then fixes the loss elsewhere. *Predicted* from published ranges, the "
+        "the focus for almost any tau, and tau then fixes the loss elsewhere. *Predicted* from soft tissue, the "
         "band at the focus holds 30 %; elsewhere the band ends a little below 6 %. The pulp is mostly a mass (of 0.2 "
         "to 0.6 g), with a resistance of about 1 to 8 N s/m up to 10 kHz, and not a damper of 10 N s/m at all "
         "frequencies. Elsewhere it depends on what the model leaves out: the pulp answers the mean motion over its "

@@ -1,4 +1,4 @@
-"""Loss of a focus under a finger from the published impedance of soft tissue: finding 2."""
+"""Loss of a focus under a finger from the impedance of soft tissue: finding 2."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ RADII_M: Final = (4e-3, 5e-3, 6e-3, 7e-3, 8e-3)
 """Radii of the disc, between which losses are interpolated."""
 PLACES: Final[Mapping[str, Sequence[Point]]] = {"at the focus": (FOCUS,), "elsewhere": ELSEWHERE}
 STATED: Final = {"at the focus": ("up to 30 %", 30.0), "elsewhere": ("about 6 %", 6.0)}
-FROM_RANGES, AT_A_POINT = "pulp from published ranges", "the same, at a point"
+FROM_RANGES, AT_A_POINT = "pulp of soft tissue", "the same, at a point"
 FREQUENCIES_HZ: Final = (1e3, 10e3, 25e3, 60e3)
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.checked import checked
+from tactometry.arguments.require import shape
 
 from ..arrays import ComplexArray
 from .focusing.focusing import Emission, focus_amplitude
@@ -37,6 +38,7 @@ class FocusLoss:
 
     def by(self, stiffness: ComplexArray) -> float:
         """Return the share of the amplitude that a dynamic stiffness (n,) takes."""
+        shape("FocusLoss.by.stiffness", stiffness, self.s.shape)
         return float(np.sum(self.share * stiffness / (1 + self.receptance * stiffness)).real)
 
 

@@ -16,7 +16,7 @@ plane waves of compression at high frequency.
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import cos, pi, sin
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebinterpolate, chebval
@@ -135,13 +135,13 @@ class PulpLoad:
         slow, first, last = SLOW_RAD_PER_S, s[0].imag, s[-1].imag
         span = np.log((last + slow) / (first + slow))
 
-        def scaled(place: FloatArray) -> ComplexArray:
+        def scaled(place: FloatArray) -> Any:
             omega = (first + slow) * np.exp(span * (place + 1) / 2) - slow
             at = s[0].real + 1j * omega
             return disc_stiffness(at, self.radius_m, self.tissue) / (at + slow) ** 2
 
         place = 2 * np.log((s.imag + slow) / (first + slow)) / span - 1
-        return np.asarray(chebval(place, chebinterpolate(scaled, DEGREE)) * (s + slow) ** 2)  # type: ignore[type-var]
+        return np.asarray(chebval(place, chebinterpolate(scaled, DEGREE)) * (s + slow) ** 2)
 
 
 @checked
