@@ -20,6 +20,13 @@ RESISTANCE_N_S_PER_M: Final = 10.0
 FORCE_EXPONENT: Final = 0.5
 """By which a finger's resistance grows with its force; unverified default."""
 
+AREA_AT_1N_M2: Final = 1e-4
+AREA_EXPONENT: Final = 1 / 3
+"""Contact area of a finger at 1 N, and its growth with force; unverified defaults."""
+
+SHEAR_VISCOSITY_PA_S: Final = 2.0
+"""Of the soft tissue of a finger, within 0.3 to 15; unverified default."""
+
 FOCUS_AT_THRESHOLD_M: Final = 10e-6
 """Amplitude of a single focus that is just felt (the thesis: about 10 um); unverified default."""
 

@@ -16,6 +16,7 @@ from tactometry.stimuli.time_reversal.screen.transducer import SIDE_M, DiscPatch
 
 FOCUS: Final = (0.121, 0.093)
 P1: Final = (0.205, 0.142)
+ELSEWHERE: Final = (P1, (0.06, 0.05), (0.24, 0.06), (0.07, 0.15), (0.18, 0.11))
 FOCI: Final = [(x, y) for y in (0.045, 0.105, 0.165) for x in (0.05, 0.1, 0.15, 0.2, 0.25)]
 RIG_BAND: Final = Emission(Band(200.0, 25e3, 200.0), 2 * TAU_S, 100e3)
 UNFILTERED: Final = Emission(Band(200.0, 60e3, 200.0), 2 * TAU_S, 250e3)

@@ -43,11 +43,13 @@ from tactometry.stimuli.time_reversal import DiscPatch, Fingertip, Glass, Patter
 from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.filters import Butterworth
 from tactometry.stimuli.time_reversal.finger import Contactor
+from tactometry.stimuli.time_reversal.focus_loss import FocusLoss
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
+from tactometry.stimuli.time_reversal.pulp import PulpLoad, Tissue
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, SprungMass
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.transducer import Patch, PointForce
@@ -83,7 +85,25 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "resolution_m": {"plate": PLATE, "band": BAND, "level": 0.5},
             "half_wavelength_m": {"plate": PLATE, "f_mean_hz": [1e3], "alpha": 1.25},
         },
-        "fingertip": {"Fingertip.load": {"self": Fingertip(), "at_m": (0.1, 0.1), "force_n": 2.0}},
+        "fingertip": {
+            "Fingertip.load": {"self": Fingertip(), "at_m": (0.1, 0.1), "force_n": 2.0},
+            "Fingertip.contact": {"self": Fingertip(impedance="tissue"), "at_m": (0.1, 0.1), "force_n": 2.0},
+        },
+        "pulp": {
+            "Tissue.shear_pa": {"self": Tissue(), "s": S},
+            "PulpLoad.weights": {"self": PulpLoad(0.1, 0.1, 6e-3), "screen": SCREEN, **LOW},
+            "PulpLoad.modal_force": {"self": PulpLoad(0.1, 0.1, 6e-3), "modes": SCREEN.modes(1e3)},
+            "PulpLoad.check": {"self": PulpLoad(0.1, 0.1, 6e-3), "plate": PLATE, "name": "x"},
+            "PulpLoad.spread": {"self": PulpLoad(0.1, 0.1, 6e-3), "s": S, "plate": PLATE},
+            "PulpLoad.dynamic_stiffness": {"self": PulpLoad(0.1, 0.1, 6e-3), "s": S},
+            "disc_stiffness": {"s": S, "radius_m": 6e-3, "tissue": Tissue()},
+        },
+        "focus_loss": {
+            "FocusLoss.by": {"self": FocusLoss(S, 0.1 * S, 0.1 * S), "stiffness": S},
+            "focus_loss": {
+                "screen": SCREEN, "focus": (0.1, 0.1), "contact": PulpLoad(0.1, 0.1, 6e-3), "emission": EMISSION
+            },
+        },
         "finger": {
             "force_loss": {
                 "screen": SCREEN, "focus": (0.1, 0.1), "places": {"F": (0.1, 0.1)},
@@ -184,6 +204,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         },
         "responses.load": {
             "PlateLoad.weights": {"self": PlateLoad(0.1, 0.1), "screen": SCREEN, **LOW},
+            "PlateLoad.spread": {"self": PlateLoad(0.1, 0.1), "s": S, "plate": PLATE},
+            "SprungMass.spread": {"self": SprungMass(0.1, 0.1, 1e-3, 1e5), "s": S, "plate": PLATE},
             "PlateLoad.dynamic_stiffness": {"self": PlateLoad(0.1, 0.1, 9.0), "s": S},
             "SprungMass.weights": {"self": SprungMass(0.1, 0.1, 1e-3, 1e5), "screen": SCREEN, **LOW},
             "SprungMass.dynamic_stiffness": {"self": SprungMass(0.1, 0.1, 1e-3, 1e5), "s": S},

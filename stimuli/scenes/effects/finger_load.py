@@ -2,16 +2,25 @@
 
 from dataclasses import dataclass
 from math import pi
+from typing import Final, Literal
 
 from tactometry.arguments import require
 
 from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surroundings, note
-from ...defaults import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M
+from ...defaults import (
+    AREA_AT_1N_M2,
+    AREA_EXPONENT,
+    FORCE_EXPONENT,
+    REFERENCE_FORCE_N,
+    RESISTANCE_N_S_PER_M,
+    SHEAR_VISCOSITY_PA_S,
+)
 from ..stages.circuit import at_voltage
 from ..stages.truncation import at_rest, check_on_plate, cut_of, farther, n_frequencies, n_modes, places_m
 
 CONTACT = "tactometry.stimuli.scenes.stages.contact"
+LUMPED: Final = "lumped"
 PLATE = "tactometry.stimuli.scenes.stages.plate"
 
 
@@ -19,6 +28,7 @@ PLATE = "tactometry.stimuli.scenes.stages.plate"
 class FingerLoad(Effect):
     """Every contact at rest as damper, mass and spring at a point, which grow with ``(F/2 N)^exponent``.
 
+    Or as soft tissue under a disc of the contact's area: elastic, viscous, inertial and radiating by frequency.
     A contact without a place is at the focus. The responses were learnt without contacts. All defaults are unverified.
 
     Parameters
@@ -31,6 +41,14 @@ class FingerLoad(Effect):
         Stiffness (spring) of a finger at 2 N.
     exponent : float
         How they grow with the force.
+    impedance : {"lumped", "tissue"}
+        Damper, mass and spring, calibrated; or tissue (`tactometry.stimuli.time_reversal.pulp`), without them.
+    area_at_1n_m2 : float
+        Contact area of tissue at 1 N.
+    area_exponent : float
+        How that area grows with the force.
+    shear_viscosity_pa_s : float
+        Shear viscosity of tissue, 0.3 to 15.
     """
 
     kind = "finger_load"
@@ -42,7 +60,7 @@ class FingerLoad(Effect):
     )
     assumes = (
         "a contact is linear and two-sided: it pulls as well as it presses, and never lifts off",
-        "mass, damping and stiffness of a contact are the same at all frequencies",
+        "a lumped contact has one mass, damping and stiffness; one of tissue answers the mean motion over its disc",
     )
     rests_on = "the resistance of a finger (calibrated: by the default 2 N take 30 % of a focus, as the thesis found)"
 
@@ -50,10 +68,17 @@ class FingerLoad(Effect):
     mass_kg: float = 0.0
     stiffness_n_per_m: float = 0.0
     exponent: float = FORCE_EXPONENT
+    impedance: Literal["lumped", "tissue"] = LUMPED
+    area_at_1n_m2: float = AREA_AT_1N_M2
+    area_exponent: float = AREA_EXPONENT
+    shear_viscosity_pa_s: float = SHEAR_VISCOSITY_PA_S
 
     def __post_init__(self) -> None:
-        require.not_negative("FingerLoad", **vars(self))
+        numbers = {name: value for name, value in vars(self).items() if name != "impedance"}
+        require.not_negative("FingerLoad", **numbers)
+        require.one_of("FingerLoad.impedance", self.impedance, (LUMPED, "tissue"))
         require.positive("FingerLoad", load=self.resistance_n_s_per_m + self.mass_kg + self.stiffness_n_per_m)
+        require.positive("FingerLoad", area_at_1n_m2=self.area_at_1n_m2, shear_viscosity_pa_s=self.shear_viscosity_pa_s)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         needs, n = ("motion", "oversampling"), len(at_rest(scene))
@@ -77,9 +102,22 @@ class FingerLoad(Effect):
         """Return the fingers' impedance over the plate's at the top of the band."""
         surface = scene.surface
         omega = 2 * pi * surface.f_max_hz
+        if self.impedance != LUMPED:
+            return self._tissue_n_s_per_m(scene, omega) / float(surface.plate.point_impedance_n_s_per_m)
         one = self.resistance_n_s_per_m + self.mass_kg * omega + self.stiffness_n_per_m / omega
         grown = sum((touch.force_n / REFERENCE_FORCE_N) ** self.exponent for touch in at_rest(scene))
         return float(one * grown / surface.plate.point_impedance_n_s_per_m)
+
+    def _tissue_n_s_per_m(self, scene: Surroundings, omega: float) -> float:
+        import numpy as np
+
+        from ...time_reversal.fingertip import Fingertip
+
+        s, finger = np.array([1j * omega]), Fingertip(**vars(self))
+        loads = [
+            finger.contact(at_m, touch.force_n) for at_m, touch in zip(places_m(scene), at_rest(scene), strict=True)
+        ]
+        return float(sum(abs(load.dynamic_stiffness(s)[0]) / omega for load in loads))
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """Return by how much fingers weaken the motion, most far from the focus."""

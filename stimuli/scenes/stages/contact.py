@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...arrays import ComplexArray, FloatArray, real_product
 from ...time_reversal.fingertip import Fingertip
 from ...time_reversal.plate.modes import values
-from ...time_reversal.responses.load import CHUNK, PlateLoad, contact_transfer
+from ...time_reversal.responses.load import CHUNK, Placed, PlateLoad, contact_transfer
 from ...time_reversal.screen.transducer import PointForce
 from .motion import PlateMotion, answer, moving_modes
 
@@ -19,11 +19,13 @@ if TYPE_CHECKING:
 Numbers = tuple[float, ...]
 
 
-def loaded_motion(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numbers, **pulp: float) -> PlateMotion:
+def loaded_motion(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numbers, **pulp: Any) -> PlateMotion:
     """Return the motion under linear contacts, with their forces as channels."""
     finger = Fingertip(**pulp)
-    contacts = [finger.load((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)]
-    places = tuple(PointForce(contact.x_m, contact.y_m) for contact in contacts)
+    contacts = [finger.contact((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)]
+    places = tuple(
+        PointForce(x, y) if isinstance(one, PlateLoad) else one for x, y, one in zip(x_m, y_m, contacts, strict=True)
+    )
     screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
     amplitude, forces = np.empty_like(motion.amplitude), np.empty((len(contacts), len(motion.s)), complex)
     for start in range(0, len(motion.s), CHUNK):  # limits the memory of intermediate results
@@ -46,13 +48,19 @@ def contact_force(motion: PlateMotion, oversampling: int, n: int) -> FloatArray:
     return motion.course(-motion.played[-n:], oversampling)
 
 
-def _forces(motion: PlateMotion, units: Sequence[PlateMotion], contacts: Sequence[PlateLoad]) -> ComplexArray:
+def _forces(motion: PlateMotion, units: Sequence[PlateMotion], contacts: Sequence[Placed]) -> ComplexArray:
     """Return the forces Z (1 + H Z)^-1 U on the fingers."""
-    points = tuple((contact.x_m, contact.y_m) for contact in contacts)
-    among = np.stack([unit.of_points(points) for unit in units], axis=1)
+    among = np.stack([_under(unit, contacts) for unit in units], axis=1)
     stiffness = np.stack([contact.dynamic_stiffness(motion.s) for contact in contacts], axis=1)
-    free = motion.of_points(points)[None]
+    free = _under(motion, contacts)[None]
     return np.asarray(contact_transfer(free, among.transpose(2, 0, 1), stiffness)[0])
+
+
+def _under(motion: PlateMotion, contacts: Sequence[Placed]) -> ComplexArray:
+    """Return the spectra of the mean displacement under each contact."""
+    spectra = motion.of_points(tuple(point for contact in contacts for point in contact.points))
+    ends = np.cumsum([len(contact.points) for contact in contacts])[:-1]
+    return np.stack([part.mean(axis=0) for part in np.split(spectra, ends)])
 
 
 def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
@@ -81,7 +89,7 @@ class OpenedMotion(PlateMotion):
 
 
 def opened_motion(
-    motion: PlateMotion, voltage_v: float, *, x_m: Numbers, y_m: Numbers, force_n: Numbers, finer: int, **pulp: float
+    motion: PlateMotion, voltage_v: float, *, x_m: Numbers, y_m: Numbers, force_n: Numbers, finer: int, **pulp: Any
 ) -> PlateMotion:
     """Return the motion at a voltage under fingers that may lift off."""
     from ...time_reversal.lift_off import one_sided_contacts

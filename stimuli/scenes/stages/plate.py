@@ -12,7 +12,7 @@ from ...arrays import FloatArray
 if TYPE_CHECKING:
     from tactometry.signal import Signal
 
-    from ...time_reversal.responses.load import PlateLoad
+    from ...time_reversal.responses.load import Placed
     from ...time_reversal.stimulus.contact_force import Places
     from ...time_reversal.stimulus.setup import Setup
 
@@ -40,22 +40,22 @@ def times(displacement_m: FloatArray, setup: "Setup") -> FloatArray:
     return np.arange(displacement_m.shape[1]) / setup.rate_hz
 
 
-def under_load(free_m: FloatArray, setup: "Setup", places_m: "Places", contact: Contact, **pulp: float) -> FloatArray:
+def under_load(free_m: FloatArray, setup: "Setup", places_m: "Places", contact: Contact, **pulp: Any) -> FloatArray:
     """Return the displacement under linear fingers that load the plate."""
     from ...time_reversal.stimulus.sensation import loaded_displacements
 
     return loaded_displacements(free_m, setup, _loads(places_m, contact, pulp))
 
 
-def contact_force(signal: "Signal", setup: "Setup", places_m: "Places", contact: Contact, **pulp: float) -> FloatArray:
+def contact_force(signal: "Signal", setup: "Setup", places_m: "Places", contact: Contact, **pulp: Any) -> FloatArray:
     """Return the force of linear contacts on each finger."""
     from ...time_reversal.stimulus.contact_force import contact_forces_n
 
     return contact_forces_n(setup, signal, _loads(places_m, contact, pulp))
 
 
-def _loads(places_m: "Places", contact: Contact, pulp: Mapping[str, float]) -> "list[PlateLoad]":
+def _loads(places_m: "Places", contact: Contact, pulp: Mapping[str, Any]) -> "list[Placed]":
     from ...time_reversal.fingertip import Fingertip
 
     finger, force_n = Fingertip(**pulp), contact.force_n / len(places_m)
-    return [finger.load(at_m, force_n) for at_m in places_m]
+    return [finger.contact(at_m, force_n) for at_m in places_m]

@@ -19,6 +19,7 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray, fast_length, real_product
 from ..plate.oscillators import Oscillators
+from ..plate.plate import Plate
 from ..screen.screen import Screen
 from .responses import Point, Responses, impulse_responses, values_at
 
@@ -48,6 +49,24 @@ class Attached(Protocol):
         """Return force per motion (n_frequencies,) at complex s (rad/s)."""
 
 
+@runtime_checkable
+class Placed(Attached, Protocol):
+    """Something attached around a place, which answers the mean motion of points."""
+
+    @property
+    def x_m(self) -> float: ...
+
+    @property
+    def y_m(self) -> float: ...
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """Points whose mean motion is answered."""
+
+    def spread(self, s: ComplexArray, plate: Plate) -> FloatArray:
+        """Return the mean over the points of waves of 1 at the place, (n,)."""
+
+
 @checked
 @dataclass(frozen=True)
 class PlateLoad:
@@ -71,6 +90,15 @@ class PlateLoad:
     def __post_init__(self) -> None:
         expected = "at least 0, or inf for a pin"
         expect(self.stiffness_n_per_m >= 0, "PlateLoad.stiffness_n_per_m", self.stiffness_n_per_m, expected)
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """The place."""
+        return ((self.x_m, self.y_m),)
+
+    def spread(self, s: ComplexArray, plate: Plate) -> FloatArray:
+        """Return 1: the motion is that of the place."""
+        return np.ones(len(s))
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """Return the mode shapes at the contact, (n_modes,)."""
@@ -98,6 +126,15 @@ class SprungMass:
     y_m: float
     mass_kg: Positive
     stiffness_n_per_m: Positive
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """The place."""
+        return ((self.x_m, self.y_m),)
+
+    def spread(self, s: ComplexArray, plate: Plate) -> FloatArray:
+        """Return 1: the motion is that of the place."""
+        return np.ones(len(s))
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """Return the mode shapes at the contact, (n_modes,)."""

@@ -11,7 +11,7 @@ from tactometry.signal import Signal
 
 from ...arrays import ComplexArray, FloatArray, fast_length
 from ..focusing.focusing import emitted
-from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer
+from ..responses.load import Placed, Receptances, contact_transfer
 from ..responses.responses import Point, values_at
 from .setup import Setup
 
@@ -22,12 +22,12 @@ RINGING_S: Final = 1e-3
 AT_ONCE: Final = 2048
 """Number of frequencies per chunk of receptances."""
 
-Loads = tuple[PlateLoad | SprungMass, ...]
+Loads = tuple[Placed, ...]
 Places = tuple[Point, ...]
 
 
 @checked
-def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | SprungMass]) -> FloatArray:
+def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[Placed]) -> FloatArray:
     """Return the sum of the loads' forces, `FINER` values per sample.
 
     The result is exact for linear contacts, which pull as well as press. It is the sum of Z (1 + H Z)^-1 U until 1 ms
@@ -38,7 +38,7 @@ def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | Sp
 
 
 @checked
-def contact_forces_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | SprungMass]) -> FloatArray:
+def contact_forces_n(setup: Setup, signal: Signal, loads: Sequence[Placed]) -> FloatArray:
     """Return the force of each load, (n_loads, n_samples)."""
     return _forces_n(setup, signal, tuple(loads), np.eye(len(loads)))
 
@@ -55,7 +55,7 @@ def _forces_n(setup: Setup, signal: Signal, loads: Loads, of_loads: FloatArray) 
     return np.asarray(FINER * forces[:, : n_followed * FINER])
 
 
-def _places(loads: Sequence[PlateLoad | SprungMass]) -> Places:
+def _places(loads: Sequence[Placed]) -> Places:
     return tuple((load.x_m, load.y_m) for load in loads)
 
 
@@ -78,13 +78,16 @@ def _stiffness(setup: Setup, loads: Loads, n_samples: int, of_loads: tuple[tuple
     s = _frequencies(setup, n_samples)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
     weights = np.repeat(np.array(of_loads, complex)[:, :, None], len(s), axis=2)
-    return contact_transfer(weights, _among(setup, _places(loads), n_samples), stiffness)
+    spread = np.stack([load.spread(s, setup.plate) for load in loads])
+    spots = tuple(load.points for load in loads)
+    return contact_transfer(weights, _among(setup, spots, n_samples), stiffness) * spread
 
 
 @lru_cache(maxsize=16)
-def _among(setup: Setup, places: Places, n_samples: int) -> ComplexArray:
-    """Return receptances among places of the free plate, (n_frequencies, k, k)."""
-    at = values_at(setup.screen, places, setup.modes_to_hz)
+def _among(setup: Setup, spots: tuple[Places, ...], n_samples: int) -> ComplexArray:
+    """Return receptances (n_frequencies, k, k) among means over places."""
+    shapes = [values_at(setup.screen, places, setup.modes_to_hz).mean(axis=1) for places in spots]
+    at = np.stack(shapes, axis=1)
     starts = range(0, len(_frequencies(setup, n_samples)), AT_ONCE)
     return np.concatenate([_receptances(setup, n_samples, start).among(at) for start in starts])
 

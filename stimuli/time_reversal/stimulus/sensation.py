@@ -21,7 +21,7 @@ from ...perception.temporal_summation import summed_amplitude
 from ..finger import FINGER_DIAMETER_M, Contactor
 from ..fingertip import Fingertip
 from ..focusing.focusing import emitted
-from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer, contour
+from ..responses.load import Placed, PlateLoad, Receptances, SprungMass, contact_transfer, contour
 from ..responses.responses import Point, impulse_responses, values_at
 from .contact_force import contact_force_n
 from .setup import Setup
@@ -197,15 +197,18 @@ def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
 
 
 @checked
-def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[PlateLoad]) -> FloatArray:
+def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[Placed]) -> FloatArray:
     """Return U' = (1 + H Z)^-1 U at contacts, (n_loads, n_samples).
 
     The result is exact for linear contacts, which move the plate under each other. It is solved on the contour of
-    `load.contour`, as in `load.loaded_responses`.
+    `load.contour`, as in `load.loaded_responses`. A disc responds to the mean free motion over it, computed from that
+    at its centre as for plane waves.
     """
     shape("loaded_displacements.free_m", free_m, (len(loads), None))
-    if all(load == PlateLoad(load.x_m, load.y_m) for load in loads):
+    if all(isinstance(load, PlateLoad) and load == PlateLoad(load.x_m, load.y_m) for load in loads):
         return free_m
+    if any(len(load.points) > 1 for load in loads):
+        return _under_discs(free_m, setup, tuple(loads))
     n = free_m.shape[1]
     s, growth, n_fft = contour(n, setup.rate_hz)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
@@ -213,6 +216,25 @@ def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[Plate
     held = 1 / system if len(loads) == 1 else np.linalg.inv(system)
     spectrum = np.einsum("fij,jf->if", held, np.fft.rfft(free_m / growth, n_fft))
     return np.asarray(np.fft.irfft(spectrum, n_fft)[:, :n] * growth)
+
+
+def _under_discs(free_m: FloatArray, setup: Setup, loads: tuple[Placed, ...]) -> FloatArray:
+    n = free_m.shape[1]
+    _, growth, n_fft = contour(n, setup.rate_hz)
+    taken = np.einsum("akf,kf->af", _taken_by_discs(setup, loads, n), np.fft.rfft(free_m / growth, n_fft))
+    return np.asarray(free_m - np.fft.irfft(taken, n_fft)[:, :n] * growth)
+
+
+@lru_cache(maxsize=N_CACHED)
+def _taken_by_discs(setup: Setup, loads: tuple[Placed, ...], n_samples: int) -> ComplexArray:
+    """Return what loads take at the centres per free motion at each, (k, k, n_frequencies)."""
+    s, _, _ = contour(n_samples, setup.rate_hz)
+    receptances = _receptances_of(setup, n_samples)
+    centres = values_at(setup.screen, [(load.x_m, load.y_m) for load in loads], setup.modes_to_hz)
+    at = np.stack([load.weights(setup.screen, setup.modes_to_hz) for load in loads], axis=1)
+    stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
+    toward = contact_transfer(receptances.between(centres, at), receptances.among(at), stiffness)
+    return np.asarray(toward * np.stack([load.spread(s, setup.plate) for load in loads]))
 
 
 @checked

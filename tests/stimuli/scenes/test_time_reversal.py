@@ -105,6 +105,18 @@ def test_finger_load_matches_loaded_responses(fine):
     np.testing.assert_allclose(got["contact_force_n"][0], 10.0 * velocity, atol=1e-2 * 10.0 * np.abs(velocity).max())
 
 
+def test_finger_of_tissue_matches_loaded_responses(fine):
+    whole, signal, focus = fine
+    finger = Fingertip(impedance="tissue").contact((0.05, 0.04), 2.0)
+    sampling = {"rate_hz": 960e3, "duration_s": 12e-3, "f_max_hz": 400e3}
+    expected = emitted(signal, loaded_responses(whole, [(0.05, 0.04)], [finger], **sampling))[0]
+    tissue = replace(effect("finger_load"), impedance="tissue")
+    got = run(screen(LOSSY, PATCHES, ONE_BIT, tissue, outputs=("t_s", "focus_displacement_m"), accuracy=1e-3))
+    at_s = (np.arange(focus - 3000, focus + 900) - focus) / 960e3
+    course = np.interp(at_s, got["t_s"], got["focus_displacement_m"])
+    assert np.abs(course - expected[focus - 3000 : focus + 900]).max() < 1e-2 * np.abs(expected[focus])
+
+
 def test_lift_off_matches_time_domain_solution(fine):
     whole, signal, focus = fine
     responses = impulse_responses(whole, [(0.05, 0.04)], rate_hz=960e3, duration_s=12e-3, f_max_hz=120e3)

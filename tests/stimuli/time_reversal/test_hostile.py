@@ -52,6 +52,7 @@ from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
 from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.focusing.sound import NoiseSpectrum
+from tactometry.stimuli.time_reversal.pulp import PulpLoad, Tissue
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, SprungMass
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
@@ -105,6 +106,7 @@ def constructors() -> Iterator[tuple[str, object]]:
     yield from {
         "screen.attenuation": Attenuation(3e-3, 0.1),
         "design.closed_forms": ROOM, "finger": (Contactor("soft"),), "fingertip": (Fingertip(10.0),),
+        "pulp": (Tissue(), PulpLoad(0.1, 0.1, 6e-3)),
         "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN),
         "focusing.focusing": EMISSION,
         "stimulus.focus_train": (
@@ -189,7 +191,7 @@ RESULTS = frozenset(
     {
         "responses.plate_constants.Decay", "design.guide.Guide",
         "finger.LossRow", "lift_off.ContactCourse", "lift_off.ContactCourses",
-        "responses.load.Receptances",
+        "responses.load.Receptances", "focus_loss.FocusLoss",
         "responses.measured.Findings", "plate.modes.RitzModes", "plate.modes.SeparableModes",
     }
 )  # fmt: skip
