@@ -35,7 +35,7 @@ class Hybrid:
     friction : AmplitudeModulated
         Its level in dB re 1 V, its rate that of the screen (`focus.setup.rate_hz`), its duration that of the focus.
     electrode_offset_db : float
-        Finite; 12 dB is an unverified default, with which both are felt.
+        Finite; 12 dB is a choice with which both are felt.
 
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> focus = FocusTrain(setup, f_max_hz=20e3)
@@ -145,7 +145,7 @@ class HybridSensation:
     friction : ElectrovibrationSensation
         What is felt of the electrode.
     reference_m : float
-        Amplitude of a single focus at the detection threshold; unverified default.
+        Amplitude of a single focus at the detection threshold (the thesis: about 10 um).
 
     >>> HybridSensation(friction=ElectrovibrationSensation(law="interface")).friction.law
     'interface'

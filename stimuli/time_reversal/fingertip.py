@@ -29,7 +29,7 @@ class Fingertip:
     stiffness_n_per_m : float
         Stiffness (spring) at 2 N, at least 0.
     exponent : float
-        From 1/3 (radius of a Hertz contact) to 2/3 (its area); unverified default 1/2.
+        From 1/3 (radius of a Hertz contact) to 2/3 (its area); the default of 1/2 has no source.
     """
 
     resistance_n_s_per_m: NotNegative = RESISTANCE_N_S_PER_M

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 class SkinMobility(Effect):
     """Displacement of the skin over lateral force, ``1/(k - m w^2 + i w c)``, with ``k = k_1 (F_n/1 N)^p``.
 
-    Stiffness, damping and moving mass in tangential direction are unverified defaults: orders of magnitude from memory
-    of Wiertlewski and Hayward (J. Biomech. 45, 1869, 2012), who found the fingertip elastic below some 100 Hz and
-    viscous above. So is a stiffness that does not grow with the normal force (`stiffness_exponent` 0).
+    Stiffness, damping and moving mass in tangential direction are from memory: orders of magnitude of Wiertlewski and
+    Hayward (J. Biomech. 45, 1869, 2012), who found the fingertip elastic below some 100 Hz and viscous above. By
+    default the stiffness does not grow with the normal force. Sources: `skin_mobility` in `stimuli/sources.toml`.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class Sensitivity(Effect):
     """Threshold by frequency, `reference_m` the displacement of the skin at threshold, at 250 Hz.
 
-    0.1 um is an unverified default, as are the thresholds of the channels, of which the lowest counts.
+    The lowest of the thresholds of the channels counts. `stimuli/sources.toml` states the source of each number.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class Sensitivity(Effect):
     cures = note("add the effects friction and sensitivity, or receptors", "sensation_db")
     excludes = note("both are thresholds by frequency; remove 'sensitivity' or 'receptors'", "receptors")
     assumes = ("nothing sums over time or area",)
-    rests_on = "the displacement of the skin at threshold (by default 0.1 um at 250 Hz, unverified)"
+    rests_on = "the displacement of the skin at threshold (by default 0.1 um at 250 Hz, published: 0.01 to 1 um)"
 
     reference_m: float = THRESHOLD_M
 

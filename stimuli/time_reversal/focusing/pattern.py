@@ -2,7 +2,7 @@
 
 P0 is one focus. P1-P3 repeat it at a low frequency under three envelopes, P4-P6 at a high one under the
 same three. The thesis's frequencies, envelopes and durations are not known: 200 and 500 Hz, rectangular,
-exponential and sinc, 50 ms are documented choices (unverified defaults).
+exponential and sinc, 50 ms are documented choices (`pattern` in `stimuli/sources.toml`).
 """
 
 import math

@@ -206,13 +206,13 @@ class FocusTrain:
     drive : {"one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"}
         How the reversed responses are quantised; sigma-delta wants a `setup.rate_hz` of about 1 MHz.
     f_min_hz : float
-        Low end of the band of the learnt responses: 20 kHz is filtered, 0.2 kHz unfiltered (unverified defaults).
+        Low end of the band of the learnt responses: 20 kHz is filtered, 0.2 kHz unfiltered.
     f_max_hz : float
-        High end of the band of the learnt responses: 60 kHz (unverified default).
+        High end of the band of the learnt responses: 60 kHz by default.
     reversal_s : float, optional
         T, at most `setup.learnt_s`; by default that, or the repetition time, so that no drives overlap.
     voltage_max_v : float
-        What the amplifier can emit (unverified default).
+        What the amplifier can emit.
     duration_s : float
         The interval in which the drive is played, from its beginning.
     level_unit : {"dB re 1 um", "m"}

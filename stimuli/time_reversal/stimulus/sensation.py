@@ -30,10 +30,11 @@ Places = tuple[Point, ...]
 
 N_CACHED: Final = 32
 APART_S: Final = 1e-3
-"""Foci closer than this are one event to the skin; unverified default."""
+"""Foci closer than this are one event to the skin; range: `events` in `stimuli/sources.toml`."""
 
 STEADY_S: Final = 5e-3
-"""Reverberation is taken for steady over this time, about its time constant; unverified default."""
+"""Reverberation is taken for steady over this time, about its time constant; range: `events` in
+`stimuli/sources.toml`."""
 
 NORMAL_MEDIAN: Final = 0.6745
 """Median of the magnitude of normal noise over its standard deviation."""
@@ -62,18 +63,18 @@ class TimeReversalSensation:
     setup : Setup
         The screen and focus, the same as the stimulus has.
     reference_m : float
-        Amplitude of a single focus at the detection threshold (the thesis: about 10 um); unverified default.
+        Amplitude of a single focus at the detection threshold (the thesis: about 10 um).
     criterion : {"loaded", "unloaded"}
         Whether the amplitude of the free plate counts, so that the threshold does not depend on the pressing force,
         as the thesis found, or that under the finger's load, exact for a linear contact. That a finger can be thrown
         off does not decide between them: `one_sided_contact` loses as much at the focus. Of vibrations of some hundred
         hertz others find an effect of force, so that either may be asked for.
     resistance_n_s_per_m
-        As in `Fingertip`, of the finger of ``loaded``; unverified default.
+        As in `Fingertip`, of the finger of ``loaded``.
     mass_kg
-        As in `Fingertip`, of the finger of ``loaded``; unverified default.
+        As in `Fingertip`, of the finger of ``loaded``.
     stiffness_n_per_m
-        As in `Fingertip`, of the finger of ``loaded``; unverified default.
+        As in `Fingertip`, of the finger of ``loaded``.
     exponent
         Growth of these three with force; the defaults lose 31 % at 2 N.
     finger_x_m : float, optional
@@ -115,7 +116,7 @@ class FocusReading:
     setup : Setup
         The screen and focus, the same as the stimulus has.
     contactor : {"finger", "soft", "rigid"}
-        What presses: a finger, a soft tip or a rigid one, as `Contactor` has them; unverified defaults.
+        What presses: a finger, a soft tip or a rigid one, as `Contactor` has them.
     diameter_m : float
         Of a soft or rigid contactor, above 0.
     x_m : float, optional
