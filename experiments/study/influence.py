@@ -92,7 +92,7 @@ def sources_of(experiment: Experiment) -> StudySources:
     scene = _felt_scene(experiment, cell)
     level, is_threshold = _reference_level(cell)
     reference = _Reference(cell, scene, level)
-    parts = (cell.stimulus, scene, experiment.people.middle, experiment.study.finger)
+    parts = (cell.stimulus, scene, experiment.people.middle, experiment.people.raters, experiment.study.finger)
     found = [one for group in groups() for one in _influences(group, reference, parts)]
     found.sort(key=lambda one: -one.largest_db)
     marked = [replace(one, is_marked=one.largest_db > NEGLIGIBLE_DB) for one in found[:N_MARKED]]

@@ -13,6 +13,7 @@ from .changes import Shift
 from .people import ObserverWithTraits, Traits
 
 LIKING_NOISE = 0.3
+"""Range: `liking` in `stimuli/sources.toml`."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         """Decide by the differencing rule.
 
         Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9. The criterion on the difference is sqrt(2)
-        times that of a single stimulus (unverified default).
+        times that of a single stimulus (a choice).
         """
         first, second = (self.d_prime(level) for level in sensations_db)
         noise, lapses, guess = rng.standard_normal(2), rng.random() < self.lapse_rate, rng.random() < 0.5
@@ -112,7 +113,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         return responses.in_words(self.number_factor * felt)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """Return `responses.liking` with noise (unverified default)."""
+        """Return `responses.liking` with noise."""
         felt = responses.liking(sensation_db + self.sensitivity_db)
         return float(np.clip(felt + LIKING_NOISE * rng.standard_normal(), -1.0, 1.0))
 
