@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from ..study.source_table import UNVERIFIED, Group, Parameter, Value, groups
+from ..study.source_table import Group, Parameter, Value, groups, parameters
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "reference" / "sources.md"
 HEAD: Final = """# Parameters and their sources
@@ -39,9 +39,9 @@ def text() -> str:
 
 
 def _counts() -> Iterator[str]:
-    counts = Counter(parameter.status for group in groups() for parameter in group.parameters)
+    counts = Counter(parameter.status for parameter in parameters())
     each = ", ".join(f"{n} {status.replace('_', ' ')}" for status, n in sorted(counts.items()))
-    unverified = sum(counts[status] for status in UNVERIFIED)
+    unverified = sum(parameter.is_unverified for parameter in parameters())
     yield f"Of {counts.total()} parameters, {unverified} are unverified (from memory or no source): {each}.\n"
 
 

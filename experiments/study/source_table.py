@@ -32,6 +32,11 @@ class Parameter:
     read: str
 
     @property
+    def is_unverified(self) -> bool:
+        """True if the number was not read in a source."""
+        return self.status in UNVERIFIED
+
+    @property
     def path(self) -> list[str]:
         """Names from the class or module of the group to the value."""
         return self.key.split(".")[1:]

@@ -14,6 +14,7 @@ from .output import STUDY, allow_code_option, say, subcommand
 if TYPE_CHECKING:
     from tactometry.experiments.study.influence import Influence, StudySources
 
+LARGE_DB = 1.0
 HEAD = ("", "parameter", "set to", "range", "unit", "at low", "at high", "status")
 
 
@@ -50,7 +51,10 @@ def _lines(study: str, found: "StudySources") -> Iterator[str]:
         yield f"change not computed: {', '.join(others)}"
     counts = Counter(one.parameter.status for one in found.influences)
     words = ", ".join(f"{n} {status.replace('_', ' ')}" for status, n in sorted(counts.items()))
-    yield f"{len(found.influences)} parameters: {words}. --json prints each source."
+    yield f"{len(found.influences)} parameters: {words}"
+    large = [one for one in found.influences if one.largest_db >= LARGE_DB]
+    unverified = sum(one.parameter.is_unverified for one in large)
+    yield f"{len(large)} change the level by {LARGE_DB:g} dB or more, {unverified} of them from memory or no source"
 
 
 def _cells(one: "Influence") -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from tactometry.experiments.reference import sources as page
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.felt_scene import FeltScene
 from tactometry.experiments.study.influence import sources_of
-from tactometry.experiments.study.source_table import UNVERIFIED, groups, parameters
+from tactometry.experiments.study.source_table import groups, parameters
 from tactometry.experiments.study.study_file import load, shipped
 from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
@@ -40,7 +40,7 @@ def test_each_value_is_the_default_in_the_code(group):
 @pytest.mark.parametrize("one", NUMBERS, ids=lambda one: one.key)
 def test_each_range_contains_its_default_and_is_wide_without_a_source(one):
     assert one.low <= one.value <= one.high
-    assert one.status not in UNVERIFIED or one.high > one.low
+    assert not one.is_unverified or one.high > one.low
     assert one.source
     assert one.read
 
