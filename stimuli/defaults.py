@@ -18,7 +18,7 @@ ACCURACY: Final = 0.01
 REFERENCE_FORCE_N: Final = 2.0
 RESISTANCE_N_S_PER_M: Final = 10.0
 FORCE_EXPONENT: Final = 0.5
-"""By which a finger's resistance grows with its force; unverified default."""
+"""By which a finger's resistance grows with its force; source: `fingertip` in `stimuli/sources.toml`."""
 
 AREA_AT_1N_M2: Final = 1e-4
 AREA_EXPONENT: Final = 1 / 3
@@ -28,13 +28,13 @@ SHEAR_VISCOSITY_PA_S: Final = 2.0
 """Of the soft tissue of a finger, within 0.3 to 15; unverified default."""
 
 FOCUS_AT_THRESHOLD_M: Final = 10e-6
-"""Amplitude of a single focus that is just felt (the thesis: about 10 um); unverified default."""
+"""Amplitude of a single focus that is just felt (the thesis: about 10 um)."""
 
 BEST_DB: Final = -20.0
 """Threshold of Pacini at its best: dB re 1 um, of a peak displacement of the skin."""
 
 THRESHOLD_M: Final = 1e-6 * 10 ** (BEST_DB / 20)
-"""0.1 um, of Pacini at 250 Hz; from memory of the published curve, as all of it is: unverified default."""
+"""0.1 um, of Pacini at 250 Hz; source: `sensitivity` in `stimuli/sources.toml`."""
 
 STEEPEST_DB_PER_HZ: Final = 2.5
 """Upper bound of the slope of the thresholds of `tactometry.stimuli.perception.channels`, reached at 3 Hz."""
@@ -50,8 +50,8 @@ DISTANCE_M: Final = 0.3
 """From a screen to the ear; unverified default."""
 
 F_MAX_HZ: Final = 60e3
-"""Upper end of the band in which a screen emits; unverified default."""
+"""Upper end of the band in which a screen emits; source: `focus` in `stimuli/sources.toml`."""
 
 REPETITION_HZ: Final = 200.0
 TRAIN_S: Final = 50e-3
-"""Of a train of foci: how often they come, and how long; unverified defaults."""
+"""Of a train of foci: how often they come, and how long; source: `pattern` in `stimuli/sources.toml`."""

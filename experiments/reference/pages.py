@@ -1,4 +1,4 @@
-"""Tables of keys in the docs, and the command that writes them.
+"""Tables of keys in the docs, and the command that writes them and the page of sources.
 
 `python -m tactometry.experiments.reference.pages` (`make keys`) writes them.
 """
@@ -11,6 +11,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Final
 
+from . import sources
 from .keys import Key, example, holds, keys_of, summary
 from .tables import PAGES, KeyTable, tables_of_page
 
@@ -119,6 +120,7 @@ def _otherwise(key: Key) -> str:
 def main() -> None:
     for page in PAGES:
         path_of(page).write_text(text_of(page), encoding="utf-8")
+    sources.PAGE.write_text(sources.text(), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -16,7 +16,13 @@ from .detection import Components
 NP_III, NP_I, P = 0, 1, 2
 """Rows: Merkel, Meissner, Pacini. NP II, which matters for very small contactors only, is omitted."""
 HEARS_HZ: Final = ((0.4, 3.0), (3.0, 100.0), (35.0, 800.0))
-"""Frequency range in which each channel responds."""
+"""Where each of them answers at all."""
+NP_III_DB: Final = 28.0
+NP_I_DB: Final = 28.0
+"""Thresholds of NP III, and of NP I at 3 Hz, dB re 1 um."""
+NP_I_DB_PER_OCTAVE: Final = 5.0
+P_DB_PER_OCTAVE: Final = 12.0
+"""Slopes of the thresholds: falling of NP I, and of P on both sides of `BEST_HZ`."""
 BEST_HZ: Final = 250.0
 
 
@@ -24,7 +30,7 @@ def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
     """Return thresholds (3, n) of NP III, NP I and P, in dB re the lowest.
 
     A piecewise form of the model of Bolanowski, Gescheider, Verrillo and Checkosky (J. Acoust. Soc. Am. 84, 1680,
-    1988) for a contactor of 2.9 cm^2; its numbers are unverified defaults.
+    1988) for a contactor of 2.9 cm^2. `stimuli/sources.toml` states the source and range of each number.
 
     Raises `InvalidParameter` if a frequency is not a finite number above 0.
 
@@ -32,9 +38,9 @@ def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
     [48.0, 29.3, 0.0]
     """
     f_hz = np.atleast_1d(positive_array("frequency_hz", frequency_hz))
-    curves = np.stack(
-        [np.full(f_hz.shape, 28.0), 28 - 5 * np.log2(f_hz / 3), BEST_DB + 12 * np.abs(np.log2(BEST_HZ / f_hz))]
-    )
+    np_i = NP_I_DB - NP_I_DB_PER_OCTAVE * np.log2(f_hz / 3)
+    p = BEST_DB + P_DB_PER_OCTAVE * np.abs(np.log2(BEST_HZ / f_hz))
+    curves = np.stack([np.full(f_hz.shape, NP_III_DB), np_i, p])
     hears = np.stack([(f_hz >= low) & (f_hz <= high) for low, high in HEARS_HZ])
     return np.where(hears, curves - BEST_DB, np.inf)
 

@@ -63,7 +63,7 @@ KINDS: Final = ("finger", "soft", "rigid")
 class Contactor:
     """A contactor that presses on the plate instead of a finger.
 
-    All constants are unverified defaults; the thesis's contactors are not known.
+    The thesis's contactors are not known: `contactor` in `stimuli/sources.toml` states the range of each constant.
 
     Parameters
     ----------

@@ -40,13 +40,7 @@ class Fingertip:
     stiffness_n_per_m : float
         Stiffness (spring) at 2 N, at least 0.
     exponent : float
-        From 1/3 (radius of a Hertz contact) to 2/3 (its area); unverified default 1/2.
-    area_at_1n_m2 : float
-        Contact area of ``tissue`` at 1 N.
-    area_exponent : float
-        Growth of that area with force, 0 to 2.
-    shear_viscosity_pa_s : float
-        Of ``tissue``; unverified default within 0.3 to 15.
+        From 1/3 (radius of a Hertz contact) to 2/3 (its area); the default of 1/2 has no source.
     """
 
     resistance_n_s_per_m: NotNegative = RESISTANCE_N_S_PER_M

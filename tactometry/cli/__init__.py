@@ -36,6 +36,7 @@ GROUPS = {
     "Planning": {
         "simulate": ("simulate:simulate", "Run a study with simulated participants."),
         "power": ("power:command", "Estimate the power of a study by simulation."),
+        "sources": ("sources:command", "List the parameters that simulated results rest on."),
     },
     "Physics": {
         "scene": ("scene:command", "Compute the physics of a scene at its stated accuracy."),

@@ -45,10 +45,11 @@ class Grips:
 class SimulatedFinger:
     """Finger with variable force and speed.
 
-    All defaults are unverified choices: coefficients of variation of the mean force between trials (the gate opens
-    only inside of the band, so values outside are drawn anew) and of the waver within a trial (correlated over
-    `waver_s`), of the mean speed, and of its waver within a trial. `force_factor` and `speed_factor` are habits: how
-    many times the force and the speed that are asked the finger presses and slides, where the band lets it.
+    All defaults are choices (`finger` in `stimuli/sources.toml`): coefficients of variation of the mean force between
+    trials (the gate opens only inside of the band, so values outside are drawn anew) and of the waver within a trial
+    (correlated over `waver_s`), of the mean speed, and of its waver within a trial. `force_factor` and `speed_factor`
+    are habits: how many times the force and the speed that are asked the finger presses and slides, where the band
+    lets it.
 
     - `force_cv`: Coefficient of variation of the mean force, from trial to trial.
     - `waver_cv`: Coefficient of variation of the force within a trial.

@@ -14,7 +14,7 @@ MOST_LAPSES: Final = 0.5
 ALMOST_ALL: Final = 0.999999
 """Largest rate of lapses, or of lapses and guesses together."""
 LATENCY_CV: Final = 0.3
-"""Standard deviation of the logarithm of the response time (unverified default)."""
+"""Standard deviation of the logarithm of the response time; range: `responses` in `stimuli/sources.toml`."""
 
 
 def liking(level_db: float) -> float:

@@ -13,6 +13,7 @@ from .changes import Shift
 from .people import ObserverWithTraits, Traits
 
 LIKING_NOISE = 0.3
+"""Range: `liking` in `stimuli/sources.toml`."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,8 @@ class SignalDetectionObserver(ObserverWithTraits):
 
     d'(L) = criterion * 10^(exponent (L + sensitivity_db) / 20): at L = -sensitivity_db a stimulus is felt in half of
     the trials of a yes/no task; Green and Swets, Signal Detection Theory and Psychophysics (1966), with a power
-    transducer. The defaults are unverified choices: the criterion gives 5 % false alarms.
+    transducer. The defaults are choices (`signal_detection` in `stimuli/sources.toml`): the criterion
+    gives 5 % false alarms.
 
     - `criterion`: Decision criterion in units of the internal noise, above 0.
     - `exponent`: Exponent of the transducer, above 0.
@@ -98,7 +100,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         """Decide by the differencing rule.
 
         Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9. The criterion on the difference is sqrt(2)
-        times that of a single stimulus (unverified default).
+        times that of a single stimulus (a choice).
         """
         first, second = (self.d_prime(level) for level in sensations_db)
         noise, lapses, guess = rng.standard_normal(2), rng.random() < self.lapse_rate, rng.random() < 0.5
@@ -111,7 +113,7 @@ class SignalDetectionObserver(ObserverWithTraits):
         return responses.in_words(self.number_factor * felt)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """Return `responses.liking` with noise (unverified default)."""
+        """Return `responses.liking` with noise."""
         felt = responses.liking(sensation_db + self.sensitivity_db)
         return float(np.clip(felt + LIKING_NOISE * rng.standard_normal(), -1.0, 1.0))
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 class CoulombFriction(Effect):
     """``F_f = mu (F_n + F_e)`` with ``mu = mu_1 (F_n/1 N)^exponent``.
 
-    A coefficient of 0.5 at 1 N is an unverified default; with an exponent below 0 it falls with load. The load F_n is
-    that of the finger: the voltage does not change the coefficient.
+    A coefficient of 0.5 at 1 N is within published ranges (`friction` in `stimuli/sources.toml`). With an exponent
+    below 0 it falls with load. The load F_n is that of the finger: the voltage does not change the coefficient.
 
     An exponent of 0 is Coulomb's law, as Dzidek et al. (J. R. Soc. Interface 14, 20160935, 2017, abstract) report for a
     finger pad, except after more than 10 s on smooth glass, where the coefficient falls by a factor of five over their
@@ -33,7 +33,7 @@ class CoulombFriction(Effect):
     abstract; aluminium and rubber).
 
     At a speed v it is the regularised law, ``mu v/sqrt(v^2 + v_s^2)``: a finger far below `slip_speed_m_per_s` creeps
-    and hardly slips, so that sensation goes smoothly to nothing at rest; 1 mm/s is an unverified default.
+    and hardly slips, so that sensation goes smoothly to nothing at rest; 1 mm/s has no source.
 
     Parameters
     ----------

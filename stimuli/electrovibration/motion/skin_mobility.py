@@ -23,13 +23,9 @@ if TYPE_CHECKING:
 class SkinMobility(Effect):
     """Skin displacement over lateral force, ``1/(k - m w^2 + i w c)``.
 
-    Stiffness k and damping c are powers of the normal force; the moving mass m is the same at all forces. In tangential
-    direction they are unverified defaults: orders of magnitude from memory of Wiertlewski and Hayward (J. Biomech. 45,
-    1869, 2012), who found the fingertip elastic below some 100 Hz and viscous above. Exponents of 0, a pulp that no
-    force changes, are unverified too. In print, the stiffness after relaxation varied linearly with the normal force
-    (Pataky, Latash and Zatsiorsky, J. Biomech. 38, 1441, 2005, abstract), an exponent of up to 1. By Mindlin's theory
-    stiffness grows as the radius of the contact, 1/3 for a Hertz contact, and so does damping in a material of one
-    relaxation time. We have no measurement of the damping against force.
+    Stiffness, damping and moving mass in tangential direction are from memory: orders of magnitude of Wiertlewski and
+    Hayward (J. Biomech. 45, 1869, 2012), who found the fingertip elastic below some 100 Hz and viscous above. By
+    default the stiffness does not grow with the normal force. Sources: `skin_mobility` in `stimuli/sources.toml`.
 
     Parameters
     ----------

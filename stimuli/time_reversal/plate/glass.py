@@ -44,7 +44,7 @@ D263T = Glass("D263T", 72.9e9, 0.208, 2510.0, "unverified default")
 GLASSES = {glass.name: glass for glass in (BOROFLOAT_33, DURAN, SODA_LIME, GORILLA_4, D263T)}
 
 A4_SCREEN = BOROFLOAT_33.plate(0.297, 0.210, 1.1e-3, "SSSS")
-"""The thesis's prototype: A4, 1.1 mm. Glass and edges are unverified defaults."""
+"""The thesis's prototype: A4, 1.1 mm. The glass and the edges are assumptions."""
 
 
 FREQUENCY_SHIFT_PER_K: Final = -5e-5

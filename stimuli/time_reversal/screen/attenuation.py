@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from ...composition.effect import Surroundings
 
 TAU_S: Final = 3.5e-3
-"""Attenuation constant that matches the finger of `tactometry.stimuli.defaults`; unverified default."""
+"""Attenuation constant that goes with the finger of `tactometry.stimuli.defaults`; range: `setup` in
+`stimuli/sources.toml`."""
 
 MOST_DECADES: Final = 12.0
 """Largest change of the time constant up to the end of the band, far above that of any glass."""

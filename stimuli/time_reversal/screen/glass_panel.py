@@ -10,7 +10,7 @@ from ..plate.glass import BOROFLOAT_33, GLASSES
 from .transducer import INSET_M, MAX_TRANSDUCERS
 
 LEARNT_S: Final = 7e-3
-"""Length of the responses, twice the default tau; unverified default."""
+"""Length of the responses, twice the default tau; range: `setup` in `stimuli/sources.toml`."""
 
 
 @checked
@@ -18,7 +18,7 @@ LEARNT_S: Final = 7e-3
 class GlassPanel:
     """Screen fields shared by a study's setup and a scene's surface.
 
-    The subclasses describe the fields. All defaults are unverified: the thesis's prototype as far as known.
+    Their documentation describes the fields. The defaults are the thesis's prototype as far as it is known.
     """
 
     glass: str = BOROFLOAT_33.name

@@ -206,14 +206,14 @@ class FocusTrain:
     drive : {"one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"}
         Quantisation of the reversed responses; sigma-delta needs a `setup.rate_hz` of about 1 MHz.
     f_min_hz : float
-        Low end of the band of the learnt responses: 20 kHz is filtered, 0.2 kHz unfiltered (unverified defaults).
+        Low end of the band of the learnt responses: 20 kHz is filtered, 0.2 kHz unfiltered.
     f_max_hz : float
-        High end of the band of the learnt responses: 60 kHz (unverified default).
+        High end of the band of the learnt responses: 60 kHz by default.
     reversal_s : float, optional
         T, at most `setup.learnt_s`. Default: the smaller of that and the repetition time, so that drives do not
         overlap.
     voltage_max_v : float
-        Largest voltage of the amplifier (unverified default).
+        What the amplifier can emit.
     duration_s : float
         Duration of the interval, at whose start the drive begins.
     level_unit : {"dB re 1 um", "m"}

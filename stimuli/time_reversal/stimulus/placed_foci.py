@@ -158,7 +158,7 @@ class FingersSensation:
     fingers : tuple of str
         Names of the places with a finger, at least `FINGER_DIAMETER_M` apart. Default: all places.
     reference_m : float
-        Amplitude of a single focus at the detection threshold; unverified default.
+        Amplitude of a single focus at the detection threshold (the thesis: about 10 um).
 
     >>> FingersSensation(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).reference_m
     1e-05

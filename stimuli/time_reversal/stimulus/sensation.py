@@ -30,10 +30,11 @@ Places = tuple[Point, ...]
 
 N_CACHED: Final = 32
 APART_S: Final = 1e-3
-"""Foci closer in time than this are felt as one event; unverified default."""
+"""Foci closer than this are one event to the skin; range: `events` in `stimuli/sources.toml`."""
 
 STEADY_S: Final = 5e-3
-"""Time over which reverberation counts as steady, about its time constant; unverified default."""
+"""Reverberation is taken for steady over this time, about its time constant; range: `events` in
+`stimuli/sources.toml`."""
 
 NORMAL_MEDIAN: Final = 0.6745
 """Median magnitude of normal noise, divided by its standard deviation."""
@@ -62,18 +63,18 @@ class TimeReversalSensation:
     setup : Setup
         Screen and focus of the stimulus.
     reference_m : float
-        Amplitude of a single focus at the detection threshold (the thesis: about 10 um); unverified default.
+        Amplitude of a single focus at the detection threshold (the thesis: about 10 um).
     criterion : {"loaded", "unloaded"}
         ``unloaded``: the amplitude of the free plate counts, so that the threshold does not depend on force, as the
         thesis found. ``loaded``: the amplitude under the finger's load counts, exact for a linear contact. Lift-off
         does not decide between them, as `one_sided_contact` loses as much at the focus. Other authors find an effect of
         force on vibrations of some hundred hertz.
     resistance_n_s_per_m
-        As in `Fingertip`, of the finger of ``loaded``; unverified default.
+        As in `Fingertip`, of the finger of ``loaded``.
     mass_kg
-        As in `Fingertip`, of the finger of ``loaded``; unverified default.
+        As in `Fingertip`, of the finger of ``loaded``.
     stiffness_n_per_m
-        As in `Fingertip`, of the finger of ``loaded``; unverified default.
+        As in `Fingertip`, of the finger of ``loaded``.
     exponent
         Growth of these three with force; the default finger takes 31 % of the amplitude at 2 N.
     finger_x_m : float, optional
@@ -115,7 +116,7 @@ class FocusReading:
     setup : Setup
         Screen and focus of the stimulus.
     contactor : {"finger", "soft", "rigid"}
-        The pressing contactor: a finger, a soft or a rigid tip, as in `Contactor`; unverified defaults.
+        What presses: a finger, a soft tip or a rigid one, as `Contactor` has them.
     diameter_m : float
         Diameter of a soft or rigid contactor, above 0.
     x_m : float, optional

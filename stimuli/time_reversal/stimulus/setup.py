@@ -19,9 +19,9 @@ from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, border
 @checked
 @dataclass(frozen=True)
 class Setup(GlassPanel):
-    """A screen with its losses, sampling and focus (unverified defaults).
+    """A screen with its losses, sampling and focus.
 
-    The defaults are the thesis's prototype as far as known.
+    The defaults are the thesis's prototype as far as it is known (`setup` in `stimuli/sources.toml`).
 
     Parameters
     ----------

@@ -1,0 +1,63 @@
+"""Reference page of the parameters and their sources."""
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from ..study.source_table import Group, Parameter, Value, groups, parameters
+
+PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "reference" / "sources.md"
+HEAD: Final = """# Parameters and their sources
+
+<!-- Written by `make keys` from stimuli/sources.toml. -->
+
+Simulated results rest on the defaults of this page. `tactometry sources STUDY` lists those of a study, with the change
+of the sensation level at both ends of each range. [Observers and populations](people.md) states how participants
+differ.
+
+| status of a default | meaning |
+|---|---|
+| exact | mathematics or a definition |
+| published | read in a text, table, figure or data sheet |
+| abstract | read in an abstract, or derived from a number in one |
+| from memory | a source is known or usual, its numbers were not read |
+| no source | nothing was found: a choice with a wide range |
+
+The thesis is Zophoniasson (2017), of which pages 1 to 39 were read. Ranges serve the change of one parameter at a time.
+They are not confidence intervals.
+"""
+COLUMNS: Final = (
+    "| parameter | default | range | unit | status | source | how it was read |",
+    "|---|---|---|---|---|---|---|",
+)
+
+
+def text() -> str:
+    """Return the page."""
+    return "\n".join([HEAD, *_counts(), *(line for group in groups() for line in _section(group))])
+
+
+def _counts() -> Iterator[str]:
+    counts = Counter(parameter.status for parameter in parameters())
+    each = ", ".join(f"{n} {status.replace('_', ' ')}" for status, n in sorted(counts.items()))
+    unverified = sum(parameter.is_unverified for parameter in parameters())
+    yield f"Of {counts.total()} parameters, {unverified} are unverified (from memory or no source): {each}.\n"
+
+
+def _section(group: Group) -> Iterator[str]:
+    yield f"## `{group.name}`\n"
+    yield f"In `{group.code}`.\n"
+    yield from (*COLUMNS, *map(_row, group.parameters), "")
+
+
+def _row(parameter: Parameter) -> str:
+    span = f"{_shown(parameter.low)} to {_shown(parameter.high)}"
+    status = parameter.status.replace("_", " ")
+    name = ".".join(parameter.path)
+    cells = (f"`{name}`", _shown(parameter.value), span, parameter.unit, status, parameter.source, parameter.read)
+    return f"| {' | '.join(cells)} |"
+
+
+def _shown(value: Value) -> str:
+    return f"`{value}`" if isinstance(value, str) else f"{value:.6g}"
