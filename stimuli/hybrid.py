@@ -36,7 +36,7 @@ class Hybrid:
         Friction with the level in dB re 1 V, the rate of the screen (`focus.setup.rate_hz`) and the duration of the
         foci.
     electrode_offset_db : float
-        Finite; 12 dB is a choice with which both are felt.
+        Level of the electrode minus that of the foci; 12 dB is a choice, at which both are felt.
 
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> focus = FocusTrain(setup, f_max_hz=20e3)

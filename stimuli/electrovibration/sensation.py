@@ -32,7 +32,7 @@ class ElectrovibrationSensation:
     skin
         Electrical model of electrode and skin.
     law
-        Name of the force law: the four in print differ by a factor near 1000.
+        Name of the force law: the four published laws differ by a factor near 1000.
     friction
         Friction of the finger as a function of normal force.
     area
@@ -42,8 +42,8 @@ class ElectrovibrationSensation:
     mobility : SkinMobility
         How far the skin moves under the friction.
     reference_m : float
-        Amplitude of the skin's displacement at the detection threshold, at 250 Hz: 0.1 um, published: 0.01 to 1 um. No
-        voltage is put in: with these values a square-root carrier of 240 Hz (1.5 N, 50 mm/s) is felt from 31 V peak.
+        Amplitude of the skin's displacement at the detection threshold, at 250 Hz: 0.1 um, published: 0.01 to 1 um.
+        With the default values a square-root carrier of 240 Hz (1.5 N, 50 mm/s) is felt from 31 V peak.
     criterion : {"absolute", "fraction"}
         ``absolute``: `reference_m` applies at any normal force. ``fraction``: it applies at 1 N and is proportional to
         the normal force, so that a fixed fraction of the friction is detected. With areas that grow as ``F^m`` the

@@ -16,7 +16,7 @@ from .detection import Components
 NP_III, NP_I, P = 0, 1, 2
 """Rows: Merkel, Meissner, Pacini. NP II, which matters for very small contactors only, is omitted."""
 HEARS_HZ: Final = ((0.4, 3.0), (3.0, 100.0), (35.0, 800.0))
-"""Where each of them answers at all."""
+"""Frequency range in which each channel responds."""
 NP_III_DB: Final = 28.0
 NP_I_DB: Final = 28.0
 """Thresholds of NP III, and of NP I at 3 Hz, dB re 1 um."""

@@ -10,9 +10,9 @@ from ..arrays import FloatArray, IntArray
 from .channels import P, channel_thresholds_db
 
 TAU_S: Final = 0.2
-"""Of the leaky integrator: 3 dB per doubling of a duration below it, nothing above 1 s. Zwislocki (J. Acoust. Soc. Am.
-32, 1046, 1960), whose theory Verrillo (J. Acoust. Soc. Am. 37, 843, 1965) found to hold for vibration on the hand; the
-number is from memory of these papers (`temporal_summation` in `stimuli/sources.toml`)."""
+"""Time constant of the leaky integrator: 3 dB per doubling of a shorter duration, nothing above 1 s. Zwislocki (J.
+Acoust. Soc. Am. 32, 1046, 1960), whose theory Verrillo (J. Acoust. Soc. Am. 37, 843, 1965) found to hold for
+vibration on the hand; the number is from memory of these papers (`temporal_summation` in `stimuli/sources.toml`)."""
 
 STEP_HZ: Final = 5.0
 """Spacing of the points of the sensitivity curve, which is linear between them."""

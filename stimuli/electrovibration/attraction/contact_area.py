@@ -38,7 +38,9 @@ class AreaLaw(Effect):
 
 @dataclass(frozen=True)
 class PowerLawArea(AreaLaw):
-    """``A = A_1 (F/1 N)^m``. The defaults, 1 cm^2 at 1 N and m = 1/3, are from memory (Hertz sphere: 2/3).
+    """An area that is a power of the force, ``A = A_1 (F/1 N)^m``.
+
+    The defaults, 1 cm^2 at 1 N and m = 1/3, are from memory (a Hertz sphere has 2/3).
 
     Parameters
     ----------

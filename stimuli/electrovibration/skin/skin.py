@@ -24,7 +24,7 @@ class Skin:
     """Insulator, air gap and stratum corneum (resistor parallel to capacitor) in series with the body.
 
     The defaults are the parameter set "P0" (`skin` in `stimuli/sources.toml`): usual magnitudes. The resistivity was
-    chosen for a corner near the 500 Hz that Meyer, Peshkin and Colgate (2013) predict, and do not find.
+    chosen for a cut-off near the 500 Hz that Meyer, Peshkin and Colgate (2013) predicted but did not find.
 
     Raises `InvalidParameter` if a thickness or permittivity is not above 0, or another value is negative.
 
@@ -116,7 +116,7 @@ class Skin:
     def response(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> ComplexArray:
         """Return the corneum's share of the applied voltage, complex.
 
-        Without body resistance it is ``k tau s/(1 + tau s)``, whatever the area (1 cm^2: from memory).
+        Without body resistance it is ``k tau s/(1 + tau s)`` at any area (1 cm^2: from memory).
         """
         return self.relaxations(area_m2).response(frequency_hz)
 

@@ -38,15 +38,15 @@ class FollowedTexture(Ramped):
     texture : Texture or Velvet
         Texture that the friction follows as the finger slides.
     carrier_hz : float
-        Carrier, below half of `rate_hz`; the default of 2 kHz is a choice.
+        Carrier frequency, below half of `rate_hz`; the default of 2 kHz is a choice.
     duration_s, ramp_s, rate_hz, level_unit
         As in `Sine`.
     rise_s : float
-        The envelope is averaged over this time, so that an edge rises no faster: its slope keeps the limits of current.
+        Averaging time of the envelope, which limits the slope of an edge and thus the current.
         The default of 1 ms is a choice.
     turn_m : float
-        A finger has turned when it came back twice so far from where it was farthest; noise of its position turns
-        nothing. The default of 0.1 mm is a choice.
+        Half of the distance by which the finger must move back to count as turned, so that position noise does not
+        count. The default of 0.1 mm is a choice.
 
     >>> from .texture import Grating
     >>> texture = FollowedTexture(Grating(2e-3), duration_s=0.1, rise_s=5e-5)

@@ -22,7 +22,7 @@ class Sine(Ramped):
     duration_s : float
         Whole length, ramps included.
     ramp_s : float
-        Raised-cosine ramp on and off; the default of 50 ms is a choice.
+        Length of the raised-cosine ramps at onset and offset; the default of 50 ms is a choice.
     rate_hz : float
         Samples per second; the default of 20 kHz leaves room for the doubled bandwidth of the force.
     phase_rad : float

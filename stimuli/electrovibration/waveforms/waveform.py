@@ -48,7 +48,7 @@ class Ramped(Waveform):
     duration_s : float
         Whole length, ramps included.
     ramp_s : float
-        Raised-cosine ramp on and off; the default of 50 ms is a choice.
+        Length of the raised-cosine ramps at onset and offset; the default of 50 ms is a choice.
     rate_hz : float
         Samples per second; the default of 20 kHz leaves room for the doubled bandwidth of the force.
     level_unit : {"dB re 1 V", "V"}

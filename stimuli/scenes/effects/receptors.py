@@ -30,7 +30,7 @@ class Receptors(Effect):
     requires = ("friction",)
     reads, gives = ("skin_components",), "channels_db"
     cures = note("add the effects friction and receptors", "channels_db")
-    assumes = ("nothing sums over time",)
+    assumes = ("no temporal summation",)
     rests_on = "the displacement of the skin at threshold (by default 0.1 um at 250 Hz, published: 0.01 to 1 um)"
 
     reference_m: float = THRESHOLD_M

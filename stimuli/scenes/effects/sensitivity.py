@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class Sensitivity(Effect):
     """Sensation level above the threshold over frequency.
 
-    The lowest of the thresholds of the channels counts. `stimuli/sources.toml` states the source of each number.
+    The threshold is the lowest of those of the channels. `stimuli/sources.toml` states the source of each number.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ class Sensitivity(Effect):
     requires = ("friction",)
     reads, gives = ("skin_components",), "sensation_db"
     cures = note("add the effects friction and sensitivity, or receptors", "sensation_db")
-    excludes = note("both are thresholds by frequency; remove 'sensitivity' or 'receptors'", "receptors")
-    assumes = ("nothing sums over time or area",)
+    excludes = note("both set the threshold over frequency; remove 'sensitivity' or 'receptors'", "receptors")
+    assumes = ("no temporal or spatial summation",)
     rests_on = "the displacement of the skin at threshold (by default 0.1 um at 250 Hz, published: 0.01 to 1 um)"
 
     reference_m: float = THRESHOLD_M

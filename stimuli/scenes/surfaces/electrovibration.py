@@ -23,13 +23,13 @@ ASSUMES: Mapping[str, str] = {
     "body": "no resistance of body and source",
     "leakage": "a corneum without losses",
     "gap": "no air between insulator and skin",
-    "area": "a contact area that no force changes",
-    "mobility": "a pulp with stiffness, damping and mass from memory, where finger_dynamics does not move the skin",
-    "polarity": "the same attraction at either sign of the voltage",
+    "area": "a contact area that does not depend on force",
+    "mobility": "a pulp with stiffness, damping and mass from memory, unless finger_dynamics moves the skin",
+    "polarity": "the same attraction for both signs of the voltage",
 }
 
 AREA_M2 = 1e-4
-"""Of a contact; source: `contact_area` in `stimuli/sources.toml`."""
+"""Contact area; source: `contact_area` in `stimuli/sources.toml`."""
 
 SKIN_MOTION = Stage(
     "skin_motion",
@@ -58,7 +58,7 @@ class Electrovibration(Surface):
     ramp_s : float
         Duration of the tone's rise and of its fall, at least 0.
     area_m2 : float
-        Contact area, as long as no effect makes it depend on force; 1 cm^2 is from memory.
+        Contact area, unless an effect makes it depend on force; 1 cm^2 is from memory.
     insulator_thickness_m, insulator_permittivity, corneum_thickness_m, corneum_permittivity : float
         As in `tactometry.stimuli.electrovibration.Skin`.
 

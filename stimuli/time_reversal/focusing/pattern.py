@@ -1,7 +1,7 @@
 """Trains of foci under an envelope, such as patterns P0 to P6.
 
-P0 is one focus. P1-P3 repeat it at a low frequency under three envelopes, P4-P6 at a high one under the
-same three. The thesis's frequencies, envelopes and durations are not known: 200 and 500 Hz, rectangular,
+P0 is one focus. P1-P3 repeat it at a low frequency under three envelopes, P4-P6 at a high frequency under the same
+envelopes. The thesis's frequencies, envelopes and durations are not known: 200 and 500 Hz, rectangular,
 exponential and sinc, 50 ms are documented choices (`pattern` in `stimuli/sources.toml`).
 """
 

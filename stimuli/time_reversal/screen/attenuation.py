@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...composition.effect import Surroundings
 
 TAU_S: Final = 3.5e-3
-"""Attenuation constant that goes with the finger of `tactometry.stimuli.defaults`; range: `setup` in
+"""Attenuation constant that matches the finger of `tactometry.stimuli.defaults`; range: `setup` in
 `stimuli/sources.toml`."""
 
 MOST_DECADES: Final = 12.0

@@ -18,7 +18,7 @@ LEARNT_S: Final = 7e-3
 class GlassPanel:
     """Screen fields shared by a study's setup and a scene's surface.
 
-    Their documentation describes the fields. The defaults are the thesis's prototype as far as it is known.
+    The subclasses describe the fields. The defaults are the thesis's prototype as far as known.
     """
 
     glass: str = BOROFLOAT_33.name

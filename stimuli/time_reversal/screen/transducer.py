@@ -22,14 +22,14 @@ the one-bit drive of 0.2-60 kHz at 30 V makes a focus of 10 um on the A4 prototy
 
 SIDE_M: Final = 10e-3
 INSET_M: Final = 12e-3
-"""Side of a square patch, and how far from the edges its centre lies; ranges: `setup` in
+"""Side of a square patch, and distance of its centre from the edges; ranges: `setup` in
 `stimuli/sources.toml`."""
 
 VOLTAGE_V: Final = 30.0
 """Peak of a drive, at which the default moment applies; unverified default."""
 
 VOLTAGE_MAX_V: Final = 200.0
-"""What an amplifier can emit: more than one drive takes, so that thresholds can be looked for; a choice."""
+"""Largest voltage of an amplifier, above that of a default drive so that thresholds can be searched; a choice."""
 
 PZ27_RELATIVE_PERMITTIVITY: Final = 1800.0
 """eps33T / eps0 of PZ27; unverified default."""

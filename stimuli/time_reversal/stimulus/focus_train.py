@@ -213,7 +213,7 @@ class FocusTrain:
         T, at most `setup.learnt_s`. Default: the smaller of that and the repetition time, so that drives do not
         overlap.
     voltage_max_v : float
-        What the amplifier can emit.
+        Largest voltage of the amplifier.
     duration_s : float
         Duration of the interval, at whose start the drive begins.
     level_unit : {"dB re 1 um", "m"}

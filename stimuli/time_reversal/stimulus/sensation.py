@@ -30,10 +30,10 @@ Places = tuple[Point, ...]
 
 N_CACHED: Final = 32
 APART_S: Final = 1e-3
-"""Foci closer than this are one event to the skin; range: `events` in `stimuli/sources.toml`."""
+"""Foci closer in time than this are felt as one event; range: `events` in `stimuli/sources.toml`."""
 
 STEADY_S: Final = 5e-3
-"""Reverberation is taken for steady over this time, about its time constant; range: `events` in
+"""Time over which reverberation counts as steady, about its time constant; range: `events` in
 `stimuli/sources.toml`."""
 
 NORMAL_MEDIAN: Final = 0.6745
@@ -116,7 +116,7 @@ class FocusReading:
     setup : Setup
         Screen and focus of the stimulus.
     contactor : {"finger", "soft", "rigid"}
-        What presses: a finger, a soft tip or a rigid one, as `Contactor` has them.
+        The pressing contactor: a finger, a soft or a rigid tip, as in `Contactor`.
     diameter_m : float
         Diameter of a soft or rigid contactor, above 0.
     x_m : float, optional

@@ -21,7 +21,7 @@ from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, border
 class Setup(GlassPanel):
     """A screen with its losses, sampling and focus.
 
-    The defaults are the thesis's prototype as far as it is known (`setup` in `stimuli/sources.toml`).
+    The defaults are the thesis's prototype as far as known (`setup` in `stimuli/sources.toml`).
 
     Parameters
     ----------
