@@ -18,8 +18,7 @@ PIXELS_PER_LINE = 300
 N_EDGES_BOX = 4
 FLAT_PX = 0.1
 """Largest deviation of a polygon from its circle, in pixels. Outlines with many edges are slow in software
-rendering.
-"""
+rendering."""
 Look = tuple[int, str | None, str | None]
 """Number of edges, fill and line colour of a shape."""
 
@@ -47,8 +46,7 @@ class Canvas:
         self._list, self._picture = functools.cache(self._recorded), functools.cache(self._image)
         self._stimuli: list[Any] = []
         """PsychoPy stimuli that were compiled into lists. OpenGL discards the letters of a text when its font is
-        deleted.
-        """
+        deleted."""
 
     def draw(self, page: Page) -> None:
         """Draw the items of a page in order."""

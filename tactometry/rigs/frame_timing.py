@@ -13,8 +13,7 @@ SHORTEST_PERIOD_S, LONGEST_PERIOD_S = 1 / 250, 1 / 24
 """Plausible frame periods of a screen whose mode states no rate (unverified defaults)."""
 LIKE, STEADY_PART = 0.1, 0.8
 """Criteria for vertical sync (unverified defaults). At least `STEADY_PART` of the intervals are within `LIKE`
-(relative) of their median, and the median within `LIKE` of the nominal period.
-"""
+(relative) of their median, and the median within `LIKE` of the nominal period."""
 FASTEST: Final = 0.75
 """Frames shorter than this fraction of the period did not wait for vertical sync (unverified default)."""
 N_TOO_FAST: Final = 10

@@ -12,8 +12,7 @@ from ..errors import DeviceFailed, ended_by_signal
 
 N_WAITING_PRESSES = 50_000
 """Size of the key queue. A full queue crashes the process, because psychtoolbox 3.0.22 then prints from a thread
-without Python's lock (observed at PsychoPy's default of 5 000).
-"""
+without Python's lock (observed at PsychoPy's default of 5 000)."""
 
 
 @contextmanager

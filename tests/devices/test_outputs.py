@@ -180,7 +180,7 @@ def test_duty_and_session_count_stopped_signals():
     half = volts(np.zeros((1, 400)))
     output.play(half)
     clock.now_s = 0.5
-    with pytest.raises(LimitExceeded, match="limits.duty: found signals in a part of 0.8"):
+    with pytest.raises(LimitExceeded, match="limits.duty: found signals during 0.8"):
         output.play(half)
     clock.now_s = 0.05
     output.stop()

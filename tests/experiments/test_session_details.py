@@ -157,7 +157,7 @@ def test_failed_rig_is_closed():
 def test_journal_with_extra_answers_is_refused():
     lived = Memory()
     run(one_block(np.random.default_rng(1)), catalogue.simulated(7), lived)
-    with pytest.raises(Diverged, match="the recording goes on with"):
+    with pytest.raises(Diverged, match="the recording continues with"):
         run(one_block(np.random.default_rng(1)), catalogue.simulated(7), Memory([*lived.entries, lived.entries[-1]]))
 
 

@@ -199,7 +199,7 @@ def test_validate_rejects_trace_path_outside_traces_folder(copied, capsys):
     path.write_bytes(b"".join(forged))
     status, _, said = call(capsys, "validate", copied)
     assert status == 1
-    assert "found a trace in 'traces/../study.toml', expected a place in a file of the folder traces" in said
+    assert "found a trace in 'traces/../study.toml', expected a part of a file in the folder traces" in said
 
 
 def named(root):

@@ -17,12 +17,11 @@ from ..pages.presenter import CLOSED, linger, reason_to_end
 from .terminal import HELP, ExperimenterTerminal, Order
 
 EXPERIMENTER = "the experimenter"
-WHEN: Final = "order accepted: it takes effect after this trial or page"
-SAFE = "all recorded data are saved; continue with --resume"
+WHEN: Final = "noted; it takes effect after this trial or page"
+SAFE = "recorded data are safe: continue with --resume"
 STOPPED_S: Final = 10.0
 """Duration of the page that asks the participant to call the experimenter (unverified default). A key ends it
-earlier.
-"""
+earlier."""
 CLOCK = "_clock_offset_s"
 """Suffix of facts that state the offset of a device: local clock minus device clock, s."""
 
@@ -150,7 +149,7 @@ class Supervisor:
 
     def _intervene(self, intervention: Intervention, words: str) -> None:
         if intervention in self._interventions:
-            self.terminal.tell(f"already noted: {WHEN}")
+            self.terminal.tell(f"already {WHEN}")
             return
         self._interventions += (intervention,)
         self.note("order", **order_facts(intervention))

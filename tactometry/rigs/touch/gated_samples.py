@@ -23,8 +23,7 @@ AWAY_PART = 0.1
 """Below this fraction of the target force the finger has left (unverified default)."""
 MOVING_S = 0.1
 """Duration for which the speed must stay in its band before a stimulus. It exceeds the turn of a fast finger
-(unverified default).
-"""
+(unverified default)."""
 HALT_S = 0.15
 """A finger outside its speed band for longer has stopped. It exceeds the duration of a turn (unverified default)."""
 DEAF_S = 0.5

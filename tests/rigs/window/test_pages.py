@@ -173,7 +173,7 @@ def test_stopped_page_stays_until_next_key(bench, watched, participant, log, mon
         ),
         (Play("tome", 5.0, 0.2), InvalidParameter, "found 'tome', expected one of tone; did you mean 'tone'"),
         (Play("tone", 5.0, 0.05), InvalidParameter, "a signal of 0.1 s, expected at most the 0.05 s"),
-        (Show("block", {}), InvalidParameter, "message 'block': found a place that cannot be filled"),
+        (Show("block", {}), InvalidParameter, "message 'block': found a placeholder that cannot be filled"),
         (Show("welcom"), InvalidParameter, "message 'welcom': found no text .*did you mean 'welcome'"),
     ],
 )
