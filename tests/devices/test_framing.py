@@ -212,7 +212,7 @@ def test_implausible_force_is_a_lost_sample(overload):
 @pytest.mark.parametrize(
     ("form", "message"),
     [
-        ({}, "found none or more than one of newtons_per_count, polynomial and table_counts"),
+        ({}, "found none, or more than one, of newtons_per_count, polynomial and table_counts"),
         ({"newtons_per_count": 1.0, "polynomial": (0.0, 1.0)}, "found none or more than one"),
         ({"newtons_per_count": 0.0}, "newtons_per_count: found 0.0, expected a finite number but 0"),
         ({"newtons_per_count": math.inf}, "newtons_per_count: found inf, expected a finite number but 0"),
@@ -221,11 +221,14 @@ def test_implausible_force_is_a_lost_sample(overload):
         ({"table_counts": (0.0, 1.0), "table_forces_n": (0.0, math.inf)}, "at least two, all finite"),
         ({"polynomial": (1.0,)}, "polynomial: found .*expected at least two"),
         ({"table_counts": (0.0, 1.0)}, "found 2 counts and 0 table_forces_n"),
-        ({"table_counts": (1.0, 1.0), "table_forces_n": (0.0, 1.0)}, "found counts that do not rise"),
-        ({"table_counts": (0.0, 1.0, 2.0), "table_forces_n": (0.0, 1.0, 0.5)}, "forces that neither rise nor fall"),
-        ({"table_counts": (0.0, 1.0), "table_forces_n": (1.0, 1.0)}, "forces that neither rise nor fall"),
-        ({"polynomial": (1.5, 0.0)}, "one force for several counts from -inf to inf, expected it to rise or fall"),
-        ({"polynomial": (0.0, 1.0, -0.01), "count_high": 60.0}, "one force for several counts from -inf to 60"),
+        ({"table_counts": (1.0, 1.0), "table_forces_n": (0.0, 1.0)}, "found counts that do not increase"),
+        (
+            {"table_counts": (0.0, 1.0, 2.0), "table_forces_n": (0.0, 1.0, 0.5)},
+            "forces that neither increase nor decrease",
+        ),
+        ({"table_counts": (0.0, 1.0), "table_forces_n": (1.0, 1.0)}, "forces that neither increase nor decrease"),
+        ({"polynomial": (1.5, 0.0)}, "the same force for several counts from -inf to inf, expected a monotonic"),
+        ({"polynomial": (0.0, 1.0, -0.01), "count_high": 60.0}, "the same force for several counts from -inf to 60"),
         ({"newtons_per_count": 1.0, "count_low": 2.0, "count_high": 2.0}, "count_low: found 2.0, expected below"),
     ],
 )

@@ -181,7 +181,7 @@ def test_packed_streams_have_no_ramps(tmp_path):
         ),
         (("amplifier_gain = 50.0", "amplifier_gain = 0"), "output.gain.amplifier_gain: found 0.0, expected"),
         (('sensor = "hand"\nchannel = 2', 'sensor = "hnad"'), "force.sensor: found 'hnad', expected one of .*'hand'"),
-        (("polynomial = [-0.5, 0.01]\n", ""), "force: found none or more than one of newtons_per_count"),
+        (("polynomial = [-0.5, 0.01]\n", ""), "force: found none, or more than one, of newtons_per_count"),
         (("measured_on = 2026-11-01", 'measured_on = "soon"'), "output.gain.measured_on: .*'soon', expected a date"),
         (("[position]", "[screen.x]"), "screen.x: found an unknown key"),
         (("[screen]", '[screen]\nlanguage = "it"'), "screen.language: found 'it', expected one of de, en, fr"),

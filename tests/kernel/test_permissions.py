@@ -88,7 +88,7 @@ def closed(folder, name, content=""):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (TouchSettings, "touch .*: cannot open it .Permission denied., expected an event device that may be read"),
+        (TouchSettings, "touch .*: cannot open it .Permission denied., expected a readable event device"),
         (lambda path: RecordedSettings(path, 100.0), "cannot be read as a recording .*Permission denied"),
     ],
 )
