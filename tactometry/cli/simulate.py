@@ -28,7 +28,7 @@ N_PARTICIPANTS = 10
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
 @allow_code_option
 @allow_erased_option
-@click.option("--explain", is_flag=True, help="Also print which effects can be felt and which were left out.")
+@click.option("--explain", is_flag=True, help="Also print which effects can be felt and which are not modelled.")
 def simulate(
     study: str,
     n_participants: int,
@@ -66,7 +66,7 @@ def simulate(
 
 
 def _predictions(experiment: Experiment, *, explain: bool) -> tuple[list[str], dict[str, Any]]:
-    """Return lines and JSON of weak conditions, or of all predictions."""
+    """Return text and JSON of weak conditions, or of all predictions."""
     if explain:
         from tactometry.experiments.study.felt_effects import predict
 

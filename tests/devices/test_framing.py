@@ -214,8 +214,8 @@ def test_implausible_force_is_a_lost_sample(overload):
     [
         ({}, "found none, or more than one, of newtons_per_count, polynomial and table_counts"),
         ({"newtons_per_count": 1.0, "polynomial": (0.0, 1.0)}, "found none or more than one"),
-        ({"newtons_per_count": 0.0}, "newtons_per_count: found 0.0, expected a finite number but 0"),
-        ({"newtons_per_count": math.inf}, "newtons_per_count: found inf, expected a finite number but 0"),
+        ({"newtons_per_count": 0.0}, "newtons_per_count: found 0.0, expected a finite nonzero number"),
+        ({"newtons_per_count": math.inf}, "newtons_per_count: found inf, expected a finite nonzero number"),
         ({"polynomial": (0.0, math.nan)}, "polynomial: found .*expected at least two finite numbers"),
         ({"table_counts": (1.0,), "table_forces_n": (1.0,)}, "found 1 counts and 1 table_forces_n"),
         ({"table_counts": (0.0, 1.0), "table_forces_n": (0.0, math.inf)}, "at least two, all finite"),

@@ -116,7 +116,7 @@ LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
         ),
         (["gain", "--bench", "s.toml", "--by", "Z", "--parts", "0.1,2"], "--parts: found 2, expected parts of full"),
         ([*LEARN, "--out", "x"], "--out: found 'x', expected a name that ends in .npz"),
-        ([*LEARN, "--out", "no/x.npz"], "--out: found 'no/x.npz', expected .* in a folder that exists"),
+        ([*LEARN, "--out", "no/x.npz"], "--out: found 'no/x.npz', expected .* in an existing folder"),
         (
             [*LEARN, "--out", "x.npz"],
             "--band-hz: found up to 70000 Hz, expected at most 500 Hz, half the rate of 'hand'",
@@ -131,7 +131,7 @@ LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
             [*WEIGH, "--counts", "100,200,330,400", "--residual-at-most", "0.01"],
             "found 330 counts at 0.2 kg, 6.5% of the largest force off the fit, expected at most 1%; weigh",
         ),
-        (["display", "--bar-m", "0.1", "--write"], "--write: found no bench file, expected --bench with the file"),
+        (["display", "--bar-m", "0.1", "--write"], "--write: found no bench file, expected --bench FILE, the file"),
     ],
 )
 def test_bad_calibration_is_refused_in_one_line(calibrate, tmp_path, arguments, message):

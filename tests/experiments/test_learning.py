@@ -222,5 +222,5 @@ def test_without_limits_nothing_is_learnt_nor_played(calibrate, tmp_path):
     text = LOOPBACK[: LOOPBACK.index("[limits]")] + LOOPBACK[LOOPBACK.index("[sensors") :]
     (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
     result = calibrate("responses", "--bench", "bench.toml", *arguments, "--out", "x.npz", "--by", "ZG")
-    assert "expected those of the load; nothing was played" in result.stderr
+    assert "expected limits of the load; nothing was played" in result.stderr
     assert not (tmp_path / "x.npz").exists()

@@ -27,7 +27,10 @@ FLAWS = {
         '[texts]\nwelcome = "{n_blocks:99999999999999}"\n',
         "texts: message 'welcome': found a placeholder that cannot be filled (99999999999999 produces more letters",
     ),
-    "place of another page": ('[texts]\nfelt = "{block}?"\n', "texts: message 'felt': found a place that cannot be"),
+    "place of another page": (
+        '[texts]\nfelt = "{block}?"\n',
+        "texts: message 'felt': found a placeholder that cannot be",
+    ),
     "page within a block": (
         '[texts]\nrest = "{block}"\n',
         "texts: message 'rest': found a placeholder that cannot be filled",

@@ -271,7 +271,7 @@ def test_constant_speed_is_in_band_exactly_near_target(speed, tolerance):
         (
             [0.0, 1.0],
             [0.0, math.nan],
-            r"positions_m\[\d\]: found nan, expected a finite number; leave lost samples out",
+            r"positions_m\[\d\]: found nan, expected a finite number; remove lost samples",
         ),
         ([0.0, 1.0], [0.0], "as many of both"),
     ],

@@ -100,5 +100,8 @@ def test_a_file_is_not_overwritten(tmp_path, capsys):
     mine = tmp_path / "mine.toml"
     mine.write_text("precious")
     status, said, _ = call(capsys, "new", "tutorial", "--out", mine)
-    assert (status, said) == (2, f"tactometry: {mine}: found a file, expected none to overwrite; give another --out")
+    assert (status, said) == (
+        2,
+        f"tactometry: {mine}: found an existing file, expected a new file; choose another --out",
+    )
     assert mine.read_text() == "precious"
