@@ -88,7 +88,9 @@ def test_nested_levels_belong_to_their_outer_level():
 
 
 def test_williams_order_of_unequal_design_is_refused():
-    with pytest.raises(InvalidParameter, match=r"williams order over an unequal design \(2 or 3 levels\), expected as"):
+    with pytest.raises(
+        InvalidParameter, match=r"williams order of an unequal design \(2 or 3 levels\), expected equal"
+    ):
         Crossing({"w": ("a", "b"), "hz": (1, 2)}, {"hz": "williams"}, {"w": {"b": {"hz": (1, 2, 3)}}})
 
 
