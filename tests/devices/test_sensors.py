@@ -339,9 +339,9 @@ def test_recording_is_replayed_in_real_time(tmp_path):
     ("text", "message"),
     [
         ("t,x\n0,1\n", "found the columns t, x, expected time_s and 1 channels"),
-        ("time_s,x\n", r"cannot be read as a recording \(found no row of numbers, expected at least one\)"),
+        ("time_s,x\n", r"cannot be read as a recording \(found no rows of numbers, expected at least one row\)"),
         ("time_s,x,y\n0,1,2\n", "found the columns time_s, x, y, expected time_s and 1 channels"),
-        ("time_s,x\n0\n", "found 1 columns of numbers under 2 names, expected as many"),
+        ("time_s,x\n0\n", "found 1 columns of numbers for 2 names, expected equal numbers"),
         ("time_s,x\n1,2\n0,3\n", "found times that do not rise"),
         ("time_s,x\n1,a\n", "cannot be read as a recording"),
     ],

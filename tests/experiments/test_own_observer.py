@@ -132,7 +132,7 @@ WRONG = [
     ("detect", "return 1 / 0", "found ZeroDivisionError (division by zero) in detect, expected an answer"),
     ("detect", "return 'maybe'", "found 'maybe' as the answer of detect, expected True or False"),
     ("answer_time_s", "return float('nan')", "found nan as the answer of answer_time_s, expected a finite number"),
-    ("facts", "return {'levels': [1]}", "expected a dictionary of plain texts and numbers"),
+    ("facts", "return {'levels': [1]}", "expected a dictionary of texts and numbers"),
     ("participant", "return None", "found None as the answer of participant, expected an observer"),
     ("detect", "raise SystemExit(0)", "found SystemExit (0) in detect, expected an answer"),
     ("detect", "raise SystemExit(143)", "found SystemExit (143) in detect, expected an answer"),

@@ -273,15 +273,15 @@ UNSOUND = {
     "silent": (wav(np.zeros(N_SAMPLES, "<i2")), "found silence alone, expected a sample that is not 0"),
     "stereo": (wav(np.stack([as_int16(TONE)] * 2, axis=1)), "found 2 channels, expected one; keep the one that is"),
     "not a number": (wav(np.where(np.arange(N_SAMPLES) == 7, np.nan, TONE)), "found nan as sample 7, expected finite"),
-    "no WAV": (b"OggS" + bytes(100), "found no WAV file, expected one that begins with RIFF and WAVE"),
+    "no WAV": (b"OggS" + bytes(100), "found no WAV file, expected a file that begins with RIFF and WAVE"),
     "nothing": (b"", "found no WAV file"),
     "cut off": (
         wav(as_int16(TONE))[:1000],
-        "found 956 of 48000 bytes of samples, expected all: the file is incomplete",
+        "found 956 of 48000 bytes of samples, expected all bytes: the file is incomplete",
     ),
     "cut off in its head": (
         wav(as_int16(TONE))[:20],
-        "found no complete chunk 'fmt ', expected one: the file is incomplete",
+        "found no complete chunk 'fmt ', expected a complete one: the file is incomplete",
     ),
 }
 

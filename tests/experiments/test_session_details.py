@@ -115,7 +115,7 @@ def test_journal_continues_after_full_disk(tmp_path):
     size, (soft, hard) = (tmp_path / "j.jsonl").stat().st_size, resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size + 10, hard))
     try:
-        with pytest.raises(DeviceFailed, match="expected room on the disk"):
+        with pytest.raises(DeviceFailed, match="expected free disk space"):
             journal.append(Wait(2.0), Done(2.0))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))

@@ -48,7 +48,7 @@ def test_resume_keeps_rows_missing_from_an_older_journal(lived, capsys):
     assert kept
     assert rows[-len(kept) :] == kept
     assert f"had {len(kept)} rows missing from the journal of {len(rows) - len(kept)} trials: they are kept" in said
-    assert "restore the newer one" in said
+    assert "restore the newer copy" in said
 
 
 def test_resume_keeps_rows_edited_by_hand(lived, capsys):

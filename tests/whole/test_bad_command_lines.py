@@ -38,7 +38,7 @@ COMMAND_LINES = {
     "name for a code": (
         ["run", "tutorial", "--participant", "Anna K.", "--rig", "simulated", "--out", "d"],
         2,
-        "participant: found 'Anna K.', expected a code of 1 to 32 letters and digits .*: no names, no paths",
+        "participant: found 'Anna K.', expected a code of 1 to 32 letters and digits .*, but not a name or a path",
     ),
     "path for a code": (
         ["run", "tutorial", "--participant", "../../etc", "--rig", "simulated", "--out", "d"],
