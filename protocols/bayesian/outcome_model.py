@@ -135,10 +135,7 @@ class FunctionModel:
 
 
 def tabulate(model: OutcomeModel, levels: Sequence[float]) -> DenseLikelihoods:
-    """Tabulate a model at some levels.
-
-    Refuses probabilities that do not add up to 1.
-    """
+    """Tabulate a model at some levels; refuse sums of probabilities other than 1."""
     rows = [[np.exp(model.log_likelihood(level, outcome)) for level in levels] for outcome in range(model.n_outcomes)]
     table = np.array(rows).reshape(model.n_outcomes, len(levels), *size(model))
     for n, level in enumerate(levels):

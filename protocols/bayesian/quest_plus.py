@@ -163,10 +163,7 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
         return self.rule.levels[int(least(self.expected_loss()))]
 
     def expected_loss(self) -> Array:
-        """Return the expected loss after one more answer at each level, (n_levels,).
-
-        The loss is an entropy (nat) or a variance.
-        """
+        """Return the expected entropy (nat) or variance after an answer, (n_levels,)."""
         return expected_losses(self.rule, self.rule.likelihoods, self.state.weights, self.state.entropy)
 
     @property

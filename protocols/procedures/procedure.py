@@ -93,19 +93,13 @@ class Procedure(ABC):
         return self.estimate.level
 
     def learning_from(self, other: "Procedure") -> Self:
-        """Return this procedure after an answer on another track.
-
-        Tracks that do not share parameters are returned unchanged.
-        """
+        """Return this procedure after an answer on another track."""
         del other
         return self
 
 
 class FixedOrder(Procedure):
-    """Procedure whose order does not depend on responses.
-
-    It can postpone a level.
-    """
+    """Procedure in a fixed order, whatever the responses. Levels can be postponed."""
 
     @abstractmethod
     def skip(self) -> "FixedOrder":

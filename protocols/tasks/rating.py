@@ -57,10 +57,7 @@ def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) ->
 @dataclass(frozen=True)
 @constrained
 class Rating(Task):
-    """A stimulus, felt `n_touches` times, then a questionnaire about it.
-
-    Each item has a row.
-    """
+    """A stimulus, felt `n_touches` times, then a questionnaire, a row per item."""
 
     form: Questionnaire
     shuffled: bool = False

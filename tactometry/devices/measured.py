@@ -14,10 +14,7 @@ MaxAge = Annotated[int, Ge(0)] | Unlimited
 
 @constrained
 class Measured:
-    """Date, author and largest allowed age (days) of a calibration.
-
-    None and "unlimited" both mean no age limit.
-    """
+    """Date, author and largest allowed age (days) of a calibration."""
 
     measured_on: date | None
     measured_by: str | None

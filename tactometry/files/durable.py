@@ -78,10 +78,7 @@ def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
 
 
 def files_in(folder: Path, pattern: str = "*") -> list[Path]:
-    """Return the visible files of a folder with this pattern, sorted.
-
-    A missing folder has no files.
-    """
+    """Return the visible files of a folder with this pattern, or none, sorted."""
     try:
         names = os.listdir(folder)  # noqa: PTH208 - a glob ignores unreadable folders
     except (FileNotFoundError, NotADirectoryError):

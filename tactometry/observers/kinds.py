@@ -42,10 +42,7 @@ class Middle(Protocol):
 
 @dataclass(frozen=True)
 class Population:
-    """Population of participants: average, differences and changes.
-
-    Without raters, ratings follow the liking of the stimulus strength.
-    """
+    """Population of participants: average, differences and changes."""
 
     middle: Middle
     people: People = field(default_factory=People)

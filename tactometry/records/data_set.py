@@ -137,10 +137,7 @@ REBUILD = "rewrite it with tactometry rebuild"
 
 
 def is_beginning(existing: bytes, expected: bytes) -> bool:
-    """Return True if a file is a beginning of the expected file.
-
-    A crash may leave such a file, with zero bytes at its end.
-    """
+    """Return True if a file is a beginning of the expected file."""
     return expected.startswith(existing.rstrip(b"\0"))
 
 

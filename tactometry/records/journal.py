@@ -80,10 +80,7 @@ class Recording:
 
     @property
     def event_rows(self) -> tuple[Event, ...]:
-        """Return the rows of the events table, in order.
-
-        These are the events, and those that follow from requests.
-        """
+        """Rows of the events table: events, and those that follow from requests."""
         events = (line if isinstance(line, Event) else consequence(line) for line in self.lines)
         return tuple(event for event in events if event is not None)
 

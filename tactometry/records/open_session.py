@@ -211,10 +211,7 @@ class OpenSession:
 
     @property
     def repaired(self) -> str | None:
-        """Description of repaired data, or None.
-
-        These data were incomplete, or only in a derived file.
-        """
+        """Description of incomplete or surplus data that were repaired, or None."""
         return "; ".join(self._repaired) or None
 
     def _rebuild(self) -> None:
@@ -244,10 +241,7 @@ class OpenSession:
         self._repaired.append(f"the last sitting ended after {trials}; {what}")
 
     def _keep_surplus(self, path: Path, content: bytes, at_first: bytes = b"") -> None:
-        """Store rows of a derived file that are missing from the journal.
-
-        The journal may be an older copy.
-        """
+        """Store rows of a derived file that are missing from the journal."""
         existing = read_file(path, "a file of a data set") if path.exists() else b""
         if is_beginning(existing, content):
             return

@@ -92,10 +92,7 @@ def decode_rows(text: bytes) -> FloatArray:
 
 
 def packed(text: bytes) -> bytes:
-    """Compress a text as a gzip member.
-
-    It contains no time and name, so that equal samples give equal bytes.
-    """
+    """Compress a text as a gzip member without time and name."""
     packer = zlib.compressobj(_LEVEL, zlib.DEFLATED, _GZIP)
     return packer.compress(text) + packer.flush()
 

@@ -34,10 +34,7 @@ def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits
 
 
 class Emitter:
-    """Player of stimuli, which checks the limits of study and output.
-
-    Textures that follow a finger receive its `path`.
-    """
+    """Player of stimuli, which checks the limits of study and output."""
 
     def __init__(
         self,

@@ -86,10 +86,7 @@ REPEAT_AFTER_S, REPEAT_EVERY_S = 0.4, 0.03
 
 
 class HeldKeys:
-    """Repetition of the arrow key that was pressed last, while it is held.
-
-    `state_of` returns True if a key is down.
-    """
+    """Repetition of the arrow key that was pressed last, while it is held."""
 
     def __init__(self, state_of: Callable[[str], bool]) -> None:
         self._state_of, self._name, self._next_s = state_of, "", 0.0

@@ -11,10 +11,7 @@ STANDING_PART: Final = 0.1
 
 
 def broken_condition(request: Press | Slide, force: Compliance, speed: SpeedCompliance | None) -> Reason | None:
-    """Return the condition that a touch violated, force first.
-
-    A `speed` of None is not checked.
-    """
+    """Return the condition that a touch violated; `speed` None is not checked."""
     if force.in_band < VALID_PART:
         return "too_light" if force.mean_n < request.target_n else "too_heavy"
     if speed is None or speed.in_band >= VALID_PART or isinstance(request, Press):

@@ -149,10 +149,7 @@ class Window(Display):
             self._borrowed.give_back()
 
     def _rhythm(self) -> Rhythm:
-        """Measure the frame period, up to `N_MEASUREMENTS` times.
-
-        Opening a window disturbs the first measurements.
-        """
+        """Measure the frame period again if opening the window disturbed it."""
         self._borrowed.take()
         nominal_hz = nominal_rate_hz(_mode_of(self._window.winHandle.screen))
         for _ in range(N_MEASUREMENTS):

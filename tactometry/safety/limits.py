@@ -125,10 +125,7 @@ class Limits:
             _check("displacement_peak_m", "up to", peak_m, self.displacement_peak_m, "m", "lower the level")
 
     def check_filtered(self, signal: Signal, load: Load | None, rise_s: float = math.inf) -> None:
-        """Refuse a signal whose filtered course exceeds a limit between samples.
-
-        An excess of up to `TOLERANCE` is accepted.
-        """
+        """Refuse a signal whose filtered course exceeds a limit by `TOLERANCE`."""
         peaks: dict[str, tuple[str, Callable[[float], float]]] = {
             "voltage_peak_v": ("V", lambda bound: filtered_peak_v(signal, bound))
         }

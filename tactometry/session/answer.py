@@ -48,10 +48,7 @@ def left(wanted: Iterable[Intervention], carried: Iterable[Intervention]) -> tup
 
 @dataclass(frozen=True)
 class Done:
-    """Answer that contains only its time, and the pending interventions.
-
-    The time is in s since the start of the session.
-    """
+    """Answer with a time (s since the session's start) and interventions only."""
 
     at_s: float
     interventions: tuple[Intervention, ...] = ()
@@ -139,10 +136,7 @@ class Answer:
 
     @property
     def invalid_reason(self) -> Reason | None:
-        """Return why the answer is invalid, or None.
-
-        Reasons are gaps in the output, and a repetition by the experimenter.
-        """
+        """Return why the answer is invalid (gaps, or a repetition), or None."""
         if self.valid:
             return None
         return "output_gap" if self.n_gaps else "experimenter"

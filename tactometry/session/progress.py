@@ -84,10 +84,7 @@ class TrackProgress:
 
     @property
     def reversals(self) -> tuple[Trial, ...]:
-        """Trials at which the levels of a staircase changed direction.
-
-        A reversal is known once the next level is presented.
-        """
+        """Trials at which the levels of a staircase changed direction."""
         found: list[Trial] = []
         last, direction = None, 0.0
         for trial in (trial for trial in self.answered if trial.procedure in TURNING):

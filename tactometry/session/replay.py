@@ -72,10 +72,7 @@ class Replay:
         return self.n_left > 0
 
     def taken_up(self, request: Request[Any]) -> Request[Any]:
-        """Return the first request of a resumed sitting.
-
-        A questionnaire page gets its earlier marks back.
-        """
+        """Return the first request of a resumed sitting, with marks of its page."""
         marked = self._marked
         if marked is None or not isinstance(request, Fill) or request.form != marked.form:
             return request
@@ -115,10 +112,7 @@ class Replay:
         return recorded_answer
 
     def _pages_before(self, asked: Request[Any]) -> int | None:
-        """Return how many recorded pages to skip, or None.
-
-        None means a requested page that the recording lacks.
-        """
+        """Return how many recorded pages to skip, or None for an unrecorded page."""
         left = (self._entries[n][0] for n in range(self._next, len(self._entries)))
         pages = list(takewhile(_is_page, left))
         if isinstance(asked, Show):

@@ -123,10 +123,7 @@ class Choose(Request[Chosen]):
 
 @dataclass(frozen=True)
 class Enter(Request[Rated]):
-    """Ask for a number from `low` to `high` (None: no maximum).
-
-    `question` names a message.
-    """
+    """Ask for a number from `low` to `high` (None: no maximum)."""
 
     question: str
     low: float
@@ -195,10 +192,7 @@ class Wait(Request[Done]):
 
 @dataclass(frozen=True)
 class Show(Request[Done]):
-    """Show a page until it is left, or for `duration_s`.
-
-    `message` names a text, which `values` fill in.
-    """
+    """Show a page until it is left, or for `duration_s`."""
 
     message: str
     values: Mapping[str, str | int | float] = field(default_factory=dict)

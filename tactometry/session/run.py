@@ -35,10 +35,7 @@ class LiveRig:
         return method(request)
 
     def _intervene(self, request: Intervene) -> Done:
-        """Refuse an intervention.
-
-        Only rigs whose answers contain interventions receive this request.
-        """
+        """Refuse an intervention, as this rig's answers cannot contain any."""
         raise NotImplementedError(f"{type(self).__name__}: found {request}, and its answers hold no intervention")
 
 

@@ -99,10 +99,7 @@ MAY_BE_FACTORS = frozenset(
 
 
 def table_columns(factors: Sequence[Column], optional: Sequence[str]) -> tuple[Column, ...]:
-    """Return all columns of a study, in order.
-
-    `optional` contains the names of the columns in `OPTIONAL` that apply.
-    """
+    """Return the columns of a study in order, with those named in `optional`."""
     return (*FIRST, *factors, *ALWAYS, *(column for column in OPTIONAL if column.name in optional))
 
 

@@ -125,10 +125,7 @@ class FrameFeed:
 
 
 class FollowingFeed(FrameFeed):
-    """Frames weakened by the finger position `latency_s` earlier.
-
-    If a position is late, the last known position is used.
-    """
+    """Frames weakened by the last known finger position `latency_s` earlier."""
 
     def __init__(self, frames: NDArray[Any], n_fade: int, signal: FollowedSignal, latency_s: float) -> None:
         super().__init__(frames, n_fade)

@@ -47,10 +47,7 @@ class Typed:
 
 
 def rows(trial: str, status: str, typed: str, width: int) -> tuple[str, ...]:
-    """Return the bottom rows of a terminal of this width.
-
-    The trial and the typed line are cut at the left, the status at the right.
-    """
+    """Return the bottom rows, cut to the width of the terminal."""
     room = max(width - 2, 1)  # a full row might wrap
     begun = status if len(status) <= room else f"{status[: room - 1]}…"
     upper = [_end(trial, room) if trial else "", f"{REVERSE}{begun}{USUAL}" if status else ""]

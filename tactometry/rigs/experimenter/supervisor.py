@@ -182,10 +182,7 @@ class Supervisor:
 
 
 class TrialLog:
-    """Collector of the current trial's timing.
-
-    `supervisor` records it, `facts` returns the clocks of the devices.
-    """
+    """Collector of the current trial's timing, which `supervisor` records."""
 
     def __init__(self, supervisor: Supervisor, screen: Display, facts: Callable[[], Mapping[str, Fact]]) -> None:
         self._supervisor, self._screen, self._facts = supervisor, screen, facts

@@ -184,10 +184,7 @@ def scale_extent(form: Form, aspect: float) -> float:
 
 
 def scale_y(form: Form, row: int, y: float, pitch: float) -> float:
-    """Return the height of a scale within a row.
-
-    The scale is below a statement, or above digits or labels.
-    """
+    """Return the height of a scale in a row: below a statement, or above digits."""
     return y - 0.08 * pitch if form.rows[row][0] else y + 0.13 * pitch
 
 

@@ -167,10 +167,7 @@ def waiting_page() -> Page:
 
 
 def force_page(page: Page, force_n: float | None, target_n: float, tolerance: float) -> Page:
-    """Add a bar that rises with the force.
-
-    Within the force band the bar changes colour and shows a square.
-    """
+    """Add a bar for the force, which changes colour within the force band."""
     held = force_n is not None and abs(force_n - target_n) <= tolerance * target_n
     x, bottom, full = 0.4, -0.3, 0.56
     scale = full / (2 * target_n)  # the target is at half of the bar's height

@@ -154,10 +154,7 @@ class AppliedForce(GatedSamples[ForceGate]):
 
     @property
     def loss(self) -> Reason | None:
-        """Return why playback must stop, or None.
-
-        Reasons are a silent sensor, a lifted finger and excessive force.
-        """
+        """Return why playback must stop (sensor, finger or force), or None."""
         force_n = self.force_n
         if self.silent:
             return "sensor_lost"
@@ -168,10 +165,7 @@ class AppliedForce(GatedSamples[ForceGate]):
         return "lifted" if force_n < AWAY_PART * self.gate.target_n else None
 
     def compliance(self, begin_s: float, end_s: float) -> Compliance | None:
-        """Return how well the force was kept, or None.
-
-        None means no samples, or time stamps that decrease.
-        """
+        """Return how well the force was kept, or None without valid samples."""
         times_s, forces_n = self._trace.between(begin_s, end_s)
         return compliance(times_s, forces_n, self.gate.target_n, self.gate.tolerance) if times_s.size else None
 
@@ -189,10 +183,7 @@ class FingerMotion(GatedSamples[SpeedGate]):
 
     @property
     def loss(self) -> Reason | None:
-        """Return why playback must stop, or None.
-
-        Reasons are a speed outside its band and a silent sensor.
-        """
+        """Return why playback must stop (speed or sensor), or None."""
         if self._trace.quiet(HALT_S):
             return "sensor_lost"
         if not self._is_bad_for(HALT_S):

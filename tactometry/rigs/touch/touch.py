@@ -117,10 +117,7 @@ class TouchRun:
     why: str = ""
 
     def carry_out(self, signal: Signal | None) -> tuple[Touched, float | None]:
-        """Return the answer of the touch, and the delay of the gate, s.
-
-        The onset is on `time.perf_counter`.
-        """
+        """Return the answer (onset on `time.perf_counter`) and the gate's delay, s."""
         sensor = self.setup.sensor
         with receiving(self.setup.position, self.places.on_samples):
             touched, delay_s = (

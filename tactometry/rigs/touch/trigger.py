@@ -74,10 +74,7 @@ class Trigger:
             self._stop()
 
     def disarm(self, longest_s: float = BEGIN_WITHIN_S) -> None:
-        """Disable firing and stopping, after waiting for a running call.
-
-        It waits at most `longest_s`.
-        """
+        """Disable the trigger; wait for a running call, at most `longest_s`."""
         is_free = self._lock.acquire(timeout=longest_s)
         self._step = None  # even without the lock: a call that hangs has already fired
         if is_free:
@@ -99,10 +96,7 @@ def quick_turns() -> Iterator[None]:
 def receiving(
     sensor: StreamedSensor | None, on_samples: OnSamples, then: Callable[[], None] = lambda: None
 ) -> Iterator[None]:
-    """Pass samples to `on_samples` in the sensor's thread, then call `then`.
-
-    This ends with the body.
-    """
+    """Pass samples to `on_samples` and call `then`, in the sensor's thread."""
     if sensor is None:
         yield
         return

@@ -90,10 +90,7 @@ def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
 
 
 def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | None) -> Played:
-    """Play under a watchdog, and play again after a pause.
-
-    The onset is on `time.perf_counter`.
-    """
+    """Play under a watchdog, and play again after a pause."""
     presenter, emitter = setup.presenter, setup.emitter
     begin_s = presenter.screen.present(page)
     with watchdog(setup) as look:
@@ -109,10 +106,7 @@ def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | N
 
 
 class RepeatedStimulus:
-    """Playback of one level again and again. A new level begins at once.
-
-    `look` is called each time.
-    """
+    """Playback of one level again and again, calling `look` each time."""
 
     def __init__(self, request: Adjust, emitter: Emitter, look: Callable[[], None]) -> None:
         self._request, self._emitter, self._look = request, emitter, look
