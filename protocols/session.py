@@ -140,9 +140,7 @@ def words_of(form: ChoiceForm, language: str) -> dict[str, str]:
     for item in form.items:
         asked = question_of(form, item)
         words[asked.question] = item.prompt.get(language, "").replace("{", "{{").replace("}", "}}")
-        labels = zip(
-            item.options, asked.labels, strict=False
-        )  # without the label for no answer, which all questions share
+        labels = zip(item.options, asked.labels, strict=False)  # without the label for no answer, shared by all
         words |= {label: item.category(option.code, language) for option, label in labels}
     return words
 

@@ -110,9 +110,7 @@ def compliances(
     """Compute `compliance` of touches with the same time stamps, unchecked."""
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
-    first = np.minimum(
-        first, behind - 1
-    )  # a window shorter than every step after rounding contains only its own sample
+    first = np.minimum(first, behind - 1)  # a window shorter than any step contains its own sample
     # reduceat sums between consecutive edges, so every second sum is a window; the appended 0 allows an edge at the end
     edges = np.column_stack([first, behind]).ravel()
     ended = np.pad(forces_n, ((0, 0), (0, 1)))

@@ -38,7 +38,7 @@ class LevelTable:
         object.__setattr__(self, "felt", np.atleast_2d(felt))
 
     def rows(self, sets: slice) -> Self:
-        """Return the table of some sets."""
+        """Return the table of the selected sets."""
         return self if len(self.felt) == 1 else type(self)(self.levels, self.felt[sets])
 
     def at(self, levels: Array, sets: NDArray[np.intp]) -> Array:

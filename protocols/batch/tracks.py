@@ -56,7 +56,7 @@ class TrackBatch:
         )
 
     def rows(self, sets: slice) -> Self:
-        """Return views of some sets."""
+        """Return views of the selected sets."""
         return type(self)(**{name: values[sets] for name, values in vars(self).items()})
 
     def ending(self, i: int) -> Ending | None:

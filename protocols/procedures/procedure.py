@@ -58,7 +58,7 @@ class Procedure(ABC):
     @property
     @abstractmethod
     def level(self) -> float:
-        """Next level."""
+        """Level of the next trial."""
 
     @property
     @abstractmethod

@@ -31,7 +31,7 @@ from .output import STUDY, allow_code_option, drawn_seed, path_option, say, subc
 @click.option("--participants", required=True, help="Numbers of participants: 6..24, 6..24:2 or 8,12,16.")
 @click.option("--trials", help="Trials per track, such as 40,60; default: the number of the study.")
 @click.option("--target", type=float, default=0.8, help="Target power.")
-@click.option("--seed", type=int, help="The same seed gives the same bytes; default: a new one, which is printed.")
+@click.option("--seed", type=int, help="Seed, which determines all results; default: a new one, which is printed.")
 @click.option("--alpha", type=float, default=0.05, help="Significance level.")
 @click.option("--precision", type=float, default=0.05, help="Half width of the 95 % confidence interval of the power.")
 @click.option("--most", type=int, default=1000, help="Largest number of simulated studies per design.")

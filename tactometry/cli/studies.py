@@ -46,9 +46,7 @@ def new(study: str | None, out: Path | None, *, is_list: bool) -> None:
     except FileExistsError:
         raise InvalidFile(f"{path}: found an existing file, expected a new file; choose another --out") from None
     except (FileNotFoundError, NotADirectoryError):
-        raise InvalidFile(
-            f"{path}: found no folder {path.parent}, expected an existing folder; create it first"
-        ) from None
+        raise InvalidFile(f"{path}: found no folder {path.parent}, expected this folder; create it first") from None
     except OSError as error:
         raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a writable folder") from None
     say(f"wrote {path}; run it with: tactometry run {path} --participant P01", {"file": str(path)})

@@ -69,9 +69,7 @@ def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
         url = page.stdout.readline().strip()
         if not url:
             _, said = page.communicate()
-            raise DeviceFailed(
-                f"--watch: found no page ({' '.join(said.split())}), expected a page; omit the option to continue"
-            )
+            raise DeviceFailed(f"--watch: found no page ({' '.join(said.split())}), expected a page; omit the option")
         try:
             yield url
         finally:

@@ -87,9 +87,7 @@ def _check_wav(content: bytes) -> None:
             if n_said == 0:
                 raise ValueError("found no samples, expected at least one sample")
             if n_said > n_there:
-                raise ValueError(
-                    f"found {n_there} of {n_said} bytes of samples, expected all bytes: the file is incomplete"
-                )
+                raise ValueError(f"found {n_there} of {n_said} bytes of samples, expected all: the file is incomplete")
             if n_said % frame_bytes:
                 raise ValueError(f"found {n_said} bytes of samples, expected whole frames of {frame_bytes} bytes")
             return

@@ -11,7 +11,7 @@ from ..arguments.constraints import Finite, NotNegative, Positive, Share, constr
 from .responses import either
 
 Answer = float | str | None
-"""Response of a row."""
+"""Response in a row of the trials table."""
 
 
 @dataclass(frozen=True)

@@ -109,9 +109,7 @@ class SimulatedFinger:
         """Return a stationary first-order process of unit variance from each row."""
         keep = math.exp(-1 / (self.waver_s * self.rate_hz))
         steps = drawn.T.copy()
-        steps[1:] *= math.sqrt(
-            1 - keep**2
-        )  # the first value has the variance of the process, which is stationary from there on
+        steps[1:] *= math.sqrt(1 - keep**2)  # the first value already has the variance of the process
         for n in range(1, len(steps)):
             steps[n] += keep * steps[n - 1]
         return np.ascontiguousarray(steps.T)

@@ -47,10 +47,8 @@ def keyboard_of_script(psychopy: SimpleNamespace) -> Any:
     if device is None:
         return open_keyboard(psychopy)
     if device.getBackend() != "ptb":
-        raise _lossy(
-            device,
-            "create it with keyboard.Keyboard(backend='ptb'), or in Builder select settings, Input, PsychToolbox",
-        )
+        cure = "create it with keyboard.Keyboard(backend='ptb'), in Builder: settings, Input, PsychToolbox"
+        raise _lossy(device, cure)
     device.start()
     return device
 

@@ -88,7 +88,7 @@ class Touched:
     """Force and motion of a finger during a stimulus, and the emission.
 
     - `force_in_band`, `speed_in_band`: Fraction (0..1) of the samples in the band.
-    - `valid`, `invalid_reason`: Validity and its reason. An invalid touch is repeated.
+    - `valid`, `invalid_reason`: False and the reason for an invalid touch, which is repeated.
     - `n_gaps`: Gaps of the output, or None if they are unknown.
     - `positions_digest`, `positions_late`: For a stimulus that followed the finger, the digest of the positions, and
       the fraction (0..1) that arrived late.

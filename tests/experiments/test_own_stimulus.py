@@ -277,7 +277,7 @@ UNSOUND = {
     "nothing": (b"", "found no WAV file"),
     "cut off": (
         wav(as_int16(TONE))[:1000],
-        "found 956 of 48000 bytes of samples, expected all bytes: the file is incomplete",
+        "found 956 of 48000 bytes of samples, expected all: the file is incomplete",
     ),
     "cut off in its head": (
         wav(as_int16(TONE))[:20],

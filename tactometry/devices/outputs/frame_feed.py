@@ -146,9 +146,7 @@ class FollowingFeed(FrameFeed):
         self._n_unknown += int(np.count_nonzero(np.isnan(places_m)))
         parts, self._before = self._signal.stimulus.parts(places_m, self._before)
         parts = self._as_checked(parts)
-        emitted: NDArray[Any] = (piece * parts[:, None]).astype(
-            piece.dtype
-        )  # integer samples are truncated towards zero
+        emitted: NDArray[Any] = (piece * parts[:, None]).astype(piece.dtype)  # integers are truncated towards zero
         self._pieces.append(emitted)
         return emitted
 

@@ -99,9 +99,7 @@ class UdpSource(Source):
         self._heard_s = arrival_s = now_s()
         received = records(datagram)
         sound = [(sequence, ticks, values) for sequence, ticks, status, values in received if status == 0]
-        self._n_refused += (
-            len(received) - len(sound) if received else 1
-        )  # a datagram of another format counts as one damaged record
+        self._n_refused += len(received) - len(sound) if received else 1  # another format counts as one record
         return self._samples.block(sound, arrival_s) if sound else None
 
     def _end(self) -> None:

@@ -48,9 +48,7 @@ class Trace:
         if times_s.size:
             self._blocks.append((times_s, values))
             self.last_s, self.last = float(times_s[-1]), values[-1]
-            self._taken_s = min(
-                now_s, self.last_s
-            )  # a stamp may be in the future because of an error of the clock offset
+            self._taken_s = min(now_s, self.last_s)  # an error of the clock offset may put a stamp in the future
         self._told_s = now_s
         self._silent_s = 0.0 if times_s.size else now_s - self._taken_s
 
